@@ -44,7 +44,9 @@ fn workspace() -> AnalysisHost {
 fn check_all(analysis: &Analysis) {
     for i in 0..COMPONENTS {
         let found = analysis.diagnostics(&path(i)).unwrap_or_default();
-        let rejected = found.iter().any(|it| it.severity == Severity::Error);
+        let rejected = found
+            .iter()
+            .any(|diagnostic| diagnostic.severity == Severity::Error);
         assert!(!rejected, "{found:#?}");
     }
 }
@@ -110,7 +112,7 @@ fn keystrokes(bencher: Bencher<'_, '_>, i: usize, edit: impl Fn(&str) -> String)
 
 fn resident_megabytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|it| it.starts_with("VmRSS:"))?;
+    let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;
     let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(kilobytes / 1024)
 }
@@ -119,14 +121,21 @@ fn resident_megabytes() -> Option<u64> {
 #[divan::bench]
 fn cold_check_of_the_largest_real_specification(bencher: Bencher<'_, '_>) {
     let corpus = dotgen_loaders::shared("corpus/components");
-    let Some(corpus) = corpus.and_then(|it| Utf8PathBuf::from_path_buf(it).ok()) else {
+    let Some(corpus) = corpus.and_then(|corpus| Utf8PathBuf::from_path_buf(corpus).ok()) else {
         return;
     };
     let folders = corpus.read_dir_utf8().into_iter().flatten().flatten();
-    let files = folders.flat_map(|it| it.path().read_dir_utf8().into_iter().flatten().flatten());
+    let files = folders.flat_map(|folder| {
+        folder
+            .path()
+            .read_dir_utf8()
+            .into_iter()
+            .flatten()
+            .flatten()
+    });
     let sizes = files
-        .filter(|it| it.path().extension() == Some("gen"))
-        .filter_map(|it| Some((it.metadata().ok()?.len(), it.path().to_owned())));
+        .filter(|file| file.path().extension() == Some("gen"))
+        .filter_map(|file| Some((file.metadata().ok()?.len(), file.path().to_owned())));
     let Some((_, largest)) = sizes.max() else {
         return;
     };
@@ -142,7 +151,7 @@ fn cold_check_of_the_largest_real_specification(bencher: Bencher<'_, '_>) {
         });
         host.analysis()
             .diagnostics(&largest)
-            .map(|it| it.len())
+            .map(|diagnostic| diagnostic.len())
             .unwrap_or_default()
     });
 }

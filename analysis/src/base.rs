@@ -124,7 +124,7 @@ impl Workspace {
         root: &Utf8Path,
     ) -> (&'db [Utf8PathBuf], &'db [(SmolStr, SmolStr)]) {
         match self.project(db, root) {
-            Some(it) => (&it.include_dirs, &it.defines),
+            Some(project) => (&project.include_dirs, &project.defines),
             None => (self.include_dirs(db), self.defines(db)),
         }
     }
@@ -132,8 +132,8 @@ impl Workspace {
     /// The innermost project that contains a path.
     pub(crate) fn project<'db>(self, db: &'db dyn Db, path: &Utf8Path) -> Option<&'db Project> {
         let around = self.projects(db).iter();
-        let around = around.filter(|it| path.starts_with(&it.directory));
-        around.max_by_key(|it| it.directory.as_str().len())
+        let around = around.filter(|project| path.starts_with(&project.directory));
+        around.max_by_key(|project| project.directory.as_str().len())
     }
 }
 
@@ -264,7 +264,7 @@ impl RootDatabase {
             .tables
             .loader
             .size(path)
-            .filter(|it| *it > self.max_bytes())
+            .filter(|size| *size > self.max_bytes())
         {
             Some(size) => (FileStatus::TooLarge(size), "".into()),
             None => self.split(self.tables.loader.read(path)),
@@ -321,7 +321,7 @@ impl RootDatabase {
     pub(crate) fn known_at(&self, path: &Utf8Path) -> Vec<Utf8PathBuf> {
         let path = normalize(path);
         let files = lock(&self.tables.files);
-        let below = files.keys().filter(|it| it.starts_with(&path));
+        let below = files.keys().filter(|key| key.starts_with(&path));
         below.cloned().collect()
     }
 
@@ -400,7 +400,7 @@ impl Db for RootDatabase {
 
     fn workspace(&self) -> Workspace {
         match self.workspace {
-            Some(it) => it,
+            Some(workspace) => workspace,
             None => unreachable!("set by the constructor"),
         }
     }
@@ -476,7 +476,7 @@ mod tests {
 
     #[test]
     fn normalizes_paths() {
-        let n = |it: &str| normalize(Utf8Path::new(it)).into_string();
+        let n = |path: &str| normalize(Utf8Path::new(path)).into_string();
         assert_eq!(n("/a/./b/../c"), "/a/c");
         assert_eq!(n("/../a"), "/a");
         assert_eq!(n("a/../../b"), "../b");

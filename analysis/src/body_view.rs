@@ -28,13 +28,13 @@ impl BodyView {
         // A name among the states may be the name of an exception.
         let states: FxHashSet<&str> = component
             .all_codels()
-            .flat_map(|it| &component.codel(it).yields)
-            .map(|it| it.name.as_str())
+            .flat_map(|codel| &component.codel(codel).yields)
+            .map(|codel| codel.name.as_str())
             .collect();
         for (ty, id) in std::iter::zip(&spec.types, 0..) {
-            let name = ty.name.as_ref().map(|it| it.as_str());
+            let name = ty.name.as_ref().map(|name| name.as_str());
             if matches!(ty.kind, TypeKind::Exception { .. })
-                && name.is_some_and(|it| states.contains(it))
+                && name.is_some_and(|name| states.contains(name))
             {
                 numbering.renumber(&mut TypeId(id));
             }
@@ -45,29 +45,29 @@ impl BodyView {
             *own = true;
         }
         let mut places = FxHashMap::default();
-        for (old, _) in (0..).zip(&visible).filter(|it| *it.1) {
+        for (old, _) in (0..).zip(&visible).filter(|pair| *pair.1) {
             let next = places.len() as u32;
             places.insert(old, next);
         }
         let mut own = Some(component);
         let mut components: Vec<Component> = Vec::with_capacity(places.len());
-        for (old, it) in (0..).zip(&spec.components) {
+        for (old, component) in (0..).zip(&spec.components) {
             if !places.contains_key(&old) {
                 continue;
             }
-            let mut it = match own.take_if(|_| old == index) {
-                Some(it) => it,
+            let mut component = match own.take_if(|_| old == index) {
+                Some(component) => component,
                 None => {
-                    let mut it = it.clone();
-                    it.for_each_type_id(&mut |id| numbering.renumber(id));
-                    it
+                    let mut component = component.clone();
+                    component.for_each_type_id(&mut |id| numbering.renumber(id));
+                    component
                 }
             };
-            renumber_components(&mut it, |it| {
+            renumber_components(&mut component, |number| {
                 // Its references are visible, or out of range.
-                *it = places.get(it).copied().unwrap_or(u32::MAX);
+                *number = places.get(number).copied().unwrap_or(u32::MAX);
             });
-            components.push(it);
+            components.push(component);
         }
         let mut types = Vec::new();
         while let Some(&old) = numbering.order.get(types.len()) {
@@ -125,22 +125,22 @@ impl Numbering<'_> {
 /// Marks the components that a component names, and recursively the components named by those.
 fn mark_visible(spec: &Spec, from: &Component, visible: &mut [bool]) {
     let mut named: Vec<u32> = named_by(from).collect();
-    while let Some(it) = named.pop() {
-        if let Some(seen) = visible.get_mut(it as usize)
+    while let Some(number) = named.pop() {
+        if let Some(seen) = visible.get_mut(number as usize)
             && !std::mem::replace(seen, true)
         {
-            named.extend(named_by(&spec.components[it as usize]));
+            named.extend(named_by(&spec.components[number as usize]));
         }
     }
 }
 
 /// Indexes of the components that a component names.
 fn named_by(component: &Component) -> impl Iterator<Item = u32> {
-    let tasks = component.tasks.iter().filter_map(|it| it.imported_from);
-    let ports = component.ports.iter().filter_map(|it| it.imported_from);
+    let tasks = component.tasks.iter().filter_map(|task| task.imported_from);
+    let ports = component.ports.iter().filter_map(|port| port.imported_from);
     let services = component.services.iter();
-    let services = services.filter_map(|it| it.imported_from);
-    let remotes = component.remotes.iter().map(|it| it.interface);
+    let services = services.filter_map(|service| service.imported_from);
+    let remotes = component.remotes.iter().map(|remote| remote.interface);
     let named = component.provides.iter().chain(&component.uses);
     let named = named.chain(&component.extends).copied();
     named
@@ -152,12 +152,21 @@ fn named_by(component: &Component) -> impl Iterator<Item = u32> {
 
 /// Renumbers the components that a component names.
 fn renumber_components(component: &mut Component, f: impl FnMut(&mut u32)) {
-    let tasks = component.tasks.iter_mut().map(|it| &mut it.imported_from);
-    let ports = component.ports.iter_mut().map(|it| &mut it.imported_from);
+    let tasks = component
+        .tasks
+        .iter_mut()
+        .map(|task| &mut task.imported_from);
+    let ports = component
+        .ports
+        .iter_mut()
+        .map(|port| &mut port.imported_from);
     let services = component.services.iter_mut();
-    let services = services.map(|it| &mut it.imported_from);
+    let services = services.map(|service| &mut service.imported_from);
     let imported = tasks.chain(ports).chain(services).flatten();
-    let remotes = component.remotes.iter_mut().map(|it| &mut it.interface);
+    let remotes = component
+        .remotes
+        .iter_mut()
+        .map(|remote| &mut remote.interface);
     let named = component.provides.iter_mut().chain(&mut component.uses);
     let named = named.chain(&mut component.extends);
     named.chain(remotes).chain(imported).for_each(f);

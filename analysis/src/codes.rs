@@ -73,44 +73,44 @@ pub fn severity_here(code: &str, severity: Severity) -> Severity {
 
 /// All codes of this layer and the layers below.
 pub fn all() -> impl Iterator<Item = Code> {
-    let syntax = syntax::all().map(|it| Code {
-        id: it.id,
-        severity: match it.severity {
+    let syntax = syntax::all().map(|code| Code {
+        id: code.id,
+        severity: match code.severity {
             preproc::Severity::Error => Severity::Error,
             preproc::Severity::Warning => Severity::Warning,
             preproc::Severity::Hint => Severity::Hint,
         },
         on: true,
-        meaning: it.meaning,
-        why: it.why,
-        example: Some(it.example),
-        corrected: shown(it.corrected),
-        fix: it.fix,
-        reference: it.reference,
+        meaning: code.meaning,
+        why: code.why,
+        example: Some(code.example),
+        corrected: shown(code.corrected),
+        fix: code.fix,
+        reference: code.reference,
     });
-    let checks = checks::all().map(|it| Code {
-        id: it.id,
-        severity: it.severity,
+    let checks = checks::all().map(|code| Code {
+        id: code.id,
+        severity: code.severity,
         on: true,
-        meaning: it.meaning,
-        why: it.why,
+        meaning: code.meaning,
+        why: code.why,
         example: None,
         corrected: None,
-        fix: it.fix,
-        reference: it.reference,
+        fix: code.fix,
+        reference: code.reference,
     });
     let lints = lints::CODES
         .iter()
         .chain(verification::CODES)
-        .map(|it| Code {
-            id: it.id,
-            severity: it.severity,
-            on: it.on,
-            meaning: it.meaning,
-            why: it.why,
-            example: Some(it.example),
-            corrected: shown(it.corrected),
-            fix: it.fix,
+        .map(|code| Code {
+            id: code.id,
+            severity: code.severity,
+            on: code.on,
+            meaning: code.meaning,
+            why: code.why,
+            example: Some(code.example),
+            corrected: shown(code.corrected),
+            fix: code.fix,
             reference: false,
         });
     syntax.chain(checks).chain(lints)

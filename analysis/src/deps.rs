@@ -109,19 +109,24 @@ pub struct UnknownName {
 impl Dependencies {
     /// Returns true if nothing is missing.
     pub fn is_complete(&self) -> bool {
-        self.packages.iter().all(|it| it.missing.is_none())
-            && self.includes.iter().all(|it| it.found.is_some())
-            && self.interfaces.iter().all(|it| it.found.is_some())
+        self.packages
+            .iter()
+            .all(|package| package.missing.is_none())
+            && self.includes.iter().all(|include| include.found.is_some())
+            && self
+                .interfaces
+                .iter()
+                .all(|interface| interface.found.is_some())
             && self.unknown.is_empty()
     }
 
     /// Missing packages that the specification itself requires: unknown names may be declared in them.
     pub fn missing_packages(&self) -> impl Iterator<Item = &Package> {
-        let wanted = |it: &&Package| it.required_by == RequiredBy::Specification;
+        let wanted = |package: &&Package| package.required_by == RequiredBy::Specification;
         self.packages
             .iter()
             .filter(wanted)
-            .filter(|it| it.missing.is_some())
+            .filter(|package| package.missing.is_some())
     }
 }
 
@@ -140,16 +145,18 @@ pub(crate) fn dependencies(db: &dyn Db, root: SourceFile) -> Dependencies {
 
 fn packages(db: &dyn Db, spec: &Spec) -> Vec<Package> {
     let mut wanted: Vec<(String, RequiredBy)> = Vec::new();
-    for it in &spec.pragma_requires {
-        wanted.push((it.clone(), RequiredBy::Specification));
+    for requirement in &spec.pragma_requires {
+        wanted.push((requirement.clone(), RequiredBy::Specification));
     }
     let components = spec.components.iter();
-    for it in components.filter(|it| it.kind == ComponentKind::Component) {
-        let own = it.requires.iter();
-        let own = own.filter(|it| !spec.pragma_requires.contains(it));
-        wanted.extend(own.map(|text| (text.clone(), RequiredBy::Component(it.name.clone()))));
-        let codels = it.codels_requires.iter();
-        wanted.extend(codels.map(|text| (text.clone(), RequiredBy::Codels(it.name.clone()))));
+    for component in components.filter(|component| component.kind == ComponentKind::Component) {
+        let own = component.requires.iter();
+        let own = own.filter(|requirement| !spec.pragma_requires.contains(requirement));
+        wanted
+            .extend(own.map(|text| (text.clone(), RequiredBy::Component(component.name.clone()))));
+        let codels = component.codels_requires.iter();
+        wanted
+            .extend(codels.map(|text| (text.clone(), RequiredBy::Codels(component.name.clone()))));
     }
     wanted.dedup();
     let one = |(requirement, required_by): (String, RequiredBy)| {
@@ -157,7 +164,10 @@ fn packages(db: &dyn Db, spec: &Spec) -> Vec<Package> {
         let names = packages::names(&requirement).into_iter();
         Package {
             missing: asked.flags(db).as_ref().err().cloned(),
-            own: asked.flags(db).as_ref().is_ok_and(|it| !it.own.is_empty()),
+            own: asked
+                .flags(db)
+                .as_ref()
+                .is_ok_and(|flag| !flag.own.is_empty()),
             brought_by: names.map(provider).collect(),
             requirement,
             required_by,
@@ -167,11 +177,11 @@ fn packages(db: &dyn Db, spec: &Spec) -> Vec<Package> {
 }
 
 fn provider(name: &str) -> Provider {
-    let it = packages::providers(name);
+    let provider = packages::providers(name);
     Provider {
         package: name.to_owned(),
-        robotpkg: it.robotpkg,
-        debian: it.debian,
+        robotpkg: provider.robotpkg,
+        debian: provider.debian,
     }
 }
 
@@ -186,11 +196,11 @@ fn includes(db: &dyn Db, unit: UnitKey<'_>) -> Vec<Include> {
                 continue;
             };
             let target = visit.includes.get(ordinal).copied().flatten();
-            let found = target.and_then(|it| all.get(it as usize));
-            let found = found.map(|it| it.key.file(db).path(db).clone());
+            let found = target.and_then(|target| all.get(target as usize));
+            let found = found.map(|target| target.key.file(db).path(db).clone());
             if out
                 .iter()
-                .any(|it| it.path == request.path.as_str() && it.found == found)
+                .any(|include| include.path == request.path.as_str() && include.found == found)
             {
                 continue;
             }
@@ -199,7 +209,7 @@ fn includes(db: &dyn Db, unit: UnitKey<'_>) -> Vec<Include> {
                 by: by.clone(),
                 searched: walk.places(db, number, ordinal, request),
                 at: bytes(include.range),
-                stand_in: found.as_ref().is_some_and(|it| is_standin(it)),
+                stand_in: found.as_ref().is_some_and(|path| is_standin(path)),
                 found,
             });
         }
@@ -219,7 +229,9 @@ fn interfaces(spec: &Spec, locations: &UnitLocations) -> Vec<Interface> {
             out.push(Interface {
                 name: interface.name.clone(),
                 component: component.name.clone(),
-                found: locations.locate(interface.src).map(|it| it.path),
+                found: locations
+                    .locate(interface.src)
+                    .map(|location| location.path),
             });
         }
         for name in spec.missing_interfaces(index) {
@@ -231,8 +243,8 @@ fn interfaces(spec: &Spec, locations: &UnitLocations) -> Vec<Interface> {
         }
     }
     let mut seen: Vec<(Name, Name)> = Vec::new();
-    out.retain(|it| {
-        let key = (it.name.clone(), it.component.clone());
+    out.retain(|interface| {
+        let key = (interface.name.clone(), interface.component.clone());
         let fresh = !seen.contains(&key);
         seen.push(key);
         fresh
@@ -252,12 +264,12 @@ fn unknown(spec: &Spec) -> Vec<UnknownName> {
             Missing::Exception { name, .. } => (name, "exception"),
             _ => continue,
         };
-        let it = UnknownName {
+        let name = UnknownName {
             name: name.clone(),
             used_as,
         };
-        if !out.contains(&it) {
-            out.push(it);
+        if !out.contains(&name) {
+            out.push(name);
         }
     }
     out

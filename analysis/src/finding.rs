@@ -52,34 +52,34 @@ macro_rules! families {
             /// The stable identifier, as shown to users.
             pub fn code(&self) -> &'static str {
                 match self {
-                    FindingKind::Preprocessing(it) => it.code(),
-                    FindingKind::Parsing(it) => it.code(),
-                    $( FindingKind::$Family(it) => it.code() ),*
+                    FindingKind::Preprocessing(finding) => finding.code(),
+                    FindingKind::Parsing(finding) => finding.code(),
+                    $( FindingKind::$Family(finding) => finding.code() ),*
                 }
             }
 
             /// The message of the kind alone.
             fn words(&self) -> Wording {
                 match self {
-                    FindingKind::Preprocessing(it) => it.wording(),
-                    FindingKind::Parsing(it) => it.wording(),
-                    $( FindingKind::$Family(it) => it.wording() ),*
+                    FindingKind::Preprocessing(finding) => finding.wording(),
+                    FindingKind::Parsing(finding) => finding.wording(),
+                    $( FindingKind::$Family(finding) => finding.wording() ),*
                 }
             }
 
             /// The fixes, the best first, made from the text around.
             pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
                 match self {
-                    FindingKind::Preprocessing(it) => syntax::preprocessing(it, here),
-                    FindingKind::Parsing(it) => syntax::parsing(it, here),
-                    $( FindingKind::$Family(it) => it.fixes(here) ),*
+                    FindingKind::Preprocessing(finding) => syntax::preprocessing(finding, here),
+                    FindingKind::Parsing(finding) => syntax::parsing(finding, here),
+                    $( FindingKind::$Family(finding) => finding.fixes(here) ),*
                 }
             }
         }
 
         $( impl From<$Family> for FindingKind {
-            fn from(it: $Family) -> FindingKind {
-                FindingKind::$Family(it)
+            fn from(finding: $Family) -> FindingKind {
+                FindingKind::$Family(finding)
             }
         } )*
     };
@@ -98,7 +98,7 @@ impl FindingKind {
     /// The message: the error, then the advice.
     pub fn wording(&self, near: Option<&Near>, because: Option<&str>) -> Wording {
         let mut wording = self.words();
-        let near = near.map(|it| format!("did you mean `{}`?", it.name));
+        let near = near.map(|near| format!("did you mean `{}`?", near.name));
         let parts = [wording.advice, near, because.map(str::to_owned)];
         let advice: Vec<String> = parts.into_iter().flatten().collect();
         wording.advice = (!advice.is_empty()).then(|| advice.join("; "));
@@ -109,7 +109,7 @@ impl FindingKind {
     /// compare these lines.
     pub(crate) fn reference(&self) -> String {
         match self {
-            FindingKind::Preprocessing(it) => it.reference(),
+            FindingKind::Preprocessing(preprocessing) => preprocessing.reference(),
             FindingKind::NameProblem(NameProblem::Clash { name, what }) => {
                 let kind = what.trim_start_matches("an ").trim_start_matches("a ");
                 format!("declaration of '{name}' clashes with existing {kind}")
@@ -122,7 +122,7 @@ impl FindingKind {
     /// an interface. A name close to a known one is considered misspelt.
     pub(crate) fn may_be_in_a_package(&self, is_near: bool) -> bool {
         match self {
-            FindingKind::NameProblem(it) => it.may_be_in_a_package(is_near),
+            FindingKind::NameProblem(problem) => problem.may_be_in_a_package(is_near),
             _ => false,
         }
     }
@@ -130,14 +130,14 @@ impl FindingKind {
     /// The severity unless configured otherwise.
     pub fn severity(&self) -> Severity {
         let code = self.code();
-        let syntax = dotgen_syntax::codes::find(code).map(|it| match it.severity {
+        let syntax = dotgen_syntax::codes::find(code).map(|code| match code.severity {
             dotgen_syntax::Severity::Error => Severity::Error,
             dotgen_syntax::Severity::Warning => Severity::Warning,
             dotgen_syntax::Severity::Hint => Severity::Hint,
         });
         let severity = syntax
-            .or_else(|| codes::checks::find(code).map(|it| it.severity))
-            .or_else(|| codes::lints::find(code).map(|it| it.severity));
+            .or_else(|| codes::checks::find(code).map(|code| code.severity))
+            .or_else(|| codes::lints::find(code).map(|code| code.severity));
         debug_assert!(severity.is_some(), "{code} is not in the table of codes");
         severity.unwrap_or(Severity::Error)
     }

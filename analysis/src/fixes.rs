@@ -91,19 +91,21 @@ impl FixSite<'_> {
         title: String,
     ) -> Option<TextFix> {
         let body = node.children().find_map(ast::Body::cast);
-        let last = body.into_iter().flat_map(|it| it.syntax().children());
-        let last = last.filter(|it| {
-            let mut tokens = it.children_with_tokens().filter_map(|it| it.into_token());
-            let first = tokens.find(|it| !it.kind().is_trivia());
-            first.is_some_and(|it| words.contains(&it.text()))
+        let last = body.into_iter().flat_map(|body| body.syntax().children());
+        let last = last.filter(|child| {
+            let mut tokens = child
+                .children_with_tokens()
+                .filter_map(|element| element.into_token());
+            let first = tokens.find(|token| !token.kind().is_trivia());
+            first.is_some_and(|token| words.contains(&token.text()))
         });
         let Some(list) = last.last() else {
             return self.add_property(node, &format!("{} {item};", words[0]), title);
         };
         let base = list.text_range().start();
-        let items = list.children().map(|it| {
-            let end = end_of(&it);
-            bytes(TextRange::new(it.text_range().start(), end) - base)
+        let items = list.children().map(|child| {
+            let end = end_of(&child);
+            bytes(TextRange::new(child.text_range().start(), end) - base)
         });
         let edits = append_to_list(&list.text().to_string(), &items.collect::<Vec<_>>(), item);
         let edits = edits.into_iter().filter_map(|(range, text)| {
@@ -148,7 +150,7 @@ impl FixSite<'_> {
             None => {
                 let end = node
                     .last_token()
-                    .filter(|it| it.kind() == SyntaxKind::SEMICOLON)?;
+                    .filter(|token| token.kind() == SyntaxKind::SEMICOLON)?;
                 (
                     TextRange::empty(end.text_range().start()),
                     format!(" {{\n{outer}  {property}\n{outer}}}"),
@@ -217,10 +219,9 @@ impl FixSite<'_> {
                 1 => (state.syntax().text_range(), "ether".to_owned()),
                 _ => (with_comma(state.syntax()), String::new()),
             };
-            let owner = state
-                .syntax()
-                .ancestors()
-                .find(|it| ast::Task::can_cast(it.kind()) || ast::Service::can_cast(it.kind()))?;
+            let owner = state.syntax().ancestors().find(|ancestor| {
+                ast::Task::can_cast(ancestor.kind()) || ast::Service::can_cast(ancestor.kind())
+            })?;
             let written = path.strip_prefix("::").unwrap_or(path);
             let title = format!("Throw `{written}` instead of yielding it");
             let mut fix = self.add_to_list(&owner, ["throw", "throws"], path, title)?;
@@ -245,21 +246,21 @@ impl FixSite<'_> {
                     self.source[..at].chars().next_back(),
                     self.source[at + name.len()..].chars().next(),
                 ];
-                let goes_on = |it: char| it.is_alphanumeric() || it == '_';
+                let goes_on = |character: char| character.is_alphanumeric() || character == '_';
                 !around.into_iter().flatten().any(goes_on)
             })
         };
         let numbered = (2..).map(|number| format!("{name}_{number}"));
         let mut all = std::iter::once(name.to_owned()).chain(numbered);
-        all.find(|it| !taken(it)).unwrap_or_default()
+        all.find(|name| !taken(name)).unwrap_or_default()
     }
 
     /// Name of the task or service around a node.
     fn owner_name(&self, node: &SyntaxNode) -> Option<String> {
-        node.ancestors().find_map(|it| {
-            let name = match ast::Task::cast(it.clone()) {
+        node.ancestors().find_map(|ancestor| {
+            let name = match ast::Task::cast(ancestor.clone()) {
                 Some(task) => task.name(),
-                None => ast::Service::cast(it)?.name(),
+                None => ast::Service::cast(ancestor)?.name(),
             };
             Some(name?.syntax().text().to_string())
         })
@@ -277,8 +278,8 @@ impl FixSite<'_> {
             .syntax()
             .descendants()
             .find_map(ast::Triggers::cast)
-            .and_then(|it| it.syntax().descendants().find_map(ast::State::cast))
-            .map(|it| it.syntax().text().to_string());
+            .and_then(|trigger| trigger.syntax().descendants().find_map(ast::State::cast))
+            .map(|state| state.syntax().text().to_string());
         // In most cases, the codel before it lacks the transition.
         let before = std::iter::successors(codel.syntax().prev_sibling(), SyntaxNode::prev_sibling)
             .find_map(ast::CodelProperty::cast);
@@ -286,7 +287,7 @@ impl FixSite<'_> {
             let state = state.trim();
             let pause = paused.then(|| format!("pause::{state}"));
             let ways = pause.as_deref().into_iter().chain([state]);
-            fixes.extend(ways.filter_map(|it| add_yield(before.syntax(), it)));
+            fixes.extend(ways.filter_map(|pause| add_yield(before.syntax(), pause)));
         }
         fixes.push(TextFix {
             kind: FixKind::Guess,
@@ -305,7 +306,7 @@ impl FixSite<'_> {
         }
         around
             .into_iter()
-            .filter(|&it| self.text(it) != "ether")
+            .filter(|&range| self.text(range) != "ether")
             .map(|range| TextFix {
                 kind: FixKind::Choice,
                 title: format!("Pause before `{}`", self.text(range)),
@@ -319,14 +320,14 @@ impl FixSite<'_> {
     fn paused(&self, range: TextRange) -> (TextRange, String) {
         let pause = (TextRange::empty(range.start()), "pause::".to_owned());
         let state: Option<ast::State> = self.node(range);
-        let list = state.as_ref().and_then(|it| it.syntax().parent());
+        let list = state.as_ref().and_then(|state| state.syntax().parent());
         let Some((state, list)) = state.zip(list.and_then(ast::Yields::cast)) else {
             return pause;
         };
         let paused = format!("pause::{}", self.text(range));
         match list
             .states()
-            .any(|it| it.syntax().text() == paused.as_str())
+            .any(|state| state.syntax().text() == paused.as_str())
         {
             true => (with_comma(state.syntax()), String::new()),
             false => pause,
@@ -336,7 +337,7 @@ impl FixSite<'_> {
     pub(crate) fn end_somewhere(&self) -> Vec<TextFix> {
         let codel = self.node::<ast::CodelProperty>(self.range);
         codel
-            .and_then(|it| add_yield(it.syntax(), "ether"))
+            .and_then(|codel| add_yield(codel.syntax(), "ether"))
             .into_iter()
             .collect()
     }
@@ -383,7 +384,7 @@ impl FixSite<'_> {
         let all: Vec<_> = one
             .iter()
             .cloned()
-            .chain(self.related.iter().filter_map(|&it| edit(it)))
+            .chain(self.related.iter().filter_map(|&range| edit(range)))
             .collect();
         let mut fixes: Vec<TextFix> = one
             .map(|edit| TextFix {
@@ -418,7 +419,7 @@ impl FixSite<'_> {
                 let text = self.text(range);
                 let rest = text
                     .strip_prefix("ids")
-                    .filter(|it| it.starts_with(char::is_whitespace));
+                    .filter(|rest| rest.starts_with(char::is_whitespace));
                 let length = if rest.is_some() { 4 } else { 0 };
                 (
                     TextRange::at(range.start(), TextSize::from(length)),
@@ -444,9 +445,9 @@ impl FixSite<'_> {
         let Some(token) = self.token_at(self.range) else {
             return Vec::new();
         };
-        let part = token.parent_ancestors().find(|it| {
+        let part = token.parent_ancestors().find(|ancestor| {
             matches!(
-                it.kind(),
+                ancestor.kind(),
                 SyntaxKind::EXCEPTION
                     | SyntaxKind::DECLARATOR
                     | SyntaxKind::NATIVE_DECL
@@ -457,15 +458,17 @@ impl FixSite<'_> {
         let alone = match part.parent() {
             Some(list) if matches!(part.kind(), SyntaxKind::EXCEPTION | SyntaxKind::DECLARATOR) => {
                 list.children()
-                    .filter(|it| it.kind() == part.kind())
+                    .filter(|child| child.kind() == part.kind())
                     .count()
                     == 1
             }
             _ => true,
         };
         let range = if alone {
-            let item = part.ancestors().find(|it| ast::Item::can_cast(it.kind()));
-            item.map(|it| whole_lines(&it))
+            let item = part
+                .ancestors()
+                .find(|ancestor| ast::Item::can_cast(ancestor.kind()));
+            item.map(|ancestor| whole_lines(&ancestor))
         } else {
             Some(with_comma(&part))
         };
@@ -492,14 +495,14 @@ impl FixSite<'_> {
         }
         let mut range = comment.text_range();
         let mut before = comment.prev_token();
-        while let Some(it) =
-            before.filter(|it| matches!(it.kind(), SyntaxKind::WHITESPACE | SyntaxKind::NEWLINE))
+        while let Some(token) = before
+            .filter(|token| matches!(token.kind(), SyntaxKind::WHITESPACE | SyntaxKind::NEWLINE))
         {
-            range = range.cover(it.text_range());
-            if it.text().contains(['\n', '\r']) {
+            range = range.cover(token.text_range());
+            if token.text().contains(['\n', '\r']) {
                 break;
             }
-            before = it.prev_token();
+            before = token.prev_token();
         }
         vec![TextFix {
             kind: FixKind::Guess,
@@ -512,14 +515,17 @@ impl FixSite<'_> {
 /// Adds a state to the yields of a codel.
 fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
     let yields = codel.descendants().find_map(ast::Yields::cast)?;
-    if yields.states().any(|it| it.syntax().text() == state) {
+    if yields
+        .states()
+        .any(|candidate| candidate.syntax().text() == state)
+    {
         return None;
     }
     let name = codel.descendants().find_map(ast::Codel::cast)?.name()?;
     let base = codel.text_range().start();
-    let items = yields.states().map(|it| {
-        let end = end_of(it.syntax());
-        bytes(TextRange::new(it.syntax().text_range().start(), end) - base)
+    let items = yields.states().map(|state| {
+        let end = end_of(state.syntax());
+        bytes(TextRange::new(state.syntax().text_range().start(), end) - base)
     });
     let edits = append_to_list(&codel.text().to_string(), &items.collect::<Vec<_>>(), state);
     let edits = edits.into_iter().filter_map(|(range, text)| {
@@ -537,17 +543,17 @@ fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
 fn starts_line(node: &SyntaxNode) -> bool {
     let tokens = node
         .descendants_with_tokens()
-        .filter_map(|it| it.into_token());
-    let first = tokens.into_iter().find(|it| !it.kind().is_trivia());
-    let mut before = first.and_then(|it| it.prev_token());
-    while let Some(it) = before {
-        if it.text().contains(['\n', '\r']) {
+        .filter_map(|element| element.into_token());
+    let first = tokens.into_iter().find(|token| !token.kind().is_trivia());
+    let mut before = first.and_then(|token| token.prev_token());
+    while let Some(token) = before {
+        if token.text().contains(['\n', '\r']) {
             return true;
         }
-        if !it.kind().is_trivia() {
+        if !token.kind().is_trivia() {
             return false;
         }
-        before = it.prev_token();
+        before = token.prev_token();
     }
     true
 }
@@ -556,12 +562,19 @@ fn starts_line(node: &SyntaxNode) -> bool {
 fn indent_of(node: &SyntaxNode) -> String {
     let first = node
         .descendants_with_tokens()
-        .filter_map(|it| it.into_token())
-        .find(|it| !it.kind().is_trivia());
-    let before = first.and_then(|it| it.prev_token());
+        .filter_map(|element| element.into_token())
+        .find(|token| !token.kind().is_trivia());
+    let before = first.and_then(|token| token.prev_token());
     before
-        .filter(|it| it.kind() == SyntaxKind::WHITESPACE)
-        .map(|it| it.text().rsplit('\n').next().unwrap_or_default().to_owned())
+        .filter(|token| token.kind() == SyntaxKind::WHITESPACE)
+        .map(|token| {
+            token
+                .text()
+                .rsplit('\n')
+                .next()
+                .unwrap_or_default()
+                .to_owned()
+        })
         .unwrap_or_default()
 }
 
@@ -569,25 +582,25 @@ fn indent_of(node: &SyntaxNode) -> String {
 fn end_of(node: &SyntaxNode) -> TextSize {
     let tokens = node
         .descendants_with_tokens()
-        .filter_map(|it| it.into_token());
+        .filter_map(|element| element.into_token());
     let last = tokens
-        .filter(|it| !it.kind().is_trivia() && !it.text_range().is_empty())
+        .filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty())
         .last();
-    last.map_or(node.text_range().end(), |it| it.text_range().end())
+    last.map_or(node.text_range().end(), |token| token.text_range().end())
 }
 
 /// A declaration with the blanks and the line end before it.
 fn whole_lines(node: &SyntaxNode) -> TextRange {
     let mut range = TextRange::new(node.text_range().start(), end_of(node));
-    let mut before = node.first_token().and_then(|it| it.prev_token());
-    while let Some(it) =
-        before.filter(|it| matches!(it.kind(), SyntaxKind::WHITESPACE | SyntaxKind::NEWLINE))
+    let mut before = node.first_token().and_then(|token| token.prev_token());
+    while let Some(token) =
+        before.filter(|token| matches!(token.kind(), SyntaxKind::WHITESPACE | SyntaxKind::NEWLINE))
     {
-        range = range.cover(it.text_range());
-        if it.text().contains(['\n', '\r']) {
+        range = range.cover(token.text_range());
+        if token.text().contains(['\n', '\r']) {
             break;
         }
-        before = it.prev_token();
+        before = token.prev_token();
     }
     range
 }
@@ -595,29 +608,29 @@ fn whole_lines(node: &SyntaxNode) -> TextRange {
 /// A part of a list with its comma.
 fn with_comma(part: &SyntaxNode) -> TextRange {
     let range = TextRange::new(part.text_range().start(), end_of(part));
-    let mut next = part.last_token().and_then(|it| it.next_token());
-    while let Some(it) = next {
-        if it.kind() == SyntaxKind::COMMA {
-            let after = it
+    let mut next = part.last_token().and_then(|token| token.next_token());
+    while let Some(token) = next {
+        if token.kind() == SyntaxKind::COMMA {
+            let after = token
                 .next_token()
-                .filter(|it| it.kind() == SyntaxKind::WHITESPACE);
-            let end = after.map_or(it.text_range().end(), |it| it.text_range().end());
+                .filter(|token| token.kind() == SyntaxKind::WHITESPACE);
+            let end = after.map_or(token.text_range().end(), |token| token.text_range().end());
             return TextRange::new(range.start(), end);
         }
-        if !it.kind().is_trivia() {
+        if !token.kind().is_trivia() {
             break;
         }
-        next = it.next_token();
+        next = token.next_token();
     }
-    let mut before = part.first_token().and_then(|it| it.prev_token());
-    while let Some(it) = before {
-        if it.kind() == SyntaxKind::COMMA {
-            return TextRange::new(it.text_range().start(), range.end());
+    let mut before = part.first_token().and_then(|token| token.prev_token());
+    while let Some(token) = before {
+        if token.kind() == SyntaxKind::COMMA {
+            return TextRange::new(token.text_range().start(), range.end());
         }
-        if !it.kind().is_trivia() {
+        if !token.kind().is_trivia() {
             break;
         }
-        before = it.prev_token();
+        before = token.prev_token();
     }
     range
 }

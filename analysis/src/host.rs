@@ -141,14 +141,14 @@ impl AnalysisHost {
             let mut known = FxHashSet::default();
             let roots: Vec<Utf8PathBuf> = roots
                 .iter()
-                .map(|it| normalize(it))
-                .filter(|it| known.insert(it.clone()))
+                .map(|root| normalize(root))
+                .filter(|root| known.insert(root.clone()))
                 .collect();
             if *workspace.roots(db) != roots {
                 workspace.set_roots(db).to(roots);
             }
         }
-        if let Some(indexed) = change.indexed.filter(|it| it != workspace.indexed(db)) {
+        if let Some(indexed) = change.indexed.filter(|flag| flag != workspace.indexed(db)) {
             workspace.set_indexed(db).to(indexed);
         }
         if let Some(config) = change.config {
@@ -175,7 +175,7 @@ impl AnalysisHost {
         if let Some(mut chosen) = change.chosen {
             chosen
                 .iter_mut()
-                .for_each(|it| *it = (normalize(&it.0), normalize(&it.1)));
+                .for_each(|pair| *pair = (normalize(&pair.0), normalize(&pair.1)));
             if *workspace.chosen(db) != chosen {
                 workspace.set_chosen(db).to(chosen);
             }
@@ -185,9 +185,9 @@ impl AnalysisHost {
             // A header does not choose the unit that shows it.
             let is_root = active
                 .as_ref()
-                .is_some_and(|it| workspace.roots(db).contains(it))
-                && active.as_ref().is_some_and(|it| {
-                    let file = db.file(it);
+                .is_some_and(|path| workspace.roots(db).contains(path))
+                && active.as_ref().is_some_and(|path| {
+                    let file = db.file(path);
                     unit::roots_of(db, file).first() == Some(&file)
                 });
             if is_root && *workspace.active(db) != active {
@@ -232,8 +232,8 @@ impl CancellationToken {
 }
 
 impl From<salsa::Cancelled> for Cancelled {
-    fn from(it: salsa::Cancelled) -> Cancelled {
-        match it {
+    fn from(cancellation: salsa::Cancelled) -> Cancelled {
+        match cancellation {
             salsa::Cancelled::Local => Cancelled::Local,
             salsa::Cancelled::PropagatedPanic => Cancelled::PropagatedPanic,
             _ => Cancelled::PendingWrite,
@@ -364,7 +364,7 @@ impl Analysis {
     pub fn roots_containing(&self, path: &Utf8Path) -> Cancellable<Vec<Utf8PathBuf>> {
         self.with(|db| {
             let roots = unit::roots_of(db, db.file(path));
-            roots.iter().map(|it| it.path(db).clone()).collect()
+            roots.iter().map(|root| root.path(db).clone()).collect()
         })
     }
 
@@ -408,7 +408,7 @@ impl Analysis {
     pub fn files_of_root(&self, path: &Utf8Path) -> Cancellable<Vec<Utf8PathBuf>> {
         self.with(|db| {
             let files = unit::files(db, unit::unit_of_root(db, db.file(path)));
-            files.iter().map(|it| it.path(db).clone()).collect()
+            files.iter().map(|file| file.path(db).clone()).collect()
         })
     }
 
@@ -435,7 +435,7 @@ impl Analysis {
     /// Several inputs as one unit.
     pub fn batch(&self, input: &BatchInput) -> Cancellable<UnitResult> {
         self.with(|db| {
-            let inputs = input.inputs.iter().map(|it| match it {
+            let inputs = input.inputs.iter().map(|input| match input {
                 Input::File(path) => db.file(path),
                 Input::Text { name, text } => db.text(name, text),
             });

@@ -82,14 +82,14 @@ impl<'a> Lint<'a> {
         task.period.as_ref().map(|p| p.value)
     }
 
-    fn codel(&self, it: CodelRef) -> &'a Codel {
-        self.component.codel(it)
+    fn codel(&self, codel: CodelRef) -> &'a Codel {
+        self.component.codel(codel)
     }
 
-    fn codel_name(&self, it: CodelRef) -> CodelName {
+    fn codel_name(&self, codel: CodelRef) -> CodelName {
         CodelName {
-            name: self.codel(it).name.clone(),
-            owner: self.owner_name(it.owner),
+            name: self.codel(codel).name.clone(),
+            owner: self.owner_name(codel.owner),
         }
     }
 
@@ -97,6 +97,6 @@ impl<'a> Lint<'a> {
     fn has_timing(&self) -> bool {
         self.component
             .all_codels()
-            .any(|it| self.codel(it).wcet.is_some())
+            .any(|codel| self.codel(codel).wcet.is_some())
     }
 }

@@ -18,14 +18,14 @@ pub fn append_to_list(
     };
     let separators: Vec<Separator> = items
         .windows(2)
-        .filter_map(|it| Separator::read(text.get(it[0].end..it[1].start)?))
+        .filter_map(|window| Separator::read(text.get(window[0].end..window[1].start)?))
         .collect();
-    let start_of_line = |at: usize| text[..at].rfind('\n').map_or(0, |it| it + 1);
+    let start_of_line = |at: usize| text[..at].rfind('\n').map_or(0, |index| index + 1);
     let mut separator = separators.last().cloned().unwrap_or_default();
     let column = last.end - start_of_line(last.end);
     if !separator.breaks()
         && column + 2 + item.len() > LONG
-        && let Some(broken) = separators.iter().rev().find(|it| it.breaks())
+        && let Some(broken) = separators.iter().rev().find(|separator| separator.breaks())
     {
         separator = broken.clone();
     }
@@ -47,9 +47,9 @@ pub fn append_to_list(
         };
         return vec![here(last.end, ",".to_owned()), here(end, line + item)];
     }
-    let length = comment.strip_prefix("/*").and_then(|it| it.find("*/"));
-    let inline = length.filter(|it| !comment[..*it].contains('\n'));
-    let at = inline.map_or(last.end, |it| last.end + blanks + it + 4);
+    let length = comment.strip_prefix("/*").and_then(|rest| rest.find("*/"));
+    let inline = length.filter(|length| !comment[..*length].contains('\n'));
+    let at = inline.map_or(last.end, |inline| last.end + blanks + inline + 4);
     vec![here(at, format!("{before},{after}{item}"))]
 }
 
@@ -82,20 +82,20 @@ impl Separator {
                     side = 1;
                     1
                 }
-                it if it.is_whitespace() => {
-                    if it != '\r' {
-                        sides[side].push(it);
+                character if character.is_whitespace() => {
+                    if character != '\r' {
+                        sides[side].push(character);
                     }
-                    it.len_utf8()
+                    character.len_utf8()
                 }
                 _ => return None,
             };
             rest = &rest[length..];
         }
-        let [before, after] = sides.map(|it| match it.rfind('\n') {
+        let [before, after] = sides.map(|side| match side.rfind('\n') {
             // Neither empty lines nor the blanks before a comment.
-            Some(at) => it[at..].to_owned(),
-            None => it.get(..1).unwrap_or_default().to_owned(),
+            Some(at) => side[at..].to_owned(),
+            None => side.get(..1).unwrap_or_default().to_owned(),
         });
         (side == 1).then_some(Separator { before, after })
     }
@@ -114,7 +114,7 @@ mod tests {
     fn check(text: &str, wanted: &str) {
         let mut items = Vec::new();
         let mut at = 0;
-        while let Some(found) = text[at..].find(|it: char| it.is_ascii_digit()) {
+        while let Some(found) = text[at..].find(|character: char| character.is_ascii_digit()) {
             items.push(at + found - 1..at + found + 1);
             at += found + 1;
         }

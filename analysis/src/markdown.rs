@@ -43,11 +43,11 @@ fn escape_line(line: &str, out: &mut String) {
 pub fn code(text: &str) -> String {
     let text: String = text
         .chars()
-        .map(|it| {
-            if it == '\n' || it == '\r' {
+        .map(|character| {
+            if character == '\n' || character == '\r' {
                 ' '
             } else {
-                visible(it)
+                visible(character)
             }
         })
         .collect();
@@ -63,11 +63,20 @@ pub fn code(text: &str) -> String {
 /// A text as a block of code in a language.
 pub fn block(language: &str, text: &str) -> String {
     let ticks = ticks(text, 3);
-    let text: Cow<'_, str> = match text.chars().all(|it| it == '\n' || visible(it) == it) {
+    let text: Cow<'_, str> = match text
+        .chars()
+        .all(|character| character == '\n' || visible(character) == character)
+    {
         true => text.into(),
         false => text
             .chars()
-            .map(|it| if it == '\n' { it } else { visible(it) })
+            .map(|character| {
+                if character == '\n' {
+                    character
+                } else {
+                    visible(character)
+                }
+            })
             .collect(),
     };
     format!("{ticks}{language}\n{text}\n{ticks}")
@@ -75,7 +84,11 @@ pub fn block(language: &str, text: &str) -> String {
 
 /// Backquotes: more than in any run in the text, and at least `least`.
 fn ticks(text: &str, least: usize) -> String {
-    let longest = text.split(|it| it != '`').map(str::len).max().unwrap_or(0);
+    let longest = text
+        .split(|character| character != '`')
+        .map(str::len)
+        .max()
+        .unwrap_or(0);
     let count = if longest == 0 {
         least
     } else {

@@ -448,12 +448,12 @@ impl Spec {
     /// The component or interface whose body contains a node.
     pub fn body_of(&self, src: Src) -> Option<u32> {
         // Parts created with a component have the place of its name, which is not in any body.
-        if self.components.iter().any(|it| it.src == src) {
+        if self.components.iter().any(|component| component.src == src) {
             return None;
         }
         let inside =
-            |it: &&Body| it.visit == src.visit && it.item.is_none_or(|item| item == src.item);
-        self.bodies.iter().find(inside).map(|it| it.component)
+            |body: &&Body| body.visit == src.visit && body.item.is_none_or(|item| item == src.item);
+        self.bodies.iter().find(inside).map(|body| body.component)
     }
 
     /// The type behind typedefs, members, constants and completed forward declarations.
@@ -502,8 +502,8 @@ impl Component {
     }
 
     /// One codel.
-    pub fn codel(&self, it: CodelRef) -> &Codel {
-        &self.codels_of(it.owner)[it.index as usize]
+    pub fn codel(&self, codel: CodelRef) -> &Codel {
+        &self.codels_of(codel.owner)[codel.index as usize]
     }
 
     /// Everything that has codels: tasks in order, then services in order.
@@ -514,10 +514,10 @@ impl Component {
 
     /// Tasks and services with a state machine, in order.
     pub fn machines(&self) -> impl Iterator<Item = Owner> + '_ {
-        let has_machine = |it: &Owner| {
-            self.codels_of(*it)
+        let has_machine = |owner: &Owner| {
+            self.codels_of(*owner)
                 .iter()
-                .any(|it| it.kind == CodelKind::Fsm)
+                .any(|codel| codel.kind == CodelKind::Fsm)
         };
         self.owners().filter(has_machine)
     }
@@ -525,8 +525,8 @@ impl Component {
     /// Name of a task or service.
     pub fn owner_name(&self, owner: Owner) -> &Name {
         match owner {
-            Owner::Task(it) => &self.tasks[it as usize].name,
-            Owner::Service(it) => &self.services[it as usize].name,
+            Owner::Task(task) => &self.tasks[task as usize].name,
+            Owner::Service(service) => &self.services[service as usize].name,
         }
     }
 
@@ -541,10 +541,10 @@ impl Component {
 
     /// The execution task that runs a codel; `None` for codels that the control task runs (validate and
     /// simple codels).
-    pub fn task_of(&self, it: CodelRef) -> Option<u32> {
-        match it.owner {
+    pub fn task_of(&self, codel: CodelRef) -> Option<u32> {
+        match codel.owner {
             Owner::Task(i) => Some(i),
-            Owner::Service(i) if self.codel(it).kind == CodelKind::Fsm => {
+            Owner::Service(i) if self.codel(codel).kind == CodelKind::Fsm => {
                 self.services[i as usize].task
             }
             Owner::Service(_) => None,

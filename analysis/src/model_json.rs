@@ -40,7 +40,10 @@ pub fn with_prototypes(
     };
     let mut components: Vec<&Component> = spec.components.iter().collect();
     components.sort_by(|a, b| a.name.cmp(&b.name));
-    let components: Vec<Json> = components.iter().map(|it| writer.component(it)).collect();
+    let components: Vec<Json> = components
+        .iter()
+        .map(|component| writer.component(component))
+        .collect();
     json!({ "components": components, "types": writer.types() })
 }
 
@@ -86,33 +89,36 @@ impl Writer<'_> {
         self.time(&mut out, "clock-rate", &component.clock_rate);
         let stack = component.stack.as_ref().map(amount);
         out.put_some("stack", stack);
-        if let Some(TypeKind::Struct { members }) = component.ids.map(|it| &self.spec.ty(it).kind) {
-            let members: Vec<Json> = members.iter().map(|it| self.ids_member(*it)).collect();
+        if let Some(TypeKind::Struct { members }) = component.ids.map(|ty| &self.spec.ty(ty).kind) {
+            let members: Vec<Json> = members
+                .iter()
+                .map(|member| self.ids_member(*member))
+                .collect();
             out.put("ids", members);
         }
         let all = |list: &mut dyn Iterator<Item = Json>| Json::Array(list.collect());
         let tasks = (0..).zip(&component.tasks);
         out.put(
             "tasks",
-            all(&mut tasks.map(|(i, it)| self.task(component, i, it))),
+            all(&mut tasks.map(|(i, task)| self.task(component, i, task))),
         );
         out.put(
             "ports",
-            all(&mut component.ports.iter().map(|it| self.port(it))),
+            all(&mut component.ports.iter().map(|port| self.port(port))),
         );
         let services = 0..component.services.len() as u32;
         out.put(
             "services",
-            all(&mut services.map(|it| self.service(component, it))),
+            all(&mut services.map(|service| self.service(component, service))),
         );
         let remotes = component.remotes.iter();
         out.put(
             "remotes",
-            all(&mut remotes.map(|it| self.remote(component, it))),
+            all(&mut remotes.map(|remote| self.remote(component, remote))),
         );
         let mut throws = component.throws.clone();
-        let inner = component.tasks.iter().map(|it| &it.throws);
-        let inner = inner.chain(component.services.iter().map(|it| &it.throws));
+        let inner = component.tasks.iter().map(|task| &task.throws);
+        let inner = inner.chain(component.services.iter().map(|service| &service.throws));
         for ty in inner.flatten() {
             if !throws.contains(ty) {
                 throws.push(*ty);
@@ -126,8 +132,8 @@ impl Writer<'_> {
         ] {
             let names: Vec<&str> = list
                 .iter()
-                .filter_map(|it| self.spec.components.get(*it as usize))
-                .map(|it| it.name.as_str())
+                .filter_map(|number| self.spec.components.get(*number as usize))
+                .map(|component| component.name.as_str())
                 .collect();
             if !names.is_empty() {
                 out.put(key, json!(names));
@@ -181,12 +187,14 @@ impl Writer<'_> {
         out.put("name", service.name.as_str());
         out.put("kind", json!(service.kind));
         out.put_some("doc", service.doc.as_deref());
-        let task = service.task.and_then(|it| component.tasks.get(it as usize));
-        out.put_some("task", task.map(|it| it.name.as_str()));
+        let task = service
+            .task
+            .and_then(|task| component.tasks.get(task as usize));
+        out.put_some("task", task.map(|task| task.name.as_str()));
         let params = service
             .params
             .iter()
-            .map(|it| self.param(component, None, it));
+            .map(|param| self.param(component, None, param));
         out.put("params", params.collect::<Vec<_>>());
         for (key, kind) in [
             ("validate", CodelKind::Validate),
@@ -197,7 +205,7 @@ impl Writer<'_> {
             out.put(key, codels);
         }
         let none = Vec::new();
-        let task_throws = task.map_or(&none, |it| &it.throws);
+        let task_throws = task.map_or(&none, |task| &task.throws);
         let throws = unique([&component.throws, task_throws, &service.throws]);
         out.put("throws", self.names_of(&throws));
         out.put("interrupts", service_names(component, &service.interrupts));
@@ -215,10 +223,13 @@ impl Writer<'_> {
         let params = remote
             .params
             .iter()
-            .map(|it| self.param(component, None, it));
+            .map(|param| self.param(component, None, param));
         out.put("params", params.collect::<Vec<_>>());
         let interface = self.spec.components.get(remote.interface as usize);
-        out.put_some("interface", interface.map(|it| it.name.as_str()));
+        out.put_some(
+            "interface",
+            interface.map(|interface| interface.name.as_str()),
+        );
         out.put("throws", self.names_of(&remote.throws));
         self.place(&mut out, remote.src);
         out.done()
@@ -229,8 +240,8 @@ impl Writer<'_> {
     fn codels(&self, component: &Component, owner: Owner, kind: Option<CodelKind>) -> Json {
         let codels = (0..).zip(component.codels_of(owner));
         codels
-            .filter(|(_, it)| kind.is_none_or(|kind| it.kind == kind))
-            .map(|(index, it)| self.codel(component, CodelRef { owner, index }, it))
+            .filter(|(_, codel)| kind.is_none_or(|kind| codel.kind == kind))
+            .map(|(index, codel)| self.codel(component, CodelRef { owner, index }, codel))
             .collect()
     }
 
@@ -239,11 +250,12 @@ impl Writer<'_> {
         out.put("name", codel.name.as_str());
         out.put("kind", if codel.is_async { "async" } else { "sync" });
         let service = match reference.owner {
-            Owner::Service(it) => component.services.get(it as usize),
+            Owner::Service(service) => component.services.get(service as usize),
             Owner::Task(_) => None,
         };
         let params = codel.params.iter();
-        let params = params.map(|it| self.param(component, service.map(|it| &it.params), it));
+        let params = params
+            .map(|param| self.param(component, service.map(|service| &service.params), param));
         out.put("params", params.collect::<Vec<_>>());
         if codel.kind == CodelKind::Fsm {
             out.put("triggers", states(&codel.triggers));
@@ -254,7 +266,9 @@ impl Writer<'_> {
         }
         self.time(&mut out, "wcet", &codel.wcet);
         let index = self.spec.components.iter();
-        let index = index.zip(0..).find(|(it, _)| it.name == component.name);
+        let index = index
+            .zip(0..)
+            .find(|(index, _)| index.name == component.name);
         if let (Some(prototypes), Some((_, index))) = (self.prototypes, index) {
             let prototypes = prototypes(index, codel);
             if !prototypes.is_empty() {
@@ -276,12 +290,13 @@ impl Writer<'_> {
                     let name = &component.codel(other).name;
                     lock.put("codel", name.as_str());
                     match other.owner {
-                        Owner::Task(it) => {
-                            lock.put("task", component.tasks[it as usize].name.as_str())
+                        Owner::Task(task) => {
+                            lock.put("task", component.tasks[task as usize].name.as_str())
                         }
-                        Owner::Service(it) => {
-                            lock.put("service", component.services[it as usize].name.as_str())
-                        }
+                        Owner::Service(service) => lock.put(
+                            "service",
+                            component.services[service as usize].name.as_str(),
+                        ),
                     };
                     name
                 }
@@ -293,12 +308,12 @@ impl Writer<'_> {
             };
             names.push(name);
             let mut through: Vec<Json> = Vec::new();
-            for it in &exclusion.through {
-                let shared = match &it.shared {
+            for parameters in &exclusion.through {
+                let shared = match &parameters.shared {
                     crate::model::mutex::Shared::Ids(path) => json!({ "ids": path_text(path) }),
                     crate::model::mutex::Shared::Port(port) => {
                         let port = component.ports.get(*port as usize);
-                        json!({ "port": port.map(|it| it.name.as_str()) })
+                        json!({ "port": port.map(|parameters| parameters.name.as_str()) })
                     }
                 };
                 if !through.contains(&shared) {
@@ -338,15 +353,21 @@ impl Writer<'_> {
             out.put("member", self.member_text(param));
         }
         let of = match param.source {
-            ParamSource::Local(Some(it)) => {
-                locals.and_then(|all| Some(&all.get(it as usize)?.name))
+            ParamSource::Local(Some(local)) => {
+                locals.and_then(|all| Some(&all.get(local as usize)?.name))
             }
-            ParamSource::Port(it) => component.ports.get(it as usize).map(|it| &it.name),
-            ParamSource::Remote(it) => component.remotes.get(it as usize).map(|it| &it.name),
+            ParamSource::Port(port) => component.ports.get(port as usize).map(|port| &port.name),
+            ParamSource::Remote(remote) => component
+                .remotes
+                .get(remote as usize)
+                .map(|remote| &remote.name),
             _ => None,
         };
-        out.put_some("of", of.map(|it| it.as_str()));
-        out.put_some("init", param.init.as_ref().map(|it| self.initializer(it)));
+        out.put_some("of", of.map(|name| name.as_str()));
+        out.put_some(
+            "init",
+            param.init.as_ref().map(|init| self.initializer(init)),
+        );
         self.place(&mut out, param.src);
         out.done()
     }
@@ -392,7 +413,7 @@ impl Writer<'_> {
                 .put("kind", value.word())
                 .put("value", self.value(value)),
             InitValue::Compound(parts) => {
-                let parts: Vec<Json> = parts.iter().map(|it| self.initializer(it)).collect();
+                let parts: Vec<Json> = parts.iter().map(|part| self.initializer(part)).collect();
                 out.put("kind", "compound").put("value", parts)
             }
         };
@@ -405,8 +426,8 @@ impl Writer<'_> {
         let mut out = Object::default();
         let ids = (0..self.spec.types.len() as u32).map(TypeId);
         let mut named: Vec<(String, TypeId)> = ids
-            .filter(|it| self.spec.ty(*it).name.is_some() && is_listed(&self.spec.ty(*it).kind))
-            .filter_map(|it| Some((self.spec.full_name(it)?, it)))
+            .filter(|ty| self.spec.ty(*ty).name.is_some() && is_listed(&self.spec.ty(*ty).kind))
+            .filter_map(|ty| Some((self.spec.full_name(ty)?, ty)))
             .collect();
         named.sort_by(|a, b| a.0.cmp(&b.0));
         for (name, id) in named {
@@ -429,15 +450,17 @@ impl Writer<'_> {
                 out.put("valuekind", value.word());
             }
             TypeKind::Enum { enumerators } => {
-                let names = enumerators.iter().map(|it| self.short_name(*it));
+                let names = enumerators
+                    .iter()
+                    .map(|enumerator| self.short_name(*enumerator));
                 out.put("members", names.collect::<Vec<_>>());
             }
             TypeKind::Struct { members } | TypeKind::Exception { members } => {
-                let members = members.iter().map(|it| self.member(*it));
+                let members = members.iter().map(|member| self.member(*member));
                 out.put("members", members.collect::<Vec<_>>());
             }
             TypeKind::Union { switch, members } => {
-                let members = members.iter().map(|it| self.member(*it));
+                let members = members.iter().map(|member| self.member(*member));
                 out.put("members", members.collect::<Vec<_>>());
                 out.put("switch", self.type_name(*switch));
             }
@@ -461,7 +484,7 @@ impl Writer<'_> {
         out.put("kind", ty.kind.word());
         out.put("type", self.type_name(value_type(self.spec, id)));
         if let TypeKind::UnionMember { labels, .. } = &ty.kind {
-            let labels = labels.iter().map(|it| match it {
+            let labels = labels.iter().map(|label| match label {
                 Label::Default => String::new(),
                 Label::Case(value) => self.label(value),
             });
@@ -506,25 +529,25 @@ impl Writer<'_> {
     }
 
     fn names_of(&self, types: &[TypeId]) -> Json {
-        types.iter().map(|it| self.type_name(*it)).collect()
+        types.iter().map(|ty| self.type_name(*ty)).collect()
     }
 
     // Values
 
     fn value(&self, value: &Value) -> Json {
         match value {
-            Value::Bool(it) => json!(it),
-            Value::Uint(it) => json!(it),
-            Value::Int(it) => json!(it),
-            Value::Float(it) => json!(it),
-            Value::Char(it) | Value::String(it) => json!(it),
-            Value::Enum(it) => json!(self.type_name(*it)),
+            Value::Bool(flag) => json!(flag),
+            Value::Uint(number) => json!(number),
+            Value::Int(number) => json!(number),
+            Value::Float(number) => json!(number),
+            Value::Char(character) | Value::String(character) => json!(character),
+            Value::Enum(enumeration) => json!(self.type_name(*enumeration)),
         }
     }
 
     fn label(&self, value: &Value) -> String {
         match value {
-            Value::Bool(it) => u8::from(*it).to_string(),
+            Value::Bool(byte) => u8::from(*byte).to_string(),
             value => match self.value(value) {
                 Json::String(text) => text,
                 other => other.to_string(),
@@ -544,12 +567,16 @@ impl Writer<'_> {
     // Places
 
     fn origin(&self, out: &mut Object, interface: Option<u32>) {
-        let interface = interface.and_then(|it| self.spec.components.get(it as usize));
-        out.put_some("imported-from", interface.map(|it| it.name.as_str()));
+        let interface =
+            interface.and_then(|interface| self.spec.components.get(interface as usize));
+        out.put_some(
+            "imported-from",
+            interface.map(|interface| interface.name.as_str()),
+        );
     }
 
     fn place(&self, out: &mut Object, src: Src) {
-        if let Some(place) = self.locations.and_then(|it| it.locate(src)) {
+        if let Some(place) = self.locations.and_then(|location| location.locate(src)) {
             let place = json!({
                 "file": place.path.as_str(),
                 "line": place.start.line + 1,
@@ -589,24 +616,24 @@ fn amount(quantity: &Quantity) -> Json {
 }
 
 fn states(states: &[State]) -> Json {
-    let text = |it: &State| {
-        if it.paused {
-            format!("pause::{}", it.name)
+    let text = |state: &State| {
+        if state.paused {
+            format!("pause::{}", state.name)
         } else {
-            it.name.to_string()
+            state.name.to_string()
         }
     };
     states.iter().map(text).collect()
 }
 
 fn service_names(component: &Component, list: &ServiceList) -> Json {
-    let name = |it: &crate::model::Service| it.name.to_string();
+    let name = |service: &crate::model::Service| service.name.to_string();
     if list.all {
         return component.services.iter().map(name).collect();
     }
     let named = list.services.iter();
     named
-        .filter_map(|it| component.services.get(*it as usize))
+        .filter_map(|service| component.services.get(*service as usize))
         .map(name)
         .collect()
 }

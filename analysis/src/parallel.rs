@@ -19,7 +19,7 @@ const STACK: usize = 32 << 20;
 
 /// The number of threads of [`map`], if there is enough work.
 pub fn cores() -> usize {
-    thread::available_parallelism().map_or(1, |it| it.get().min(MAX_THREADS))
+    thread::available_parallelism().map_or(1, |parallelism| parallelism.get().min(MAX_THREADS))
 }
 
 /// Applies `own` or `other` to every item; the results are in the order of the items.
@@ -60,7 +60,7 @@ pub fn map<H: Send, T: Sync, R: Send>(
         let mut results = vec![work(&own)];
         // If no thread can be started, this one does all the work.
         for helper in helpers.into_iter().flatten() {
-            results.push(helper.join().and_then(|it| it));
+            results.push(helper.join().and_then(|result| result));
         }
         results
     });
@@ -71,8 +71,8 @@ pub fn map<H: Send, T: Sync, R: Send>(
             Err(cause) => resume_unwind(cause),
         }
     }
-    done.sort_unstable_by_key(|it| it.0);
-    done.into_iter().map(|it| it.1).collect()
+    done.sort_unstable_by_key(|capacity| capacity.0);
+    done.into_iter().map(|capacity| capacity.1).collect()
 }
 
 /// [`map`] over a database.
@@ -86,7 +86,7 @@ pub(crate) fn over<T: Sync, R: Send>(
         db.unwind_if_revision_cancelled();
         f(db, item)
     };
-    let other = |it: &RootDatabase, item: &T| f(it, item);
+    let other = |database: &RootDatabase, item: &T| f(database, item);
     map(items, || db.fork(), own, other)
 }
 
@@ -97,19 +97,32 @@ mod tests {
     #[test]
     fn results_are_in_order() {
         let items: Vec<u32> = (0..1000).collect();
-        let out = map(&items, || 1, |it| it + 1, |one, it| it + one);
+        let out = map(
+            &items,
+            || 1,
+            |number| number + 1,
+            |one, number| number + one,
+        );
         assert_eq!(out, (1..=1000).collect::<Vec<u32>>());
-        assert!(map(&[] as &[u32], || 1, |it| it + 1, |one, it| it + one).is_empty());
+        assert!(
+            map(
+                &[] as &[u32],
+                || 1,
+                |number| number + 1,
+                |one, number| number + one
+            )
+            .is_empty()
+        );
     }
 
     #[test]
     fn a_panic_in_any_thread_is_one_here() {
         let items: Vec<u32> = (0..100).collect();
-        let one = |it: &u32| match it {
+        let one = |number: &u32| match number {
             50 => panic!("fifty"),
-            it => *it,
+            number => *number,
         };
-        let caught = std::panic::catch_unwind(|| map(&items, || (), one, |(), it| one(it)));
+        let caught = std::panic::catch_unwind(|| map(&items, || (), one, |(), number| one(number)));
         let cause = caught.unwrap_err();
         assert_eq!(cause.downcast_ref::<&str>(), Some(&"fifty"));
     }

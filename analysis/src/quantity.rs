@@ -33,9 +33,9 @@ pub fn share_of(seconds: f64, whole: f64) -> String {
 fn number_and_unit(seconds: f64) -> (String, &'static str) {
     let micros = seconds * 1e6;
     match micros.abs() {
-        it if it >= 1e6 && is_whole(it / 1e5) => (decimal(micros / 1e6), "s"),
-        it if it >= 1e3 || it == 0.0 => (decimal(micros / 1e3), "ms"),
-        it if it >= 1.0 => (decimal(micros), "µs"),
+        number if number >= 1e6 && is_whole(number / 1e5) => (decimal(micros / 1e6), "s"),
+        number if number >= 1e3 || number == 0.0 => (decimal(micros / 1e3), "ms"),
+        number if number >= 1.0 => (decimal(micros), "µs"),
         _ => (decimal(micros * 1e3), "ns"),
     }
 }
@@ -59,8 +59,8 @@ pub fn load(share: Seconds) -> String {
 /// Like [`load`], for a number of percent.
 pub fn percent(percent: f64) -> String {
     match percent.abs() {
-        it if it >= 10.0 || is_whole(it) => format!("{percent:.0} %"),
-        it if it >= 0.1 => {
+        number if number >= 10.0 || is_whole(number) => format!("{percent:.0} %"),
+        number if number >= 0.1 => {
             let text = format!("{percent:.1}");
             format!("{} %", text.strip_suffix(".0").unwrap_or(&text))
         }

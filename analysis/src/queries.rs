@@ -35,7 +35,7 @@ pub(crate) fn elaborated<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Elabor
 pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated {
     let visits = &visits(db, unit).visits;
     let roots: Vec<u32> = (0..visits.len() as u32)
-        .filter(|&it| visits[it as usize].includer.is_none())
+        .filter(|&index| visits[index as usize].includer.is_none())
         .collect();
     let wrapper = ItemTree {
         items: (0..roots.len() as u32)
@@ -50,13 +50,16 @@ pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated 
     };
     let paths: Vec<SmolStr> = visits
         .iter()
-        .map(|it| SmolStr::new(it.key.file(db).path(db).as_str()))
+        .map(|visit| SmolStr::new(visit.key.file(db).path(db).as_str()))
         .collect();
     let after_wrapper = |visit: u32| visit + 1;
     let mut input = vec![elab::Visit {
         tree: &wrapper,
         file: u32::MAX,
-        includes: roots.iter().map(|&it| Some(after_wrapper(it))).collect(),
+        includes: roots
+            .iter()
+            .map(|&root| Some(after_wrapper(root)))
+            .collect(),
         path: "",
     }];
     input.extend(visits.iter().zip(&paths).map(|(visit, path)| {
@@ -66,8 +69,9 @@ pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated 
             includes: visit
                 .includes
                 .iter()
-                .map(|it| {
-                    it.filter(|&it| visits[it as usize].reached)
+                .map(|include| {
+                    include
+                        .filter(|&include| visits[include as usize].reached)
                         .map(after_wrapper)
                 })
                 .collect(),
@@ -110,7 +114,7 @@ pub(crate) fn body_view<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> 
         return none();
     };
     let component: Option<&Component> = match &closing.snapshot {
-        Some(it) => Some(it),
+        Some(snapshot) => Some(snapshot),
         None => spec.components.get(closing.component as usize),
     };
     match component {
@@ -136,9 +140,9 @@ pub(crate) fn lint_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> 
 #[salsa::tracked(returns(copy))]
 fn is_last_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> bool {
     let closings = &elaborated(db, unit).closings;
-    closings.get(body as usize).is_some_and(|it| {
+    closings.get(body as usize).is_some_and(|end| {
         let later = &closings[body as usize + 1..];
-        it.snapshot.is_none() && later.iter().all(|that| that.component != it.component)
+        end.snapshot.is_none() && later.iter().all(|that| that.component != end.component)
     })
 }
 
@@ -147,10 +151,10 @@ fn is_last_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> bool {
 pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Finding>> {
     let visits = &visits(db, unit).visits;
     let is_root = |visit: u32| {
-        let it = visit
+        let difference = visit
             .checked_sub(WRAPPER + 1)
-            .and_then(|it| visits.get(it as usize));
-        it.is_some_and(|it| it.includer.is_none())
+            .and_then(|difference| visits.get(difference as usize));
+        difference.is_some_and(|difference| difference.includer.is_none())
     };
     Arc::new(lint::unused(elaborated(db, unit), is_root))
 }

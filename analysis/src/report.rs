@@ -52,15 +52,18 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
             report.text(i, visit.key);
         }
     }
-    for it in elab_findings(db, unit).iter() {
-        report.finding(it);
+    for finding in elab_findings(db, unit).iter() {
+        report.finding(finding);
     }
     for body in 0..body_count(db, unit) {
-        for it in check_body(db, unit, body).iter() {
-            report.finding(it);
+        for body in check_body(db, unit, body).iter() {
+            report.finding(body);
         }
     }
-    let rejected = report.out.iter().any(|it| it.severity == Severity::Error);
+    let rejected = report
+        .out
+        .iter()
+        .any(|diagnostic| diagnostic.severity == Severity::Error);
     for body in 0..body_count(db, unit) {
         report.lints(lint_body(db, unit, body), rejected);
     }
@@ -83,11 +86,11 @@ pub(crate) fn file_diagnostics(db: &dyn Db, file: SourceFile) -> Vec<Diagnostic>
     let mut out = Vec::new();
     for &root in roots_of(db, file).iter().take(MAX_UNITS) {
         let report = unit_report(db, unit_of_root(db, root));
-        let start = report.partition_point(|it| it.path.as_str() < path.as_str());
+        let start = report.partition_point(|report| report.path.as_str() < path.as_str());
         out.extend(
             report[start..]
                 .iter()
-                .take_while(|it| it.path == *path)
+                .take_while(|report| report.path == *path)
                 .cloned(),
         );
     }
@@ -129,9 +132,9 @@ struct Reporter<'db> {
 impl<'db> Reporter<'db> {
     /// Adds the diagnostics of one file's text.
     fn text(&mut self, visit: usize, key: FileKey<'db>) {
-        for it in text_report(self.db, key).iter() {
-            self.out.push(it.clone());
-            if it.code == dotgen_syntax::codes::AT_END {
+        for report in text_report(self.db, key).iter() {
+            self.out.push(report.clone());
+            if report.code == dotgen_syntax::codes::AT_END {
                 self.included_from(visit);
             }
         }
@@ -157,30 +160,30 @@ impl<'db> Reporter<'db> {
         }
     }
 
-    fn finding(&mut self, it: &Finding) {
-        let Some((key, range)) = self.place(it.at) else {
+    fn finding(&mut self, finding: &Finding) {
+        let Some((key, range)) = self.place(finding.at) else {
             return;
         };
-        if self.missing.explains(self.db, key, it, range) {
+        if self.missing.explains(self.db, key, finding, range) {
             return;
         }
         let file = key.file(self.db);
-        let near = it.near.as_ref();
+        let near = finding.near.as_ref();
         let path = file.path(self.db);
         // Mistakes in stand-ins by dotgen are not reported.
         if unit::is_standin(path) {
             return;
         }
-        let mut out = shown(&it.kind, near, it.because, path, range);
-        out.severity = it.severity;
-        if let (Some(src), Some(reference)) = (it.compiler_at, &mut out.reference)
+        let mut out = shown(&finding.kind, near, finding.because, path, range);
+        out.severity = finding.severity;
+        if let (Some(src), Some(reference)) = (finding.compiler_at, &mut out.reference)
             && let Some((said, range)) = self.place(src)
             && said == key
         {
             reference.at = usize::from(range.start());
         }
         let mut related = Vec::new();
-        for (src, role) in &it.related {
+        for (src, role) in &finding.related {
             if let Some((other, range)) = self.place(*src) {
                 let at = related_at(self.db, other.file(self.db), range, role.to_string());
                 if at.path == *path {
@@ -190,27 +193,27 @@ impl<'db> Reporter<'db> {
             }
         }
         out.related.extend(expanded_from(self.db, key, range));
-        out.fixes.extend(near.and_then(|it| self.change(it)));
-        let fixes = fixes_at(self.db, key, &it.kind, range, &related);
+        out.fixes.extend(near.and_then(|near| self.change(near)));
+        let fixes = fixes_at(self.db, key, &finding.kind, range, &related);
         out.fixes.extend(fixes);
         self.out.push(out);
     }
 
     /// In a rejected unit, missing parts may be in unreadable text: rules about absence do not run.
     fn lints(&mut self, found: &[Finding], rejected: bool) {
-        for it in found {
-            let Some(code) = codes::lints::find(it.code()) else {
+        for finding in found {
+            let Some(code) = codes::lints::find(finding.code()) else {
                 continue;
             };
-            if (rejected && code.absence) || (!code.on && !is_configured(self.db, it.code())) {
+            if (rejected && code.absence) || (!code.on && !is_configured(self.db, finding.code())) {
                 continue;
             }
             let before = self.out.len();
-            self.finding(it);
+            self.finding(finding);
             if code.unnecessary {
                 self.out[before..]
                     .iter_mut()
-                    .for_each(|it| it.tags.push(Tag::Unnecessary));
+                    .for_each(|diagnostic| diagnostic.tags.push(Tag::Unnecessary));
             }
         }
     }
@@ -224,13 +227,14 @@ impl<'db> Reporter<'db> {
             }
             let file = visit.key.file(self.db);
             let path = file.path(self.db);
-            for it in suppressions(self.db, visit.key).iter() {
-                let mut unused: Vec<&(String, TextRange)> = it.codes.iter().collect();
+            for suppression in suppressions(self.db, visit.key).iter() {
+                let mut unused: Vec<&(String, TextRange)> = suppression.codes.iter().collect();
                 self.out.retain(|found| {
                     let inside = found.path == *path
                         && found.severity != Severity::Error
-                        && bytes(it.scope).contains(&found.range.start);
-                    let allowed = inside && it.codes.iter().any(|(code, _)| code == found.code);
+                        && bytes(suppression.scope).contains(&found.range.start);
+                    let allowed =
+                        inside && suppression.codes.iter().any(|(code, _)| code == found.code);
                     if allowed {
                         unused.retain(|(code, _)| code != found.code);
                     }
@@ -249,8 +253,8 @@ impl<'db> Reporter<'db> {
                         codes::lints::find(code).is_some() || codes::checks::find(code).is_some();
                     self.remark(visit.key, unused_allowance(code, known), *range);
                 }
-                if !it.has_reason {
-                    self.remark(visit.key, LintWarning::NoReason, it.comment);
+                if !suppression.has_reason {
+                    self.remark(visit.key, LintWarning::NoReason, suppression.comment);
                 }
             }
         }
@@ -336,9 +340,9 @@ pub(crate) fn fixes_at<'db>(
     };
     let path = key.file(db).path(db);
     let fixes = kind.fixes(&here).into_iter();
-    let mut fixes: Vec<Fix> = fixes.map(|it| it.within(path)).collect();
-    let is_doubtful = |it: &Fix| it.kind == FixKind::Plain && has_odd_quote(db, key.file(db));
-    for fix in fixes.iter_mut().filter(|it| is_doubtful(it)) {
+    let mut fixes: Vec<Fix> = fixes.map(|fix| fix.within(path)).collect();
+    let is_doubtful = |fix: &Fix| fix.kind == FixKind::Plain && has_odd_quote(db, key.file(db));
+    for fix in fixes.iter_mut().filter(|fix| is_doubtful(fix)) {
         fix.kind = FixKind::Guess;
     }
     fixes
@@ -346,24 +350,30 @@ pub(crate) fn fixes_at<'db>(
 
 /// See [`crate::host::Analysis::trials`].
 pub(crate) fn trials(db: &dyn Db, of: &Diagnostic, all: &[Diagnostic]) -> Vec<Fix> {
-    let is_parse = |it: &&Diagnostic| {
-        dotgen_syntax::codes::find(it.code).is_some()
-            && it.severity == Severity::Error
-            && !codes::is_environment(it.code)
+    let is_parse = |diagnostic: &&Diagnostic| {
+        dotgen_syntax::codes::find(diagnostic.code).is_some()
+            && diagnostic.severity == Severity::Error
+            && !codes::is_environment(diagnostic.code)
     };
     if of.severity != Severity::Error {
         return Vec::new();
     }
     let text = db.file(&of.path).text(db);
-    let line = |at: usize| text.get(..at).map(|it| it.matches('\n').count());
+    let line = |at: usize| text.get(..at).map(|text| text.matches('\n').count());
     // Other errors on the same line are consequences and disappear with it.
-    let here = all.iter().filter(|it| it.path == of.path).filter(is_parse);
-    let mut here = here.filter(|it| line(it.range.start) == line(of.range.start));
+    let here = all
+        .iter()
+        .filter(|diagnostic| diagnostic.path == of.path)
+        .filter(is_parse);
+    let mut here = here.filter(|diagnostic| line(diagnostic.range.start) == line(of.range.start));
     let Some(cause) = Some(of).filter(is_parse).or_else(|| here.next()) else {
         return Vec::new();
     };
     let repairs = trial::repairs(text, text_range(&cause.range));
-    repairs.into_iter().map(|it| it.within(&of.path)).collect()
+    repairs
+        .into_iter()
+        .map(|repair| repair.within(&of.path))
+        .collect()
 }
 
 /// Returns true if a quote is missing somewhere in a file: a literal is not closed, or a string begins like
@@ -426,16 +436,23 @@ pub(crate) fn unused_allowances(
         return Vec::new();
     };
     let mut out = Vec::new();
-    for it in suppressions(db, key).iter() {
-        let scope = bytes(it.scope);
+    for suppression in suppressions(db, key).iter() {
+        let scope = bytes(suppression.scope);
         let has = |found: &Diagnostic, code: &str| {
-            let related = found.related.iter().map(|it| (&it.path, &it.range));
+            let related = found
+                .related
+                .iter()
+                .map(|related| (&related.path, &related.range));
             let mut places = std::iter::once((&found.path, &found.range)).chain(related);
-            found.code == code && places.any(|it| it.0 == path && scope.contains(&it.1.start))
+            found.code == code
+                && places.any(|place| place.0 == path && scope.contains(&place.1.start))
         };
-        let codes = it.codes.iter().filter(|it| it.0.starts_with(family));
+        let codes = suppression
+            .codes
+            .iter()
+            .filter(|code| code.0.starts_with(family));
         for (code, range) in codes {
-            if is_switched_off(db, code) || found.iter().any(|it| has(it, code)) {
+            if is_switched_off(db, code) || found.iter().any(|diagnostic| has(diagnostic, code)) {
                 continue;
             }
             let kind = unused_allowance(code, known.contains(&code.as_str()));
@@ -449,10 +466,13 @@ pub(crate) fn unused_allowances(
 /// Applies the configured severities to findings of a layer above, and removes allowed ones. A comment at any
 /// place of a finding counts.
 pub(crate) fn adjust(db: &dyn Db, mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    diagnostics.retain(|it| {
-        let related = it.related.iter().map(|it| (&it.path, &it.range));
-        let mut places = std::iter::once((&it.path, &it.range)).chain(related);
-        !places.any(|(path, range)| is_allowed(db, path, range.start, it.code))
+    diagnostics.retain(|diagnostic| {
+        let related = diagnostic
+            .related
+            .iter()
+            .map(|related| (&related.path, &related.range));
+        let mut places = std::iter::once((&diagnostic.path, &diagnostic.range)).chain(related);
+        !places.any(|(path, range)| is_allowed(db, path, range.start, diagnostic.code))
     });
     configure(db, &mut diagnostics);
     diagnostics
@@ -462,8 +482,8 @@ pub(crate) fn adjust(db: &dyn Db, mut diagnostics: Vec<Diagnostic>) -> Vec<Diagn
 fn is_allowed(db: &dyn Db, path: &Utf8Path, at: usize, code: &str) -> bool {
     let file = db.file(path);
     // Sources in other languages are not parsed here.
-    if !roots_of(db, file).iter().any(|it| *it != file)
-        && !db.workspace().roots(db).iter().any(|it| it == path)
+    if !roots_of(db, file).iter().any(|root| *root != file)
+        && !db.workspace().roots(db).iter().any(|root| root == path)
     {
         return false;
     }
@@ -471,8 +491,9 @@ fn is_allowed(db: &dyn Db, path: &Utf8Path, at: usize, code: &str) -> bool {
     let Some((_, key)) = unit::serving_visit(db, unit, file) else {
         return false;
     };
-    suppressions(db, key).iter().any(|it| {
-        bytes(it.scope).contains(&at) && it.codes.iter().any(|(allowed, _)| allowed == code)
+    suppressions(db, key).iter().any(|suppression| {
+        bytes(suppression.scope).contains(&at)
+            && suppression.codes.iter().any(|(allowed, _)| allowed == code)
     })
 }
 
@@ -482,7 +503,7 @@ fn is_configured(db: &dyn Db, code: &str) -> bool {
     configured
         .iter()
         .rev()
-        .find(|(it, _)| it == code)
+        .find(|(candidate, _)| candidate == code)
         .is_some_and(|(_, to)| to.is_some())
 }
 
@@ -492,7 +513,7 @@ pub(crate) fn is_switched_off(db: &dyn Db, code: &str) -> bool {
     configured
         .iter()
         .rev()
-        .find(|(it, _)| it == code)
+        .find(|(candidate, _)| candidate == code)
         .is_some_and(|(_, to)| to.is_none())
 }
 
@@ -502,13 +523,16 @@ fn configure(db: &dyn Db, diagnostics: &mut Vec<Diagnostic>) {
     if configured.is_empty() {
         return;
     }
-    diagnostics.retain_mut(|it| {
-        let setting = configured.iter().rev().find(|(code, _)| code == it.code);
+    diagnostics.retain_mut(|diagnostic| {
+        let setting = configured
+            .iter()
+            .rev()
+            .find(|(code, _)| code == diagnostic.code);
         match setting {
-            Some(_) if it.severity == Severity::Error => true,
+            Some(_) if diagnostic.severity == Severity::Error => true,
             Some((_, None)) => false,
             Some((_, Some(severity))) => {
-                it.severity = *severity;
+                diagnostic.severity = *severity;
                 true
             }
             None => true,

@@ -27,7 +27,7 @@ impl Requirement {
     /// Reads a text. All specifications are read, so only possible places of comments are lexed.
     pub(crate) fn of(text: &str) -> Requirement {
         let mut found = Requirement::default();
-        let named = text.match_indices(PACKAGE).map(|it| it.0);
+        let named = text.match_indices(PACKAGE).map(|pair| pair.0);
         let bounds = named.filter_map(|at| {
             let before = text[..at].trim_end_matches([' ', '\t']);
             let start = before.strip_suffix('"')?.len();
@@ -37,13 +37,13 @@ impl Requirement {
         });
         found.bound = bounds.max();
         for (at, word) in text.match_indices("include") {
-            let line = text[..at].rfind('\n').map_or(0, |it| it + 1);
+            let line = text[..at].rfind('\n').map_or(0, |index| index + 1);
             if text[line..at].trim() != "#" {
                 continue;
             }
             let after = &text[at + word.len()..];
             let name = after.trim_start_matches([' ', '\t']).strip_prefix('"');
-            if let Some((name, _)) = name.and_then(|it| it.split_once('"')) {
+            if let Some((name, _)) = name.and_then(|name| name.split_once('"')) {
                 found.includes.push(name.to_owned());
             }
         }
@@ -57,7 +57,7 @@ const PACKAGE: &str = "genom3";
 /// Returns true if the quote at an offset begins a string, and is not in a comment or in another string.
 fn is_string(text: &str, at: usize) -> bool {
     let before = &text[..at];
-    let line = before.rfind('\n').map_or(0, |it| it + 1);
+    let line = before.rfind('\n').map_or(0, |index| index + 1);
     let plain = !before[line..].contains(['"', '\'']) && !before[line..].contains("//");
     if plain
         && before
@@ -67,8 +67,8 @@ fn is_string(text: &str, at: usize) -> bool {
         return true;
     }
     let raw = dotgen_syntax::lexer::lex(text);
-    let mut strings = (0..raw.len()).filter(|it| raw.kind(*it) == SyntaxKind::STRING);
-    strings.any(|it| raw.start(it) == at)
+    let mut strings = (0..raw.len()).filter(|index| raw.kind(*index) == SyntaxKind::STRING);
+    strings.any(|index| raw.start(index) == at)
 }
 
 /// The greatest lower bound for the package `genom3` in some files and their includes in the same
@@ -80,7 +80,7 @@ pub fn required_release(
     let mut seen = FxHashSet::default();
     let mut todo: Vec<Utf8PathBuf> = files.into_iter().collect();
     let mut bound = None;
-    while let Some(file) = todo.pop().map(|it| normalize(&it)) {
+    while let Some(file) = todo.pop().map(|file| normalize(&file)) {
         if seen.contains(&file) {
             continue;
         }
@@ -88,7 +88,7 @@ pub fn required_release(
             let found = Requirement::of(&text);
             bound = bound.max(found.bound);
             let directory = file.parent().unwrap_or(&file);
-            todo.extend(found.includes.iter().map(|it| directory.join(it)));
+            todo.extend(found.includes.iter().map(|include| directory.join(include)));
         }
         seen.insert(file);
     }
@@ -119,7 +119,7 @@ fn bound(db: &dyn Db, files: impl IntoIterator<Item = SourceFile>) -> Option<Rel
             found
                 .includes
                 .iter()
-                .map(|it| db.file(&normalize(&directory.join(it)))),
+                .map(|include| db.file(&normalize(&directory.join(include)))),
         );
     }
     bound
@@ -132,7 +132,7 @@ fn of_project(db: &dyn Db, workspace: Workspace, directory: Option<Utf8PathBuf>)
     let projects = workspace.projects(db);
     let project = projects
         .iter()
-        .find(|it| Some(&it.directory) == directory.as_ref());
+        .find(|project| Some(&project.directory) == directory.as_ref());
     let given = match project {
         Some(project) => project.release.as_ref(),
         None => workspace.release(db).as_ref(),
@@ -140,16 +140,20 @@ fn of_project(db: &dyn Db, workspace: Workspace, directory: Option<Utf8PathBuf>)
     if let Some(given) = given.or(db.installed().release(db).as_ref()) {
         return given.clone();
     }
-    let of_project =
-        |it: &&Utf8PathBuf| workspace.project(db, it).map(|it| &it.directory) == directory.as_ref();
+    let of_project = |path: &&Utf8PathBuf| {
+        workspace
+            .project(db, path)
+            .map(|project| &project.directory)
+            == directory.as_ref()
+    };
     let roots = workspace.roots(db).iter().filter(of_project);
-    ReleaseChoice::required(bound(db, roots.map(|it| db.file(it))))
+    ReleaseChoice::required(bound(db, roots.map(|root| db.file(root))))
 }
 
 /// The release of the project that contains a path.
 pub(crate) fn of_path(db: &dyn Db, path: &camino::Utf8Path) -> ReleaseChoice {
     let project = db.workspace().project(db, path);
-    let directory = project.map(|it| it.directory.clone());
+    let directory = project.map(|project| project.directory.clone());
     of_project(db, db.workspace(), directory).clone()
 }
 

@@ -95,7 +95,7 @@ impl TextMove {
         if old.end <= self.start {
             return Some(old.clone());
         }
-        let behind = |it: usize| it - self.old_end + self.new_end;
+        let behind = |index: usize| index - self.old_end + self.new_end;
         (old.start >= self.old_end).then(|| behind(old.start)..behind(old.end))
     }
 
@@ -154,7 +154,9 @@ impl UnitLocations {
     /// The macro calls in the file of an id, in text order.
     pub fn macro_calls(&self, src: Src) -> &[MacroCall] {
         let visit = self.visits.get(src.visit as usize);
-        visit.and_then(Option::as_ref).map_or(&[], |it| &it.calls)
+        visit
+            .and_then(Option::as_ref)
+            .map_or(&[], |places| &places.calls)
     }
 }
 
@@ -165,18 +167,18 @@ fn macro_calls<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<[MacroCall]> {
     }
     let raw = &lexed(db, key.file(db)).raw;
     let expansions = &parsed(db, key).expansion;
-    let calls = preprocessed(db, key).elements.iter().filter_map(|it| {
-        let Element::Call { first, end } = *it else {
+    let calls = preprocessed(db, key).elements.iter().filter_map(|element| {
+        let Element::Call { first, end } = *element else {
             return None;
         };
         let range = raw.start(first as usize)..raw.start(end as usize);
         let mut tokens = expansions.expansion(text_range(&range)).peekable();
-        let punctuation = tokens.peek().is_some_and(|it| {
-            it.text.len() == 1 && it.text.bytes().all(|it| it.is_ascii_punctuation())
+        let punctuation = tokens.peek().is_some_and(|token| {
+            token.text.len() == 1 && token.text.bytes().all(|byte| byte.is_ascii_punctuation())
         });
         let expanded = tokens
             .enumerate()
-            .map(|(number, it)| it.text.len() + usize::from(number > 0 && !it.glued))
+            .map(|(number, token)| token.text.len() + usize::from(number > 0 && !token.glued))
             .sum();
         Some(MacroCall {
             range,
@@ -195,10 +197,10 @@ impl Locations for UnitLocations {
             range = text_range(&moved.range(&bytes(range))?);
         }
         let position = |offset| {
-            let it = visit.lines.line_col(offset, PositionEncoding::Utf8);
+            let position = visit.lines.line_col(offset, PositionEncoding::Utf8);
             LineCol {
-                line: it.line,
-                col: it.col,
+                line: position.line,
+                col: position.col,
             }
         };
         Some(Location {

@@ -42,7 +42,7 @@ impl Spelling {
             }
         }
         Spelling {
-            chosen: counts.map(|it| match it[0].cmp(&it[1]) {
+            chosen: counts.map(|length| match length[0].cmp(&length[1]) {
                 Ordering::Greater => Some(0),
                 Ordering::Equal => None,
                 Ordering::Less => Some(1),

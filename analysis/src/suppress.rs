@@ -39,8 +39,8 @@ pub(crate) fn suppressions<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<S
     let root = parsed(db, key).syntax();
     let tokens = root
         .descendants_with_tokens()
-        .filter_map(|it| it.into_token());
-    Arc::new(tokens.filter_map(|it| suppression(&it)).collect())
+        .filter_map(|element| element.into_token());
+    Arc::new(tokens.filter_map(|token| suppression(&token)).collect())
 }
 
 const MARK: &str = "dotgen:";
@@ -80,8 +80,8 @@ fn suppression(comment: &SyntaxToken) -> Option<Suppression> {
     })
 }
 
-fn size(it: usize) -> TextSize {
-    TextSize::try_from(it).unwrap_or_else(|_| TextSize::from(u32::MAX))
+fn size(offset: usize) -> TextSize {
+    TextSize::try_from(offset).unwrap_or_else(|_| TextSize::from(u32::MAX))
 }
 
 /// The declaration that a comment applies to.
@@ -90,18 +90,18 @@ fn scope(comment: &SyntaxToken) -> Option<TextRange> {
     let item = if on_own_line {
         // The first declaration that begins after the comment.
         let next = std::iter::successors(comment.next_token(), SyntaxToken::next_token)
-            .find(|it| !it.kind().is_trivia() && !it.text_range().is_empty())?;
+            .find(|token| !token.kind().is_trivia() && !token.text_range().is_empty())?;
         outermost_item_at(&next)?
     } else {
         // The declaration that begins on this line, or else the one around it.
         let first = std::iter::successors(comment.prev_token(), SyntaxToken::prev_token)
-            .take_while(|it| !it.text().contains('\n'))
-            .filter(|it| !it.kind().is_trivia() && !it.text_range().is_empty())
+            .take_while(|token| !token.text().contains('\n'))
+            .filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty())
             .last()?;
         outermost_item_at(&first).or_else(|| {
             first
                 .parent_ancestors()
-                .find(|it| ast::Item::can_cast(it.kind()))
+                .find(|ancestor| ast::Item::can_cast(ancestor.kind()))
         })?
     };
     Some(item.text_range())
@@ -110,14 +110,14 @@ fn scope(comment: &SyntaxToken) -> Option<TextRange> {
 /// Returns true if only blanks stand before a comment on its line.
 fn is_on_own_line(comment: &SyntaxToken) -> bool {
     let mut before = comment.prev_token();
-    while let Some(it) = before {
-        if it.text().contains(['\n', '\r']) {
+    while let Some(token) = before {
+        if token.text().contains(['\n', '\r']) {
             return true;
         }
-        if !it.kind().is_trivia() && !it.text_range().is_empty() {
+        if !token.kind().is_trivia() && !token.text_range().is_empty() {
             return false;
         }
-        before = it.prev_token();
+        before = token.prev_token();
     }
     true
 }
@@ -127,13 +127,13 @@ fn outermost_item_at(token: &SyntaxToken) -> Option<SyntaxNode> {
     let begins = |node: &SyntaxNode| {
         let first = node
             .descendants_with_tokens()
-            .filter_map(|it| it.into_token())
-            .find(|it| !it.kind().is_trivia() && !it.text_range().is_empty());
-        first.is_some_and(|it| it.text_range() == token.text_range())
+            .filter_map(|element| element.into_token())
+            .find(|token| !token.kind().is_trivia() && !token.text_range().is_empty());
+        first.is_some_and(|other| other.text_range() == token.text_range())
     };
     token
         .parent_ancestors()
-        .filter(|it| ast::Item::can_cast(it.kind()))
+        .filter(|ancestor| ast::Item::can_cast(ancestor.kind()))
         .take_while(begins)
         .last()
 }

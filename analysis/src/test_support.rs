@@ -38,7 +38,7 @@ impl Loader for MemoryLoader {
         let files = self.files.lock().unwrap();
         match files.get(path) {
             Some(text) => FileContent::Text(text.clone()),
-            None if files.keys().any(|it| it.starts_with(path)) => FileContent::Directory,
+            None if files.keys().any(|key| key.starts_with(path)) => FileContent::Directory,
             None => FileContent::Missing,
         }
     }
@@ -46,8 +46,10 @@ impl Loader for MemoryLoader {
     fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String> {
         let known = self.packages.lock().unwrap();
         let mut flags = PackageFlags::default();
-        for it in arguments {
-            let found = known.get(it).ok_or(format!("no package `{it}`"))?;
+        for argument in arguments {
+            let found = known
+                .get(argument)
+                .ok_or(format!("no package `{argument}`"))?;
             flags
                 .include_dirs
                 .extend(found.include_dirs.iter().cloned());
@@ -60,9 +62,9 @@ impl Loader for MemoryLoader {
         let files = self.files.lock().unwrap();
         let mut out: Vec<DirEntry> = files
             .keys()
-            .filter_map(|it| it.strip_prefix(path).ok())
-            .filter_map(|it| {
-                let mut parts = it.components();
+            .filter_map(|key| key.strip_prefix(path).ok())
+            .filter_map(|path| {
+                let mut parts = path.components();
                 Some(DirEntry {
                     name: parts.next()?.to_string(),
                     is_dir: parts.next().is_some(),
@@ -181,9 +183,9 @@ impl Fixture {
     /// Names of the queries that ran since the last call, sorted, keys left out.
     pub(crate) fn take_log(&self) -> Vec<String> {
         let mut log = std::mem::take(&mut *self.log.lock().unwrap());
-        for it in &mut log {
-            let end = it.find('(').unwrap_or(it.len());
-            it.truncate(end);
+        for log in &mut log {
+            let end = log.find('(').unwrap_or(log.len());
+            log.truncate(end);
         }
         log.sort();
         log
@@ -193,16 +195,16 @@ impl Fixture {
     pub(crate) fn all_diagnostics(&self) -> String {
         let mut out = String::new();
         for path in self.paths() {
-            for it in self.analysis().diagnostics(&path).unwrap() {
-                writeln!(out, "{}", diagnostic_line(&it)).unwrap();
+            for diagnostic in self.analysis().diagnostics(&path).unwrap() {
+                writeln!(out, "{}", diagnostic_line(&diagnostic)).unwrap();
             }
         }
         out
     }
 }
 
-pub(crate) fn diagnostic_line(it: &Diagnostic) -> String {
-    let severity = match it.severity {
+pub(crate) fn diagnostic_line(diagnostic: &Diagnostic) -> String {
+    let severity = match diagnostic.severity {
         Severity::Error => "error",
         Severity::Warning => "warning",
         Severity::Information => "information",
@@ -210,7 +212,7 @@ pub(crate) fn diagnostic_line(it: &Diagnostic) -> String {
     };
     format!(
         "{}:{:?} {severity} {}: {}",
-        it.path, it.range, it.code, it.message
+        diagnostic.path, diagnostic.range, diagnostic.code, diagnostic.message
     )
 }
 
@@ -227,7 +229,7 @@ pub(crate) fn annotations(text: &str) -> Vec<(Range<usize>, String)> {
         {
             let column = line.find('^').unwrap();
             let length = line[column..]
-                .find(|it| it != '^')
+                .find(|character| character != '^')
                 .unwrap_or(line.len() - column);
             let label = line[column + length..].trim().to_owned();
             out.push((previous + column..previous + column + length, label));

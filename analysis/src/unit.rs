@@ -137,16 +137,18 @@ pub(crate) fn visits<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Visits<'db> {
         let outcomes: Vec<DirectiveEffect> = visit
             .outcomes
             .iter()
-            .map(|it| match it {
-                DirectiveEffect::Include(it) => {
-                    DirectiveEffect::Include(it.as_ref().map(restrict).map_err(Clone::clone))
+            .map(|outcome| match outcome {
+                DirectiveEffect::Include(include) => {
+                    DirectiveEffect::Include(include.as_ref().map(restrict).map_err(Clone::clone))
                 }
-                DirectiveEffect::Requires(it) => {
-                    let restrict = |it: &RequiredPackages| RequiredPackages {
-                        env: restrict(&it.env),
-                        own: it.own.clone(),
+                DirectiveEffect::Requires(requirement) => {
+                    let restrict = |packages: &RequiredPackages| RequiredPackages {
+                        env: restrict(&packages.env),
+                        own: packages.own.clone(),
                     };
-                    DirectiveEffect::Requires(it.as_ref().map(restrict).map_err(Clone::clone))
+                    DirectiveEffect::Requires(
+                        requirement.as_ref().map(restrict).map_err(Clone::clone),
+                    )
                 }
             })
             .collect();
@@ -174,17 +176,20 @@ pub(crate) fn defines(db: &dyn Db, file: SourceFile) -> Arc<Vec<Define>> {
         MacroEnv::empty(),
         &mut preproc::NoIncludes,
     );
-    let defines = pre.directives.into_iter().filter_map(|it| match it.kind {
-        DirectiveKind::Define(it) => Some(it),
-        _ => None,
-    });
+    let defines = pre
+        .directives
+        .into_iter()
+        .filter_map(|directive| match directive.kind {
+            DirectiveKind::Define(define) => Some(define),
+            _ => None,
+        });
     Arc::new(defines.collect())
 }
 
 /// One `#define` of a file.
 pub(crate) fn define(db: &dyn Db, file: SourceFile, ordinal: u32) -> Option<Define> {
     let all = defines(db, file);
-    all.iter().find(|it| it.ordinal == ordinal).cloned()
+    all.iter().find(|define| define.ordinal == ordinal).cloned()
 }
 
 /// For each file, the roots in whose units it is included, in their order; a root is not in its own list.
@@ -212,7 +217,11 @@ pub(crate) fn index(db: &dyn Db) -> bool {
     });
     let included = includers(db);
     let mut roots = roots.iter();
-    roots.any(|it| included.get(&db.file(it)).is_some_and(|it| !it.is_empty()))
+    roots.any(|root| {
+        included
+            .get(&db.file(root))
+            .is_some_and(|includer| !includer.is_empty())
+    })
 }
 
 /// The roots of the units that contain a file: other roots that include it, or, if there are none, the file
@@ -230,10 +239,13 @@ pub(crate) fn roots_of(db: &dyn Db, file: SourceFile) -> Vec<SourceFile> {
     let chosen = workspace
         .chosen(db)
         .iter()
-        .find(|it| it.0 == *file.path(db));
+        .find(|chosen| chosen.0 == *file.path(db));
     // The choice of the user counts more than the most recently edited document.
-    for preferred in [workspace.active(db).as_ref(), chosen.map(|it| &it.1)] {
-        let position = |path| roots.iter().position(|it| it.path(db) == path);
+    for preferred in [
+        workspace.active(db).as_ref(),
+        chosen.map(|chosen| &chosen.1),
+    ] {
+        let position = |path| roots.iter().position(|root| root.path(db) == path);
         if let Some(at) = preferred.and_then(position) {
             roots[..=at].rotate_right(1);
         }
@@ -246,8 +258,8 @@ pub(crate) fn files<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Vec<SourceFile>
     let mut seen = FxHashSet::default();
     let visits = walk_unit(db, unit).visits.iter();
     visits
-        .map(|it| it.file)
-        .filter(|&it| seen.insert(it))
+        .map(|walk_visit| walk_visit.file)
+        .filter(|&file| seen.insert(file))
         .collect()
 }
 
@@ -262,13 +274,13 @@ pub(crate) fn serving_visit<'db>(
     unit: UnitKey<'db>,
     file: SourceFile,
 ) -> Option<(u32, FileKey<'db>)> {
-    let of_file = |it: &(usize, &Visit<'db>)| it.1.key.file(db) == file;
+    let of_file = |pair: &(usize, &Visit<'db>)| pair.1.key.file(db) == file;
     let all = &visits(db, unit).visits;
     let mut of_file = all.iter().enumerate().filter(of_file).peekable();
-    let first = of_file.peek().map(|(i, it)| (*i as u32, it.key));
+    let first = of_file.peek().map(|(i, file)| (*i as u32, file.key));
     of_file
-        .find(|(_, it)| it.reached && !item_tree(db, it.key).items.is_empty())
-        .map(|(i, it)| (i as u32, it.key))
+        .find(|(_, visit)| visit.reached && !item_tree(db, visit.key).items.is_empty())
+        .map(|(i, file)| (i as u32, file.key))
         .or(first)
 }
 
@@ -298,7 +310,7 @@ fn parse_text<'db>(db: &'db dyn Db, key: FileKey<'db>) -> ParsedText {
     let raw = &lexed(db, file).raw;
     let parse = parse(file.text(db), raw, &pre, key.fragment(db));
     pre.elements
-        .retain(|it| matches!(it, Element::Directive { .. } | Element::Call { .. }));
+        .retain(|element| matches!(element, Element::Directive { .. } | Element::Call { .. }));
     pre.elements.shrink_to_fit();
     ParsedText { parse, pre }
 }
@@ -388,10 +400,10 @@ struct Replay<'a> {
 impl<'a> Replay<'a> {
     fn new(outcomes: &'a [DirectiveEffect]) -> Replay<'a> {
         let (mut includes, mut requires) = (Vec::new(), Vec::new());
-        for it in outcomes {
-            match it {
-                DirectiveEffect::Include(it) => includes.push(it),
-                DirectiveEffect::Requires(it) => requires.push(it),
+        for outcome in outcomes {
+            match outcome {
+                DirectiveEffect::Include(include) => includes.push(include),
+                DirectiveEffect::Requires(requirement) => requires.push(requirement),
             }
         }
         Replay {
@@ -408,7 +420,7 @@ impl Host for Replay<'_> {
         env: &MacroEnv,
     ) -> Result<MacroEnv, IncludeError> {
         let recorded = self.includes.get(request.ordinal as usize);
-        recorded.map_or_else(|| Ok(env.clone()), |&it| it.clone())
+        recorded.map_or_else(|| Ok(env.clone()), |&include| include.clone())
     }
 
     fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<RequiredPackages, String> {

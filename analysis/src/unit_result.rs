@@ -40,13 +40,15 @@ impl UnitResult {
         !self
             .diagnostics
             .iter()
-            .any(|it| it.severity == Severity::Error)
+            .any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 
     /// Returns true if its text has errors: files missing on this machine are not errors of the text.
     pub fn has_errors_in_text(&self) -> bool {
         let mut all = self.diagnostics.iter();
-        all.any(|it| it.severity == Severity::Error && !codes::is_environment(it.code))
+        all.any(|diagnostic| {
+            diagnostic.severity == Severity::Error && !codes::is_environment(diagnostic.code)
+        })
     }
 
     /// Returns true if some of its text does not parse.
@@ -54,9 +56,9 @@ impl UnitResult {
         let mut errors = self
             .diagnostics
             .iter()
-            .filter(|it| it.severity == Severity::Error);
-        errors.any(|it| {
-            dotgen_syntax::codes::find(it.code).is_some() && !codes::is_environment(it.code)
+            .filter(|diagnostic| diagnostic.severity == Severity::Error);
+        errors.any(|error| {
+            dotgen_syntax::codes::find(error.code).is_some() && !codes::is_environment(error.code)
         })
     }
 
@@ -64,23 +66,25 @@ impl UnitResult {
     pub fn lacks_files(&self) -> bool {
         self.diagnostics
             .iter()
-            .any(|it| codes::is_environment(it.code))
+            .any(|diagnostic| codes::is_environment(diagnostic.code))
     }
 }
 
 /// The present results for a unit.
 pub(crate) fn unit_result<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> UnitResult {
     let diagnostics = report::unit_report(db, unit).clone();
-    let rejected = diagnostics.iter().any(|it| it.severity == Severity::Error);
+    let rejected = diagnostics
+        .iter()
+        .any(|diagnostic| diagnostic.severity == Severity::Error);
     let words = unit::files(db, unit).into_iter().filter(|_| rejected);
-    let words = words.flat_map(|it| unit::mentioned(db, it).words.iter().cloned());
+    let words = words.flat_map(|file| unit::mentioned(db, file).words.iter().cloned());
     let is_cut = unit::files(db, unit).into_iter().any(|file| {
         let errors = diagnostics
             .iter()
-            .filter(|it| it.severity == Severity::Error);
-        let mut here = errors.filter(|it| it.path == *file.path(db));
+            .filter(|diagnostic| diagnostic.severity == Severity::Error);
+        let mut here = errors.filter(|error| error.path == *file.path(db));
         let end = file.text(db).trim_end().len();
-        here.any(|it| dotgen_syntax::codes::find(it.code).is_some() && it.range.end >= end)
+        here.any(|error| dotgen_syntax::codes::find(error.code).is_some() && error.range.end >= end)
     });
     UnitResult {
         is_cut,
@@ -89,7 +93,7 @@ pub(crate) fn unit_result<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> UnitResul
         diagnostics,
         files: unit::files(db, unit)
             .iter()
-            .map(|it| it.path(db).clone())
+            .map(|file| file.path(db).clone())
             .collect(),
         locations: Arc::new(UnitLocations::new(db, unit)),
     }

@@ -53,16 +53,18 @@ fn diagnostics(text: &str) -> Vec<(usize, &'static str, String)> {
     let found = reported(text);
     let all = found.iter();
     // Lints have tests of their own.
-    let is_hint = |it: &Diagnostic| it.severity == Severity::Hint && find(it.code).is_none();
-    all.filter(|it| !is_hint(it) && codes::lints::find(it.code).is_none())
-        .map(|it| {
-            let in_header = it.path.file_name() == Some("node.idl");
+    let is_hint = |diagnostic: &Diagnostic| {
+        diagnostic.severity == Severity::Hint && find(diagnostic.code).is_none()
+    };
+    all.filter(|diagnostic| !is_hint(diagnostic) && codes::lints::find(diagnostic.code).is_none())
+        .map(|diagnostic| {
+            let in_header = diagnostic.path.file_name() == Some("node.idl");
             let line = match in_header {
                 // Stands for the line of its `#include`.
                 true => 2,
-                false => 1 + text[..it.range.start].matches('\n').count(),
+                false => 1 + text[..diagnostic.range.start].matches('\n').count(),
             };
-            (line, it.code, it.message.clone())
+            (line, diagnostic.code, diagnostic.message.clone())
         })
         .collect()
 }
@@ -89,8 +91,11 @@ fn every_code_has_a_fixture_that_triggers_it() {
             false => format!("{line}\n"),
         };
         let found = diagnostics(&bad.lines().map(unmarked).collect::<String>());
-        let lines: Vec<usize> = found.iter().map(|it| it.0).collect();
-        if wanted.is_empty() || lines != wanted || found.iter().any(|it| it.1 != code.id) {
+        let lines: Vec<usize> = found.iter().map(|diagnostic| diagnostic.0).collect();
+        if wanted.is_empty()
+            || lines != wanted
+            || found.iter().any(|diagnostic| diagnostic.1 != code.id)
+        {
             failures.push(format!("{}: should be at {wanted:?}: {found:#?}", code.id));
         }
         for accepted in good.split("// corrected\n") {
@@ -126,7 +131,11 @@ const OF_FILES: [&str; 3] = ["pp-include-depth", "pp-include-place", "inactive-c
 
 #[test]
 fn examples_of_syntax_trigger_their_codes_until_they_are_corrected() {
-    let shows = |text: &str, id: &str| reported(text).iter().any(|it| it.code == id);
+    let shows = |text: &str, id: &str| {
+        reported(text)
+            .iter()
+            .any(|diagnostic| diagnostic.code == id)
+    };
     for code in dotgen_syntax::codes::all() {
         if code.corrected.is_empty() || OF_FILES.contains(&code.id) {
             continue;
@@ -188,7 +197,7 @@ fn consequences_are_quiet() {
             &["fsm/undefined-state"],
         ),
     ] {
-        let found: Vec<&str> = diagnostics(text).iter().map(|it| it.1).collect();
+        let found: Vec<&str> = diagnostics(text).iter().map(|diagnostic| diagnostic.1).collect();
         assert_eq!(found, wanted, "{text}\n{:#?}", diagnostics(text));
     }
 }

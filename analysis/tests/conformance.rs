@@ -50,7 +50,7 @@ impl Loader for Disk {
         for (name, value) in self.env.lock().unwrap().iter() {
             command.env(name, value);
         }
-        let output = command.output().map_err(|it| it.to_string())?;
+        let output = command.output().map_err(|error| error.to_string())?;
         if !output.status.success() {
             return Err(String::from_utf8_lossy(&output.stderr).into_owned());
         }
@@ -98,7 +98,7 @@ fn every_case_passes(release: Release) {
             continue;
         }
         let needs = case["needs"].as_str();
-        if needs.is_some_and(|it| Command::new(it).arg("--version").output().is_err()) {
+        if needs.is_some_and(|need| Command::new(need).arg("--version").output().is_err()) {
             eprintln!("SKIPPED: {name} needs {}", needs.unwrap_or_default());
             continue;
         }
@@ -120,8 +120,8 @@ fn check(root: &Path, case: &Json, release: Release) -> Result<(), String> {
     let diagnostics = &result.diagnostics;
     let (errors, mild): (Vec<&Diagnostic>, Vec<&Diagnostic>) = diagnostics
         .iter()
-        .filter(|it| it.severity != Severity::Hint)
-        .partition(|it| it.severity == Severity::Error);
+        .filter(|diagnostic| diagnostic.severity != Severity::Hint)
+        .partition(|diagnostic| diagnostic.severity == Severity::Error);
     let want = case.get("ours").unwrap_or(case);
     if want["verdict"] == "accept" {
         if let Some(error) = errors.first() {
@@ -134,7 +134,7 @@ fn check(root: &Path, case: &Json, release: Release) -> Result<(), String> {
         for error in want["errors"].as_array().into_iter().flatten() {
             let required = error["consequence"] != true;
             if required && !is_near(error, &errors) {
-                let ours: Vec<String> = errors.iter().map(|it| show(it)).collect();
+                let ours: Vec<String> = errors.iter().map(|error| show(error)).collect();
                 return Err(format!(
                     "no error near {error}; ours:\n    {}",
                     ours.join("\n    ")
@@ -162,7 +162,7 @@ fn check(root: &Path, case: &Json, release: Release) -> Result<(), String> {
 fn run(root: &Path, case: &Json, release: Release) -> UnitResult {
     let file: PathBuf = root.join(case["file"].as_str().unwrap());
     let here = file.parent().unwrap().to_str().unwrap().to_owned();
-    let fill = |it: &Json| it.as_str().unwrap().replace("{case}", &here);
+    let fill = |json: &Json| json.as_str().unwrap().replace("{case}", &here);
     let mut input = BatchInput {
         inputs: vec![Input::File(
             Utf8PathBuf::from_path_buf(file.clone()).unwrap(),
@@ -217,60 +217,60 @@ fn code_of(check: &str) -> &str {
 fn check_codes(want: &Json, errors: &[&Diagnostic]) -> Result<(), String> {
     let wanted: Vec<&Json> = want["errors"].as_array().into_iter().flatten().collect();
     let ids = |line: &Json| {
-        let here = wanted.iter().filter(|it| it["line"] == *line);
-        here.filter_map(|it| it["check"].as_str())
+        let here = wanted.iter().filter(|error| error["line"] == *line);
+        here.filter_map(|error| error["check"].as_str())
             .map(code_of)
             .collect::<Vec<_>>()
     };
-    for error in wanted.iter().filter(|it| it["consequence"] != true) {
+    for error in wanted.iter().filter(|error| error["consequence"] != true) {
         let codes = ids(&error["line"]);
         if codes.is_empty()
             || codes
                 .iter()
-                .any(|it| codes::find(it).is_none() && *it != "dropped")
+                .any(|code| codes::find(code).is_none() && *code != "dropped")
         {
             continue;
         }
         let ours: Vec<&&Diagnostic> = errors
             .iter()
-            .filter(|it| is_near(error, std::slice::from_ref(it)))
+            .filter(|diagnostic| is_near(error, std::slice::from_ref(diagnostic)))
             .collect();
-        if !ours.is_empty() && !ours.iter().any(|it| codes.contains(&it.code)) {
+        if !ours.is_empty() && !ours.iter().any(|error| codes.contains(&error.code)) {
             return Err(format!("none of {codes:?}, but {}", show(ours[0])));
         }
     }
     Ok(())
 }
 
-fn show(it: &Diagnostic) -> String {
-    let (first, _) = lines(it);
+fn show(diagnostic: &Diagnostic) -> String {
+    let (first, _) = lines(diagnostic);
     format!(
         "{}:{first}: {}: {}",
-        it.path.file_name().unwrap_or_default(),
-        it.code,
-        it.message
+        diagnostic.path.file_name().unwrap_or_default(),
+        diagnostic.code,
+        diagnostic.message
     )
 }
 
 /// First and last line, from 1.
-fn lines(it: &Diagnostic) -> (usize, usize) {
-    let text = fs::read(&it.path).unwrap_or_default();
+fn lines(diagnostic: &Diagnostic) -> (usize, usize) {
+    let text = fs::read(&diagnostic.path).unwrap_or_default();
     let line = |offset: usize| {
         let before = &text[..offset.min(text.len())];
-        1 + before.iter().filter(|it| **it == b'\n').count()
+        1 + before.iter().filter(|byte| **byte == b'\n').count()
     };
-    (line(it.range.start), line(it.range.end))
+    (line(diagnostic.range.start), line(diagnostic.range.end))
 }
 
 fn is_near(want: &Json, diagnostics: &[&Diagnostic]) -> bool {
     let also = want["also"].as_array().into_iter().flatten();
     let wanted: Vec<usize> = std::iter::once(&want["line"])
         .chain(also)
-        .filter_map(|it| Some(it.as_u64()? as usize))
+        .filter_map(|line| Some(line.as_u64()? as usize))
         .collect();
-    diagnostics.iter().any(|it| {
-        let (first, last) = lines(it);
-        it.path.file_name() == want["file"].as_str()
+    diagnostics.iter().any(|diagnostic| {
+        let (first, last) = lines(diagnostic);
+        diagnostic.path.file_name() == want["file"].as_str()
             && wanted
                 .iter()
                 .any(|line| first.abs_diff(*line) <= 1 || (first..=last).contains(line))
@@ -380,10 +380,14 @@ fn published_specifications_are_accepted() {
         let mut pending = vec![root.join(folder)];
         while let Some(path) = pending.pop() {
             if path.is_dir() && path != root.join("components/standins") {
-                pending.extend(fs::read_dir(path).unwrap().map(|it| it.unwrap().path()));
+                pending.extend(
+                    fs::read_dir(path)
+                        .unwrap()
+                        .map(|entry| entry.unwrap().path()),
+                );
                 continue;
             }
-            if path.extension().is_none_or(|it| it != "gen") {
+            if path.extension().is_none_or(|extension| extension != "gen") {
                 continue;
             }
             let input = BatchInput {
@@ -399,7 +403,9 @@ fn published_specifications_are_accepted() {
             let unit = host.analysis().batch(&input).unwrap();
             let found = unit.diagnostics.iter();
             let found: Vec<String> = found
-                .filter(|it| it.severity == Severity::Error || codes::find(it.code).is_some())
+                .filter(|diagnostic| {
+                    diagnostic.severity == Severity::Error || codes::find(diagnostic.code).is_some()
+                })
                 .map(show)
                 .collect();
             assert!(found.is_empty(), "{}: {found:#?}", path.display());

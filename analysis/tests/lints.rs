@@ -27,7 +27,7 @@ fn check(input: BatchInput, config: Config) -> Vec<Diagnostic> {
 fn strict() -> Config {
     let mut config = Config::default();
     config.lints.cores = Some(1);
-    for code in CODES.iter().filter(|it| !it.on) {
+    for code in CODES.iter().filter(|code| !code.on) {
         let severity = Some(dotgen_analysis::diagnostic::Severity::Hint);
         config.severities.push((code.id.to_owned(), severity));
     }
@@ -49,14 +49,14 @@ fn codes_of(source: &str) -> Vec<&'static str> {
     let found = check(text(source), strict());
     if let Some(error) = found
         .iter()
-        .find(|it| it.severity == Severity::Error && !it.code.starts_with("fsm/un"))
+        .find(|check| check.severity == Severity::Error && !check.code.starts_with("fsm/un"))
     {
         panic!(
             "the fixture is rejected: {}: {}\n{source}",
             error.code, error.message
         );
     }
-    found.iter().map(|it| it.code).collect()
+    found.iter().map(|check| check.code).collect()
 }
 
 #[test]
@@ -68,8 +68,8 @@ fn codels_without_execution_time_are_counted() {
         let found = check(text(&spec), strict());
         let missing = found
             .into_iter()
-            .find(|it| it.code == "timing/missing-wcet");
-        missing.map(|it| it.message).unwrap_or_default()
+            .find(|check| check.code == "timing/missing-wcet");
+        missing.map(|check| check.message).unwrap_or_default()
     };
     expect!["`g` of task `t` has no execution time and counts as taking none; add `wcet` with the measured \
         worst case"].assert_eq(&found("codel<a> g() yield pause::a;"));
@@ -246,7 +246,7 @@ const NEAR_MISSES: &[(&str, &str)] = &[
 #[test]
 fn no_near_miss_triggers_its_code() {
     for code in CODES {
-        let Some((_, near)) = NEAR_MISSES.iter().find(|it| it.0 == code.id) else {
+        let Some((_, near)) = NEAR_MISSES.iter().find(|miss| miss.0 == code.id) else {
             panic!("{} has no near miss", code.id);
         };
         let found = codes_of(near);
@@ -258,7 +258,7 @@ fn no_near_miss_triggers_its_code() {
 fn rules_of_taste_are_off_by_default() {
     let found = check(text("component c { function f(); };"), Config::default());
     assert!(
-        found.iter().all(|it| !it.code.starts_with("style/")),
+        found.iter().all(|check| !check.code.starts_with("style/")),
         "{found:?}"
     );
 }
@@ -296,7 +296,7 @@ fn a_comment_allows_a_finding_where_it_stands() {
 fn corpus() -> Vec<(Utf8PathBuf, Utf8PathBuf)> {
     let mut out = Vec::new();
     let shared = dotgen_loaders::shared("corpus");
-    let Some(shared) = shared.and_then(|it| Utf8PathBuf::from_path_buf(it).ok()) else {
+    let Some(shared) = shared.and_then(|path| Utf8PathBuf::from_path_buf(path).ok()) else {
         return out;
     };
     for (folder, include) in [
@@ -307,7 +307,7 @@ fn corpus() -> Vec<(Utf8PathBuf, Utf8PathBuf)> {
         let Ok(entries) = shared.join(folder).read_dir_utf8() else {
             continue;
         };
-        for entry in entries.flatten().filter(|it| it.path().is_dir()) {
+        for entry in entries.flatten().filter(|entry| entry.path().is_dir()) {
             let Ok(files) = entry.path().read_dir_utf8() else {
                 continue;
             };
@@ -333,7 +333,12 @@ fn real_specifications_are_healthy() {
             ..BatchInput::default()
         };
         let found = check(input, Config::default());
-        let count = |severity| found.iter().filter(|it| it.severity == severity).count();
+        let count = |severity| {
+            found
+                .iter()
+                .filter(|check| check.severity == severity)
+                .count()
+        };
         assert_eq!(count(Severity::Error), 0, "{path}: {found:#?}");
         let warnings = count(Severity::Warning);
         assert!(
@@ -342,12 +347,12 @@ fn real_specifications_are_healthy() {
         );
         let name = path.file_name().unwrap_or_default();
         let text = std::fs::read_to_string(&path).unwrap();
-        for it in found.iter().filter(|it| it.path == path) {
-            let line = 1 + text[..it.range.start].matches('\n').count();
-            let severity = format!("{:?}", it.severity).to_lowercase();
+        for check in found.iter().filter(|check| check.path == path) {
+            let line = 1 + text[..check.range.start].matches('\n').count();
+            let severity = format!("{:?}", check.severity).to_lowercase();
             report.push_str(&format!(
                 "{name}:{line}: {severity} {}: {}\n",
-                it.code, it.message
+                check.code, check.message
             ));
         }
     }

@@ -46,9 +46,9 @@ impl Loader for Overlay {
 
     fn list_dir(&self, path: &Utf8Path) -> Vec<DirEntry> {
         let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
-        let entry = |it: std::fs::DirEntry| DirEntry {
-            name: it.file_name().to_string_lossy().into_owned(),
-            is_dir: it.path().is_dir(),
+        let entry = |entry: std::fs::DirEntry| DirEntry {
+            name: entry.file_name().to_string_lossy().into_owned(),
+            is_dir: entry.path().is_dir(),
         };
         entries.map(entry).collect()
     }
@@ -77,7 +77,7 @@ impl Component {
         let host = AnalysisHost::new(Arc::new(loader));
         let result = host.analysis().batch(&input).unwrap();
         let errors = result.diagnostics.iter();
-        let errors = errors.filter(|it| it.severity == Severity::Error);
+        let errors = errors.filter(|error| error.severity == Severity::Error);
         errors.cloned().collect()
     }
 }
@@ -85,7 +85,7 @@ impl Component {
 /// A text after a fix. `None` if it changes other files.
 fn apply(path: &Utf8Path, text: &str, fix: &Fix) -> Option<String> {
     let mut edits: Vec<_> = fix.edits.iter().collect();
-    edits.sort_by_key(|it| std::cmp::Reverse(it.range.start));
+    edits.sort_by_key(|edit| std::cmp::Reverse(edit.range.start));
     let mut text = text.to_owned();
     for edit in edits {
         if edit.path != path {
@@ -105,19 +105,30 @@ fn components(folder: &Path, includes: &[Utf8PathBuf]) -> Vec<Component> {
     let mut paths = Vec::new();
     collect(folder, &mut paths);
     paths.sort();
-    let paths = paths.into_iter().filter_map(|it| it.canonicalize().ok());
-    let paths = paths.filter_map(|it| Utf8PathBuf::from_path_buf(it).ok());
+    let paths = paths
+        .into_iter()
+        .filter_map(|path| path.canonicalize().ok());
+    let paths = paths.filter_map(|path| Utf8PathBuf::from_path_buf(path).ok());
     let component = |path: Utf8PathBuf| {
         let text = std::fs::read_to_string(&path).ok()?;
         let around = path.ancestors().skip(1).take(2);
-        let own = around.flat_map(|it| [it.to_owned(), it.join("idl"), it.join("include")]);
+        let own = around.flat_map(|ancestor| {
+            [
+                ancestor.to_owned(),
+                ancestor.join("idl"),
+                ancestor.join("include"),
+            ]
+        });
         let includes: Vec<Utf8PathBuf> = own.chain(includes.iter().cloned()).collect();
-        let it = Component {
+        let component = Component {
             path,
             text,
             includes,
         };
-        it.errors(&it.text).is_empty().then_some(it)
+        component
+            .errors(&component.text)
+            .is_empty()
+            .then_some(component)
     };
     paths.filter_map(component).collect()
 }
@@ -127,7 +138,7 @@ fn collect(folder: &Path, out: &mut Vec<PathBuf>) {
         let path = entry.path();
         if path.is_dir() {
             collect(&path, out);
-        } else if path.extension().is_some_and(|it| it == "gen") {
+        } else if path.extension().is_some_and(|extension| extension == "gen") {
             out.push(path);
         }
     }
@@ -145,7 +156,7 @@ fn published() -> Vec<Component> {
         return Vec::new();
     };
     let mut folders = Vec::new();
-    let mut add = |it: PathBuf| folders.extend(Utf8PathBuf::from_path_buf(it));
+    let mut add = |path: PathBuf| folders.extend(Utf8PathBuf::from_path_buf(path));
     for entry in std::fs::read_dir(&corpus).into_iter().flatten().flatten() {
         add(entry.path());
         for inner in std::fs::read_dir(entry.path())

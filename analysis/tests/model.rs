@@ -160,11 +160,11 @@ fn validate(root: &Json, schema: &Json, value: &Json, at: &str, problems: &mut V
     };
     let fits = match &schema["type"] {
         Json::String(name) => matches(name),
-        Json::Array(names) => names.iter().any(|it| matches(it.as_str().unwrap())),
+        Json::Array(names) => names.iter().any(|name| matches(name.as_str().unwrap())),
         _ => true,
     };
     let listed = schema["enum"].as_array();
-    if !fits || listed.is_some_and(|it| !it.contains(value)) {
+    if !fits || listed.is_some_and(|enumeration| !enumeration.contains(value)) {
         problems.push(format!("{at}: {value} is not {schema}"));
     }
     for key in schema["required"].as_array().into_iter().flatten() {

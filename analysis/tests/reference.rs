@@ -32,8 +32,8 @@ fn found(text: &str, severity: Severity) -> Vec<(&'static str, String)> {
     };
     let unit = host.analysis().batch(&input).unwrap();
     let all = unit.diagnostics.iter();
-    all.filter(|it| it.severity == severity)
-        .map(|it| (it.code, it.message.clone()))
+    all.filter(|diagnostic| diagnostic.severity == severity)
+        .map(|diagnostic| (diagnostic.code, diagnostic.message.clone()))
         .collect()
 }
 
@@ -49,7 +49,7 @@ fn taken(texts: &[&str]) {
 fn refused(texts: &[(&str, &str)]) {
     for (text, code) in texts {
         let errors = found(text, Severity::Error);
-        let codes: Vec<&str> = errors.iter().map(|it| it.0).collect();
+        let codes: Vec<&str> = errors.iter().map(|error| error.0).collect();
         assert_eq!(codes, [*code], "{text}\n{errors:#?}");
     }
 }
@@ -80,7 +80,10 @@ fn whatever_has_a_name_is_a_type() {
     taken(&texts);
     for text in texts {
         let warnings = found(text, Severity::Warning);
-        assert!(warnings.iter().any(|it| it.0 == "not-a-type"), "{text}");
+        assert!(
+            warnings.iter().any(|warning| warning.0 == "not-a-type"),
+            "{text}"
+        );
     }
     refused(&[
         ("enum e { A }; const A k = A;", "const-type"),
@@ -199,7 +202,7 @@ fn misplaced_codels_are_read() {
         ),
     ] {
         let errors = found(text, Severity::Error);
-        let mut codes: Vec<&str> = errors.iter().map(|it| it.0).collect();
+        let mut codes: Vec<&str> = errors.iter().map(|error| error.0).collect();
         codes.sort_unstable();
         let mut wanted = [code, "param-unknown"];
         wanted.sort_unstable();

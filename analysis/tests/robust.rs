@@ -25,7 +25,7 @@ impl Loader for EmptyLoader {
 fn texts() -> Vec<Vec<String>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
     let fixtures = fs::read_dir(folder.join("codes")).unwrap();
-    let fixtures = fixtures.map(|it| it.unwrap().path());
+    let fixtures = fixtures.map(|fixture| fixture.unwrap().path());
     let all = fixtures.chain([folder.join("model/everything.gen")]);
     let mut paths: Vec<_> = all.collect();
     paths.sort();
@@ -41,8 +41,8 @@ fn texts() -> Vec<Vec<String>> {
         }
         words
     };
-    let files = paths.iter().filter(|it| it.is_file());
-    let texts = files.map(|it| fs::read_to_string(it).unwrap());
+    let files = paths.iter().filter(|path| path.is_file());
+    let texts = files.map(|file| fs::read_to_string(file).unwrap());
     texts.map(words).collect()
 }
 
@@ -56,9 +56,9 @@ fn check(text: &str) {
         ..BatchInput::default()
     };
     let unit = host.analysis().batch(&input).unwrap();
-    for it in unit.diagnostics.iter() {
-        assert!(it.range.end <= text.len(), "{it:?}");
-        assert!(!it.message.is_empty());
+    for diagnostic in unit.diagnostics.iter() {
+        assert!(diagnostic.range.end <= text.len(), "{diagnostic:?}");
+        assert!(!diagnostic.message.is_empty());
     }
     let _ = model_json::to_json(&unit.spec, Some(&*unit.locations));
 }

@@ -71,14 +71,14 @@ pub(super) struct RunConnection {
 
 impl RunConnection {
     pub(super) fn begin(socket: Option<&Utf8PathBuf>) -> anyhow::Result<RunConnection> {
-        let path = socket.map(|it| it.as_std_path());
+        let path = socket.map(|socket| socket.as_std_path());
         let stream = sockets::connect(path).map_err(anyhow::Error::msg)?;
         let lines = BufReader::new(stream.try_clone()?).lines();
         Ok(RunConnection { stream, lines })
     }
 
-    pub(super) fn say(&mut self, it: &Value) -> anyhow::Result<()> {
-        self.stream.write_all(format!("{it}\n").as_bytes())?;
+    pub(super) fn say(&mut self, message: &Value) -> anyhow::Result<()> {
+        self.stream.write_all(format!("{message}\n").as_bytes())?;
         Ok(())
     }
 
@@ -90,21 +90,23 @@ impl RunConnection {
         let Some(Ok(line)) = self.lines.next() else {
             return Ok(None);
         };
-        let it: Value = serde_json::from_str(&line).context("the run says no JSON")?;
-        if it["event"] == "error" {
+        let message: Value = serde_json::from_str(&line).context("the run says no JSON")?;
+        if message["event"] == "error" {
             bail!(
                 "{}",
-                it["message"].as_str().unwrap_or("the request is wrong")
+                message["message"]
+                    .as_str()
+                    .unwrap_or("the request is wrong")
             );
         }
-        Ok(Some(it))
+        Ok(Some(message))
     }
 
     /// Returns the descriptions of the components of the run.
     pub(super) fn components(&mut self) -> anyhow::Result<Vec<Value>> {
         self.say(&json!({"id": 1, "describe": null}))?;
         match self.hear()? {
-            Some(mut it) => match it["components"].take() {
+            Some(mut message) => match message["components"].take() {
                 Value::Array(all) => Ok(all),
                 _ => bail!("the run does not describe its components"),
             },
@@ -117,10 +119,12 @@ impl RunConnection {
     pub(super) fn schema(&mut self, path: &str) -> anyhow::Result<Value> {
         let (component, port) = path.split_once('/').unwrap_or((path, ""));
         let mut all = self.components()?;
-        let found = all.iter_mut().find(|it| it["name"] == component);
-        let ports = found.and_then(|it| it["ports"].as_array_mut());
-        let port = ports.and_then(|all| all.iter_mut().find(|it| it["name"] == port));
-        Ok(port.map_or(json!({}), |it| it["schema"].take()))
+        let found = all
+            .iter_mut()
+            .find(|candidate| candidate["name"] == component);
+        let ports = found.and_then(|component| component["ports"].as_array_mut());
+        let port = ports.and_then(|all| all.iter_mut().find(|component| component["name"] == port));
+        Ok(port.map_or(json!({}), |port| port["schema"].take()))
     }
 }
 
@@ -130,17 +134,17 @@ pub(super) fn call(arguments: &Call) -> anyhow::Result<Outcome> {
     let mut talk = RunConnection::begin(arguments.socket.as_ref())?;
     let path = format!("{}.{}", arguments.component, arguments.service);
     talk.say(&json!({"id": 1, "call": path, "input": input}))?;
-    while let Some(it) = talk.hear()? {
+    while let Some(message) = talk.hear()? {
         let mut out = std::io::stdout();
-        match it["event"].as_str() {
+        match message["event"].as_str() {
             Some("accepted") if arguments.ack => return Ok(Outcome::Fine),
             Some("done") => {
-                writeln!(out, "{}", it["output"])?;
+                writeln!(out, "{}", message["output"])?;
                 return Ok(Outcome::Fine);
             }
             Some("failed") => {
-                let exception = it["exception"].as_str().unwrap_or("an exception");
-                match &it["detail"] {
+                let exception = message["exception"].as_str().unwrap_or("an exception");
+                match &message["detail"] {
                     Value::Null => explain_failure(exception),
                     detail => explain_failure(&format!("{exception} {detail}")),
                 }
@@ -157,21 +161,25 @@ pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Outcome> {
     talk.say(&json!({"id": 1, "watch": arguments.port, "newest": !arguments.only_new}))?;
     let mut left = arguments.count;
     while left != Some(0) {
-        let Some(it) = talk.hear()? else { break };
-        match it["event"].as_str() {
+        let Some(message) = talk.hear()? else { break };
+        match message["event"].as_str() {
             Some("data") => {}
             Some("lost") => {
-                explain_failure(it["message"].as_str().unwrap_or("the component is gone"));
+                explain_failure(
+                    message["message"]
+                        .as_str()
+                        .unwrap_or("the component is gone"),
+                );
                 return Ok(Outcome::Errors);
             }
             _ => continue,
         }
         let mut out = std::io::stdout();
-        match it["instance"].as_str() {
-            None | Some("") => writeln!(out, "{}", it["value"])?,
-            Some(instance) => writeln!(out, "{}", json!({instance: it["value"]}))?,
+        match message["instance"].as_str() {
+            None | Some("") => writeln!(out, "{}", message["value"])?,
+            Some(instance) => writeln!(out, "{}", json!({instance: message["value"]}))?,
         }
-        left = left.map(|it| it - 1);
+        left = left.map(|number| number - 1);
     }
     Ok(Outcome::Fine)
 }

@@ -63,7 +63,7 @@ impl Arguments {
     fn denies_missing(&self) -> bool {
         let variable = std::env::var("DOTGEN_DENY").unwrap_or_default();
         let mut words = variable.split(',').map(str::trim);
-        self.deny.contains(&Deny::Missing) || words.any(|it| it == "missing")
+        self.deny.contains(&Deny::Missing) || words.any(|word| word == "missing")
     }
 }
 
@@ -97,8 +97,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     fix::write(&changed, &made)?;
     if !arguments.denies_missing() {
-        for it in &mut report.diagnostics {
-            it.severity = severity_here(it.code, it.severity);
+        for diagnostic in &mut report.diagnostics {
+            diagnostic.severity = severity_here(diagnostic.code, diagnostic.severity);
         }
     }
     report.finish();
@@ -116,7 +116,7 @@ fn check(session: &mut Session, report: &mut FileReports, trouble: &mut ErrorRep
         add_config_problems(config, &mut report.diagnostics, &mut report.texts);
     }
     trouble.ok_or_report(check_specifications(session, report));
-    for file in session.files.iter().filter(|it| it.is_scenario()) {
+    for file in session.files.iter().filter(|file| file.is_scenario()) {
         if let Some(found) = trouble.ok_or_report(scenario(session, file)) {
             trouble.ok_or_report(session.add_texts(&found, &mut report.texts));
             report.diagnostics.extend(found);
@@ -126,18 +126,24 @@ fn check(session: &mut Session, report: &mut FileReports, trouble: &mut ErrorRep
 }
 
 fn check_specifications(session: &mut Session, report: &mut FileReports) -> anyhow::Result<()> {
-    let specifications = session.files.iter().filter(|it| !it.is_scenario());
-    let specifications: Vec<Utf8PathBuf> = specifications.map(|it| it.path.clone()).collect();
+    let specifications = session.files.iter().filter(|file| !file.is_scenario());
+    let specifications: Vec<Utf8PathBuf> = specifications
+        .map(|specification| specification.path.clone())
+        .collect();
     // The includes of each file have to be known before the question which files are included.
     session.ask_each(&specifications, Analysis::files_of_root, |_, _, _| Ok(()))?;
-    let ours: FxHashSet<&Utf8PathBuf> = session.files.iter().map(|it| &it.path).collect();
+    let ours: FxHashSet<&Utf8PathBuf> = session.files.iter().map(|file| &file.path).collect();
     let mut wanted = Vec::new();
-    for file in session.files.iter().filter(|it| !it.is_scenario()) {
+    for file in session.files.iter().filter(|file| !file.is_scenario()) {
         if !file.named {
             // The file was found in a directory, and another file of the directory includes it. It is checked
             // there, and may be incomplete alone.
-            let roots = session.ask(&file.path, |it| it.roots_containing(&file.path))?;
-            if roots.iter().any(|it| *it != file.path && ours.contains(it)) {
+            let roots =
+                session.ask(&file.path, |analysis| analysis.roots_containing(&file.path))?;
+            if roots
+                .iter()
+                .any(|root| *root != file.path && ours.contains(root))
+            {
                 continue;
             }
         }
@@ -150,8 +156,11 @@ fn check_specifications(session: &mut Session, report: &mut FileReports) -> anyh
     })?;
     for path in &wanted {
         if let Some(found) = reports.remove(path) {
-            if found.iter().any(|it| is_environment(it.code)) {
-                let needs = session.ask(path, |it| it.dependencies(path))?;
+            if found
+                .iter()
+                .any(|diagnostic| is_environment(diagnostic.code))
+            {
+                let needs = session.ask(path, |analysis| analysis.dependencies(path))?;
                 report.waiting.extend(OpenNames::of(&needs));
             }
             session.add_texts(&found, &mut report.texts)?;
@@ -165,8 +174,8 @@ fn check_specifications(session: &mut Session, report: &mut FileReports) -> anyh
 /// Prints the release of GenoM3 on standard error, once for all files that are read as the same one.
 fn print_release(session: &Session) -> anyhow::Result<()> {
     let mut said = Vec::new();
-    for file in session.files.iter().filter(|it| !it.is_scenario()) {
-        let choice = session.ask(&file.path, |it| it.release(&file.path))?;
+    for file in session.files.iter().filter(|file| !file.is_scenario()) {
+        let choice = session.ask(&file.path, |analysis| analysis.release(&file.path))?;
         if !said.contains(&choice) {
             anstream::eprintln!("{}: GenoM3 {choice}", session::display(&file.path));
             said.push(choice);
@@ -177,15 +186,19 @@ fn print_release(session: &Session) -> anyhow::Result<()> {
 
 /// Returns the problems of a scenario: syntax, specifications, names.
 fn scenario(session: &Session, file: &SourceFile) -> anyhow::Result<Vec<Diagnostic>> {
-    let problem = session.ask(&file.path, |it| {
-        let text = it.text(&file.path)?.unwrap_or_default().to_string();
-        Problem::from_scenario(&file.path, text, it, vfs::read)
+    let problem = session.ask(&file.path, |analysis| {
+        let text = analysis.text(&file.path)?.unwrap_or_default().to_string();
+        Problem::from_scenario(&file.path, text, analysis, vfs::read)
     })?;
     let mut found = problem.errors.clone();
     if found.is_empty() {
         let specs = problem.specs();
         let unknown = Names::new(&specs).unknown_names(&problem.scenario);
-        found.extend(unknown.iter().map(|it| problem.diagnostic(it)));
+        found.extend(
+            unknown
+                .iter()
+                .map(|unknown_name| problem.diagnostic(unknown_name)),
+        );
     }
     Ok(found)
 }

@@ -124,11 +124,11 @@ struct Headers {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     match &arguments.command {
-        Command::Check(it) => check(it),
-        Command::Stub(it) => stub(it),
-        Command::Sync(it) => sync(it),
-        Command::Headers(it) => headers(it),
-        Command::Build(it) => build::run(it),
+        Command::Check(options) => check(options),
+        Command::Stub(options) => stub(options),
+        Command::Sync(options) => sync(options),
+        Command::Headers(options) => headers(options),
+        Command::Build(options) => build::run(options),
     }
 }
 
@@ -139,7 +139,7 @@ pub(super) fn project(session: &mut Session) -> Project<'_> {
         ..StubOptions::default()
     };
     let given: Vec<_> = (session.files.iter())
-        .filter_map(|it| Some((it.path.clone(), it.text.clone()?)))
+        .filter_map(|file| Some((file.path.clone(), file.text.clone()?)))
         .collect();
     let mut project = Project::new(session.host_mut(), &Disk, files, stubs);
     for (path, text) in given {
@@ -150,14 +150,14 @@ pub(super) fn project(session: &mut Session) -> Project<'_> {
 
 /// Output goes next to the specification, so standard input is refused.
 fn check_is_file(paths: &[Utf8PathBuf]) -> anyhow::Result<()> {
-    if let Some(path) = paths.iter().find(|it| session::is_standard_input(it)) {
+    if let Some(path) = paths.iter().find(|path| session::is_standard_input(path)) {
         bail!("`{path}` is no file beside which codels could be written; name the specification");
     }
     Ok(())
 }
 
 fn roots(session: &Session) -> Vec<Utf8PathBuf> {
-    session.files.iter().map(|it| it.path.clone()).collect()
+    session.files.iter().map(|file| file.path.clone()).collect()
 }
 
 fn check(arguments: &Check) -> anyhow::Result<Outcome> {
@@ -169,13 +169,13 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
         let roots = roots(&session);
         let mut project = project(&mut session);
         let folders = project.folders(&roots, &mut errors);
-        broken |= roots.iter().any(|it| project.has_errors_in_text(it));
-        let folders = folders.into_iter().map(|it| {
-            let found = it.check(&it.expected());
-            (it, found)
+        broken |= roots.iter().any(|root| project.has_errors_in_text(root));
+        let folders = folders.into_iter().map(|folder| {
+            let found = folder.check(&folder.expected());
+            (folder, found)
         });
         let compared: Vec<_> = folders.collect();
-        for (folder, _) in compared.iter().filter(|it| it.0.sources.exists) {
+        for (folder, _) in compared.iter().filter(|folder| folder.0.sources.exists) {
             report.compared.extend(coverage_of(folder));
         }
         let mut found = project.unused_allowances(&compared);
@@ -190,8 +190,10 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
             let locations = &*folder.unit.locations;
             found.extend(diagnostics(&differs, locations, Side::First));
         }
-        for it in &found {
-            for path in std::iter::once(&it.path).chain(it.related.iter().map(|it| &it.path)) {
+        for allowance in &found {
+            for path in std::iter::once(&allowance.path)
+                .chain(allowance.related.iter().map(|related| &related.path))
+            {
                 let text = project.text(path).unwrap_or_default();
                 report
                     .texts
@@ -205,9 +207,11 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
     report::print(&report, arguments.format)?;
     errors
         .into_iter()
-        .for_each(|it| trouble.tell(&anyhow::Error::msg(it)));
+        .for_each(|error| trouble.tell(&anyhow::Error::msg(error)));
     let differs = report.diagnostics.iter();
-    let differs = differs.filter(|it| it.severity != Severity::Hint).count();
+    let differs = differs
+        .filter(|diagnostic| diagnostic.severity != Severity::Hint)
+        .count();
     Ok(trouble.outcome(match differs == 0 && !broken {
         true => Outcome::Fine,
         false => Outcome::Errors,
@@ -218,8 +222,8 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
 fn has_errors(folder: &Folder) {
     let path = session::display(&folder.specification);
     let errors = folder.unit.diagnostics.iter();
-    let errors = errors.filter(|it| it.severity == Severity::Error);
-    let (here, text): (Vec<_>, Vec<_>) = errors.partition(|it| is_environment(it.code));
+    let errors = errors.filter(|error| error.severity == Severity::Error);
+    let (here, text): (Vec<_>, Vec<_>) = errors.partition(|error| is_environment(error.code));
     let count = |all: &[&Diagnostic], one: &str| match all.len() {
         1 => format!("1 {one}"),
         n => format!("{n} {one}s"),
@@ -245,12 +249,12 @@ fn has_errors(folder: &Folder) {
 /// Returns the coverage of the codels of a folder, by component.
 fn coverage_of(folder: &Folder) -> Vec<Compared> {
     let all = folder.expected();
-    let one = |it: &Expected<'_>| {
+    let one = |expected: &Expected<'_>| {
         let mut coverage = Coverage::default();
-        coverage.add(it, &folder.trust);
+        coverage.add(expected, &folder.trust);
         Compared {
             file: session::display(&folder.specification),
-            component: it.component().name.to_string(),
+            component: expected.component().name.to_string(),
             coverage,
         }
     };
@@ -317,18 +321,26 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
         if done.applied.is_empty() && done.left.errors.is_empty() {
             report::note("there is nothing to mend");
         }
-        for it in &done.notes {
-            let path = session::display(&it.path).into();
-            report::note(&ManualChange { path, ..it.clone() }.to_string());
+        for note in &done.notes {
+            let path = session::display(&note.path).into();
+            report::note(
+                &ManualChange {
+                    path,
+                    ..note.clone()
+                }
+                .to_string(),
+            );
         }
         let left = done.left.findings.iter();
-        let left: Vec<_> = left.filter(|it| it.severity != Severity::Hint).collect();
-        for it in &left {
-            let at = it.at.as_ref();
+        let left: Vec<_> = left
+            .filter(|finding| finding.severity != Severity::Hint)
+            .collect();
+        for finding in &left {
+            let at = finding.at.as_ref();
             let at = at.map_or_else(String::new, |at| {
                 format!("{}:{}: ", session::display(&at.path), at.line)
             });
-            writeln!(out, "{at}{}", it.message)?;
+            writeln!(out, "{at}{}", finding.message)?;
         }
         if !left.is_empty() {
             writeln!(out, "{} left, see `dotgen codels check`", left.len())?;
@@ -356,7 +368,7 @@ fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
         .into_iter()
         .map(|file| {
             let path = output.join(file.path);
-            let before = Disk.read(&path).map(|it| it.to_string());
+            let before = Disk.read(&path).map(|read| read.to_string());
             FileChange {
                 path,
                 before,
@@ -378,7 +390,7 @@ fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
 
 /// Writes changes, all or none, and prints the names of the files; or prints the differences.
 fn write(changes: &[FileChange], dry_run: bool) -> anyhow::Result<()> {
-    let changed = |it: &&FileChange| it.before.as_deref() != Some(&it.after);
+    let changed = |change: &&FileChange| change.before.as_deref() != Some(&change.after);
     let changes: Vec<&FileChange> = changes.iter().filter(changed).collect();
     let mut out = anstream::stdout();
     if dry_run {
@@ -392,7 +404,7 @@ fn write(changes: &[FileChange], dry_run: bool) -> anyhow::Result<()> {
         }
         return Ok(());
     }
-    let content = |it: &&FileChange| report::new_content(&it.path, &it.after);
+    let content = |change: &&FileChange| report::new_content(&change.path, &change.after);
     report::write_files(&changes.iter().map(content).collect::<Vec<_>>())?;
     for change in changes {
         let did = match change.before.is_some() {

@@ -62,18 +62,19 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     for session in session::open(files, &arguments.reading)? {
         for file in &session.files {
             let path = &file.path;
-            let mut needs = session.ask(path, |it| it.dependencies(path))?;
+            let mut needs = session.ask(path, |analysis| analysis.dependencies(path))?;
             needs.relative_to_here();
             let mut written = Vec::new();
             if arguments.stand_ins && !session::is_standard_input(path) {
-                let found = session.ask(path, |it| it.stand_ins(path))?;
+                let found = session.ask(path, |analysis| analysis.stand_ins(path))?;
                 let changes = standins::changes(path, &found);
-                let content = |it: &FileChange| report::new_content(&it.path, &it.after);
+                let content =
+                    |change: &FileChange| report::new_content(&change.path, &change.after);
                 let contents: Vec<_> = changes.iter().map(content).collect();
                 trouble.ok_or_report(report::write_files(&contents));
                 written = changes
                     .iter()
-                    .map(|it| session::display(&it.path))
+                    .map(|change| session::display(&change.path))
                     .collect();
             }
             all.push(FileDependencies {
@@ -91,13 +92,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
         Format::Text => {
             let mut out = Vec::new();
-            all.iter().try_for_each(|it| print(it, &mut out))?;
+            all.iter()
+                .try_for_each(|dependencies| print(dependencies, &mut out))?;
             let text = String::from_utf8_lossy(&out);
             let text = dotgen_syntax::encoding::shown(&text);
             anstream::stdout().write_all(text.as_bytes())?;
         }
     }
-    let complete = all.iter().all(|it| it.complete);
+    let complete = all.iter().all(|dependencies| dependencies.complete);
     Ok(trouble.outcome(match complete {
         true => Outcome::Fine,
         false => Outcome::Errors,
@@ -112,11 +114,14 @@ trait Relative {
 impl Relative for Dependencies {
     fn relative_to_here(&mut self) {
         let includes = self.includes.iter_mut();
-        let includes = includes.flat_map(|it| {
-            let found = it.found.iter_mut().chain(&mut it.searched);
-            std::iter::once(&mut it.by).chain(found)
+        let includes = includes.flat_map(|include| {
+            let found = include.found.iter_mut().chain(&mut include.searched);
+            std::iter::once(&mut include.by).chain(found)
         });
-        let interfaces = self.interfaces.iter_mut().flat_map(|it| &mut it.found);
+        let interfaces = self
+            .interfaces
+            .iter_mut()
+            .flat_map(|interface| &mut interface.found);
         for path in includes.chain(interfaces) {
             let shown = session::display(path);
             *path = if shown.is_empty() { "." } else { &shown }.into();
@@ -124,9 +129,9 @@ impl Relative for Dependencies {
     }
 }
 
-fn print(it: &FileDependencies, out: &mut impl Write) -> std::io::Result<()> {
-    let needs = &it.needs;
-    writeln!(out, "{}", terminal::name(&it.file))?;
+fn print(dependencies: &FileDependencies, out: &mut impl Write) -> std::io::Result<()> {
+    let needs = &dependencies.needs;
+    writeln!(out, "{}", terminal::name(&dependencies.file))?;
     if needs.packages.is_empty() && needs.includes.is_empty() && needs.interfaces.is_empty() {
         writeln!(out, "  needs nothing")?;
     }
@@ -156,7 +161,7 @@ fn print(it: &FileDependencies, out: &mut impl Write) -> std::io::Result<()> {
             terminal::text(&name.name)
         )?;
     }
-    for path in &it.written {
+    for path in &dependencies.written {
         writeln!(out, "  created {}", terminal::name(path))?;
     }
     Ok(())
@@ -187,7 +192,9 @@ fn print_package(package: &Package, out: &mut impl Write) -> std::io::Result<()>
         None => writeln!(out, "  package {requirement} ({by}): found"),
         Some(why) => {
             let brings = package.brought_by.iter();
-            let brings: Vec<String> = brings.map(|it| packages::advice(&it.package)).collect();
+            let brings: Vec<String> = brings
+                .map(|provider| packages::advice(&provider.package))
+                .collect();
             let why = terminal::text(why);
             writeln!(out, "  package {requirement} ({by}): MISSING: {why}")?;
             writeln!(out, "    install {}", terminal::text(&brings.join("; ")))
@@ -209,8 +216,10 @@ fn print_include(
         ),
         Some(found) => writeln!(out, "  include {path}: {}", place(found)),
         None => {
-            let packages = needs.missing_packages().flat_map(|it| &it.brought_by);
-            let packages: Vec<&str> = packages.map(|it| it.package.as_str()).collect();
+            let packages = needs
+                .missing_packages()
+                .flat_map(|package| &package.brought_by);
+            let packages: Vec<&str> = packages.map(|package| package.package.as_str()).collect();
             let advice = match packages.as_slice() {
                 [] => "add its directory with -I, or install the package that has it".to_owned(),
                 [one] => format!("most likely it comes with {one}"),
@@ -222,7 +231,7 @@ fn print_include(
                 "  include {path} (of {by}): MISSING: {}",
                 terminal::text(&advice)
             )?;
-            let places: Vec<&str> = include.searched.iter().map(|it| it.as_str()).collect();
+            let places: Vec<&str> = include.searched.iter().map(|path| path.as_str()).collect();
             let places = match places.as_slice() {
                 [] => "nowhere: no directory is searched for `<>`".to_owned(),
                 places => places.join(", "),

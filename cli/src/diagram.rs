@@ -119,7 +119,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     for session in session::open(files, &arguments.reading)? {
         for file in &session.files {
-            let unit = session.ask(&file.path, |it| it.root_unit(&file.path));
+            let unit = session.ask(&file.path, |analysis| analysis.root_unit(&file.path));
             let Some(unit) = trouble.ok_or_report(unit) else {
                 continue;
             };
@@ -133,7 +133,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
         connections.extend_from_slice(session.connections());
     }
-    let opened = arguments.open.iter().map(|it| (it.clone(), true));
+    let opened = arguments.open.iter().map(|text| (text.clone(), true));
     let wish = PictureRequest {
         kind: arguments.kind,
         component: arguments.component.clone(),
@@ -158,7 +158,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         bail!("{}", nothing(&wish));
     }
     if format == Format::Json {
-        let all = drawn.iter().map(|it| as_json(&units, it));
+        let all = drawn.iter().map(|picture| as_json(&units, picture));
         let mut text = serde_json::to_string_pretty(&all.collect::<Vec<_>>())?;
         text.push('\n');
         let text = encoding::shown(&text).into_owned().into_bytes();
@@ -197,7 +197,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 
 /// Returns the requested format, or that of the file's name. Both have to agree.
 fn format(arguments: &Arguments) -> anyhow::Result<Format> {
-    let file = arguments.output.as_deref().filter(|it| !it.is_dir());
+    let file = arguments
+        .output
+        .as_deref()
+        .filter(|output| !output.is_dir());
     let named = file.and_then(by_name);
     if let (None, None, Some(file)) = (arguments.format, named, file)
         && let Some(unknown) = file.extension()
@@ -280,11 +283,11 @@ fn file_name(picture: &Picture, format: Format) -> String {
 }
 
 fn as_json(units: &[dotgen_analysis::host::UnitResult], picture: &Picture) -> serde_json::Value {
-    let (nodes, edges) = pictures::data(units, picture, &|it| {
+    let (nodes, edges) = pictures::data(units, picture, &|location| {
         Some(json!({
-            "file": session::display(&it.path),
-            "line": it.start.line + 1,
-            "column": it.start.col + 1,
+            "file": session::display(&location.path),
+            "line": location.start.line + 1,
+            "column": location.start.col + 1,
         }))
     });
     json!({
@@ -302,7 +305,7 @@ fn as_json(units: &[dotgen_analysis::host::UnitResult], picture: &Picture) -> se
 fn write(pictures: Vec<(Option<Utf8PathBuf>, Vec<u8>)>) -> anyhow::Result<()> {
     let mut files = Vec::new();
     for (path, bytes) in pictures {
-        match path.filter(|it| it != "-") {
+        match path.filter(|path| path != "-") {
             Some(path) => files.push(NewContent {
                 path: path.into(),
                 bytes,

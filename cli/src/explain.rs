@@ -29,7 +29,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     };
     let Some(text) = manual::text(code) else {
         let near = dotgen_syntax::suggestion::nearest(code, manual::codes());
-        let near = near.map(|it| format!("; did you mean `{it}`?"));
+        let near = near.map(|text| format!("; did you mean `{text}`?"));
         let near = near.unwrap_or_else(|| "; `dotgen explain` lists all codes".to_owned());
         anyhow::bail!("there is no diagnostic `{code}`{near}");
     };

@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if arguments
         .paths
         .iter()
-        .any(|it| session::is_standard_input(it))
+        .any(|path| session::is_standard_input(path))
     {
         if arguments.paths.len() > 1 {
             bail!("`-` stands for standard input and goes with no other path");
@@ -65,7 +65,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     for session in session::open(files, &arguments.reading)? {
         for file in &session.files {
             let result = trouble.ok_or_report(formatted(&session, file));
-            if let Some((old, new)) = result.filter(|it| it.0 != it.1) {
+            if let Some((old, new)) = result.filter(|entry| entry.0 != entry.1) {
                 if arguments.check {
                     print_diff(&session::display(&file.path), &old, &new)?;
                 }
@@ -99,7 +99,7 @@ fn formatted(session: &Session, file: &SourceFile) -> anyhow::Result<(String, St
         }
     } else {
         let style = style::options(&session.format, path, None);
-        let edits = session.ask(path, |it| it.format(path, None, &style))?;
+        let edits = session.ask(path, |analysis| analysis.format(path, None, &style))?;
         if edits.is_empty() && lacks_brace(&old) {
             left(path, &old);
         }
@@ -126,10 +126,10 @@ fn lacks_brace(text: &str) -> bool {
 fn apply(text: &str, edits: &[FileEdit]) -> String {
     let mut out = String::with_capacity(text.len());
     let mut at = 0;
-    for it in edits {
-        out.push_str(&text[at..it.range.start]);
-        out.push_str(&it.new_text);
-        at = it.range.end;
+    for edit in edits {
+        out.push_str(&text[at..edit.range.start]);
+        out.push_str(&edit.new_text);
+        at = edit.range.end;
     }
     out.push_str(&text[at..]);
     out

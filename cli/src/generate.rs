@@ -30,7 +30,7 @@ pub(super) struct Arguments {
 
 /// Runs the generator if the command line contains the subcommand.
 pub(super) fn intercept() -> Option<ExitCode> {
-    let mut arguments = std::env::args_os().map(|it| it.to_string_lossy().into_owned());
+    let mut arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
     let program = arguments.next().unwrap_or_default();
     let program = Path::new(&program)
         .file_stem()?
@@ -66,7 +66,7 @@ fn in_project(arguments: &[String]) -> ExitCode {
     let mut config = Config::default();
     let arguments = Project::complete(arguments, |rest| {
         config = configuration(rest);
-        let text = |it: &Utf8PathBuf| it.to_string();
+        let text = |path: &Utf8PathBuf| path.to_string();
         let templates: Vec<String> = config.template_paths.iter().map(text).collect();
         Project {
             include_paths: config.include_paths.iter().map(text).collect(),
@@ -87,8 +87,8 @@ fn configuration(words: &[String]) -> Config {
     let Ok(here) = camino::absolute_utf8(".") else {
         return Config::default();
     };
-    let mut files = words.iter().rev().map(|it| here.join(it));
-    let file = files.find(|it| it.is_file());
+    let mut files = words.iter().rev().map(|word| here.join(word));
+    let file = files.find(|file| file.is_file());
     let file = dotgen_platform::files::vfs::normalize(&file.unwrap_or_else(|| here.join("-")));
     let Some(directory) = config::nearest_directory(&file) else {
         return Config::default();

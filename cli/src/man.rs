@@ -39,9 +39,17 @@ fn add(
         bytes,
         mode: None,
     });
-    for it in command.get_subcommands().filter(|it| !it.is_hide_set()) {
-        if it.get_name() != "help" {
-            add(it, &format!("{name}-{}", it.get_name()), arguments, pages)?;
+    for subcommand in command
+        .get_subcommands()
+        .filter(|subcommand| !subcommand.is_hide_set())
+    {
+        if subcommand.get_name() != "help" {
+            add(
+                subcommand,
+                &format!("{name}-{}", subcommand.get_name()),
+                arguments,
+                pages,
+            )?;
         }
     }
     Ok(())

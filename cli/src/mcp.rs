@@ -152,8 +152,12 @@ impl Tools {
         description = "Find a declaration of GenoM3 specifications by name: place, documentation, uses, findings",
         annotations(read_only_hint = true)
     )]
-    async fn look_up(&self, Parameters(it): Parameters<Name>, context: Context) -> CallToolResult {
-        self.command(["query", "--", &it.name, &it.path], &context)
+    async fn look_up(
+        &self,
+        Parameters(parameter): Parameters<Name>,
+        context: Context,
+    ) -> CallToolResult {
+        self.command(["query", "--", &parameter.name, &parameter.path], &context)
             .await
     }
 
@@ -163,10 +167,11 @@ impl Tools {
     )]
     async fn check(
         &self,
-        Parameters(it): Parameters<Specifications>,
+        Parameters(parameter): Parameters<Specifications>,
         context: Context,
     ) -> CallToolResult {
-        self.command(["check", "--", &it.path], &context).await
+        self.command(["check", "--", &parameter.path], &context)
+            .await
     }
 
     #[tool(
@@ -174,23 +179,27 @@ impl Tools {
     )]
     async fn fix(
         &self,
-        Parameters(it): Parameters<Specifications>,
+        Parameters(parameter): Parameters<Specifications>,
         context: Context,
     ) -> CallToolResult {
-        self.command(["check", "--fix", "--", &it.path], &context)
+        self.command(["check", "--fix", "--", &parameter.path], &context)
             .await
     }
 
     #[tool(
         description = "Compare, repair or write the C and C++ functions (codels) of a specification"
     )]
-    async fn codels(&self, Parameters(it): Parameters<Codels>, context: Context) -> CallToolResult {
-        let action = match it.action {
+    async fn codels(
+        &self,
+        Parameters(parameter): Parameters<Codels>,
+        context: Context,
+    ) -> CallToolResult {
+        let action = match parameter.action {
             CodelAction::Check => "check",
             CodelAction::Sync => "sync",
             CodelAction::Stub => "stub",
         };
-        self.command(["codels", action, "--", &it.path], &context)
+        self.command(["codels", action, "--", &parameter.path], &context)
             .await
     }
 
@@ -200,11 +209,11 @@ impl Tools {
     )]
     async fn verify(
         &self,
-        Parameters(it): Parameters<Specifications>,
+        Parameters(parameter): Parameters<Specifications>,
         context: Context,
     ) -> CallToolResult {
         self.command(
-            ["verify", "--timeout", VERIFY_SECONDS, "--", &it.path],
+            ["verify", "--timeout", VERIFY_SECONDS, "--", &parameter.path],
             &context,
         )
         .await
@@ -216,7 +225,7 @@ impl Tools {
     )]
     async fn simulate(
         &self,
-        Parameters(it): Parameters<Simulation>,
+        Parameters(parameter): Parameters<Simulation>,
         context: Context,
     ) -> CallToolResult {
         self.command(
@@ -225,9 +234,9 @@ impl Tools {
                 "--simulate",
                 "all",
                 "--until",
-                &it.duration,
+                &parameter.duration,
                 "--",
-                &it.path,
+                &parameter.path,
             ],
             &context,
         )
@@ -238,14 +247,18 @@ impl Tools {
         description = "Draw state machines, a system or locks, as Mermaid",
         annotations(read_only_hint = true)
     )]
-    async fn draw(&self, Parameters(it): Parameters<Picture>, context: Context) -> CallToolResult {
-        let of = match it.of {
+    async fn draw(
+        &self,
+        Parameters(parameter): Parameters<Picture>,
+        context: Context,
+    ) -> CallToolResult {
+        let of = match parameter.of {
             PictureKind::Fsm => "fsm",
             PictureKind::System => "system",
             PictureKind::Locks => "locks",
         };
         self.command(
-            ["diagram", of, "--format", "mermaid", "--", &it.path],
+            ["diagram", of, "--format", "mermaid", "--", &parameter.path],
             &context,
         )
         .await
@@ -255,8 +268,13 @@ impl Tools {
         description = "Explain a diagnostic by its code: meaning, reason, and how to mend it",
         annotations(read_only_hint = true)
     )]
-    async fn explain(&self, Parameters(it): Parameters<Code>, context: Context) -> CallToolResult {
-        self.command(["explain", "--", &it.code], &context).await
+    async fn explain(
+        &self,
+        Parameters(parameter): Parameters<Code>,
+        context: Context,
+    ) -> CallToolResult {
+        self.command(["explain", "--", &parameter.code], &context)
+            .await
     }
 }
 
@@ -301,7 +319,9 @@ impl Tools {
         }
         let output = shortened(&output, MAX_OUTPUT_BYTES);
         let errors = shortened(&errors, MAX_MESSAGE_BYTES);
-        let texts = [output, errors].into_iter().filter(|it| !it.is_empty());
+        let texts = [output, errors]
+            .into_iter()
+            .filter(|output| !output.is_empty());
         let content = texts.map(ContentBlock::text).collect();
         match code {
             Some(0 | 1 | 3) => CallToolResult::success(content),

@@ -26,7 +26,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let session = session::single(&arguments.file, &arguments.reading)?;
     let mut outcome = Outcome::Fine;
     for file in &session.files {
-        let unit = session.ask(&file.path, |it| it.root_unit(&file.path))?;
+        let unit = session.ask(&file.path, |analysis| analysis.root_unit(&file.path))?;
         let model = dotgen_views::model::document(&unit);
         let mut json = serde_json::to_string_pretty(&model)?;
         json.push('\n');

@@ -95,7 +95,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         bail!("`--follow` follows one log");
     }
     #[cfg(unix)]
-    if files.logs.iter().any(|it| live::is_socket(it)) {
+    if files.logs.iter().any(|log| live::is_socket(log)) {
         anyhow::ensure!(files.logs.len() == 1, "follow one run at a time");
         let tracing = arguments.trace.is_some();
         anyhow::ensure!(
@@ -116,10 +116,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         .collect();
     let read = problem
         .files()
-        .chain(files.logs.iter().map(|it| it.as_path()));
+        .chain(files.logs.iter().map(|log| log.as_path()));
     outputs::check(&written, read)?;
     let options = Options {
-        cores: arguments.cores.map(|it| it.0),
+        cores: arguments.cores.map(|core| core.0),
         policy: arguments.policy.map(PolicyName::policy),
         semantics: arguments.semantics.map(SemanticsName::preset),
         ..Options::default()
@@ -165,7 +165,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if let (Some(path), Some(trace)) = (&arguments.trace, trace) {
         write_trace(path, &trace.finish())?;
     }
-    let empty = |it: &(Utf8PathBuf, MonitorReport)| it.1.runs == 0 && it.1.deviation_count == 0;
+    let empty =
+        |pair: &(Utf8PathBuf, MonitorReport)| pair.1.runs == 0 && pair.1.deviation_count == 0;
     let title = match problem.scenario.name.as_str() {
         "" => display(&problem.path),
         name => name.to_owned(),
@@ -180,7 +181,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if nothing {
         bail!("the log has no line of a codel of {title}");
     }
-    let deviates = reports.iter().any(|it| it.1.deviation_count > 0);
+    let deviates = reports.iter().any(|report| report.1.deviation_count > 0);
     Ok(match deviates {
         true => Outcome::Errors,
         false => Outcome::Fine,
@@ -215,8 +216,8 @@ fn follow(
         true => None,
         false => Some(open(path)?),
     };
-    let is_file = file.as_ref().and_then(|it| it.metadata().ok());
-    let is_file = is_file.is_some_and(|it| it.is_file());
+    let is_file = file.as_ref().and_then(|file| file.metadata().ok());
+    let is_file = is_file.is_some_and(|metadata| metadata.is_file());
     let mut piece = vec![0; CHUNK_BYTES];
     let mut lines = Lines::default();
     let mut told = NewDeviations::default();

@@ -68,13 +68,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     };
     let interfaces = |all: &[(String, Utf8PathBuf)]| -> anyhow::Result<Vec<_>> {
         let all = all.iter();
-        all.map(|it| Ok((it.0.clone(), absolute(&it.1)?))).collect()
+        all.map(|pair| Ok((pair.0.clone(), absolute(&pair.1)?)))
+            .collect()
     };
     let name = Utf8Path::new(&arguments.name);
     let folder = absolute(arguments.directory.as_deref().unwrap_or(name))?;
     let tasks = match arguments.tasks.as_slice() {
         [] => vec![task("exec=10ms")],
-        given => given.iter().map(|it| task(it)).collect(),
+        given => given.iter().map(|text| task(text)).collect(),
     };
     let answers = Answers {
         name: arguments.name.clone(),
@@ -87,7 +88,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let files = files.map_err(anyhow::Error::msg)?;
     let contents: Vec<_> = files
         .iter()
-        .map(|it| report::new_content(&it.0, &it.1))
+        .map(|file| report::new_content(&file.0, &file.1))
         .collect();
     report::write_files(&contents)?;
     for (path, _) in &files {

@@ -38,9 +38,12 @@ pub(super) fn check<'f>(
         if path.is_dir() {
             bail!("`{path}` is a directory; name a file to be written");
         }
-        let fits = |it: &&str| path.extension() == Some(it);
+        let fits = |text: &&str| path.extension() == Some(text);
         if !endings.is_empty() && !endings.iter().any(fits) {
-            let names: Vec<String> = endings.iter().map(|it| format!("FILE.{it}")).collect();
+            let names: Vec<String> = endings
+                .iter()
+                .map(|ending| format!("FILE.{ending}"))
+                .collect();
             bail!(
                 "`{path}` does not say what it is to be; name it {}",
                 names.join(" or ")
@@ -83,7 +86,7 @@ impl Identity {
         }
         let whole = path.canonicalize_utf8().or_else(|_| {
             // The file does not exist yet, but its folder may.
-            let folder = path.parent().filter(|it| !it.as_str().is_empty());
+            let folder = path.parent().filter(|parent| !parent.as_str().is_empty());
             let folder = folder.unwrap_or(Utf8Path::new(".")).canonicalize_utf8()?;
             Ok::<_, std::io::Error>(folder.join(path.file_name().unwrap_or_default()))
         });

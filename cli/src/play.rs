@@ -57,7 +57,7 @@ fn renaming(text: &str) -> Result<(String, String), String> {
 
 fn factor(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(it) if (1e-3..=1e3).contains(&it) => Ok(it),
+        Ok(number) if (1e-3..=1e3).contains(&number) => Ok(number),
         _ => Err("write a number from 0.001 to 1000".to_owned()),
     }
 }
@@ -88,7 +88,7 @@ struct Topic {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let path = &arguments.file;
     let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
-    let data = record::read_data(&bytes).map_err(|it| anyhow::anyhow!("`{path}`: {it}"))?;
+    let data = record::read_data(&bytes).map_err(|error| anyhow::anyhow!("`{path}`: {error}"))?;
     if let Some(why) = &data.broken {
         report::note(&format!("`{path}` breaks off: {why}"));
     }
@@ -103,11 +103,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if !whole {
         bail!("the run has ended before the recording");
     }
-    let all = || topics.values().flat_map(|it| &it.targets);
+    let all = || topics.values().flat_map(|topic| &topic.targets);
     Ok(
         match (
-            all().any(|it| it.written > 0),
-            all().any(|it| it.refused.is_some()),
+            all().any(|target| target.written > 0),
+            all().any(|target| target.refused.is_some()),
         ) {
             (false, _) => Outcome::Unusable,
             (true, true) => Outcome::Errors,
@@ -122,11 +122,11 @@ fn inputs(components: &[Value]) -> Vec<Port> {
         let name = component["name"].as_str().unwrap_or_default();
         let ports = component["ports"].as_array().into_iter().flatten();
         ports
-            .filter(|it| it["direction"] == "in")
-            .map(move |it| Port {
-                path: format!("{name}/{}", it["name"].as_str().unwrap_or_default()),
-                multiple: it["multiple"] == true,
-                schema: it["schema"].clone(),
+            .filter(|port| port["direction"] == "in")
+            .map(move |port| Port {
+                path: format!("{name}/{}", port["name"].as_str().unwrap_or_default()),
+                multiple: port["multiple"] == true,
+                schema: port["schema"].clone(),
             })
     });
     ports.collect()
@@ -141,9 +141,9 @@ fn targets(
     let names: Vec<&str> = data
         .topics
         .values()
-        .map(|it| it.trim_start_matches('/'))
+        .map(|topic| topic.trim_start_matches('/'))
         .collect();
-    let paths: Vec<&str> = ports.iter().map(|it| it.path.as_str()).collect();
+    let paths: Vec<&str> = ports.iter().map(|port| port.path.as_str()).collect();
     for (from, to) in renamed {
         if !names.contains(&from.as_str()) {
             bail!(
@@ -163,31 +163,36 @@ fn targets(
     let mut taken: BTreeMap<(usize, Option<String>), String> = BTreeMap::new();
     // Named ports come first.
     let mut order: Vec<(&u16, &str)> = data.topics.keys().zip(names).collect();
-    order.sort_by_key(|(_, name)| !renamed.iter().any(|it| it.0 == *name));
+    order.sort_by_key(|(_, name)| !renamed.iter().any(|entry| entry.0 == *name));
     for (channel, name) in order {
         let (own, instance) = port_of(name);
         let (component, port) = own.split_once('/').unwrap_or((own, ""));
         let chosen: Vec<&str> = (renamed.iter())
-            .filter(|it| it.0 == name)
-            .map(|it| it.1.as_str())
+            .filter(|entry| entry.0 == name)
+            .map(|pair| pair.1.as_str())
             .collect();
         let mut topic = Topic {
             name: name.to_owned(),
             targets: Vec::new(),
             why: None,
         };
-        for (number, it) in ports.iter().enumerate() {
-            let named = chosen.iter().find(|to| port_of(to).0 == it.path);
-            let fits = it.path.split_once('/').is_some_and(|(_, own)| own == port);
+        for (number, declaration) in ports.iter().enumerate() {
+            let named = chosen.iter().find(|to| port_of(to).0 == declaration.path);
+            let fits = declaration
+                .path
+                .split_once('/')
+                .is_some_and(|(_, own)| own == port);
             if named.is_none() && (!chosen.is_empty() || !fits) {
                 continue;
             }
             let given = named.and_then(|to| port_of(to).1).or(instance);
-            let instance = it.multiple.then(|| given.unwrap_or(component).to_owned());
+            let instance = declaration
+                .multiple
+                .then(|| given.unwrap_or(component).to_owned());
             match taken.get(&(number, instance.clone())) {
                 Some(other) => {
                     let why = "choose one with --topic";
-                    topic.why = Some(format!("`{}` gets `{other}`; {why}", it.path));
+                    topic.why = Some(format!("`{}` gets `{other}`; {why}", declaration.path));
                 }
                 None => {
                     taken.insert((number, instance.clone()), name.to_owned());
@@ -227,27 +232,38 @@ fn play(
     speed: f64,
     talk: &mut RunConnection,
 ) -> anyhow::Result<bool> {
-    let has_target = |it: &u16| topics.get(it).is_some_and(|it| !it.targets.is_empty());
-    let played = data.messages.iter().filter(|it| has_target(&it.channel));
+    let has_target = |number: &u16| {
+        topics
+            .get(number)
+            .is_some_and(|topic| !topic.targets.is_empty())
+    };
+    let played = data
+        .messages
+        .iter()
+        .filter(|message| has_target(&message.channel));
     let mut played: Vec<_> = played.collect();
-    played.sort_by_key(|it| it.at);
-    let first = played.first().map_or(0, |it| it.at);
+    played.sort_by_key(|message| message.at);
+    let first = played.first().map_or(0, |message| message.at);
     let mut pace = Pacer::begin();
     for message in played {
         let Some(topic) = topics.get_mut(&message.channel) else {
             continue;
         };
-        if topic.targets.iter().all(|it| it.refused.is_some()) {
+        if topic.targets.iter().all(|target| target.refused.is_some()) {
             continue;
         }
         pace.wait(Duration::from_nanos(message.at - first).div_f64(speed));
         let value: Result<Value, _> = serde_json::from_slice(&message.text);
-        for target in topic.targets.iter_mut().filter(|it| it.refused.is_none()) {
+        for target in topic
+            .targets
+            .iter_mut()
+            .filter(|target| target.refused.is_none())
+        {
             let Some(port) = ports.get(target.port) else {
                 continue;
             };
             let value = match &value {
-                Ok(it) => unwrap_member(it, &port.schema),
+                Ok(slice) => unwrap_member(slice, &port.schema),
                 Err(error) => {
                     target.refused = Some(format!("the recording has no JSON there: {error}"));
                     continue;
@@ -286,17 +302,19 @@ fn unwrap_member<'v>(value: &'v Value, schema: &Value) -> &'v Value {
 /// Returns true for a float that is not a number: `null` in JSON, which a run would read as zero.
 fn is_not_finite(value: &Value, schema: &Value) -> bool {
     // The first is the type of an optional value.
-    let optional = schema["anyOf"].as_array().and_then(|it| it.first());
+    let optional = schema["anyOf"].as_array().and_then(|value| value.first());
     let inner = optional.unwrap_or(schema);
     match value {
         Value::Null => {
             let kinds = schema["type"].as_array();
-            kinds.is_some_and(|all| all.iter().any(|it| it == "number"))
+            kinds.is_some_and(|all| all.iter().any(|value| value == "number"))
         }
-        Value::Array(all) => all.iter().any(|it| is_not_finite(it, &inner["items"])),
+        Value::Array(all) => all
+            .iter()
+            .any(|value| is_not_finite(value, &inner["items"])),
         Value::Object(all) => {
             let mut all = all.iter();
-            all.any(|(name, it)| is_not_finite(it, &inner["properties"][name]))
+            all.any(|(name, value)| is_not_finite(value, &inner["properties"][name]))
         }
         _ => false,
     }
@@ -307,8 +325,11 @@ fn print(topics: &BTreeMap<u16, Topic>, ports: &[Port]) -> anyhow::Result<()> {
     for topic in topics.values() {
         let name = terminal::text(&topic.name);
         for target in &topic.targets {
-            let path = ports.get(target.port).map_or("", |it| it.path.as_str());
-            let instance = target.instance.as_ref().map(|it| format!("/{it}"));
+            let path = ports.get(target.port).map_or("", |port| port.path.as_str());
+            let instance = target
+                .instance
+                .as_ref()
+                .map(|instance| format!("/{instance}"));
             let to = format!("{path}{}", instance.unwrap_or_default());
             let to = terminal::text(&to);
             match (&target.refused, target.written) {

@@ -90,7 +90,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let names: Vec<&str> = arguments
         .name
         .split(['.', ':'])
-        .filter(|it| !it.is_empty())
+        .filter(|part| !part.is_empty())
         .collect();
     if names.is_empty() {
         bail!("`{}` is not a name", arguments.name);
@@ -102,11 +102,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         let Some(first) = session.files.first() else {
             continue;
         };
-        let all = session.ask(&first.path, |it| it.named(&names))?;
-        let mut all: Vec<_> = all.into_iter().map(|it| (it, None)).collect();
+        let all = session.ask(&first.path, |analysis| analysis.named(&names))?;
+        let mut all: Vec<_> = all
+            .into_iter()
+            .map(|declaration| (declaration, None))
+            .collect();
         if all.is_empty() {
             all = session.states(&first.path, &names)?;
-            known.extend(session.ask(&first.path, |it| it.named(&[]))?);
+            known.extend(session.ask(&first.path, |analysis| analysis.named(&[]))?);
         }
         left_out += all.len().saturating_sub(MAX_DECLARATIONS);
         all.truncate(MAX_DECLARATIONS);
@@ -114,7 +117,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         for (declaration, machine) in &all {
             let described = describer.describe(declaration, machine.as_ref())?;
             // A shared file may be read under several configurations.
-            match found.iter_mut().find(|it| it.place == described.place) {
+            match found
+                .iter_mut()
+                .find(|declaration| declaration.place == described.place)
+            {
                 Some(same) => same.add_uses(described.uses),
                 None => found.push(described),
             }
@@ -145,10 +151,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     if found.is_empty() && !trouble.any() {
         let last = names.last().copied().unwrap_or_default();
-        let simple = |it: &NamedDeclaration| it.names.last().cloned();
+        let simple = |declaration: &NamedDeclaration| declaration.names.last().cloned();
         let candidates: Vec<String> = known.iter().filter_map(simple).collect();
         let near = nearest(last, candidates.iter().map(String::as_str));
-        let near = near.map_or_else(String::new, |it| format!("; did you mean `{it}`?"));
+        let near = near.map_or_else(String::new, |text| format!("; did you mean `{text}`?"));
         super::failure(&anyhow::anyhow!(
             "nothing is named `{}`{near}",
             arguments.name
@@ -168,15 +174,17 @@ impl Session {
         about: &Utf8Path,
         names: &[&str],
     ) -> anyhow::Result<Vec<(NamedDeclaration, Option<NamedDeclaration>)>> {
-        let Some((state, machine)) = names.split_last().filter(|it| !it.1.is_empty()) else {
+        let Some((state, machine)) = names.split_last().filter(|pair| !pair.1.is_empty()) else {
             return Ok(Vec::new());
         };
         let mut found = Vec::new();
-        for machine in self.ask(about, |it| it.named(machine))? {
+        for machine in self.ask(about, |analysis| analysis.named(machine))? {
             let component = machine.names.first().map_or("", String::as_str);
-            let states = self.ask(about, |it| it.named(&[component, state]))?;
-            let states = states.into_iter().filter(|it| it.kind == SymbolKind::State);
-            found.extend(states.map(|it| (it, Some(machine.clone()))));
+            let states = self.ask(about, |analysis| analysis.named(&[component, state]))?;
+            let states = states
+                .into_iter()
+                .filter(|state| state.kind == SymbolKind::State);
+            found.extend(states.map(|state| (state, Some(machine.clone()))));
         }
         Ok(found)
     }
@@ -209,26 +217,28 @@ impl Describer<'_> {
             path: about.clone(),
             offset: declaration.range.start,
         };
-        let documentation = self.session.ask(about, |it| it.hover(&at))?;
-        let uses = self.session.ask(about, |it| it.references(&at, false))?;
-        let is_used = |it: &FileRange| {
+        let documentation = self.session.ask(about, |analysis| analysis.hover(&at))?;
+        let uses = self
+            .session
+            .ask(about, |analysis| analysis.references(&at, false))?;
+        let is_used = |range: &FileRange| {
             machine.is_none_or(|machine| {
-                it.path == machine.path && machine.full_range.contains(&it.range.start)
+                range.path == machine.path && machine.full_range.contains(&range.range.start)
             })
         };
         let uses = uses
             .into_iter()
             .flatten()
-            .map(|it| it.place)
+            .map(|usage| usage.place)
             .filter(is_used);
         let uses: anyhow::Result<Vec<Place>> = uses
-            .map(|it| self.place(&it.path, it.range.start))
+            .map(|usage| self.place(&usage.path, usage.range.start))
             .collect();
         Ok(Declaration {
             name: declaration.qualified(),
             kind: declaration.kind,
             place: self.place(about, declaration.range.start)?,
-            documentation: documentation.map(|it| it.info.markdown),
+            documentation: documentation.map(|documentation| documentation.info.markdown),
             uses: uses?,
             findings: self.findings(declaration)?,
         })
@@ -238,13 +248,21 @@ impl Describer<'_> {
     fn findings(&mut self, declaration: &NamedDeclaration) -> anyhow::Result<Vec<Finding>> {
         let path = &declaration.path;
         if !self.diagnostics.contains_key(path) {
-            let all = self.session.ask(path, |it| it.diagnostics(path))?;
+            let all = self
+                .session
+                .ask(path, |analysis| analysis.diagnostics(path))?;
             self.diagnostics.insert(path.clone(), all);
         }
         let mut found = Vec::new();
-        for it in &self.diagnostics[path] {
-            if it.path == *path && declaration.full_range.contains(&it.range.start) {
-                found.push((it.code, it.severity, it.message.clone(), it.range.start));
+        for diagnostic in &self.diagnostics[path] {
+            if diagnostic.path == *path && declaration.full_range.contains(&diagnostic.range.start)
+            {
+                found.push((
+                    diagnostic.code,
+                    diagnostic.severity,
+                    diagnostic.message.clone(),
+                    diagnostic.range.start,
+                ));
             }
         }
         let finding = |(code, severity, message, at)| {
@@ -263,7 +281,7 @@ impl Describer<'_> {
         if !self.texts.contains_key(path) {
             let text = self
                 .session
-                .ask(path, |it| it.text(path))?
+                .ask(path, |analysis| analysis.text(path))?
                 .unwrap_or_default();
             self.texts
                 .insert(path.clone(), Lines::new(text, Encoding::Utf32));
@@ -272,7 +290,7 @@ impl Describer<'_> {
         let position = lines.position(offset);
         let text = lines
             .line(position.line)
-            .and_then(|it| lines.text().get(it));
+            .and_then(|line| lines.text().get(line));
         Ok(Place {
             file: session::display(path),
             line: position.line + 1,
@@ -285,9 +303,9 @@ impl Describer<'_> {
 impl Declaration {
     /// Adds uses that were found under another configuration.
     fn add_uses(&mut self, uses: Vec<Place>) {
-        for it in uses {
-            if !self.uses.contains(&it) {
-                self.uses.push(it);
+        for usage in uses {
+            if !self.uses.contains(&usage) {
+                self.uses.push(usage);
             }
         }
     }
@@ -310,14 +328,20 @@ impl Declaration {
             let plural = if self.uses.len() == 1 { "" } else { "s" };
             out += &format!("\n{} use{plural}:\n", self.uses.len());
         }
-        for it in &self.uses {
-            out += &format!("{}:{}:{}: {}\n", it.file, it.line, it.column, it.text);
+        for usage in &self.uses {
+            out += &format!(
+                "{}:{}:{}: {}\n",
+                usage.file, usage.line, usage.column, usage.text
+            );
         }
         if !self.findings.is_empty() {
             out += "\nfindings:\n";
         }
-        for it in &self.findings {
-            out += &format!("{file}:{}: {} [{}]\n", it.line, it.message, it.code);
+        for finding in &self.findings {
+            out += &format!(
+                "{file}:{}: {} [{}]\n",
+                finding.line, finding.message, finding.code
+            );
         }
         out
     }

@@ -95,7 +95,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             "{:#}",
             json!({ "version": 1, "specifications": reports })
         )?,
-        Format::Text => reports.iter().try_for_each(|it| print(it, &mut out))?,
+        Format::Text => reports
+            .iter()
+            .try_for_each(|report| print(report, &mut out))?,
     }
     Ok(
         trouble.outcome(match reports.iter().all(FileDiff::is_empty) {
@@ -111,7 +113,9 @@ fn compare(diff: &Diff, path: &Utf8PathBuf) -> anyhow::Result<FileDiff> {
         Some(from) => from,
         None => {
             let session = session::single(path, &diff.reading)?;
-            let used = session.ask(path, |it| it.release(path))?.release;
+            let used = session
+                .ask(path, |analysis| analysis.release(path))?
+                .release;
             if used == to { Release::OLDEST } else { used }
         }
     };
@@ -121,7 +125,7 @@ fn compare(diff: &Diff, path: &Utf8PathBuf) -> anyhow::Result<FileDiff> {
             ..diff.reading.clone()
         };
         let session = session::single(path, &reading)?;
-        let unit = session.ask(path, |it| it.root_unit(path))?;
+        let unit = session.ask(path, |analysis| analysis.root_unit(path))?;
         Ok((session, unit))
     };
     let ((old_session, old), (new_session, new)) = (read(from)?, read(to)?);
@@ -130,22 +134,25 @@ fn compare(diff: &Diff, path: &Utf8PathBuf) -> anyhow::Result<FileDiff> {
         (from, &old_session, &old, &new),
         (to, &new_session, &new, &old),
     ] {
-        for it in own.diagnostics.iter() {
-            if it.severity == Severity::Hint
-                || other.diagnostics.iter().any(|that| is_same(it, that))
+        for diagnostic in own.diagnostics.iter() {
+            if diagnostic.severity == Severity::Hint
+                || other
+                    .diagnostics
+                    .iter()
+                    .any(|that| is_same(diagnostic, that))
             {
                 continue;
             }
-            let text = session.ask(&it.path, |analysis| analysis.text(&it.path))?;
+            let text = session.ask(&diagnostic.path, |analysis| analysis.text(&diagnostic.path))?;
             let text = text.unwrap_or_default();
-            let before = text.get(..it.range.start).unwrap_or_default();
+            let before = text.get(..diagnostic.range.start).unwrap_or_default();
             checks.push(CheckChange {
                 only_in: release,
-                severity: word(it.severity),
-                code: it.code,
-                file: session::display(&it.path),
+                severity: word(diagnostic.severity),
+                code: diagnostic.code,
+                file: session::display(&diagnostic.path),
                 line: 1 + before.matches('\n').count(),
-                message: it.message.clone(),
+                message: diagnostic.message.clone(),
             });
         }
     }
@@ -177,25 +184,32 @@ impl FileDiff {
     }
 }
 
-fn print(it: &FileDiff, out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(out, "{}: from GenoM3 {} to {}", it.file, it.from, it.to)?;
-    for release in [it.from, it.to].iter().filter(|it| !it.is_verified()) {
+fn print(diff: &FileDiff, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "{}: from GenoM3 {} to {}",
+        diff.file, diff.from, diff.to
+    )?;
+    for release in [diff.from, diff.to]
+        .iter()
+        .filter(|release| !release.is_verified())
+    {
         writeln!(
             out,
             "  {release} is known from its changes only: not verified"
         )?;
     }
-    if it.is_empty() {
+    if diff.is_empty() {
         return writeln!(out, "  nothing changes");
     }
-    for check in &it.checks {
+    for check in &diff.checks {
         writeln!(
             out,
             "  only in {}: {}:{}: {}: {} [{}]",
             check.only_in, check.file, check.line, check.severity, check.message, check.code
         )?;
     }
-    let generated = &it.generated;
+    let generated = &diff.generated;
     for digest in &generated.digests {
         match &digest.service {
             None => writeln!(
@@ -232,10 +246,10 @@ fn print(it: &FileDiff, out: &mut dyn Write) -> std::io::Result<()> {
 fn print_text(change: &TextChange, out: &mut dyn Write) -> std::io::Result<()> {
     let (old, new): (Vec<&str>, Vec<&str>) =
         (change.from.lines().collect(), change.to.lines().collect());
-    for line in old.iter().filter(|it| !new.contains(it)) {
+    for line in old.iter().filter(|text| !new.contains(text)) {
         writeln!(out, "    - {line}")?;
     }
-    for line in new.iter().filter(|it| !old.contains(it)) {
+    for line in new.iter().filter(|text| !old.contains(text)) {
         writeln!(out, "    + {line}")?;
     }
     Ok(())

@@ -63,7 +63,7 @@ enum Format {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let is_recording = |it: &&Utf8PathBuf| it.extension() == Some(MCAP);
+    let is_recording = |path: &&Utf8PathBuf| path.extension() == Some(MCAP);
     let (recordings, texts): (Vec<_>, Vec<_>) = arguments.files.iter().partition(is_recording);
     let [path] = recordings[..] else {
         bail!("name one recording (.mcap): `dotgen run --record FILE.mcap` writes it");
@@ -73,7 +73,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     let texts: Vec<Utf8PathBuf> = texts.into_iter().cloned().collect();
     let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
-    let recorded = record::read(&bytes).map_err(|it| anyhow::anyhow!("`{path}`: {it}"))?;
+    let recorded = record::read(&bytes).map_err(|error| anyhow::anyhow!("`{path}`: {error}"))?;
     if let Some(why) = &recorded.broken {
         report::note(&format!(
             "`{path}` breaks off after step {} ({why}): its run was killed, found no room, or goes on",
@@ -84,7 +84,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Unusable);
     };
     let options = Options {
-        cores: arguments.cores.map(|it| it.0),
+        cores: arguments.cores.map(|core| core.0),
         policy: arguments.policy.map(PolicyName::policy),
         semantics: arguments.semantics.map(SemanticsName::preset),
         ..Options::default()
@@ -111,8 +111,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     let system = with_any_exception(verified);
     let mut replay = Replay::new(&system, verified, outside);
-    for it in &recorded.steps {
-        replay.step(it);
+    for step in &recorded.steps {
+        replay.step(step);
     }
     let report = replay.end(recorded.about.end);
     let title = match problem.scenario.name.as_str() {
@@ -187,17 +187,17 @@ fn print_text(
         report.steps,
         time(report.time)
     )?;
-    for it in &report.differences {
-        let what = differs(it, &time);
-        let step = terminal::text(&it.step.describe()).into_owned();
+    for difference in &report.differences {
+        let what = differs(difference, &time);
+        let step = terminal::text(&difference.step.describe()).into_owned();
         writeln!(
             out,
             "\nstep {}, at {}: {step}",
-            it.number,
-            time(it.step.time)
+            difference.number,
+            time(difference.step.time)
         )?;
         writeln!(out, "  {}", terminal::text(&what))?;
-        writeln!(out, "  the rule: {}", it.rule.describe())?;
+        writeln!(out, "  the rule: {}", difference.rule.describe())?;
     }
     let more = report.difference_count - report.differences.len() as u64;
     if more > 0 {
@@ -215,8 +215,8 @@ fn print_text(
 }
 
 /// Describes a difference.
-fn differs(it: &Difference, time: &dyn Fn(u64) -> String) -> String {
-    match &it.what {
+fn differs(difference: &Difference, time: &dyn Fn(u64) -> String) -> String {
+    match &difference.what {
         DifferenceKind::Longer { took, limit } => format!(
             "took {}, and may take {}",
             time(*took),
@@ -232,7 +232,10 @@ fn differs(it: &Difference, time: &dyn Fn(u64) -> String) -> String {
             "is not possible there: nothing but time can pass".to_owned()
         }
         DifferenceKind::Impossible { possible } => {
-            let all: Vec<String> = possible.iter().map(|it| it.describe()).collect();
+            let all: Vec<String> = possible
+                .iter()
+                .map(|possible| possible.describe())
+                .collect();
             format!("is not possible there; this is: {}", all.join(", or "))
         }
         DifferenceKind::Omitted { due } => format!("before it has to come: {}", due.describe()),

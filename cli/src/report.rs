@@ -49,18 +49,29 @@ pub(super) struct OpenNames {
 impl OpenNames {
     /// Returns the names that need something missing, if there are any.
     pub(super) fn of(needs: &Dependencies) -> Option<OpenNames> {
-        let unknown = needs.unknown.iter().map(|it| it.name.to_string());
-        let interfaces = needs.interfaces.iter().filter(|it| it.found.is_none());
-        let interfaces = interfaces.map(|it| it.name.to_string());
+        let unknown = needs.unknown.iter().map(|name| name.name.to_string());
+        let interfaces = needs
+            .interfaces
+            .iter()
+            .filter(|interface| interface.found.is_none());
+        let interfaces = interfaces.map(|interface| interface.name.to_string());
         let mut names: Vec<String> = unknown.chain(interfaces).collect();
         names.sort();
         names.dedup();
         let packages = needs.missing_packages();
-        let packages = packages.flat_map(|it| it.brought_by.iter().map(|it| it.package.clone()));
-        let files = needs.includes.iter().filter(|it| it.found.is_none());
+        let packages = packages.flat_map(|package| {
+            package
+                .brought_by
+                .iter()
+                .map(|provider| provider.package.clone())
+        });
+        let files = needs
+            .includes
+            .iter()
+            .filter(|include| include.found.is_none());
         let mut missing: Vec<String> = packages.collect();
         if missing.is_empty() {
-            missing.extend(files.map(|it| it.path.clone()));
+            missing.extend(files.map(|file| file.path.clone()));
         }
         (!names.is_empty()).then_some(OpenNames { names, missing })
     }
@@ -80,15 +91,19 @@ impl FileReports {
     /// Merges the diagnostics of several units about a shared file.
     pub(super) fn finish(&mut self) {
         let mut seen = HashSet::new();
-        self.diagnostics.retain(|it| {
-            let place = (it.path.clone(), it.range.start, it.range.end);
-            seen.insert((place, it.code, it.message.clone()))
+        self.diagnostics.retain(|diagnostic| {
+            let place = (
+                diagnostic.path.clone(),
+                diagnostic.range.start,
+                diagnostic.range.end,
+            );
+            seen.insert((place, diagnostic.code, diagnostic.message.clone()))
         });
     }
 
     /// Number of diagnostics of a severity.
     pub(super) fn count(&self, severity: Severity) -> usize {
-        let of = |it: &&Diagnostic| it.severity == severity;
+        let of = |diagnostic: &&Diagnostic| diagnostic.severity == severity;
         self.diagnostics.iter().filter(of).count()
     }
 }
@@ -125,14 +140,14 @@ pub(super) fn note(text: &str) {
 /// Prints a note about scenarios of directories that are read for their specifications only. Scenarios in
 /// `files` were named.
 pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFile]) {
-    for argument in arguments.iter().filter(|it| it.is_dir()) {
+    for argument in arguments.iter().filter(|argument| argument.is_dir()) {
         let Ok(path) = absolute(argument) else {
             continue;
         };
         let mut found = vfs::files_below(&path, &[EXTENSION]);
-        found.retain(|it| !files.iter().any(|file| file.path == *it));
+        found.retain(|path| !files.iter().any(|file| file.path == *path));
         let names: Vec<_> = (found.iter())
-            .map(|it| format!("`{}`", display(it)))
+            .map(|path| format!("`{}`", display(path)))
             .collect();
         match names.as_slice() {
             [] => {}

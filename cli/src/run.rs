@@ -267,7 +267,7 @@ fn exact(text: &str) -> Option<Seconds> {
     let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
     let digits = format!("{whole}{fraction}");
     let short = fraction.len() <= 9 && digits.len() <= 18;
-    if !short || digits.is_empty() || !digits.bytes().all(|it| it.is_ascii_digit()) {
+    if !short || digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
         return None;
     }
     let scale = 10i128.pow(u32::try_from(fraction.len()).ok()?);
@@ -326,7 +326,7 @@ impl Arguments {
                 "`--zenoh-read` needs other machines: add `--zenoh-listen` or `--zenoh-connect`",
             ),
         ];
-        match conflicts.into_iter().find(|it| it.0) {
+        match conflicts.into_iter().find(|conflict| conflict.0) {
             Some((_, why)) => Err(anyhow::anyhow!(why)),
             None => Ok(()),
         }
@@ -334,18 +334,21 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
+    let checks: Vec<&str> = arguments.checks.iter().map(|check| body(check)).collect();
     // Every way to end a run also ends its compilers and hosts.
     let interrupt = interrupt::on_signals();
     let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
     arguments.check(all.len())?;
     let output = |path, endings| Output { path, endings };
-    let log = arguments.profile.iter().map(|it| output(it, &[]));
+    let log = arguments.profile.iter().map(|profile| output(profile, &[]));
     let trace = arguments.trace.iter();
-    let trace = trace.map(|it| output(it, &[PERFETTO, VIEWER]));
-    let record = arguments.record.iter().map(|it| output(it, &[MCAP]));
+    let trace = trace.map(|trace| output(trace, &[PERFETTO, VIEWER]));
+    let record = arguments
+        .record
+        .iter()
+        .map(|record| output(record, &[MCAP]));
     let written: Vec<Output<'_>> = log.chain(trace).chain(record).collect();
-    outputs::check(&written, all.iter().flat_map(|it| it.1.files()))?;
+    outputs::check(&written, all.iter().flat_map(|pair| pair.1.files()))?;
     let mut answers = Vec::new();
     for (session, problem) in all {
         match one(
@@ -365,9 +368,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             Format::Json => print_json(&answers)?,
         }
     }
-    let ended = |it: &Answer| !matches!(it.report.end, End::Done | End::NothingLeft);
+    let ended = |answer: &Answer| !matches!(answer.report.end, End::Done | End::NothingLeft);
     Ok(
-        trouble.outcome(if answers.iter().any(|it| it.report.violated()) {
+        trouble.outcome(if answers.iter().any(|answer| answer.report.violated()) {
             Outcome::Errors
         } else if answers.iter().any(ended) {
             Outcome::GaveUp
@@ -406,11 +409,11 @@ impl Arguments {
     fn ros_domain(&self) -> anyhow::Result<u32> {
         let given = std::env::var("ROS_DOMAIN_ID").unwrap_or_default();
         match (self.ros_domain, given.as_str()) {
-            (Some(it), _) => Ok(it),
+            (Some(domain), _) => Ok(domain),
             (None, "") => Ok(0),
-            (None, it) => match it.parse() {
-                Ok(it @ 0..=232) => Ok(it),
-                _ => anyhow::bail!("ROS_DOMAIN_ID is `{it}`: write a number from 0 to 232"),
+            (None, variable) => match variable.parse() {
+                Ok(number @ 0..=232) => Ok(number),
+                _ => anyhow::bail!("ROS_DOMAIN_ID is `{variable}`: write a number from 0 to 232"),
             },
         }
     }
@@ -419,7 +422,7 @@ impl Arguments {
         let ten_seconds = Ratio::from_integer(10);
         Plan {
             until: match (self.until, self.clock) {
-                (Some(it), _) => prepared.ticks(it),
+                (Some(ratio), _) => prepared.ticks(ratio),
                 (None, Clock::Virtual) => prepared.ticks(ten_seconds),
                 (None, Clock::Real) => u64::MAX,
             },
@@ -431,7 +434,7 @@ impl Arguments {
                 DurationsName::Best => decide::Durations::Best,
             },
             stop_at_violation: self.on_violation == OnViolation::Stop,
-            record: (self.trace.as_ref()).is_some_and(|it| it.extension() != Some(PERFETTO)),
+            record: (self.trace.as_ref()).is_some_and(|trace| trace.extension() != Some(PERFETTO)),
         }
     }
 }
@@ -439,12 +442,12 @@ impl Arguments {
 /// One document: an object for one scenario, a list for several.
 fn print_json(answers: &[Answer]) -> anyhow::Result<()> {
     let mut documents = Vec::new();
-    for it in answers {
-        let mut document = serde_json::to_value(&it.report)?;
-        document["file"] = super::session::display(&it.problem.path).into();
-        document["clock"] = it.clock.word().into();
-        document["executed-codels"] = it.executed.0.into();
-        document["simulated-codels"] = it.executed.1.into();
+    for answer in answers {
+        let mut document = serde_json::to_value(&answer.report)?;
+        document["file"] = super::session::display(&answer.problem.path).into();
+        document["clock"] = answer.clock.word().into();
+        document["executed-codels"] = answer.executed.0.into();
+        document["simulated-codels"] = answer.executed.1.into();
         documents.push(document);
     }
     let document = match documents.len() {

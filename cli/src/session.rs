@@ -82,7 +82,7 @@ pub(super) fn usable_files(
     let (mut found, mut trouble) = (NamedFiles::default(), ErrorReporter::default());
     for argument in arguments {
         match found.add(argument, extensions) {
-            Ok(skipped) => skipped.iter().for_each(|it| trouble.tell(it)),
+            Ok(skipped) => skipped.iter().for_each(|error| trouble.tell(error)),
             Err(error) => trouble.tell(&error),
         }
     }
@@ -92,7 +92,7 @@ pub(super) fn usable_files(
 /// Returns the files as [`usable_files`] does, for commands that do not read scenarios.
 pub(super) fn specifications(arguments: &[Utf8PathBuf]) -> (Vec<SourceFile>, ErrorReporter) {
     let (mut files, mut trouble) = usable_files(arguments, &["gen"]);
-    files.retain(|it| match refuse_scenario(it) {
+    files.retain(|file| match refuse_scenario(file) {
         Ok(()) => true,
         Err(error) => {
             trouble.tell(&error);
@@ -153,7 +153,10 @@ impl NamedFiles {
                 let found = vfs::files_below(&path, extensions);
                 skipped = unusable_names(&path, extensions);
                 if found.is_empty() && skipped.is_empty() {
-                    let all: Vec<String> = extensions.iter().map(|it| format!(".{it}")).collect();
+                    let all: Vec<String> = extensions
+                        .iter()
+                        .map(|extension| format!(".{extension}"))
+                        .collect();
                     let all = match all.split_last() {
                         Some((last, rest)) if !rest.is_empty() => {
                             format!("{} or {last}", rest.join(", "))
@@ -162,7 +165,9 @@ impl NamedFiles {
                     };
                     bail!("no {all} file below `{argument}`");
                 }
-                found.into_iter().for_each(|it| self.push(it, false, None));
+                found
+                    .into_iter()
+                    .for_each(|path| self.push(path, false, None));
             }
             FileContent::Text(_) | FileContent::NotUtf8(_) => {
                 refuse_codels(argument)?;
@@ -180,19 +185,23 @@ impl NamedFiles {
 fn unusable_names(directory: &Utf8Path, extensions: &[&str]) -> Vec<anyhow::Error> {
     let entries = walkdir::WalkDir::new(directory)
         .into_iter()
-        .filter_entry(|it| {
-            let hidden = it.file_name().to_string_lossy().starts_with('.');
-            it.depth() == 0 || !(hidden && it.file_type().is_dir())
+        .filter_entry(|entry| {
+            let hidden = entry.file_name().to_string_lossy().starts_with('.');
+            entry.depth() == 0 || !(hidden && entry.file_type().is_dir())
         });
-    let wanted = |it: &walkdir::DirEntry| {
-        let extension = it.path().extension().and_then(|it| it.to_str());
-        it.path().to_str().is_none() && extension.is_some_and(|it| extensions.contains(&it))
+    let wanted = |entry: &walkdir::DirEntry| {
+        let extension = entry
+            .path()
+            .extension()
+            .and_then(|extension| extension.to_str());
+        entry.path().to_str().is_none()
+            && extension.is_some_and(|extension| extensions.contains(&extension))
     };
     let found = entries.filter_map(Result::ok).filter(wanted);
-    let error = |it: walkdir::DirEntry| {
+    let error = |entry: walkdir::DirEntry| {
         anyhow::anyhow!(
             "`{}` is left out: its name is not UTF-8; rename it",
-            it.path().display()
+            entry.path().display()
         )
     };
     found.map(error).collect()
@@ -274,7 +283,7 @@ pub(super) fn single(
     let files = files(&[argument.to_owned()])?;
     files.iter().try_for_each(refuse_scenario)?;
     if files.len() > 1 {
-        let names: Vec<_> = files.iter().map(|it| display(&it.path)).collect();
+        let names: Vec<_> = files.iter().map(|file| display(&file.path)).collect();
         bail!(
             "`{argument}` has {} specifications; name one: {}",
             names.len(),
@@ -298,7 +307,7 @@ pub(super) fn open(
             .entry(around)
             .or_insert_with(|| config::nearest_directory(&file.path))
             .clone();
-        match groups.iter_mut().find(|it| it.0 == directory) {
+        match groups.iter_mut().find(|group| group.0 == directory) {
             Some(group) => group.1.push(file),
             None => groups.push((directory, vec![file])),
         }
@@ -370,10 +379,10 @@ impl Session {
         let mut host = AnalysisHost::new(vfs);
         let given = files
             .iter()
-            .filter_map(|it| Some((it.path.clone(), Some(it.text.as_deref()?.to_owned()))));
+            .filter_map(|file| Some((file.path.clone(), Some(file.text.as_deref()?.to_owned()))));
         host.apply(Change {
             files: given.collect(),
-            roots: Some(files.iter().map(|it| it.path.clone()).collect()),
+            roots: Some(files.iter().map(|file| file.path.clone()).collect()),
             config: Some(configuration.for_analysis()),
             ..Change::default()
         });
@@ -434,7 +443,7 @@ impl Session {
                 panic::isolate(|| question(analysis, path))
             };
             let fork = || self.host.analysis();
-            let answers = parallel::map(batch, fork, |it| one(&analysis, it), one);
+            let answers = parallel::map(batch, fork, |path| one(&analysis, path), one);
             for (path, answer) in std::iter::zip(batch, answers) {
                 answered(self, path, told(path, answer)?)?;
             }
@@ -452,12 +461,14 @@ impl Session {
         texts: &mut Texts,
     ) -> anyhow::Result<()> {
         for diagnostic in diagnostics {
-            let related = diagnostic.related.iter().map(|it| &it.path);
-            let fixes = diagnostic.fixes.iter().flat_map(|it| &it.edits);
+            let related = diagnostic.related.iter().map(|related| &related.path);
+            let fixes = diagnostic.fixes.iter().flat_map(|fix| &fix.edits);
             let paths = std::iter::once(&diagnostic.path).chain(related);
-            for path in paths.chain(fixes.map(|it| &it.path)) {
+            for path in paths.chain(fixes.map(|fix| &fix.path)) {
                 if !texts.contains_key(path) {
-                    let text = self.ask(path, |it| it.text(path))?.unwrap_or_default();
+                    let text = self
+                        .ask(path, |analysis| analysis.text(path))?
+                        .unwrap_or_default();
                     texts.insert(path.clone(), Lines::new(text, Encoding::Utf16));
                 }
             }

@@ -17,7 +17,7 @@ pub(super) fn add_suggestion(mut error: Error) -> Error {
         return error;
     };
     let arguments = std::env::args_os().skip(1);
-    let arguments = arguments.filter_map(|it| it.into_string().ok());
+    let arguments = arguments.filter_map(|argument| argument.into_string().ok());
     let Some(near) = near(wrong, arguments) else {
         return error;
     };
@@ -35,9 +35,11 @@ fn near(wrong: &str, arguments: impl Iterator<Item = String>) -> Option<String> 
     for word in arguments {
         command = command.find_subcommand(&word).unwrap_or(command);
     }
-    let shown = command.get_arguments().filter(|it| !it.is_hide_set());
-    let options: Vec<&str> = shown.filter_map(|it| it.get_long()).collect();
-    nearest(wrong, options).map(|it| format!("--{it}"))
+    let shown = command
+        .get_arguments()
+        .filter(|argument| !argument.is_hide_set());
+    let options: Vec<&str> = shown.filter_map(|argument| argument.get_long()).collect();
+    nearest(wrong, options).map(|text| format!("--{text}"))
 }
 
 #[cfg(test)]
@@ -45,7 +47,7 @@ mod tests {
     #[test]
     fn transposed_letters_are_found() {
         let near = |wrong: &str, words: &[&str]| {
-            super::near(wrong, words.iter().map(|it| (*it).to_owned()))
+            super::near(wrong, words.iter().map(|word| (*word).to_owned()))
         };
         assert_eq!(near("--fxi", &["check", "lamp"]).as_deref(), Some("--fix"));
         assert_eq!(

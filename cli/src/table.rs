@@ -45,13 +45,13 @@ pub(super) fn read(bytes: &[u8], schema: &Value) -> Result<Vec<Row>, String> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = (1usize..).zip(text.lines());
     let (_, header) = lines.next().ok_or("it is empty")?;
-    let titles = cells(header).map_err(|it| format!("line 1 {it}"))?;
-    let timed = titles.first().is_some_and(|it| it.trim() == TIME);
+    let titles = cells(header).map_err(|error| format!("line 1 {error}"))?;
+    let timed = titles.first().is_some_and(|title| title.trim() == TIME);
     let mut columns: Vec<Column> = Vec::new();
     for title in titles.iter().skip(usize::from(timed)) {
         let title = title.trim();
-        let path = path(title, schema).map_err(|it| format!("column `{title}` {it}"))?;
-        if columns.iter().any(|it| it.path == path) {
+        let path = path(title, schema).map_err(|error| format!("column `{title}` {error}"))?;
+        if columns.iter().any(|column| column.path == path) {
             return Err(format!("column `{title}` is there twice"));
         }
         columns.push(Column {
@@ -64,10 +64,10 @@ pub(super) fn read(bytes: &[u8], schema: &Value) -> Result<Vec<Row>, String> {
         return Err("its header names no members".to_owned());
     }
     let mut rows: Vec<Row> = Vec::new();
-    for (line, text) in lines.filter(|it| !it.1.trim().is_empty()) {
-        let told = |it: String| format!("line {line} {it}");
+    for (line, text) in lines.filter(|line| !line.1.trim().is_empty()) {
+        let told = |text: String| format!("line {line} {text}");
         let row = row(line, text, timed, &columns).map_err(told)?;
-        if rows.last().is_some_and(|it| it.time > row.time) {
+        if rows.last().is_some_and(|other| other.time > row.time) {
             return Err(told("goes back in time".to_owned()));
         }
         rows.push(row);
@@ -88,7 +88,7 @@ fn row(line: usize, text: &str, timed: bool, columns: &[Column]) -> Result<Row, 
     let time = match timed {
         true => {
             let text = all.next().unwrap_or_default().trim();
-            let time = text.parse::<f64>().ok().filter(|it| it.is_finite());
+            let time = text.parse::<f64>().ok().filter(|number| number.is_finite());
             Some(time.ok_or_else(|| format!("has the time `{text}`, which is no number"))?)
         }
         false => None,
@@ -96,7 +96,7 @@ fn row(line: usize, text: &str, timed: bool, columns: &[Column]) -> Result<Row, 
     let mut value = Value::Null;
     for (column, text) in columns.iter().zip(all) {
         let cell = cell(text, &column.schema);
-        let cell = cell.map_err(|it| format!("has `{text}` for `{}`: {it}", column.title))?;
+        let cell = cell.map_err(|error| format!("has `{text}` for `{}`: {error}", column.title))?;
         put(&mut value, &column.path, cell)
             .ok_or_else(|| format!("has no place for `{}`", column.title))?;
     }
@@ -108,9 +108,9 @@ fn cells(line: &str) -> Result<Vec<String>, String> {
     let mut out = vec![String::new()];
     let mut rest = line.chars().peekable();
     let mut quoted = false;
-    while let Some(it) = rest.next() {
+    while let Some(character) = rest.next() {
         let Some(cell) = out.last_mut() else { break };
-        match it {
+        match character {
             '"' if quoted && rest.peek() == Some(&'"') => {
                 rest.next();
                 cell.push('"');
@@ -118,7 +118,7 @@ fn cells(line: &str) -> Result<Vec<String>, String> {
             '"' if quoted => quoted = false,
             '"' if cell.is_empty() => quoted = true,
             ',' if !quoted => out.push(String::new()),
-            it => cell.push(it),
+            character => cell.push(character),
         }
     }
     match quoted {
@@ -144,9 +144,11 @@ fn path(title: &str, schema: &Value) -> Result<Vec<Step>, String> {
             out.push(Step::Member(name.to_owned()));
         }
         for index in indices.split_inclusive(']') {
-            let index = index.strip_prefix('[').and_then(|it| it.strip_suffix(']'));
-            let index = index.and_then(|it| it.parse().ok());
-            let index = index.filter(|&it| it <= MAX_INDEX);
+            let index = index
+                .strip_prefix('[')
+                .and_then(|rest| rest.strip_suffix(']'));
+            let index = index.and_then(|index| index.parse().ok());
+            let index = index.filter(|&index| index <= MAX_INDEX);
             out.push(Step::Index(index.ok_or("has a wrong index")?));
         }
     }
@@ -175,9 +177,9 @@ fn cell(text: &str, schema: &Value) -> Result<Value, String> {
         _ => std::slice::from_ref(schema),
     };
     let has = |wanted: &str| {
-        choices.iter().any(|it| match &it["type"] {
-            Value::String(it) => it == wanted,
-            Value::Array(all) => all.iter().any(|it| it == wanted),
+        choices.iter().any(|choice| match &choice["type"] {
+            Value::String(text) => text == wanted,
+            Value::Array(all) => all.iter().any(|value| value == wanted),
             _ => false,
         })
     };
@@ -188,7 +190,7 @@ fn cell(text: &str, schema: &Value) -> Result<Value, String> {
         return Ok(text.into());
     }
     if word.is_empty() {
-        let optional = choices.iter().any(|it| it["type"] == "null");
+        let optional = choices.iter().any(|choice| choice["type"] == "null");
         return match optional {
             true => Ok(Value::Null),
             false => Err("write a value, zero too".to_owned()),
@@ -197,12 +199,12 @@ fn cell(text: &str, schema: &Value) -> Result<Value, String> {
     if has("boolean") && matches!(word, "0" | "1") {
         return Ok((word == "1").into());
     }
-    if has("number") && number.is_some_and(|it| !it.is_finite()) {
+    if has("number") && number.is_some_and(|number| !number.is_finite()) {
         return Err("it is not finite".to_owned());
     }
     let read = serde_json::from_str(word).ok();
     match (read, number) {
-        (Some(Value::Number(it)), Some(number)) if has("integer") && it.is_f64() => {
+        (Some(Value::Number(entry)), Some(number)) if has("integer") && entry.is_f64() => {
             Ok(integer(number).unwrap_or_else(|| number.into()))
         }
         (Some(read), _) => Ok(read),
@@ -273,7 +275,7 @@ mod tests {
 
     fn values(text: &str) -> Result<Vec<Value>, String> {
         let rows = read(text.as_bytes(), &schema())?;
-        Ok(rows.into_iter().map(|it| it.value).collect())
+        Ok(rows.into_iter().map(|row| row.value).collect())
     }
 
     #[test]

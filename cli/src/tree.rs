@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let session = session::single(&arguments.file, &arguments.reading)?;
     for file in &session.files {
         let tree = session
-            .ask(&file.path, |it| it.syntax_tree(&file.path))?
+            .ask(&file.path, |analysis| analysis.syntax_tree(&file.path))?
             .unwrap_or_default();
         std::io::stdout().write_all(dotgen_syntax::encoding::shown(&tree).as_bytes())?;
     }

@@ -216,7 +216,7 @@ pub(super) fn cores(text: &str) -> Result<Cores, String> {
 }
 
 fn threads(text: &str) -> Result<usize, String> {
-    let threads = text.parse().ok().filter(|&it| it > 0);
+    let threads = text.parse().ok().filter(|&index| index > 0);
     threads.ok_or_else(|| "give a number of threads from 1 on".to_owned())
 }
 
@@ -229,13 +229,15 @@ fn reduction(text: &str) -> Result<Kind, String> {
 
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok();
-    let time = seconds.and_then(|it| Duration::try_from_secs_f64(it).ok());
+    let time = seconds.and_then(|number| Duration::try_from_secs_f64(number).ok());
     time.ok_or_else(|| "give a number of seconds".to_owned())
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
-    checks.iter().try_for_each(|it| check(it, 0).map(drop))?;
+    let checks: Vec<&str> = arguments.checks.iter().map(|check| body(check)).collect();
+    checks
+        .iter()
+        .try_for_each(|wanted| check(wanted, 0).map(drop))?;
     let mut answers = Vec::new();
     let interrupt = interrupt::on_terminal();
     let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
@@ -246,7 +248,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             endings: &[VIEWER],
         })
         .collect();
-    outputs::check(&written, all.iter().flat_map(|it| it.1.files()))?;
+    outputs::check(&written, all.iter().flat_map(|pair| pair.1.files()))?;
     for (session, problem) in all {
         if !problem.errors.is_empty() {
             ScenarioDiagnostics::about(&session, &problem, problem.errors.clone())?.print()?;
@@ -264,10 +266,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             false => Vec::new(),
         };
         let report = progress::during(&cancel, &doing, |tell| {
-            problem.verify(&options, &cancel, &|it| {
+            problem.verify(&options, &cancel, &|report| {
                 tell(Activity {
                     what: doing.clone(),
-                    how_far: it.how_far(),
+                    how_far: report.how_far(),
                 })
             })
         });
@@ -312,11 +314,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         write_trace(path, &answers)?;
     }
     Ok(
-        trouble.outcome(if answers.iter().any(|it| it.report.refuted()) {
+        trouble.outcome(if answers.iter().any(|answer| answer.report.refuted()) {
             Outcome::Errors
         } else if answers
             .iter()
-            .any(|it| it.report.unknown() || it.report.nothing())
+            .any(|answer| answer.report.unknown() || answer.report.nothing())
         {
             Outcome::GaveUp
         } else {
@@ -328,8 +330,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 /// Writes the run of the first refuted check, or else the first witness. Of several scenarios, the first one
 /// with such a run counts.
 fn write_trace(path: &Utf8Path, answers: &[Answer]) -> anyhow::Result<()> {
-    let with_run = |it: &'_ Answer| runs::chosen(&it.report, None);
-    let found = answers.iter().find_map(|it| Some((it, with_run(it)?)));
+    let with_run = |answer: &'_ Answer| runs::chosen(&answer.report, None);
+    let found = answers
+        .iter()
+        .find_map(|answer| Some((answer, with_run(answer)?)));
     let Some((answer, number)) = found else {
         bail!("`--trace`: no check has a run to be written");
     };
@@ -403,8 +407,8 @@ fn of_scenario(
         _ => bail!("cannot read `{}`", session::display(&file.path)),
     };
     let session = session::around(&file.path, Vec::new(), reading);
-    let problem = session.ask(&file.path, |it| {
-        Problem::from_scenario(&file.path, text.clone(), it, vfs::read)
+    let problem = session.ask(&file.path, |analysis| {
+        Problem::from_scenario(&file.path, text.clone(), analysis, vfs::read)
     })?;
     Ok((session, problem))
 }
@@ -414,7 +418,7 @@ fn of_specifications(
     files: Vec<SourceFile>,
     reading: &SpecificationOptions,
 ) -> anyhow::Result<Option<(Session, Problem)>> {
-    let Some(first) = files.first().map(|it| it.path.clone()) else {
+    let Some(first) = files.first().map(|file| file.path.clone()) else {
         return Ok(None);
     };
     let mut units = Vec::new();
@@ -422,12 +426,15 @@ fn of_specifications(
     let sessions = session::open(files, reading)?;
     for session in &sessions {
         for file in &session.files {
-            units.push(session.ask(&file.path, |it| it.root_unit(&file.path))?);
+            units.push(session.ask(&file.path, |analysis| analysis.root_unit(&file.path))?);
             names.push(session::display(&file.path));
         }
     }
     let problem = Problem::default_scenario(&first, &names, units);
-    Ok(sessions.into_iter().next().map(|it| (it, problem)))
+    Ok(sessions
+        .into_iter()
+        .next()
+        .map(|session| (session, problem)))
 }
 
 impl Arguments {
@@ -445,10 +452,10 @@ impl Arguments {
             ..Limits::default()
         };
         Ok(Options {
-            cores: self.cores.map(|it| it.0),
+            cores: self.cores.map(|core| core.0),
             policy: self.policy.map(PolicyName::policy),
             semantics: self.semantics.map(SemanticsName::preset),
-            durations: self.durations.map(|it| match it {
+            durations: self.durations.map(|duration| match duration {
                 DurationsName::Interval => Durations::Interval,
                 DurationsName::Fixed => Durations::Fixed,
                 DurationsName::Open => Durations::Open,
@@ -482,7 +489,7 @@ fn check(body: &str, at: usize) -> anyhow::Result<Check> {
         Ok(check) => Ok(check),
         Err(error) => {
             let at = error.range.start.min(body.len());
-            let at = body.get(..at).map_or(0, |it| it.chars().count());
+            let at = body.get(..at).map_or(0, |body| body.chars().count());
             bail!(
                 "in `--check`: {}\n  {body}\n  {}^",
                 error.message,

@@ -107,9 +107,13 @@ pub(super) struct InputFiles {
 /// # Errors
 /// The arguments name no log.
 pub(super) fn given(files: &[Utf8PathBuf]) -> anyhow::Result<InputFiles> {
-    let is_text = |it: &&Utf8PathBuf| matches!(it.extension(), Some("gen" | "scn"));
+    let is_text = |path: &&Utf8PathBuf| matches!(path.extension(), Some("gen" | "scn"));
     let texts: Vec<_> = files.iter().filter(is_text).cloned().collect();
-    let logs: Vec<_> = files.iter().filter(|it| !is_text(it)).cloned().collect();
+    let logs: Vec<_> = files
+        .iter()
+        .filter(|file| !is_text(file))
+        .cloned()
+        .collect();
     anyhow::ensure!(
         !logs.is_empty(),
         "no log is named; give a file that a server or `dotgen run --profile` has written"

@@ -9,7 +9,7 @@ const MAX_COLUMNS: usize = 100;
 fn columns() -> usize {
     let terminal =
         terminal_size_of(std::io::stdout()).map(|(Width(columns), _)| usize::from(columns));
-    terminal.map_or(MAX_COLUMNS, |it| it.clamp(40, MAX_COLUMNS))
+    terminal.map_or(MAX_COLUMNS, |terminal| terminal.clamp(40, MAX_COLUMNS))
 }
 
 /// Breaks a text between words. The first line has `first` columns before the text. All other lines begin

@@ -51,7 +51,7 @@ pub(super) struct Arguments {
 
 fn rate(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(it) if (1e-6..=1e6).contains(&it) => Ok(it),
+        Ok(number) if (1e-6..=1e6).contains(&number) => Ok(number),
         _ => Err("write a number of values per second, for example 50".to_owned()),
     }
 }
@@ -135,7 +135,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if let Some(path) = &arguments.csv {
         let bytes = std::fs::read(path).with_context(|| format!("cannot read `{path}`"))?;
         let schema = talk.schema(&arguments.port)?;
-        let rows = table::read(&bytes, &schema).map_err(|it| anyhow::anyhow!("`{path}`: {it}"))?;
+        let rows =
+            table::read(&bytes, &schema).map_err(|error| anyhow::anyhow!("`{path}`: {error}"))?;
         return write_rows(arguments, &mut input(arguments, &mut talk), path, &rows);
     }
     let mut input = input(arguments, &mut talk);
@@ -180,7 +181,7 @@ fn write_value(
 }
 
 fn write_lines(arguments: &Arguments, input: &mut Input<'_>) -> anyhow::Result<Outcome> {
-    let period = arguments.rate.map(|it| 1.0 / it);
+    let period = arguments.rate.map(|rate| 1.0 / rate);
     let mut outcome = Outcome::Fine;
     let mut pace = Pacer::begin();
     let mut count = 0.0;
@@ -193,7 +194,7 @@ fn write_lines(arguments: &Arguments, input: &mut Input<'_>) -> anyhow::Result<O
             pace.wait(Duration::from_secs_f64(count * period));
             count += 1.0;
         }
-        match parse(&line).and_then(|it| input.write(&it)) {
+        match parse(&line).and_then(|value| input.write(&value)) {
             Ok(true) => {}
             Ok(false) => return Err(ended(&format!("line {number}"))),
             Err(error) => {
@@ -211,11 +212,11 @@ fn write_rows(
     path: &Utf8PathBuf,
     rows: &[table::Row],
 ) -> anyhow::Result<Outcome> {
-    let timed = rows.iter().any(|it| it.time.is_some());
+    let timed = rows.iter().any(|row| row.time.is_some());
     if timed && arguments.rate.is_some() {
         bail!("`{path}` has a column `time`: leave --rate out, or the column");
     }
-    let first = rows.first().and_then(|it| it.time).unwrap_or(0.0);
+    let first = rows.first().and_then(|row| row.time).unwrap_or(0.0);
     let mut pace = Pacer::begin();
     for (number, row) in rows.iter().enumerate() {
         let seconds = match (row.time, arguments.rate) {

@@ -40,37 +40,38 @@ fn valve(language: &str) -> Option<Directory> {
             return None;
         }
     }
-    let it = Directory::new(&[("valve.gen", &VALVE.replace("LANG", language))]);
-    let output = it.run(&["codels", "stub", "valve.gen"]);
+    let directory = Directory::new(&[("valve.gen", &VALVE.replace("LANG", language))]);
+    let output = directory.run(&["codels", "stub", "valve.gen"]);
     assert_eq!(status(&output), 0, "{}", stderr(&output));
-    Some(it)
+    Some(directory)
 }
 
-fn modified(it: &Directory, name: &str) -> SystemTime {
-    let path = it.path().join(".dotgen/run/valve").join(name);
+fn modified(directory: &Directory, name: &str) -> SystemTime {
+    let path = directory.path().join(".dotgen/run/valve").join(name);
     let metadata =
         std::fs::metadata(&path).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
     metadata.modified().expect("a time")
 }
 
 /// Where the first codel of the task is.
-fn source(it: &Directory) -> (String, String) {
-    let folder = std::fs::read_dir(it.path().join("codels")).expect("the stubs");
+fn source(directory: &Directory) -> (String, String) {
+    let folder = std::fs::read_dir(directory.path().join("codels")).expect("the stubs");
     let mut names = folder
         .flatten()
-        .map(|it| it.file_name().into_string().expect("UTF-8"));
+        .map(|folder| folder.file_name().into_string().expect("UTF-8"));
     let name = names
-        .find(|it| it.contains("turn"))
+        .find(|name| name.contains("turn"))
         .expect("a file of the task");
-    let text = std::fs::read_to_string(it.path().join("codels").join(&name)).expect("a file");
+    let text =
+        std::fs::read_to_string(directory.path().join("codels").join(&name)).expect("a file");
     (format!("codels/{name}"), text)
 }
 
 #[test]
 fn stubs_compile_in_both_languages() {
     for language in ["c", "c++"] {
-        let Some(it) = valve(language) else { return };
-        let output = it.run(&["codels", "build", "valve.gen"]);
+        let Some(valve) = valve(language) else { return };
+        let output = valve.run(&["codels", "build", "valve.gen"]);
         assert_eq!(
             status(&output),
             0,
@@ -83,14 +84,14 @@ fn stubs_compile_in_both_languages() {
             "{}",
             stderr(&output)
         );
-        let again = it.run(&["codels", "build", "valve.gen"]);
+        let again = valve.run(&["codels", "build", "valve.gen"]);
         assert!(
             stderr(&again).contains("valve.so` is up to date"),
             "{}",
             stderr(&again)
         );
         let library =
-            std::fs::read(it.path().join(".dotgen/run/valve/valve.so")).expect("a library");
+            std::fs::read(valve.path().join(".dotgen/run/valve/valve.so")).expect("a library");
         assert!(library.starts_with(b"\x7fELF") || !cfg!(target_os = "linux"));
         let text = String::from_utf8_lossy(&library);
         assert!(text.contains("turn_again"), "the codel is a symbol of it");
@@ -99,57 +100,57 @@ fn stubs_compile_in_both_languages() {
 
 #[test]
 fn only_what_has_changed_is_compiled() {
-    let Some(it) = valve("c") else { return };
-    let objects = |it: &Directory| -> Vec<String> {
+    let Some(valve) = valve("c") else { return };
+    let objects = |directory: &Directory| -> Vec<String> {
         let folder =
-            std::fs::read_dir(it.path().join(".dotgen/run/valve/objects")).expect("objects");
+            std::fs::read_dir(directory.path().join(".dotgen/run/valve/objects")).expect("objects");
         let names = folder
             .flatten()
-            .map(|it| it.file_name().into_string().expect("UTF-8"));
-        let mut names: Vec<String> = names.filter(|it| it.ends_with(".o")).collect();
+            .map(|folder| folder.file_name().into_string().expect("UTF-8"));
+        let mut names: Vec<String> = names.filter(|name| name.ends_with(".o")).collect();
         names.sort();
         names
             .into_iter()
-            .map(|it| format!("objects/{it}"))
+            .map(|name| format!("objects/{name}"))
             .collect()
     };
-    let build = |it: &Directory, more: &[&str]| {
-        let output = it.run(&[&["codels", "build", "valve.gen"], more].concat());
+    let build = |directory: &Directory, more: &[&str]| {
+        let output = directory.run(&[&["codels", "build", "valve.gen"], more].concat());
         assert_eq!(status(&output), 0, "{}", stderr(&output));
-        objects(it)
+        objects(directory)
             .iter()
-            .map(|name| modified(it, name))
+            .map(|name| modified(directory, name))
             .collect::<Vec<_>>()
     };
-    let first = build(&it, &[]);
+    let first = build(&valve, &[]);
     assert!(
         first.len() >= 2,
         "one for the task, one for the control task"
     );
-    assert_eq!(build(&it, &["--jobs", "1"]), first);
-    let (name, text) = source(&it);
-    it.write(&name, format!("{text}\n/* more */\n").as_bytes());
-    let second = build(&it, &[]);
+    assert_eq!(build(&valve, &["--jobs", "1"]), first);
+    let (name, text) = source(&valve);
+    valve.write(&name, format!("{text}\n/* more */\n").as_bytes());
+    let second = build(&valve, &[]);
     let again = first.iter().zip(&second).filter(|(a, b)| a != b).count();
     assert_eq!(again, 1, "{first:?} {second:?}");
     // Another type changes a header that all sources include.
     let specification = VALVE
         .replace("LANG", "c")
         .replace("double angle", "float angle");
-    it.write("valve.gen", specification.as_bytes());
-    let (name, text) = source(&it);
-    it.write(
+    valve.write("valve.gen", specification.as_bytes());
+    let (name, text) = source(&valve);
+    valve.write(
         &name,
         text.replace("double *angle", "float *angle").as_bytes(),
     );
     let control = "codels/valve_codels.c";
-    if let Ok(text) = std::fs::read_to_string(it.path().join(control)) {
-        it.write(
+    if let Ok(text) = std::fs::read_to_string(valve.path().join(control)) {
+        valve.write(
             control,
             text.replace("double *angle", "float *angle").as_bytes(),
         );
     }
-    let third = build(&it, &[]);
+    let third = build(&valve, &[]);
     assert!(
         second.iter().zip(&third).all(|(a, b)| a != b),
         "{second:?} {third:?}"
@@ -158,8 +159,8 @@ fn only_what_has_changed_is_compiled() {
 
 #[test]
 fn what_does_not_compile_is_told_at_its_codel() {
-    let Some(it) = valve("c") else { return };
-    let (name, text) = source(&it);
+    let Some(valve) = valve("c") else { return };
+    let (name, text) = source(&valve);
     let body = text.find("turn_again(").expect("the codel");
     let brace = body + text[body..].find('{').expect("its body");
     let broken = format!(
@@ -167,14 +168,14 @@ fn what_does_not_compile_is_told_at_its_codel() {
         &text[..brace],
         &text[brace + 1..]
     );
-    it.write(&name, broken.as_bytes());
-    let output = it.run(&["codels", "build", "--format", "json", "valve.gen"]);
+    valve.write(&name, broken.as_bytes());
+    let output = valve.run(&["codels", "build", "--format", "json", "valve.gen"]);
     assert_eq!(status(&output), 1, "{}", stderr(&output));
     let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     let all = document["diagnostics"].as_array().expect("a list");
     let error = all
         .iter()
-        .find(|it| it["severity"] == "error")
+        .find(|diagnostic| diagnostic["severity"] == "error")
         .expect("an error");
     assert_eq!(error["code"], "codel/compiler");
     assert!(
@@ -189,42 +190,42 @@ fn what_does_not_compile_is_told_at_its_codel() {
     assert_eq!(error["range"]["start"]["character"], 2, "{error}");
     assert_eq!(error["range"]["end"]["character"], 18, "{error}");
     let related = error["related"].as_array().expect("a list");
-    let declared = related.iter().any(|it| {
-        it["message"]
+    let declared = related.iter().any(|json| {
+        json["message"]
             .as_str()
-            .is_some_and(|it| it.contains("`turn_again` is declared here"))
-            && it["file"]
+            .is_some_and(|message| message.contains("`turn_again` is declared here"))
+            && json["file"]
                 .as_str()
-                .is_some_and(|it| it.ends_with("valve.gen"))
+                .is_some_and(|file| file.ends_with("valve.gen"))
     });
     assert!(declared, "{error}");
     // Mended, it is whole again.
-    it.write(&name, text.as_bytes());
-    assert_eq!(status(&it.run(&["codels", "build", "valve.gen"])), 0);
+    valve.write(&name, text.as_bytes());
+    assert_eq!(status(&valve.run(&["codels", "build", "valve.gen"])), 0);
 }
 
 #[test]
 fn what_is_missing_is_said() {
-    let Some(it) = valve("c") else { return };
-    let (name, text) = source(&it);
-    it.write(&name, text.replace("turn_again", "turn_other").as_bytes());
-    let output = it.run(&["codels", "build", "valve.gen"]);
+    let Some(valve) = valve("c") else { return };
+    let (name, text) = source(&valve);
+    valve.write(&name, text.replace("turn_again", "turn_other").as_bytes());
+    let output = valve.run(&["codels", "build", "valve.gen"]);
     assert_eq!(status(&output), 1, "{}", stderr(&output));
     let said = stderr(&output);
     assert!(
         said.contains("without a function: turn_again") && said.contains("dotgen codels stub"),
         "{said}"
     );
-    std::fs::remove_dir_all(it.path().join("codels")).expect("removed");
-    let output = it.run(&["codels", "build", "valve.gen"]);
+    std::fs::remove_dir_all(valve.path().join("codels")).expect("removed");
+    let output = valve.run(&["codels", "build", "valve.gen"]);
     assert_eq!(status(&output), 1);
     assert!(
         stderr(&output).contains("has no sources"),
         "{}",
         stderr(&output)
     );
-    let mut command = it.command(&["codels", "build", "valve.gen"]);
-    it.run(&["codels", "stub", "valve.gen"]);
+    let mut command = valve.command(&["codels", "build", "valve.gen"]);
+    valve.run(&["codels", "stub", "valve.gen"]);
     let output = command
         .env("CC", "no-such-compiler")
         .env("CXX", "no-such-compiler")
@@ -240,8 +241,8 @@ fn what_is_missing_is_said() {
         "LANG\";",
         "c\";\n  codels-require \"no-such-package-of-dotgen\";",
     );
-    it.write("valve.gen", package.as_bytes());
-    let output = it.run(&["codels", "build", "valve.gen"]);
+    valve.write("valve.gen", package.as_bytes());
+    let output = valve.run(&["codels", "build", "valve.gen"]);
     assert_eq!(status(&output), 2, "{}", stderr(&output));
     assert!(
         stderr(&output).contains("no-such-package-of-dotgen"),
@@ -255,8 +256,8 @@ fn what_is_missing_is_said() {
         "LANG\";",
         "c\";\n  require \"no-such-package-of-dotgen >= 2\", \"genom3 >= 99\";",
     );
-    it.write("valve.gen", package.as_bytes());
-    let output = it.run(&["codels", "build", "valve.gen"]);
+    valve.write("valve.gen", package.as_bytes());
+    let output = valve.run(&["codels", "build", "valve.gen"]);
     let said = stderr(&output);
     assert_eq!(status(&output), 0, "{said}");
     assert!(

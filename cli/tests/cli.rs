@@ -28,8 +28,8 @@ component arm {
 
 #[test]
 fn a_specification_in_order() {
-    let it = Directory::new(&[("arm.gen", "#include \"pose.idl\"\n"), ("pose.idl", POSE)]);
-    let output = it.run(&["check", "arm.gen"]);
+    let directory = Directory::new(&[("arm.gen", "#include \"pose.idl\"\n"), ("pose.idl", POSE)]);
+    let output = directory.run(&["check", "arm.gen"]);
     assert_eq!(stdout(&output), "checked 1 file: no problems\n");
     assert_eq!(stderr(&output), "");
     assert_eq!(status(&output), 0);
@@ -37,8 +37,8 @@ fn a_specification_in_order() {
 
 #[test]
 fn errors_as_text() {
-    let it = Directory::new(&[("arm.gen", ARM), ("idl/pose.idl", POSE)]);
-    let output = it.run(&["check", "-Iidl", "arm.gen"]);
+    let directory = Directory::new(&[("arm.gen", ARM), ("idl/pose.idl", POSE)]);
+    let output = directory.run(&["check", "-Iidl", "arm.gen"]);
     assert_eq!(status(&output), 1);
     insta::assert_snapshot!(stdout(&output));
 }
@@ -46,8 +46,8 @@ fn errors_as_text() {
 #[test]
 fn errors_as_json_count_as_the_lsp_does() {
     let text = "/* é😀 */ const long a = 1; const long a = 2;\n";
-    let it = Directory::new(&[("arm.gen", text)]);
-    let output = it.run(&["check", "--format", "json", "arm.gen"]);
+    let directory = Directory::new(&[("arm.gen", text)]);
+    let output = directory.run(&["check", "--format", "json", "arm.gen"]);
     assert_eq!(status(&output), 1);
     let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     let diagnostics = document["diagnostics"].as_array().expect("a list");
@@ -65,8 +65,8 @@ fn errors_as_json_count_as_the_lsp_does() {
 
 #[test]
 fn errors_as_sarif() {
-    let it = Directory::new(&[("a dir/arm.gen", "const long a = 1;\nconst long a = 2;\n")]);
-    let output = it.run(&["check", "--format=sarif", "a dir"]);
+    let directory = Directory::new(&[("a dir/arm.gen", "const long a = 1;\nconst long a = 2;\n")]);
+    let output = directory.run(&["check", "--format=sarif", "a dir"]);
     assert_eq!(status(&output), 1);
     let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert_eq!(document["version"], "2.1.0");
@@ -97,7 +97,7 @@ fn errors_as_sarif() {
 
 #[test]
 fn a_directory_stands_for_its_specifications() {
-    let it = Directory::new(&[
+    let directory = Directory::new(&[
         ("a/arm.gen", "#include \"part.gen\"\n"),
         // Makes sense only where it is included.
         (
@@ -108,20 +108,20 @@ fn a_directory_stands_for_its_specifications() {
         ("b/not.idl", "const long a = 1\n"),
         (".git/x.gen", "const long a = 1\n"),
     ]);
-    let output = it.run(&["check", "."]);
+    let output = directory.run(&["check", "."]);
     assert_eq!(stdout(&output), "checked 2 files: no problems\n");
-    let output = it.run(&["check", "a/part.gen", "a", "a/arm.gen"]);
+    let output = directory.run(&["check", "a/part.gen", "a", "a/arm.gen"]);
     assert_eq!(stdout(&output), "checked 2 files: no problems\n");
 }
 
 #[test]
 fn a_fault_in_a_shared_file_is_told_once() {
-    let it = Directory::new(&[
+    let directory = Directory::new(&[
         ("a.gen", "#include \"pose.idl\"\n"),
         ("b.gen", "#include \"pose.idl\"\n"),
         ("pose.idl", "const long a = 1;\nconst long a = 1;\n"),
     ]);
-    let output = it.run(&["check", "."]);
+    let output = directory.run(&["check", "."]);
     let text = stdout(&output);
     assert_eq!(text.matches("error[name-clash]").count(), 1, "{text}");
     assert!(text.ends_with("checked 2 files: 1 error\n"), "{text}");
@@ -131,7 +131,7 @@ fn a_fault_in_a_shared_file_is_told_once() {
 fn macros_and_include_directories_come_attached_or_not() {
     let text =
         "#include <pose.idl>\n#if N != 3 || !defined(FLAG) || FLAG != 1\n#error no\n#endif\n";
-    let it = Directory::new(&[("arm.gen", text), ("idl/pose.idl", POSE)]);
+    let directory = Directory::new(&[("arm.gen", text), ("idl/pose.idl", POSE)]);
     for arguments in [
         &["check", "-Iidl", "-DN=3", "-DFLAG", "arm.gen"][..],
         &["check", "-I", "idl", "-D", "N=3", "-D", "FLAG", "arm.gen"],
@@ -139,16 +139,16 @@ fn macros_and_include_directories_come_attached_or_not() {
             "check", "arm.gen", "-I", "nowhere", "-Iidl", "-DN=2", "-DN=3", "-DFLAG=1",
         ],
     ] {
-        let output = it.run(arguments);
+        let output = directory.run(arguments);
         assert_eq!(status(&output), 0, "{arguments:?}: {}", stdout(&output));
     }
-    assert_eq!(status(&it.run(&["check", "arm.gen"])), 1);
+    assert_eq!(status(&directory.run(&["check", "arm.gen"])), 1);
 }
 
 #[test]
 fn the_configuration_file_counts_below_the_command_line() {
     let text = "#include <pose.idl>\n#if N != 3\n#error no\n#endif\n";
-    let it = Directory::new(&[
+    let directory = Directory::new(&[
         ("robot/arm/arm.gen", text),
         ("robot/idl/pose.idl", POSE),
         (
@@ -156,21 +156,21 @@ fn the_configuration_file_counts_below_the_command_line() {
             "include-paths = ['idl']\ndefines = { N = 3 }\n",
         ),
     ]);
-    assert_eq!(status(&it.run(&["check", "robot/arm/arm.gen"])), 0);
-    assert_eq!(status(&it.run(&["check", "-DN=4", "robot"])), 1);
+    assert_eq!(status(&directory.run(&["check", "robot/arm/arm.gen"])), 0);
+    assert_eq!(status(&directory.run(&["check", "-DN=4", "robot"])), 1);
 
-    it.write(
+    directory.write(
         "robot/dotgen.toml",
         b"include-paths = ['idl']\ndefine = { N = 3 }\n",
     );
-    let output = it.run(&["check", "robot"]);
+    let output = directory.run(&["check", "robot"]);
     assert_eq!(status(&output), 1);
     insta::assert_snapshot!(stdout(&output));
 }
 
 #[test]
 fn packages_are_found_by_the_program_or_without_it() {
-    let it = Directory::new(&[
+    let directory = Directory::new(&[
         (
             "arm.gen",
             "#pragma requires \"pose-idl >= 1\"\n#include <pose.idl>\n",
@@ -181,16 +181,16 @@ fn packages_are_found_by_the_program_or_without_it() {
             "Name: pose\nDescription: Poses\nVersion: 1.2\nCflags: -I${pcfiledir}/../inc\n",
         ),
     ]);
-    let path = it.path().join("pc");
+    let path = directory.path().join("pc");
     for program in ["pkg-config", "/no/such/program"] {
-        let mut command = it.command(&["check", "arm.gen"]);
+        let mut command = directory.command(&["check", "arm.gen"]);
         command
             .env("PKG_CONFIG", program)
             .env("PKG_CONFIG_PATH", &path);
         let output = command.output().expect("the program runs");
         assert_eq!(status(&output), 0, "{program}: {}", stdout(&output));
     }
-    let mut command = it.command(&["check", "arm.gen", "--deny", "missing"]);
+    let mut command = directory.command(&["check", "arm.gen", "--deny", "missing"]);
     let output = command.env("PKG_CONFIG", "false").output();
     let text = stdout(&output.expect("the program runs"));
     assert!(text.contains("error[pp-requires-unresolved]"), "{text}");
@@ -200,8 +200,8 @@ fn packages_are_found_by_the_program_or_without_it() {
 #[test]
 fn a_missing_package_is_a_warning_and_hides_no_error() {
     let check = |text: &str, deny: &str| {
-        let it = Directory::new(&[("c.gen", text)]);
-        let mut command = it.command(&["check", "c.gen"]);
+        let directory = Directory::new(&[("c.gen", text)]);
+        let mut command = directory.command(&["check", "c.gen"]);
         command.env("PKG_CONFIG", "false").env("DOTGEN_DENY", deny);
         command.output().expect("the program runs")
     };
@@ -239,13 +239,13 @@ component c {
 
 #[test]
 fn wrong_usage_and_files_that_cannot_be_read() {
-    let it = Directory::new(&[
+    let directory = Directory::new(&[
         ("empty/readme", ""),
         ("two/a.gen", ""),
         ("two/b.gen", ""),
         ("codels.c", ""),
     ]);
-    it.write("latin.gen", b"// caf\xe9\n");
+    directory.write("latin.gen", b"// caf\xe9\n");
     for (arguments, message) in [
         (&["check"][..], "required arguments were not provided"),
         (
@@ -275,26 +275,26 @@ fn wrong_usage_and_files_that_cannot_be_read() {
         ),
         (&["model", "missing.gen"], "cannot read `missing.gen`"),
     ] {
-        let output = it.run(arguments);
+        let output = directory.run(arguments);
         assert_eq!(status(&output), 2, "{arguments:?}");
         let text = stderr(&output);
         assert!(text.contains(message), "{arguments:?}: {text}");
         assert_eq!(stdout(&output), "");
     }
     // It is there, but no UTF-8: a diagnostic.
-    let text = stdout(&it.run(&["check", "latin.gen"]));
+    let text = stdout(&directory.run(&["check", "latin.gen"]));
     assert!(text.contains("latin.gen:1:"), "{text}");
 }
 
 #[test]
 fn includes_that_are_no_files_are_diagnostics() {
-    let it = Directory::new(&[
+    let directory = Directory::new(&[
         ("arm.gen", "#include \"dir\"\n"),
         ("dir/x.idl", ""),
         ("self.gen", "#include \"self.gen\"\n"),
     ]);
     for file in ["arm.gen", "self.gen"] {
-        let output = it.run(&["check", "--deny", "missing", file]);
+        let output = directory.run(&["check", "--deny", "missing", file]);
         assert_eq!(status(&output), 1, "{}", stdout(&output));
         assert!(
             stdout(&output).contains("error[pp-include-"),
@@ -306,30 +306,33 @@ fn includes_that_are_no_files_are_diagnostics() {
 
 #[test]
 fn colours_only_where_they_are_wanted() {
-    let it = Directory::new(&[("arm.gen", "const long a = 1\n")]);
+    let directory = Directory::new(&[("arm.gen", "const long a = 1\n")]);
     let coloured = |command: &mut Command| {
         let output = command.output().expect("the program runs");
         stdout(&output).contains('\u{1b}')
     };
-    assert!(!coloured(&mut it.command(&["check", "arm.gen"])), "a pipe");
-    let mut forced = it.command(&["check", "arm.gen"]);
+    assert!(
+        !coloured(&mut directory.command(&["check", "arm.gen"])),
+        "a pipe"
+    );
+    let mut forced = directory.command(&["check", "arm.gen"]);
     assert!(coloured(forced.env("CLICOLOR_FORCE", "1")), "asked for");
-    let mut refused = it.command(&["check", "arm.gen"]);
+    let mut refused = directory.command(&["check", "arm.gen"]);
     refused.env("CLICOLOR_FORCE", "1").env("NO_COLOR", "1");
     assert!(!coloured(&mut refused), "refused");
 }
 
 #[test]
 fn tree_and_model_are_printed() {
-    let it = Directory::new(&[("pose.gen", POSE), ("bad.gen", "struct s { nope x; };\n")]);
-    let output = it.run(&["tree", "pose.gen"]);
+    let directory = Directory::new(&[("pose.gen", POSE), ("bad.gen", "struct s { nope x; };\n")]);
+    let output = directory.run(&["tree", "pose.gen"]);
     assert_eq!(status(&output), 0);
     assert!(stdout(&output).contains("STRUCT"), "{}", stdout(&output));
-    let output = it.run(&["model", "pose.gen"]);
+    let output = directory.run(&["model", "pose.gen"]);
     assert_eq!(status(&output), 0);
     let model: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert!(model["types"].is_array() || model["types"].is_object());
-    let output = it.run(&["model", "bad.gen"]);
+    let output = directory.run(&["model", "bad.gen"]);
     assert_eq!(status(&output), 1);
     assert!(stderr(&output).contains("error[unknown-type]"));
     assert!(serde_json::from_str::<Value>(&stdout(&output)).is_ok());
@@ -337,8 +340,8 @@ fn tree_and_model_are_printed() {
 
 #[test]
 fn the_version_is_known() {
-    let it = Directory::new(&[]);
-    let output = it.run(&["--version"]);
+    let directory = Directory::new(&[]);
+    let output = directory.run(&["--version"]);
     let expected = format!("dotgen {}\n", env!("CARGO_PKG_VERSION"));
     assert_eq!((stdout(&output), status(&output)), (expected, 0));
 }
@@ -346,8 +349,8 @@ fn the_version_is_known() {
 #[test]
 fn differences_of_codels_name_files_from_here() {
     let spec = "component c { ids { long x; }; task t { codel<start> f(in x) yield ether; }; };\n";
-    let it = Directory::new(&[("sub/c.gen", spec)]);
-    let output = it.run(&["codels", "stub", "--dry-run", "sub/c.gen"]);
+    let directory = Directory::new(&[("sub/c.gen", spec)]);
+    let output = directory.run(&["codels", "stub", "--dry-run", "sub/c.gen"]);
     let diff = stdout(&output);
     let expected = "--- /dev/null\n+++ b/sub/codels/c_t_codels.c\n@@";
     assert!(diff.contains(expected), "{diff}{}", stderr(&output));
@@ -356,8 +359,8 @@ fn differences_of_codels_name_files_from_here() {
 #[test]
 fn formatting_in_place_and_as_a_check() {
     let ugly = "struct  a { long x ; } ;\n";
-    let it = Directory::new(&[("a.gen", ugly), ("sub/b.idl", "typedef  long t;\n")]);
-    let check = it.run(&["fmt", "--check"]);
+    let directory = Directory::new(&[("a.gen", ugly), ("sub/b.idl", "typedef  long t;\n")]);
+    let check = directory.run(&["fmt", "--check"]);
     assert_eq!(status(&check), 1, "{}", stderr(&check));
     let diff = stdout(&check);
     assert!(diff.contains("--- a.gen\n+++ a.gen\n@@"), "{diff}");
@@ -365,29 +368,29 @@ fn formatting_in_place_and_as_a_check() {
         diff.contains("-typedef  long t;\n+typedef long t;\n"),
         "{diff}"
     );
-    let read = |name: &str| std::fs::read_to_string(it.path().join(name)).expect("a file");
+    let read = |name: &str| std::fs::read_to_string(directory.path().join(name)).expect("a file");
     assert_eq!(read("a.gen"), ugly, "--check changes nothing");
 
-    let done = it.run(&["fmt", "a.gen", "sub"]);
+    let done = directory.run(&["fmt", "a.gen", "sub"]);
     assert_eq!((status(&done), stdout(&done).as_str()), (0, ""));
     assert_eq!(read("sub/b.idl"), "typedef long t;\n");
     assert_ne!(read("a.gen"), ugly);
-    assert_eq!(status(&it.run(&["fmt", "--check"])), 0);
+    assert_eq!(status(&directory.run(&["fmt", "--check"])), 0);
 }
 
 #[test]
 fn formatting_what_cannot_be_formatted() {
     let broken = "struct  a { long ; };\n";
-    let it = Directory::new(&[("a.gen", broken)]);
-    it.write("b.gen", b"typedef  long t; // \xe9\n");
-    assert_eq!(status(&it.run(&["fmt", "a.gen"])), 0);
-    let text = std::fs::read_to_string(it.path().join("a.gen")).expect("a file");
+    let directory = Directory::new(&[("a.gen", broken)]);
+    directory.write("b.gen", b"typedef  long t; // \xe9\n");
+    assert_eq!(status(&directory.run(&["fmt", "a.gen"])), 0);
+    let text = std::fs::read_to_string(directory.path().join("a.gen")).expect("a file");
     assert_eq!(text, broken, "what does not parse stays");
-    let output = it.run(&["fmt", "b.gen"]);
+    let output = directory.run(&["fmt", "b.gen"]);
     assert_eq!(status(&output), 0, "{}", stderr(&output));
-    let bytes = std::fs::read(it.path().join("b.gen")).expect("a file");
+    let bytes = std::fs::read(directory.path().join("b.gen")).expect("a file");
     assert_eq!(bytes, b"typedef long t; // \xe9\n", "other bytes stay");
-    assert_eq!(status(&it.run(&["fmt", "missing.gen"])), 2);
+    assert_eq!(status(&directory.run(&["fmt", "missing.gen"])), 2);
 }
 
 #[test]
@@ -402,27 +405,27 @@ fn generating_heeds_the_configuration() {
         ),
         ("p/t/mine/template.tcl", "puts mine\n"),
     ];
-    let it = Directory::new(&files);
-    let output = it.run(&["generate", "json-schema", "p/arm.gen"]);
+    let directory = Directory::new(&files);
+    let output = directory.run(&["generate", "json-schema", "p/arm.gen"]);
     assert_eq!(stdout(&output), "creating p/arm.schema.json\n");
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     let list = |name: &str| {
-        let mut command = it.command(&[name, "-l"]);
-        command.current_dir(it.path().join("p"));
+        let mut command = directory.command(&[name, "-l"]);
+        command.current_dir(directory.path().join("p"));
         let output = command.output().expect("the program runs");
-        stdout(&output).lines().any(|it| it == "mine")
+        stdout(&output).lines().any(|line| line == "mine")
     };
     assert!(list("generate"));
     // Stands in for another program, which knows no dotgen.toml.
     assert!(!list("genom3"));
-    let output = it.run(&["genom3", "-n", "p/arm.gen"]);
+    let output = directory.run(&["genom3", "-n", "p/arm.gen"]);
     assert!(stderr(&output).contains("pose.idl"), "{}", stderr(&output));
 }
 
 #[test]
 fn scenarios_are_checked_and_formatted() {
     let spec = "component c { task t { period 10 ms; codel<start> f() yield pause::start wcet 1 ms; }; };\n";
-    let it = Directory::new(&[
+    let directory = Directory::new(&[
         ("c.gen", spec),
         (
             "good.scn",
@@ -435,9 +438,9 @@ fn scenarios_are_checked_and_formatted() {
         ("ugly.scn", "scenario  s {\nuse \"c.gen\" ;\n}\n"),
         ("broken.scn", "scenario  s {\nuse\n}\n"),
     ]);
-    let output = it.run(&["check", "good.scn"]);
+    let output = directory.run(&["check", "good.scn"]);
     assert_eq!(stdout(&output), "checked 1 file: no problems\n");
-    let output = it.run(&["check", "bad.scn"]);
+    let output = directory.run(&["check", "bad.scn"]);
     assert!(
         stdout(&output).contains("error[scn-unknown-name]"),
         "{}",
@@ -445,11 +448,11 @@ fn scenarios_are_checked_and_formatted() {
     );
     assert_eq!(status(&output), 1);
 
-    assert_eq!(status(&it.run(&["fmt", "--check", "ugly.scn"])), 1);
-    assert_eq!(status(&it.run(&["fmt", "ugly.scn"])), 0);
-    let text = std::fs::read_to_string(it.path().join("ugly.scn")).expect("a file");
+    assert_eq!(status(&directory.run(&["fmt", "--check", "ugly.scn"])), 1);
+    assert_eq!(status(&directory.run(&["fmt", "ugly.scn"])), 0);
+    let text = std::fs::read_to_string(directory.path().join("ugly.scn")).expect("a file");
     assert_eq!(text, "scenario s {\n  use \"c.gen\";\n}\n");
-    let output = it.run(&["fmt", "broken.scn"]);
+    let output = directory.run(&["fmt", "broken.scn"]);
     assert!(
         stderr(&output).contains("left as it is"),
         "{}",
@@ -462,7 +465,7 @@ fn scenarios_are_checked_and_formatted() {
         &["diagram", "fsm"],
         &["codels", "check"],
     ] {
-        let output = it.run(&[command, &["good.scn"]].concat());
+        let output = directory.run(&[command, &["good.scn"]].concat());
         assert_eq!(status(&output), 2);
         let said = stderr(&output);
         assert!(
@@ -480,7 +483,7 @@ fn a_system_is_verified_with_the_configuration_of_each_part() {
         )
     };
     let toml = "include-paths = [\"idl\"]\n";
-    let it = Directory::new(&[
+    let directory = Directory::new(&[
         ("a/a.gen", &part("a")),
         ("a/idl/pose.idl", POSE),
         ("a/dotgen.toml", toml),
@@ -488,7 +491,7 @@ fn a_system_is_verified_with_the_configuration_of_each_part() {
         ("b/idl/pose.idl", POSE),
         ("b/dotgen.toml", toml),
     ]);
-    let output = it.run(&["verify", "a/a.gen", "b/b.gen"]);
+    let output = directory.run(&["verify", "a/a.gen", "b/b.gen"]);
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     assert!(stdout(&output).contains("b.t"), "{}", stdout(&output));
 }
@@ -496,31 +499,34 @@ fn a_system_is_verified_with_the_configuration_of_each_part() {
 #[test]
 fn commands_say_that_there_was_nothing_to_do() {
     let spec = "component c { ids { long x; }; task t { codel<start> f(in x) yield ether; }; };\n";
-    let it = Directory::new(&[("c.gen", spec), ("open.gen", "component  c {\n")]);
-    let output = it.run(&["codels", "check", "c.gen"]);
+    let directory = Directory::new(&[("c.gen", spec), ("open.gen", "component  c {\n")]);
+    let output = directory.run(&["codels", "check", "c.gen"]);
     let said = stderr(&output);
     assert!(
         said.contains("nothing was compared; `dotgen codels stub c.gen`"),
         "{said}"
     );
     assert_eq!(status(&output), 0);
-    assert_eq!(stderr(&it.run(&["codels", "stub", "c.gen"])), "");
-    let again = stderr(&it.run(&["codels", "stub", "c.gen"]));
+    assert_eq!(stderr(&directory.run(&["codels", "stub", "c.gen"])), "");
+    let again = stderr(&directory.run(&["codels", "stub", "c.gen"]));
     assert!(again.contains("every codel has a function"), "{again}");
-    let sync = stderr(&it.run(&["codels", "sync", "c.gen"]));
+    let sync = stderr(&directory.run(&["codels", "sync", "c.gen"]));
     assert!(sync.contains("nothing to mend"), "{sync}");
-    assert_eq!(stderr(&it.run(&["codels", "check", "c.gen"])), "");
-    let format = stderr(&it.run(&["fmt", "open.gen"]));
+    assert_eq!(stderr(&directory.run(&["codels", "check", "c.gen"])), "");
+    let format = stderr(&directory.run(&["fmt", "open.gen"]));
     assert!(format.contains("`open.gen` is left as it is"), "{format}");
 }
 
 #[test]
 fn a_macro_must_have_a_name() {
-    let it = Directory::new(&[("c.gen", "")]);
-    let output = it.run(&["check", "-D", "1X=2", "c.gen"]);
+    let directory = Directory::new(&[("c.gen", "")]);
+    let output = directory.run(&["check", "-D", "1X=2", "c.gen"]);
     assert_eq!(status(&output), 2);
     assert!(stderr(&output).contains("1X"), "{}", stderr(&output));
-    assert_eq!(status(&it.run(&["check", "-DF(x)=x", "-DA", "c.gen"])), 0);
+    assert_eq!(
+        status(&directory.run(&["check", "-DF(x)=x", "-DA", "c.gen"])),
+        0
+    );
 }
 
 /// Slips with one plain repair each, and one that can only be guessed.
@@ -536,14 +542,14 @@ component c {
 };
 ";
 
-fn text_of(it: &Directory) -> String {
-    std::fs::read_to_string(it.path().join("c.gen")).expect("it is there")
+fn text_of(directory: &Directory) -> String {
+    std::fs::read_to_string(directory.path().join("c.gen")).expect("it is there")
 }
 
 #[test]
 fn plain_repairs_are_made_and_the_rest_is_reported() {
-    let it = Directory::new(&[("c.gen", SLIPS)]);
-    let diff = it.run(&["check", "--diff", "c.gen"]);
+    let directory = Directory::new(&[("c.gen", SLIPS)]);
+    let diff = directory.run(&["check", "--diff", "c.gen"]);
     assert_eq!(status(&diff), 1);
     let shown = stdout(&diff);
     for line in [
@@ -554,9 +560,9 @@ fn plain_repairs_are_made_and_the_rest_is_reported() {
     ] {
         assert!(shown.contains(line), "{shown}");
     }
-    assert_eq!(text_of(&it), SLIPS, "--diff changes nothing");
+    assert_eq!(text_of(&directory), SLIPS, "--diff changes nothing");
 
-    let fixed = it.run(&["check", "--fix", "--format", "json", "c.gen"]);
+    let fixed = directory.run(&["check", "--fix", "--format", "json", "c.gen"]);
     assert_eq!(status(&fixed), 1);
     let told = stderr(&fixed);
     assert!(told.contains("note: fixed `c.gen`: "), "{told}");
@@ -567,11 +573,14 @@ fn plain_repairs_are_made_and_the_rest_is_reported() {
         .replace("tsak", "task")
         .replace("100 Hz", "10 ms")
         .replace("ether, ether", "ether");
-    assert_eq!(text_of(&it), right);
+    assert_eq!(text_of(&directory), right);
     let document: Value = serde_json::from_str(&stdout(&fixed)).expect("JSON");
     assert_eq!(document["version"], 1);
     let left = document["diagnostics"].as_array().expect("a list");
-    let errors: Vec<&Value> = left.iter().filter(|it| it["severity"] == "error").collect();
+    let errors: Vec<&Value> = left
+        .iter()
+        .filter(|diagnostic| diagnostic["severity"] == "error")
+        .collect();
     assert_eq!(errors.len(), 1, "{errors:#?}");
     assert_eq!(errors[0]["code"], "param-unknown");
     let fix = &errors[0]["fixes"][0];
@@ -581,19 +590,19 @@ fn plain_repairs_are_made_and_the_rest_is_reported() {
     );
     assert_eq!(fix["edits"][0]["newText"], "on");
 
-    let again = it.run(&["check", "--diff", "c.gen"]);
+    let again = directory.run(&["check", "--diff", "c.gen"]);
     assert_eq!((status(&again), stdout(&again).as_str()), (0, ""));
 }
 
 #[test]
 fn sarif_has_the_fixes() {
-    let it = Directory::new(&[("c.gen", SLIPS)]);
-    let output = it.run(&["check", "--format", "sarif", "c.gen"]);
+    let directory = Directory::new(&[("c.gen", SLIPS)]);
+    let output = directory.run(&["check", "--format", "sarif", "c.gen"]);
     let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     let results = document["runs"][0]["results"].as_array().expect("a list");
     let fixes = results
         .iter()
-        .find_map(|it| it.get("fixes"))
+        .find_map(|json| json.get("fixes"))
         .expect("fixes");
     assert_eq!(fixes[0]["properties"]["safe"], true);
     let change = &fixes[0]["artifactChanges"][0];
@@ -603,17 +612,17 @@ fn sarif_has_the_fixes() {
 
 #[test]
 fn the_manual_is_part_of_the_program() {
-    let it = Directory::new(&[]);
-    let output = it.run(&["explain", "fsm/busy-loop"]);
+    let directory = Directory::new(&[]);
+    let output = directory.run(&["explain", "fsm/busy-loop"]);
     assert_eq!(status(&output), 0);
     assert!(
         stdout(&output).starts_with("# fsm/busy-loop\n"),
         "{}",
         stdout(&output)
     );
-    let all = stdout(&it.run(&["explain"]));
-    assert!(all.lines().count() > 150 && all.lines().any(|it| it == "missing-semicolon"));
-    let output = it.run(&["explain", "fsm/bussy-loop"]);
+    let all = stdout(&directory.run(&["explain"]));
+    assert!(all.lines().count() > 150 && all.lines().any(|line| line == "missing-semicolon"));
+    let output = directory.run(&["explain", "fsm/bussy-loop"]);
     assert_eq!(status(&output), 2);
     assert!(
         stderr(&output).contains("did you mean `fsm/busy-loop`?"),
@@ -642,9 +651,9 @@ fn codels_of_a_fresh_clone_are_compared() {
         genom_event c_f(int32_t n, int32_t more, const genom_context self) { return genom_ok; }\n\
         genom_event c_g(int32_t n, or_t3d_pos *at, const genom_context self) { return c_e_bad(self); }\n\
         genom_event c_t(double x, const c_pose *pose, const genom_context self) { return c_nowhere; }\n";
-    let it = Directory::new(&[("c.gen", CLONE), ("codels/c_codels.c", source)]);
+    let directory = Directory::new(&[("c.gen", CLONE), ("codels/c_codels.c", source)]);
     let check = |format: &str| {
-        let mut command = it.command(&["codels", "check", "--format", format, "c.gen"]);
+        let mut command = directory.command(&["codels", "check", "--format", format, "c.gen"]);
         let output = command.env("PKG_CONFIG", "false").output();
         output.expect("the program runs")
     };
@@ -655,7 +664,7 @@ fn codels_of_a_fresh_clone_are_compared() {
         .as_array()
         .expect("a list")
         .iter()
-        .map(|it| it["code"].as_str().unwrap_or_default())
+        .map(|diagnostic| diagnostic["code"].as_str().unwrap_or_default())
         .collect();
     found.sort_unstable();
     assert_eq!(
@@ -687,17 +696,17 @@ fn codels_of_a_fresh_clone_are_compared() {
 fn codels_of_a_specification_with_errors_are_not_in_step() {
     let text = "component c {\n  function f(in long n) { codel c_f(in n) };\n};\n";
     let source = "#include \"c_c_types.h\"\n";
-    let it = Directory::new(&[("c.gen", text), ("codels/c_codels.c", source)]);
-    let output = it.run(&["codels", "check", "c.gen"]);
+    let directory = Directory::new(&[("c.gen", text), ("codels/c_codels.c", source)]);
+    let output = directory.run(&["codels", "check", "c.gen"]);
     assert_eq!(status(&output), 1, "{}", stdout(&output));
     assert!(stderr(&output).contains("`dotgen check c.gen` shows"));
 }
 
 #[test]
 fn what_a_specification_needs_and_what_stands_in_for_it() {
-    let it = Directory::new(&[("c.gen", CLONE)]);
+    let directory = Directory::new(&[("c.gen", CLONE)]);
     let deps = |arguments: &[&str]| {
-        let mut command = it.command(&[&["deps"][..], arguments, &["c.gen"]].concat());
+        let mut command = directory.command(&[&["deps"][..], arguments, &["c.gen"]].concat());
         let output = command.env("PKG_CONFIG", "false").output();
         output.expect("the program runs")
     };
@@ -715,25 +724,26 @@ fn what_a_specification_needs_and_what_stands_in_for_it() {
 
     let output = deps(&["--stand-ins"]);
     assert!(stdout(&output).contains("\n    looked in .\n"));
-    let path = it
+    let path = directory
         .path()
         .join(".dotgen/standins/or/pose/pose_estimator.gen");
     let standin = std::fs::read_to_string(path).expect("it was written");
     assert!(standin.contains("interface or_pose_estimator"), "{standin}");
     assert!(standin.contains("port out pose_data pose;"), "{standin}");
     assert!(standin.contains("double x;"), "{standin}");
-    let ignored = std::fs::read_to_string(it.path().join(".dotgen/.gitignore"));
+    let ignored = std::fs::read_to_string(directory.path().join(".dotgen/.gitignore"));
     assert_eq!(ignored.expect("it was written"), "*\n");
     assert!(stdout(&output).contains("created .dotgen/standins/or/pose/pose_estimator.gen"));
     // From now on only the package is missing.
-    let mut command = it.command(&["check", "--deny", "missing", "--format", "json", "c.gen"]);
+    let mut command =
+        directory.command(&["check", "--deny", "missing", "--format", "json", "c.gen"]);
     let output = command.env("PKG_CONFIG", "false").output();
     let text = stdout(&output.expect("the program runs"));
     let document: Value = serde_json::from_str(&text).expect("JSON");
     let errors = document["diagnostics"].as_array().expect("a list").iter();
     let errors: Vec<_> = errors
-        .filter(|it| it["severity"] == "error")
-        .map(|it| &it["code"])
+        .filter(|error| error["severity"] == "error")
+        .map(|error| &error["code"])
         .collect();
     assert_eq!(errors, ["pp-requires-unresolved"]);
 }
@@ -754,17 +764,19 @@ component c {
   };
 };
 ";
-    let it = Directory::new(&[("c.gen", text)]);
-    let output = it.run(&["deps", "--stand-ins", "c.gen"]);
+    let directory = Directory::new(&[("c.gen", text)]);
+    let output = directory.run(&["deps", "--stand-ins", "c.gen"]);
     assert_eq!(status(&output), 1, "{}", stderr(&output));
-    let path = it.path().join(".dotgen/standins/nav/nav.gen");
+    let path = directory.path().join(".dotgen/standins/nav/nav.gen");
     let standin = std::fs::read_to_string(path).expect("it was written");
     insta::assert_snapshot!(standin);
-    let output = it.run(&["check", "--format", "json", "c.gen"]);
+    let output = directory.run(&["check", "--format", "json", "c.gen"]);
     let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     let errors = document["diagnostics"].as_array().expect("a list").iter();
-    let errors: Vec<_> = errors.filter(|it| it["severity"] == "error").collect();
+    let errors: Vec<_> = errors
+        .filter(|error| error["severity"] == "error")
+        .collect();
     assert!(errors.is_empty(), "{errors:#?}");
-    let output = it.run(&["deps", "c.gen"]);
+    let output = directory.run(&["deps", "c.gen"]);
     assert_eq!(status(&output), 0, "{}", stdout(&output));
 }

@@ -7,13 +7,13 @@ const SPEC: &str = "component c {\n  ids { long x; };\n  task t { codel<start> f
 
 #[test]
 fn standard_input_is_a_specification() {
-    let it = Directory::new(&[("p.idl", "struct p { long x; };\n")]);
+    let directory = Directory::new(&[("p.idl", "struct p { long x; };\n")]);
     let text = format!(
         "#include \"p.idl\"\n{}",
         SPEC.replace("long x; }", "p x; lng y; }")
     );
     for name in ["-", "/dev/stdin"] {
-        let output = it.pipe(&["check", name], text.as_bytes());
+        let output = directory.pipe(&["check", name], text.as_bytes());
         assert_eq!(status(&output), 1, "{}", stderr(&output));
         assert!(stdout(&output).contains("-:3:"), "{}", stdout(&output));
         assert!(
@@ -21,11 +21,14 @@ fn standard_input_is_a_specification() {
             "{}",
             stdout(&output)
         );
-        assert_eq!(status(&it.pipe(&["model", name], SPEC.as_bytes())), 0);
-        assert!(stdout(&it.pipe(&["tree", name], SPEC.as_bytes())).contains("COMPONENT"));
-        let drawn = it.pipe(&["diagram", "system", name], SPEC.as_bytes());
+        assert_eq!(
+            status(&directory.pipe(&["model", name], SPEC.as_bytes())),
+            0
+        );
+        assert!(stdout(&directory.pipe(&["tree", name], SPEC.as_bytes())).contains("COMPONENT"));
+        let drawn = directory.pipe(&["diagram", "system", name], SPEC.as_bytes());
         assert!(stdout(&drawn).starts_with("<svg"), "{}", stderr(&drawn));
-        let compared = it.pipe(&["codels", "check", name], SPEC.as_bytes());
+        let compared = directory.pipe(&["codels", "check", name], SPEC.as_bytes());
         assert_eq!(
             status(&compared),
             0,
@@ -33,7 +36,7 @@ fn standard_input_is_a_specification() {
             stdout(&compared),
             stderr(&compared)
         );
-        let refused = it.pipe(&["codels", "sync", name], SPEC.as_bytes());
+        let refused = directory.pipe(&["codels", "sync", name], SPEC.as_bytes());
         assert_eq!(status(&refused), 2);
         assert!(
             stderr(&refused).contains("name the specification"),
@@ -41,32 +44,32 @@ fn standard_input_is_a_specification() {
             stderr(&refused)
         );
     }
-    assert!(!it.path().join("-").exists());
+    assert!(!directory.path().join("-").exists());
 }
 
 #[test]
 fn colours_are_a_choice() {
-    let it = Directory::new(&[("c.gen", "struct b { lng x; };\n")]);
-    let has = |arguments: &[&str]| stdout(&it.run(arguments)).contains('\u{1b}');
+    let directory = Directory::new(&[("c.gen", "struct b { lng x; };\n")]);
+    let has = |arguments: &[&str]| stdout(&directory.run(arguments)).contains('\u{1b}');
     assert!(!has(&["check", "c.gen"]), "this is no terminal");
     assert!(has(&["check", "--color", "always", "c.gen"]));
     assert!(has(&["--color=always", "check", "c.gen"]));
     assert!(!has(&["check", "--color", "never", "c.gen"]));
     assert_eq!(
-        status(&it.run(&["check", "--color", "sometimes", "c.gen"])),
+        status(&directory.run(&["check", "--color", "sometimes", "c.gen"])),
         2
     );
 }
 
 #[test]
 fn shells_complete_every_command() {
-    let it = Directory::new(&[]);
+    let directory = Directory::new(&[]);
     for (shell, mark) in [
         ("bash", "complete -F"),
         ("zsh", "#compdef dotgen"),
         ("fish", "complete -c dotgen"),
     ] {
-        let output = it.run(&["completions", shell]);
+        let output = directory.run(&["completions", shell]);
         assert_eq!(status(&output), 0);
         let script = stdout(&output);
         assert!(script.contains(mark), "{shell}");
@@ -79,10 +82,10 @@ fn shells_complete_every_command() {
 
 #[test]
 fn manual_pages_are_made_of_the_same_definitions() {
-    let it = Directory::new(&[]);
-    assert_eq!(status(&it.run(&["man", "pages"])), 0);
+    let directory = Directory::new(&[]);
+    assert_eq!(status(&directory.run(&["man", "pages"])), 0);
     let page = |name: &str| {
-        let path = it.path().join("pages").join(name);
+        let path = directory.path().join("pages").join(name);
         std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{name}: {error}"))
     };
     assert!(page("dotgen.1").contains(".TH dotgen 1"));
@@ -92,9 +95,9 @@ fn manual_pages_are_made_of_the_same_definitions() {
 
 #[test]
 fn pictures_are_what_their_files_are_called() {
-    let it = Directory::new(&[("c.gen", SPEC)]);
-    let read = |name: &str| std::fs::read(it.path().join(name)).expect("a picture");
-    let draw = |arguments: &[&str]| it.run(&[&["diagram"], arguments].concat());
+    let directory = Directory::new(&[("c.gen", SPEC)]);
+    let read = |name: &str| std::fs::read(directory.path().join(name)).expect("a picture");
+    let draw = |arguments: &[&str]| directory.run(&[&["diagram"], arguments].concat());
     assert_eq!(status(&draw(&["system", "c.gen", "-o", "c.png"])), 0);
     assert!(read("c.png").starts_with(b"\x89PNG"));
     assert_eq!(status(&draw(&["system", "c.gen", "-o", "c.mmd"])), 0);
@@ -118,7 +121,7 @@ fn pictures_are_what_their_files_are_called() {
         "{}",
         stderr(&several)
     );
-    assert!(!it.path().join("all.svg").exists());
+    assert!(!directory.path().join("all.svg").exists());
     assert_eq!(
         status(&draw(&["fsm", "c.gen", "--format", "png", "-o", "all"])),
         0
@@ -129,8 +132,8 @@ fn pictures_are_what_their_files_are_called() {
 #[test]
 fn only_what_ends_too_early_is_led_back_to_its_include() {
     let led_back = |included: &str| {
-        let it = Directory::new(&[("a.gen", "#include \"b.gen\"\n"), ("b.gen", included)]);
-        stdout(&it.run(&["check", "a.gen"])).contains("included here")
+        let directory = Directory::new(&[("a.gen", "#include \"b.gen\"\n"), ("b.gen", included)]);
+        stdout(&directory.run(&["check", "a.gen"])).contains("included here")
     };
     assert!(led_back("component b { task t {"));
     assert!(!led_back(

@@ -13,7 +13,7 @@ use crate::running::{Listening, compilers, ended, hosts, processes, soon, with_b
 fn has_gdb() -> bool {
     let mut command = Command::new("gdb");
     command.arg("--version").stdout(Stdio::null());
-    let known = command.status().is_ok_and(|it| it.success());
+    let known = command.status().is_ok_and(|status| status.success());
     if !known {
         eprintln!("skipped: there is no gdb");
     }
@@ -54,7 +54,7 @@ fn a_component_waits_for_a_debugger_which_stops_in_a_codel() {
         "delete",
         "continue",
     ];
-    let steps = steps.iter().flat_map(|it| ["-ex", it]);
+    let steps = steps.iter().flat_map(|step| ["-ex", step]);
     let gdb = Command::new("gdb")
         .args(["-nx", "-batch", "-p", &process])
         .args(steps)
@@ -130,7 +130,10 @@ fn processes_and_threads_have_the_names_of_components_and_tasks() {
         let of_host = |host: u32| {
             let path = PathBuf::from(format!("/proc/{host}"));
             let threads = std::fs::read_dir(path.join("task")).into_iter().flatten();
-            let mut threads: Vec<String> = threads.flatten().map(|it| name(&it.path())).collect();
+            let mut threads: Vec<String> = threads
+                .flatten()
+                .map(|thread| name(&thread.path()))
+                .collect();
             threads.sort();
             (name(&path), threads)
         };

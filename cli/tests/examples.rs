@@ -22,15 +22,15 @@ fn examples_are_sound_and_every_remark_is_explained() {
             .expect("dotgen runs");
         let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
         let readme = std::fs::read_to_string(directory.join("README.md")).expect("a README");
-        for it in found["diagnostics"].as_array().expect("diagnostics") {
-            let severity = it["severity"].as_str().expect("a severity");
-            assert!(!["error", "warning"].contains(&severity), "{it:#}");
+        for diagnostic in found["diagnostics"].as_array().expect("diagnostics") {
+            let severity = diagnostic["severity"].as_str().expect("a severity");
+            assert!(!["error", "warning"].contains(&severity), "{diagnostic:#}");
             // What is said of an included example is explained there.
-            let file = it["file"].as_str().expect("a file");
-            let code = it["code"].as_str().expect("a code");
+            let file = diagnostic["file"].as_str().expect("a file");
+            let code = diagnostic["code"].as_str().expect("a code");
             let elsewhere = Path::new(file).is_absolute() || file.starts_with("..");
             let explained = elsewhere || readme.contains(code);
-            assert!(explained, "{}: {it:#}", directory.display());
+            assert!(explained, "{}: {diagnostic:#}", directory.display());
         }
         count += 1;
     }

@@ -57,7 +57,7 @@ const SLOW: &[&str] = &[
 fn names(directory: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(directory).expect("a directory").flatten();
     let mut all: Vec<String> = entries
-        .map(|it| it.file_name().to_string_lossy().into_owned())
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
         .collect();
     all.sort();
     all
@@ -170,7 +170,7 @@ fn a_host_that_is_killed_is_told_and_the_others_go_on() {
     assert_eq!(hosts.len(), 1);
     signal("-KILL", hosts[0]);
     // It is told as soon as it is known.
-    let told = |it: &Output| stderr(it).contains("::dotgen::lost");
+    let told = |output: &Output| stderr(output).contains("::dotgen::lost");
     let called = soon("the loss", || Some(directory.run(&call)).filter(told));
     assert_eq!(status(&called), 1);
     assert!(
@@ -266,7 +266,7 @@ fn a_second_signal_leaves_nothing_behind() {
     assert!(matches!(status.code(), Some(1 | 3 | 130)), "{status}");
     let left = names(directory.path());
     let expected: &[&[&str]] = &[&["bad", "good"], &["bad", "good", "log"]];
-    assert!(expected.iter().any(|it| left == *it), "{left:?}");
+    assert!(expected.iter().any(|name| left == *name), "{left:?}");
 }
 
 #[test]
@@ -303,8 +303,8 @@ fn lost(body: &str, clock: &str) -> String {
     let lost = violation(&report, "lost");
     assert_eq!(lost["component"], "bad", "{body}");
     let jobs = report["tasks"].as_array().expect("a list").iter();
-    let mut good = jobs.filter(|it| it["task"] == "good.main");
-    let good = good.next().and_then(|it| it["jobs"].as_u64());
+    let mut good = jobs.filter(|job| job["task"] == "good.main");
+    let good = good.next().and_then(|job| job["jobs"].as_u64());
     assert!(good > Some(5), "{report:#}");
     lost["why"].as_str().expect("it is text").to_owned()
 }

@@ -44,7 +44,7 @@ fn copy(directory: &Directory, folder: &str) {
 
 fn sample(state: &Value) -> Option<Sample> {
     let at = &state["pos"];
-    let number = |it: &Value| it.as_f64();
+    let number = |value: &Value| value.as_f64();
     Some(Sample {
         time: number(&state["ts"]["sec"])? + number(&state["ts"]["nsec"])? * 1e-9,
         position: [number(&at["x"])?, number(&at["y"])?, number(&at["z"])?],
@@ -76,15 +76,17 @@ fn distance(from: &[f64; 3], to: &[f64; 3]) -> f64 {
 /// the ground at last.
 fn check(points: &[[f64; 3]], desired: &[Sample], body: &[Sample]) {
     for point in points {
-        let arrived = |it: &Sample| distance(&it.position, point) < 1e-6;
+        let arrived = |sample: &Sample| distance(&sample.position, point) < 1e-6;
         let last = desired.iter().rposition(arrived);
         let last = last.unwrap_or_else(|| panic!("{point:?} is never desired"));
         let (arrival, departure) = (desired[last].time, desired[last + 1].time);
         assert!(departure - arrival > 1.0, "no rest at {point:?}");
         let resting = body
             .iter()
-            .filter(|it| it.time >= departure - WINDOW && it.time < departure);
-        let errors: Vec<f64> = resting.map(|it| distance(&it.position, point)).collect();
+            .filter(|body| body.time >= departure - WINDOW && body.time < departure);
+        let errors: Vec<f64> = resting
+            .map(|body| distance(&body.position, point))
+            .collect();
         assert!(errors.len() > 400, "{} samples", errors.len());
         let greatest = errors.iter().copied().fold(0.0, f64::max);
         assert!(greatest < TOLERANCE, "{greatest} m from {point:?}");
@@ -92,7 +94,7 @@ fn check(points: &[[f64; 3]], desired: &[Sample], body: &[Sample]) {
     if points.len() < POINTS.len() {
         return;
     }
-    let highest = body.iter().map(|it| it.position[2]).fold(0.0, f64::max);
+    let highest = body.iter().map(|body| body.position[2]).fold(0.0, f64::max);
     assert!(highest > 1.4, "{highest} m");
     let landed = body.last().expect("a position").position;
     let place = [POINTS[2][0], POINTS[2][1], 0.0];

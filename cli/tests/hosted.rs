@@ -54,7 +54,7 @@ fn jobs(report: &Value, task: &str) -> u64 {
     let tasks = report["tasks"].as_array().expect("a list");
     let found = tasks
         .iter()
-        .find(|it| it["task"] == task)
+        .find(|candidate| candidate["task"] == task)
         .expect("the task");
     found["jobs"].as_u64().expect("a number")
 }
@@ -192,8 +192,8 @@ fn a_codel_that_never_ends_does_not_keep_a_run_from_ending() {
     let more = ["--until", "3s", "--clock", "real", "--socket", "s"];
     let report = run_bad(&directory, &more);
     let tasks = report["tasks"].as_array().expect("a list");
-    let bad = tasks.iter().find(|it| it["task"] == "bad.main");
-    let missed = bad.and_then(|it| it["missed"].as_u64());
+    let bad = tasks.iter().find(|task| task["task"] == "bad.main");
+    let missed = bad.and_then(|task| task["missed"].as_u64());
     assert!(missed >= Some(1), "{report:#}");
 }
 
@@ -210,7 +210,7 @@ fn a_codel_that_takes_too_long_is_told() {
     let more = ["--until", "3s", "--clock", "real", "--socket", "s"];
     let report = run_bad(&directory, &more);
     let all = report["violations"].as_array().expect("a list");
-    let overrun = |it: &&Value| it["kind"] == "overrun" && it["function"] == "bad_again";
+    let overrun = |json: &&Value| json["kind"] == "overrun" && json["function"] == "bad_again";
     let found = all
         .iter()
         .find(overrun)
@@ -291,15 +291,15 @@ fn what_does_not_compile_does_not_run() {
 /// Copies a folder, without what was built in it.
 fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).expect("a folder");
-    for it in std::fs::read_dir(from)
+    for entry in std::fs::read_dir(from)
         .expect("a folder")
         .filter_map(Result::ok)
     {
-        let target = to.join(it.file_name());
-        match it.path().is_dir() {
-            true if it.file_name() == ".dotgen" => {}
-            true => copy(&it.path(), &target),
-            false => _ = std::fs::copy(it.path(), target).expect("a file"),
+        let target = to.join(entry.file_name());
+        match entry.path().is_dir() {
+            true if entry.file_name() == ".dotgen" => {}
+            true => copy(&entry.path(), &target),
+            false => _ = std::fs::copy(entry.path(), target).expect("a file"),
         }
     }
 }
@@ -347,10 +347,10 @@ fn the_examples_run_with_their_stubs_on_both_clocks() {
             assert_eq!(report["simulated-codels"], 0, "{example}");
             // What stubs yield is declared, and no component ends; whether they are in time is another
             // matter.
-            for it in report["violations"].as_array().expect("a list") {
+            for violation in report["violations"].as_array().expect("a list") {
                 assert!(
-                    it["kind"] != "lost" && it["kind"] != "undeclared",
-                    "{example}: {it}"
+                    violation["kind"] != "lost" && violation["kind"] != "undeclared",
+                    "{example}: {violation}"
                 );
             }
         }
@@ -466,7 +466,9 @@ genom_event {name}_again({arguments}, const {name}_data *data, const genom_conte
         let report = json_of(&output);
         // On a busy machine a deadline may be missed.
         let violations = report["violations"].as_array().expect("a list");
-        let lost = violations.iter().any(|it| it["kind"] != "check");
+        let lost = violations
+            .iter()
+            .any(|violation| violation["kind"] != "check");
         assert!(!lost, "{report:#}");
         assert_eq!(report["simulated-codels"], 0, "{report:#}");
         assert!(directory.path().join("much").exists(), "{clock}");

@@ -38,8 +38,13 @@ fn a_terminal_gets_no_control_characters() {
         let output = directory.run(arguments);
         assert_ne!(status(&output), 0, "{arguments:?}");
         let printed = stdout(&output) + &stderr(&output);
-        let harmful = |it: char| it.is_control() && !matches!(it, '\n' | '\t') || it == '\u{202e}';
-        let found: Vec<char> = printed.chars().filter(|it| harmful(*it)).collect();
+        let harmful = |character: char| {
+            character.is_control() && !matches!(character, '\n' | '\t') || character == '\u{202e}'
+        };
+        let found: Vec<char> = printed
+            .chars()
+            .filter(|character| harmful(*character))
+            .collect();
         assert_eq!(found, [], "{arguments:?}: {printed}");
     }
 }

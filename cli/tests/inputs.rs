@@ -96,21 +96,23 @@ fn codels_read_what_clients_write() {
     written(&directory, &["reader/each", "--instance", "a", "-43"]);
     reads(&directory, "reader/sum", &json!(-42));
     // Data that is longer than before.
-    let long: Vec<Value> = (0..1000).map(|it| json!({"x": 0.5, "y": it})).collect();
+    let long: Vec<Value> = (0..1000)
+        .map(|number| json!({"x": 0.5, "y": number}))
+        .collect();
     let request = json!({"id": "a", "write": "reader/trail", "value": long});
     let answers = ask(&directory, &[request]);
     assert_eq!(answers, [json!({"id": "a", "event": "written"})]);
     let backwards: Vec<Value> = (0..1000)
         .rev()
-        .map(|it| json!({"x": 0.5, "y": f64::from(it)}))
+        .map(|number| json!({"x": 0.5, "y": f64::from(number)}))
         .collect();
     reads(&directory, "reader/seen", &json!(backwards));
     // Thousands that nobody has read are none but the last.
     let many: Vec<Value> = (0..5000)
-        .map(|it| json!({"id": it, "write": "reader/each", "instance": "a", "value": it}))
+        .map(|number| json!({"id": number, "write": "reader/each", "instance": "a", "value": number}))
         .collect();
     let answers = ask(&directory, &many);
-    assert!(answers.iter().all(|it| it["event"] == "written"));
+    assert!(answers.iter().all(|answer| answer["event"] == "written"));
     reads(&directory, "reader/sum", &json!(5000));
     let described = &ask(&directory, &[json!({"describe": null})])[0];
     let each = &described["components"][0]["ports"][1];
@@ -179,10 +181,14 @@ fn what_does_not_fit_an_input_port_is_named() {
         "the instance 5 of `reader/each` is no text"
     );
     let many: Vec<Value> = (0..257)
-        .map(|it| json!({"id": it, "write": "reader/each", "instance": format!("i{it}"), "value": 1}))
+        .map(|number| json!({"id": number, "write": "reader/each", "instance": format!("i{number}"), "value": 1}))
         .collect();
     let answers = ask(&directory, &many);
-    assert!(answers[..256].iter().all(|it| it["event"] == "written"));
+    assert!(
+        answers[..256]
+            .iter()
+            .all(|answer| answer["event"] == "written")
+    );
     assert_eq!(
         answers[256]["message"],
         "`reader/each` has 256 instances; write one of them"
@@ -277,7 +283,12 @@ genom_event NAME_go(const NAME_NAME_in *from, const NAME_NAME_out *to, const gen
     assert!(report["steps"].as_u64() > Some(10), "{report:#}");
     assert_eq!(report["followed"], report["steps"]);
     let longer = report["differences"].as_array().expect("a list");
-    assert!(longer.iter().all(|it| it["kind"] == "longer"), "{report:#}");
+    assert!(
+        longer
+            .iter()
+            .all(|difference| difference["kind"] == "longer"),
+        "{report:#}"
+    );
 }
 
 #[test]
@@ -301,7 +312,7 @@ fn a_recording_is_played_into_input_ports() {
     let data = dotgen_recording::record::read_data(&recorded).expect("a recording");
     let newest = |topic: &str| -> Value {
         let mut all = data.messages.iter();
-        let last = all.rfind(|it| data.topics[&it.channel] == topic);
+        let last = all.rfind(|message| data.topics[&message.channel] == topic);
         let last: Value = serde_json::from_slice(&last.expect("data").text).expect("JSON");
         last["value"].clone()
     };

@@ -28,17 +28,17 @@ component fly {
 };
 "#;
 
-fn run(it: &Directory, arguments: &[&str]) -> Output {
-    let mut command = it.command(arguments);
-    command.env("XDG_CACHE_HOME", it.path().join("cache"));
-    command.env("PKG_CONFIG_LIBDIR", it.path().join("packages"));
+fn run(directory: &Directory, arguments: &[&str]) -> Output {
+    let mut command = directory.command(arguments);
+    command.env("XDG_CACHE_HOME", directory.path().join("cache"));
+    command.env("PKG_CONFIG_LIBDIR", directory.path().join("packages"));
     command.output().expect("it runs")
 }
 
 #[test]
 fn a_fresh_clone_has_nothing_open() {
-    let it = Directory::new(&[("fly.gen", FLY)]);
-    let output = run(&it, &["check", "fly.gen"]);
+    let directory = Directory::new(&[("fly.gen", FLY)]);
+    let output = run(&directory, &["check", "fly.gen"]);
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     let shown = stdout(&output);
     assert!(shown.contains("hint[pp-requires-own]"), "{shown}");
@@ -48,25 +48,25 @@ fn a_fresh_clone_has_nothing_open() {
     );
     assert!(!shown.contains("wait for"), "{shown}");
 
-    let listed = stdout(&run(&it, &["deps", "fly.gen"]));
+    let listed = stdout(&run(&directory, &["deps", "fly.gen"]));
     let line = "include or/pose/pose_estimator.gen: <own interfaces>/or/pose/pose_estimator.gen\n";
     assert!(listed.contains(line), "{listed}");
-    let listed = stdout(&run(&it, &["deps", "--format", "json", "fly.gen"]));
+    let listed = stdout(&run(&directory, &["deps", "--format", "json", "fly.gen"]));
     assert!(!listed.contains("<own interfaces>"), "{listed}");
 
     // For those who want what is installed only.
-    let output = run(&it, &["check", "--deny", "missing", "fly.gen"]);
+    let output = run(&directory, &["check", "--deny", "missing", "fly.gen"]);
     assert_eq!(status(&output), 1);
     assert!(stdout(&output).contains("error[pp-requires-unresolved]"));
     // GenoM3 knows nothing of them.
-    let output = run(&it, &["genom3", "-n", "fly.gen"]);
+    let output = run(&directory, &["genom3", "-n", "fly.gen"]);
     assert_ne!(status(&output), 0);
 }
 
 #[test]
 fn the_installed_package_comes_first() {
-    let it = Directory::new(&[("fly.gen", FLY)]);
-    let folder = it.path().display();
+    let directory = Directory::new(&[("fly.gen", FLY)]);
+    let folder = directory.path().display();
     for (path, text) in [
         (
             "packages/openrobots2-idl.pc",
@@ -77,9 +77,9 @@ fn the_installed_package_comes_first() {
             "interface or_pose_estimator { struct state { long mine; }; };\n".to_owned(),
         ),
     ] {
-        it.write(path, text.as_bytes());
+        directory.write(path, text.as_bytes());
     }
-    let output = run(&it, &["check", "fly.gen"]);
+    let output = run(&directory, &["check", "fly.gen"]);
     let shown = stdout(&output);
     assert!(!shown.contains("pp-requires-own"), "{shown}");
     // The other file is not in that package, and dotgen does not mix the two.
@@ -87,8 +87,8 @@ fn the_installed_package_comes_first() {
 
     // One that is too old is no missing one.
     let old = format!("Name: p\nDescription: p\nVersion: 1.0\nCflags: -I{folder}/installed\n");
-    it.write("packages/openrobots2-idl.pc", old.as_bytes());
-    let shown = stdout(&run(&it, &["check", "fly.gen"]));
+    directory.write("packages/openrobots2-idl.pc", old.as_bytes());
+    let shown = stdout(&run(&directory, &["check", "fly.gen"]));
     assert!(shown.contains("pp-requires-unresolved"), "{shown}");
 }
 
@@ -97,12 +97,12 @@ fn its_codels_compile_and_run() {
     if !compilers() {
         return;
     }
-    let it = Directory::new(&[("fly.gen", FLY)]);
-    assert_eq!(status(&run(&it, &["codels", "stub", "fly.gen"])), 0);
-    let output = run(&it, &["codels", "check", "fly.gen"]);
+    let directory = Directory::new(&[("fly.gen", FLY)]);
+    assert_eq!(status(&run(&directory, &["codels", "stub", "fly.gen"])), 0);
+    let output = run(&directory, &["codels", "check", "fly.gen"]);
     assert_eq!(status(&output), 0, "{}", stdout(&output));
     // The module `or` is an operator of C++.
-    let output = run(&it, &["run", "--until", "100ms", "fly.gen"]);
+    let output = run(&directory, &["run", "--until", "100ms", "fly.gen"]);
     let shown = format!("{}{}", stdout(&output), stderr(&output));
     assert_eq!(status(&output), 0, "{shown}");
 }
@@ -119,11 +119,14 @@ fn sources_of_another_component_beside_are_left_out() {
         )
     };
     let (left, right) = (component("left"), component("right"));
-    let it = Directory::new(&[("left.gen", &left), ("right.gen", &right)]);
+    let directory = Directory::new(&[("left.gen", &left), ("right.gen", &right)]);
     for name in ["left.gen", "right.gen"] {
-        assert_eq!(status(&run(&it, &["codels", "stub", name])), 0);
+        assert_eq!(status(&run(&directory, &["codels", "stub", name])), 0);
     }
-    let output = run(&it, &["run", "--until", "50ms", "left.gen", "right.gen"]);
+    let output = run(
+        &directory,
+        &["run", "--until", "50ms", "left.gen", "right.gen"],
+    );
     let shown = format!("{}{}", stdout(&output), stderr(&output));
     assert_eq!(status(&output), 0, "{shown}");
 }

@@ -16,9 +16,9 @@ fn nothing_listens_beyond_a_private_socket_unless_told_to() {
         let links = std::fs::read_dir(format!("/proc/{}/fd", run.0.id())).expect("it is mine");
         let links = links
             .flatten()
-            .filter_map(|it| std::fs::read_link(it.path()).ok());
-        let sockets = links.filter_map(|it| {
-            let name = it.to_str()?.strip_prefix("socket:[")?.strip_suffix(']')?;
+            .filter_map(|link| std::fs::read_link(link.path()).ok());
+        let sockets = links.filter_map(|link| {
+            let name = link.to_str()?.strip_prefix("socket:[")?.strip_suffix(']')?;
             Some(name.to_owned())
         });
         let sockets: Vec<String> = sockets.collect();
@@ -29,7 +29,7 @@ fn nothing_listens_beyond_a_private_socket_unless_told_to() {
                 let words: Vec<&str> = line.split_whitespace().collect();
                 if words
                     .get(9)
-                    .is_some_and(|it| sockets.iter().any(|own| own == it))
+                    .is_some_and(|word| sockets.iter().any(|own| own == word))
                 {
                     found.push((table, words[1].to_owned()));
                 }

@@ -65,7 +65,10 @@ impl Client {
             json!({ "name": tool, "arguments": arguments }),
         );
         let blocks = result["content"].as_array().expect("content");
-        let texts: Vec<&str> = blocks.iter().filter_map(|it| it["text"].as_str()).collect();
+        let texts: Vec<&str> = blocks
+            .iter()
+            .filter_map(|block| block["text"].as_str())
+            .collect();
         (texts.concat(), result["isError"] == true)
     }
 }
@@ -85,7 +88,10 @@ fn the_tools_are_at_most_eight_and_described() {
     let mut client = Client::start(&directory);
     let tools = client.request("tools/list", json!({}));
     let tools = tools["tools"].as_array().expect("tools");
-    let names: Vec<&str> = tools.iter().filter_map(|it| it["name"].as_str()).collect();
+    let names: Vec<&str> = tools
+        .iter()
+        .filter_map(|tool| tool["name"].as_str())
+        .collect();
     let expected = [
         "check", "codels", "draw", "explain", "fix", "look_up", "simulate", "verify",
     ];

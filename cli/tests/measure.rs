@@ -44,7 +44,7 @@ scenario cell {
 
 /// A line: when it began, how long it took (both in microseconds), and its names.
 fn line(began: u64, took: u64, names: &str) -> String {
-    let stamp = |it: u64| format!("{}.{:06}000", it / 1_000_000, it % 1_000_000);
+    let stamp = |number: u64| format!("{}.{:06}000", number / 1_000_000, number % 1_000_000);
     let (began, ended) = (stamp(began), stamp(began + took));
     format!("{began} {began} {ended} cell {names}\n")
 }
@@ -117,7 +117,7 @@ fn dotgen(directory: &Directory, arguments: &[&str]) -> Output {
 
 fn json(output: &Output) -> Value {
     let text = stdout(output);
-    serde_json::from_str(&text).unwrap_or_else(|it| panic!("{it}: {text}{}", stderr(output)))
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text}{}", stderr(output)))
 }
 
 fn import(directory: &Directory, arguments: &[&str]) -> Value {
@@ -137,9 +137,9 @@ fn offset(text: &str, position: &Value) -> usize {
 /// A text with edits of a report.
 fn edited(text: &str, edits: &Value) -> String {
     let mut out = text.to_owned();
-    for it in edits.as_array().expect("a list").iter().rev() {
-        let range = offset(text, &it["range"]["start"])..offset(text, &it["range"]["end"]);
-        out.replace_range(range, it["text"].as_str().expect("a text"));
+    for edit in edits.as_array().expect("a list").iter().rev() {
+        let range = offset(text, &edit["range"]["start"])..offset(text, &edit["range"]["end"]);
+        out.replace_range(range, edit["text"].as_str().expect("a text"));
     }
     out
 }
@@ -169,7 +169,7 @@ fn measured_times_become_clauses() {
     assert_eq!(edited(SPEC, &report["edits"]), expected);
     let of = |path: &str, key: &str| -> Value {
         let codels = report["codels"].as_array().expect("a list");
-        let codel = codels.iter().find(|it| it["codel"] == path);
+        let codel = codels.iter().find(|codel| codel["codel"] == path);
         codel.unwrap_or_else(|| panic!("{path}"))[key].clone()
     };
     // One declaration for two states: the greatest of both.
@@ -182,7 +182,7 @@ fn measured_times_become_clauses() {
     assert!(
         place["file"]
             .as_str()
-            .is_some_and(|it| it.ends_with("cell.gen"))
+            .is_some_and(|file| file.ends_with("cell.gen"))
     );
     let start = offset(SPEC, &place["range"]["start"]);
     assert!(SPEC[start..].starts_with("<start> beat_start("), "{place}");
@@ -228,8 +228,8 @@ fn a_pragma_is_about_all_uses_of_a_function() {
         "{text}"
     );
     assert_eq!(text.matches("#pragma wcet").count(), 6, "{text}");
-    let rest: String = (text.lines().filter(|it| !it.starts_with("#pragma")))
-        .map(|it| format!("{it}\n"))
+    let rest: String = (text.lines().filter(|line| !line.starts_with("#pragma")))
+        .map(|line| format!("{line}\n"))
         .collect();
     assert_eq!(rest, without);
     assert_eq!(status(&dotgen(&directory, &["check", "cell.gen"])), 0);
@@ -301,12 +301,14 @@ fn bytes_that_are_no_utf8_and_line_ends_stay() {
         assert_ne!(new, bytes);
         // What was inserted is all that differs.
         let mut old = bytes.iter().peekable();
-        for it in &new {
-            old.next_if_eq(&it);
+        for byte in &new {
+            old.next_if_eq(&byte);
         }
         assert_eq!(old.next(), None, "{}", String::from_utf8_lossy(&new));
         assert!(new.ends_with(b"// caf\xe9 \xff\r\n/* no end of line */"));
-        let alone = new.windows(2).filter(|it| it[1] == b'\n' && it[0] != b'\r');
+        let alone = new
+            .windows(2)
+            .filter(|window| window[1] == b'\n' && window[0] != b'\r');
         assert_eq!(alone.count(), 0);
     }
 }
@@ -408,7 +410,10 @@ scenario cell {
 }
 ";
     let text = directory.read("cell.scn");
-    let lines: Vec<&str> = text.lines().filter(|it| !expected.contains(*it)).collect();
+    let lines: Vec<&str> = text
+        .lines()
+        .filter(|line| !expected.contains(*line))
+        .collect();
     let fresh = [
         "  duration cell.beat.start [5,120] us;",
         "  duration cell.beat.again [0,3000] us;",
@@ -418,8 +423,8 @@ scenario cell {
         "  duration cell.go.go_check [0,9] us;",
         "  duration cell.go.start [0,24] us;",
     ];
-    for it in fresh {
-        assert!(text.contains(it), "{it}\n{text}");
+    for name in fresh {
+        assert!(text.contains(name), "{name}\n{text}");
     }
     assert!(lines.len() <= fresh.len(), "{text}");
     assert_eq!(directory.read("cell.gen"), SPEC);
@@ -477,12 +482,12 @@ fn logs_of_others_are_named() {
     );
     let report = import(&directory, &["run.out"]);
     let whys: Vec<&Value> = (report["unknown"].as_array().expect("a list").iter())
-        .map(|it| &it["why"])
+        .map(|json| &json["why"])
         .collect();
     assert_eq!(whys, ["state", "function"]);
     // What a control task executes is known by its service: the server may have another name.
-    let others: String = (log().lines().filter(|it| !it.contains("<control>")))
-        .map(|it| format!("{it}\n"))
+    let others: String = (log().lines().filter(|line| !line.contains("<control>")))
+        .map(|line| format!("{line}\n"))
         .collect();
     put(&directory, "run.out", &others.replace("cell", "bell"));
     let output = dotgen(&directory, &["wcet", "import", "run.out"]);

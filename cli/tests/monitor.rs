@@ -18,7 +18,7 @@ fn dotgen(directory: &Directory, arguments: &[&str]) -> Output {
 
 fn json(output: &Output) -> Value {
     let text = stdout(output);
-    serde_json::from_str(&text).unwrap_or_else(|it| panic!("{it}: {text}{}", stderr(output)))
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text}{}", stderr(output)))
 }
 
 /// A recorded run of the example, in a directory with its sources.
@@ -64,7 +64,7 @@ fn a_run_is_held_to_its_model() {
         .replace("::pause::", "::");
     let lines = log.lines().enumerate();
     let log: String = lines
-        .map(|(number, it)| format!("{}\n", if number == 300 { &third } else { it }))
+        .map(|(number, line)| format!("{}\n", if number == 300 { &third } else { line }))
         .collect();
     put(&directory, "run.out", &log);
     let wrong = dotgen(
@@ -133,15 +133,15 @@ fn a_run_is_followed_through_its_socket() {
     client
         .write_all(b"{\"id\": 7, \"profile\": null}\n")
         .expect("it reads");
-    let answers = BufReader::new(&client).lines().map(|it| {
-        let answer: Value = serde_json::from_str(&it.expect("text")).expect("JSON");
+    let answers = BufReader::new(&client).lines().map(|line| {
+        let answer: Value = serde_json::from_str(&line.expect("text")).expect("JSON");
         assert_eq!(answer["id"], 7);
         answer
     });
     let answers: Vec<Value> = answers.take(200).collect();
     assert_eq!(answers[0]["event"], "profiling");
     let lines = answers[1..].iter();
-    let lines = lines.map(|it| format!("{}\n", it["line"].as_str().expect("a line")));
+    let lines = lines.map(|line| format!("{}\n", line["line"].as_str().expect("a line")));
     put(&directory, "heard.out", &lines.collect::<String>());
     let clean = dotgen(&directory, &["monitor", "heard.out", "pump.scn"]);
     assert_eq!(status(&clean), 0, "{}{}", stdout(&clean), stderr(&clean));
@@ -214,14 +214,14 @@ enum Field<'f> {
 impl<'f> Field<'f> {
     fn number(self) -> u64 {
         match self {
-            Field::Number(it) => it,
+            Field::Number(number) => number,
             Field::Bytes(_) => panic!("bytes"),
         }
     }
 
     fn bytes(self) -> &'f [u8] {
         match self {
-            Field::Bytes(it) => it,
+            Field::Bytes(byte) => byte,
             Field::Number(_) => panic!("a number"),
         }
     }
@@ -238,7 +238,9 @@ fn a_trace_has_a_slice_for_each_run() {
     let again = std::fs::read(directory.path().join("again.pftrace")).expect("written");
     assert!(trace == again);
     let get = |all: &[(u64, Field<'_>)], key: u64| {
-        all.iter().find(|it| it.0 == key).map(|it| it.1.number())
+        all.iter()
+            .find(|entry| entry.0 == key)
+            .map(|pair| pair.1.number())
     };
     let mut tracks = std::collections::BTreeMap::new();
     let mut open: std::collections::BTreeMap<u64, Vec<u64>> = std::collections::BTreeMap::new();
@@ -252,7 +254,7 @@ fn a_trace_has_a_slice_for_each_run() {
             match key {
                 60 => {
                     let track = fields(field.bytes());
-                    let name = track.iter().find(|it| it.0 == 2).expect("a name").1;
+                    let name = track.iter().find(|track| track.0 == 2).expect("a name").1;
                     let name = String::from_utf8(name.bytes().to_vec()).expect("text");
                     tracks.insert(get(&track, 1).expect("a number"), name);
                 }
@@ -270,7 +272,7 @@ fn a_trace_has_a_slice_for_each_run() {
                             assert!(stack.is_empty(), "slices of {name} overlap at {time}");
                             stack.push(time);
                             *slices.entry(name.clone()).or_insert(0) += 1;
-                            flows += event.iter().filter(|it| it.0 == 47).count();
+                            flows += event.iter().filter(|event| event.0 == 47).count();
                         }
                         Some(2) => assert!(stack.pop().is_some(), "nothing ends on {name}"),
                         other => panic!("{other:?}"),
@@ -283,14 +285,14 @@ fn a_trace_has_a_slice_for_each_run() {
     assert!(open.values().all(Vec::is_empty));
     let runs = |task: &str| {
         log.lines()
-            .filter(|it| it.contains(&format!(" pump {task} ")))
+            .filter(|line| line.contains(&format!(" pump {task} ")))
             .count()
     };
     let waited = |task: &str| {
-        let waits = |it: &&str| it.split(' ').next() != it.split(' ').nth(1);
+        let waits = |text: &&str| text.split(' ').next() != text.split(' ').nth(1);
         let of = log
             .lines()
-            .filter(|it| it.contains(&format!(" pump {task} ")));
+            .filter(|line| line.contains(&format!(" pump {task} ")));
         of.filter(waits).count()
     };
     for task in ["control", "report"] {
@@ -300,7 +302,7 @@ fn a_trace_has_a_slice_for_each_run() {
             "{slices:?}"
         );
     }
-    let codels = log.lines().filter(|it| !it.starts_with('#'));
+    let codels = log.lines().filter(|line| !line.starts_with('#'));
     assert_eq!(slices["core 0"], codels.count(), "{slices:?}");
     assert!(slices["lock level"] > 200, "{slices:?}");
     assert!(slices["requests of fill"] >= 1, "{slices:?}");

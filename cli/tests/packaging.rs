@@ -21,10 +21,10 @@ fn robotpkg_lists_all_files() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let directory = Directory::new(&[]);
     assert!(directory.run(&["man", "pages"]).status.success());
-    let mut files: BTreeSet<String> = OTHERS.iter().map(|it| (*it).to_owned()).collect();
+    let mut files: BTreeSet<String> = OTHERS.iter().map(|text| (*text).to_owned()).collect();
     let mut add = |folder: &Path, prefix: &str| {
         let entries = walkdir::WalkDir::new(folder).into_iter().flatten();
-        for entry in entries.filter(|it| it.file_type().is_file()) {
+        for entry in entries.filter(|entry| entry.file_type().is_file()) {
             let path = entry.path().strip_prefix(folder).expect("it is below");
             files.insert(format!("{prefix}/{}", path.display()));
         }

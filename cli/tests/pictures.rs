@@ -10,7 +10,7 @@ fn pictures_of_the_documentation_are_up_to_date() {
     let list = std::fs::read_to_string(directory.join("list.txt")).expect("the list");
     let mut stale = Vec::new();
     let mut listed = vec!["list.txt".to_owned()];
-    for line in list.lines().filter(|it| !it.starts_with('#')) {
+    for line in list.lines().filter(|line| !line.starts_with('#')) {
         let (file, how) = line.split_once(": ").expect("FILE: ARGUMENTS");
         let draw = || {
             let mut command = Command::new(env!("CARGO_BIN_EXE_dotgen"));

@@ -19,8 +19,8 @@ const LAMP: &str = "component lamp { ids { long x; }; };\n";
 
 /// Whether there is Tcl; says so if not.
 fn tcl() -> bool {
-    let found = ["tclsh8.6", "tclsh"].iter().any(|it| {
-        let started = Command::new(it).stdin(Stdio::null()).output();
+    let found = ["tclsh8.6", "tclsh"].iter().any(|command| {
+        let started = Command::new(command).stdin(Stdio::null()).output();
         started.is_ok()
     });
     if !found {
@@ -66,11 +66,11 @@ fn children(id: u32, word: &str) -> Vec<i32> {
         let list = std::fs::read_to_string(task.path().join("children")).unwrap_or_default();
         out.extend(
             list.split_whitespace()
-                .filter_map(|it| it.parse::<i32>().ok()),
+                .filter_map(|word| word.parse::<i32>().ok()),
         );
     }
-    out.retain(|it| {
-        let line = std::fs::read(format!("/proc/{it}/cmdline")).unwrap_or_default();
+    out.retain(|number| {
+        let line = std::fs::read(format!("/proc/{number}/cmdline")).unwrap_or_default();
         String::from_utf8_lossy(&line).contains(word)
     });
     out
@@ -100,7 +100,7 @@ fn number_in(path: &Path) -> Option<i32> {
 }
 
 fn entries(path: &Path) -> usize {
-    std::fs::read_dir(path).map_or(0, |it| it.flatten().count())
+    std::fs::read_dir(path).map_or(0, |entry| entry.flatten().count())
 }
 
 fn send(process: u32, signal: Signal) {
@@ -134,8 +134,8 @@ fn a_preview_ends_with_the_server_however_that_ends() {
         server.send(json!({ "id": 1, "method": "workspace/executeCommand", "params": params }));
         let folder = until(|| {
             let mut all = std::fs::read_dir(&temporary).ok()?.flatten();
-            all.find(|it| it.path().join("there").exists())
-                .map(|it| it.path())
+            all.find(|entry| entry.path().join("there").exists())
+                .map(|entry| entry.path())
         });
         let id = server.child.id();
         let shell = children(id, "tclsh");
@@ -209,7 +209,7 @@ fn confined(directory: &Directory, script: &str) -> Output {
     ];
     let shell = shell
         .iter()
-        .find(|it| Path::new(it).exists())
+        .find(|shell| Path::new(shell).exists())
         .expect("tclsh");
     let path = |name: &str| directory.path().join(name).display().to_string();
     directory.write("read/script.tcl", script.as_bytes());
@@ -296,7 +296,7 @@ fn the_system_keeps_a_template_from_the_rest() {
     // What Tcl takes for done has changed nothing.
     script += "file attributes $root/other/x.txt -permissions 0777\nfile mtime $root/other/x.txt 5\nputs end\n";
     let before = File::open(other.join("x.txt"))
-        .and_then(|it| it.metadata())
+        .and_then(|file| file.metadata())
         .expect("a file");
     let output = confined(&directory, &script);
     let results: Vec<String> = stdout(&output).lines().map(str::to_owned).collect();
@@ -311,7 +311,7 @@ fn the_system_keeps_a_template_from_the_rest() {
     }
     assert_eq!(entries(&other), 1);
     let after = File::open(other.join("x.txt"))
-        .and_then(|it| it.metadata())
+        .and_then(|file| file.metadata())
         .expect("a file");
     assert_eq!(before.permissions(), after.permissions());
     assert_eq!(
@@ -337,7 +337,7 @@ fn memory_and_time_end() {
         assert!(!output.status.success(), "{script}");
         assert!(output.stdout.is_empty(), "{script}");
     }
-    let size = std::fs::metadata(directory.path().join("write/big")).map(|it| it.len());
+    let size = std::fs::metadata(directory.path().join("write/big")).map(|metadata| metadata.len());
     assert!(size.expect("a file") <= 100_000);
 }
 
@@ -549,7 +549,7 @@ fn without_support<T: Send>(start: impl FnOnce() -> T + Send) -> T {
     std::thread::scope(|scope| {
         let thread = scope.spawn(|| {
             let calls = [libc::SYS_landlock_create_ruleset, libc::SYS_seccomp];
-            let rules = calls.iter().map(|it| (*it, Vec::new())).collect();
+            let rules = calls.iter().map(|call| (*call, Vec::new())).collect();
             let missing = SeccompAction::Errno(libc::ENOSYS.cast_unsigned());
             let machine = std::env::consts::ARCH.try_into().expect("a known machine");
             let filter = SeccompFilter::new(rules, SeccompAction::Allow, missing, machine);

@@ -27,7 +27,7 @@ fn goes_on(mut server: Server) {
 
 fn refused(server: &mut Server, bytes: &[u8], code: i64) {
     server.bytes(bytes);
-    let answer = server.receive(|it| it.get("error").is_some());
+    let answer = server.receive(|message| message.get("error").is_some());
     assert_eq!(answer["error"]["code"], code, "{answer}");
 }
 
@@ -49,7 +49,7 @@ fn bad_headers_cost_one_message_at_most() {
     let mut server = Server::start();
     let mut answered = |bytes: Vec<u8>, id: i64| {
         server.bytes(&bytes);
-        let answer = server.receive(|it| it["id"] == id);
+        let answer = server.receive(|message| message["id"] == id);
         assert_eq!(answer["error"]["code"], -32601);
     };
     let other = b"X-Other: 1\r\nContent-Type: application/vscode-jsonrpc\r\n".to_vec();
@@ -72,11 +72,11 @@ fn a_huge_length_takes_no_memory() {
     let mut server = Server::start();
     server.bytes(b"Content-Length: 200000000\r\n\r\n{");
     server.bytes(&message(json!({ "id": 1, "method": "dotgen/nothing" })));
-    server.receive(|it| it["id"] == 1);
+    server.receive(|message| message["id"] == 1);
     let status = std::fs::read_to_string(format!("/proc/{}/status", server.child.id()));
     if let Ok(status) = status {
-        let peak = status.lines().find_map(|it| it.strip_prefix("VmHWM:"));
-        let peak = peak.and_then(|it| it.trim().strip_suffix(" kB")?.parse::<u64>().ok());
+        let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let peak = peak.and_then(|peak| peak.trim().strip_suffix(" kB")?.parse::<u64>().ok());
         assert!(peak.expect("a peak") < 190_000, "{peak:?}");
     }
     goes_on(server);
@@ -127,9 +127,15 @@ fn every_request_is_answered() {
         assert_eq!(answer["result"], Value::Null, "{method}");
     }
     server.send(json!({ "id": 1.5, "method": "textDocument/hover", "params": document }));
-    assert_eq!(code(server.receive(|it| it["id"] == 1.5)), Some(-32600));
+    assert_eq!(
+        code(server.receive(|message| message["id"] == 1.5)),
+        Some(-32600)
+    );
     server.send(json!({ "id": "text", "method": "dotgen/nothing" }));
-    assert_eq!(code(server.receive(|it| it["id"] == "text")), Some(-32601));
+    assert_eq!(
+        code(server.receive(|message| message["id"] == "text")),
+        Some(-32601)
+    );
     assert_eq!(
         server.request(8, "shutdown", Value::Null)["result"],
         Value::Null
@@ -160,11 +166,14 @@ fn a_whole_session_can_be_sent_at_once() {
         let mut server = Server::raw(&[]);
         let all: Vec<u8> = messages
             .iter()
-            .flat_map(|it| message((*it).clone()))
+            .flat_map(|other| message((*other).clone()))
             .collect();
         server.bytes(&all);
-        for asked in messages.iter().filter(|it| it.get("id").is_some()) {
-            let answer = server.receive(|it| it["id"] == asked["id"]);
+        for asked in messages
+            .iter()
+            .filter(|message| message.get("id").is_some())
+        {
+            let answer = server.receive(|message| message["id"] == asked["id"]);
             assert!(answer.get("result").is_some(), "{answer}");
         }
         let ended = server.child.wait().expect("it ends, its input still open");
@@ -190,13 +199,13 @@ fn half_a_character_is_mended_and_asked_for_again() {
         frame(&body.to_string().replace("TEXT", text))
     };
     server.bytes(&change(2, 3, "\\ud83d"));
-    let asked = server.receive(|it| it["method"] == "dotgen/documentText");
+    let asked = server.receive(|message| message["method"] == "dotgen/documentText");
     assert_eq!(asked["params"]["uri"], URI);
     // The other half is on its way: the answer is of a version that the server does not have.
     let text = "// \u{1f600}\nstruct s { long x; };\n";
     server.send(json!({ "id": asked["id"], "result": { "version": 3, "text": text } }));
     server.bytes(&change(3, 4, "\\ude00"));
-    let asked = server.receive(|it| it["method"] == "dotgen/documentText");
+    let asked = server.receive(|message| message["method"] == "dotgen/documentText");
     server.send(json!({ "id": asked["id"], "result": { "version": 3, "text": text } }));
     // The text becomes right some time after the answer.
     let document = json!({ "textDocument": { "uri": URI } });
@@ -224,7 +233,7 @@ fn half_a_character_goes_when_the_file_is_saved() {
     assert!(
         tree["result"]
             .as_str()
-            .is_some_and(|it| it.contains("\u{fffd} bad")),
+            .is_some_and(|text| text.contains("\u{fffd} bad")),
         "{tree}"
     );
     std::fs::write(&path, "// good").expect("saved");
@@ -233,7 +242,7 @@ fn half_a_character_goes_when_the_file_is_saved() {
     assert!(
         tree["result"]
             .as_str()
-            .is_some_and(|it| it.contains("// good")),
+            .is_some_and(|text| text.contains("// good")),
         "{tree}"
     );
     server.end();
@@ -249,9 +258,12 @@ fn a_file_has_one_set_of_diagnostics_however_its_uri_is_spelt() {
     let mut sets = std::collections::BTreeMap::new();
     let mut hear = |server: &mut Server, until: &dyn Fn(&str, usize) -> bool| {
         loop {
-            let it = server.receive(|it| it["method"] == "textDocument/publishDiagnostics");
-            let uri = it["params"]["uri"].as_str().expect("a URI").to_owned();
-            let count = it["params"]["diagnostics"].as_array().map_or(0, Vec::len);
+            let message =
+                server.receive(|message| message["method"] == "textDocument/publishDiagnostics");
+            let uri = message["params"]["uri"].as_str().expect("a URI").to_owned();
+            let count = message["params"]["diagnostics"]
+                .as_array()
+                .map_or(0, Vec::len);
             let done = until(&uri, count);
             match count {
                 0 => sets.remove(&uri),
@@ -275,7 +287,7 @@ fn a_file_has_one_set_of_diagnostics_however_its_uri_is_spelt() {
         let document = json!({ "uri": uri, "languageId": "gen", "version": version, "text": text });
         server.send(json!({ "method": "textDocument/didOpen",
                             "params": { "textDocument": document } }));
-        let after = hear(&mut server, &|it, count| it == uri && count > 0);
+        let after = hear(&mut server, &|document, count| document == uri && count > 0);
         assert_eq!(after.into_iter().collect::<Vec<_>>(), [(uri.clone(), 1)]);
         let document = json!({ "textDocument": { "uri": uri } });
         server.send(json!({ "method": "textDocument/didClose", "params": document }));
@@ -333,7 +345,8 @@ fn garbage_costs_nothing_but_itself() {
         bytes.extend_from_slice(b"\r\n");
         server.bytes(&bytes);
         server.bytes(&message(json!({ "id": id, "method": "dotgen/nothing" })));
-        let answer = server.receive(|it| it["id"] == id && it["error"]["code"] == -32601);
+        let answer =
+            server.receive(|message| message["id"] == id && message["error"]["code"] == -32601);
         assert_eq!(answer["id"], id);
     }
     goes_on(server);

@@ -20,13 +20,13 @@ pub(crate) fn python(packages: &[&str], import: &str) -> Option<Command> {
     };
     let works = || {
         let output = python().args(["-c", import]).output();
-        output.is_ok_and(|it| it.status.success())
+        output.is_ok_and(|output| output.status.success())
     };
     if !works() {
         let mut pip = Command::new("python3");
         pip.args(["-m", "pip", "install", "--quiet", "--target"]);
         let installed = pip.arg(&own).args(packages).output();
-        if !installed.is_ok_and(|it| it.status.success()) || !works() {
+        if !installed.is_ok_and(|output| output.status.success()) || !works() {
             let packages = packages.join(", ");
             eprintln!("SKIPPED: there is no {packages} for Python, and it cannot be installed");
             return None;
@@ -110,14 +110,14 @@ fn stubs_are_strict_and_find_what_is_wrong() {
     let said = stdout(&output);
     let lines: Vec<String> = said
         .lines()
-        .filter(|it| it.contains(": error:"))
-        .map(|it| it.split(": error:").next().unwrap_or_default().to_owned())
+        .filter(|line| line.contains(": error:"))
+        .map(|line| line.split(": error:").next().unwrap_or_default().to_owned())
         .collect();
     let mut found: Vec<&String> = lines.iter().collect();
     found.dedup();
     let first = USE.lines().count() + 1;
     let expected: Vec<String> = (first..first + wrong.len())
-        .map(|it| format!("bad.py:{it}"))
+        .map(|index| format!("bad.py:{index}"))
         .collect();
     assert_eq!(
         found,

@@ -9,7 +9,7 @@ const PUMP: &str = include_str!("../../examples/pump/pump.gen");
 fn query(arguments: &[&str]) -> (String, String, Option<i32>) {
     let directory = Directory::new(&[("pump.gen", PUMP)]);
     let output = directory.run(&[&["query"], arguments].concat());
-    let text = |it| String::from_utf8(it).expect("UTF-8");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
     (
         text(output.stdout),
         text(output.stderr),
@@ -35,9 +35,11 @@ fn a_state_of_an_activity_has_the_uses_in_the_activity() {
     let all = json("start");
     let one = json("pump.fill.start");
     assert_eq!(all[0]["name"], one[0]["name"]);
-    let lines = |it: &Value| -> Vec<u64> {
-        let uses = it[0]["uses"].as_array().expect("uses");
-        uses.iter().filter_map(|it| it["line"].as_u64()).collect()
+    let lines = |json: &Value| -> Vec<u64> {
+        let uses = json[0]["uses"].as_array().expect("uses");
+        uses.iter()
+            .filter_map(|usage| usage["line"].as_u64())
+            .collect()
     };
     assert_eq!(lines(&one), [33]);
     assert!(lines(&all).len() > 1, "{all}");
@@ -86,6 +88,9 @@ fn a_file_that_folders_share_is_described_once() {
     let declarations = answer["declarations"].as_array().expect("a list");
     assert_eq!(declarations.len(), 1, "{answer}");
     let uses = declarations[0]["uses"].as_array().expect("uses");
-    let files: Vec<&str> = uses.iter().filter_map(|it| it["file"].as_str()).collect();
+    let files: Vec<&str> = uses
+        .iter()
+        .filter_map(|usage| usage["file"].as_str())
+        .collect();
     assert_eq!(files, ["a/a.gen", "b/b.gen"]);
 }

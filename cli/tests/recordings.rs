@@ -48,7 +48,7 @@ fn names(directory: &Directory) -> Vec<String> {
     let entries = std::fs::read_dir(directory.path()).expect("a directory");
     let names = entries
         .flatten()
-        .map(|it| it.file_name().to_string_lossy().into_owned());
+        .map(|entry| entry.file_name().to_string_lossy().into_owned());
     let mut names: Vec<String> = names.collect();
     names.sort();
     names
@@ -61,19 +61,21 @@ fn bytes(directory: &Directory, name: &str) -> Vec<u8> {
 /// Number of whole lines of the log about codels.
 fn lines(directory: &Directory) -> u64 {
     let text = directory.read(LOG);
-    let whole = text.split_inclusive('\n').filter(|it| it.ends_with('\n'));
-    whole.filter(|it| !it.starts_with('#')).count() as u64
+    let whole = text
+        .split_inclusive('\n')
+        .filter(|part| part.ends_with('\n'));
+    whole.filter(|part| !part.starts_with('#')).count() as u64
 }
 
 /// Number of whole packets of the trace.
 fn packets(trace: &[u8]) -> usize {
     let (mut rest, mut count) = (trace, 0);
     while let [0x0a, after @ ..] = rest {
-        let Some(last) = after.iter().position(|it| it & 0x80 == 0) else {
+        let Some(last) = after.iter().position(|byte| byte & 0x80 == 0) else {
             break;
         };
         let length = after[..=last].iter().rev();
-        let length = length.fold(0, |length, it| length << 7 | usize::from(it & 0x7f));
+        let length = length.fold(0, |length, byte| length << 7 | usize::from(byte & 0x7f));
         match after.get(last + 1 + length..) {
             Some(after) => rest = after,
             None => break,
@@ -119,7 +121,9 @@ fn next(state: &mut u64) -> u64 {
 /// How often a run is killed: `DOTGEN_RUN_KILLS`, by default a few times.
 fn kills() -> u64 {
     let given = std::env::var("DOTGEN_RUN_KILLS").ok();
-    given.and_then(|it| it.parse().ok()).unwrap_or(4)
+    given
+        .and_then(|variable| variable.parse().ok())
+        .unwrap_or(4)
 }
 
 #[test]

@@ -24,7 +24,7 @@ fn said(directory: &Directory, arguments: &[&str], environment: &[(&str, &str)])
     command.envs(environment.iter().copied());
     let output = command.output().expect("the program runs");
     let text = stderr(&output);
-    let line = text.lines().find(|it| it.contains("GenoM3"));
+    let line = text.lines().find(|line| line.contains("GenoM3"));
     line.unwrap_or(&text).to_owned()
 }
 
@@ -145,18 +145,25 @@ fn what_changes_between_two_releases_is_told() {
     let output = directory.run(&["release", "diff", "--format", "json", "arm.gen"]);
     assert_eq!(status(&output), 1, "{}", stderr(&output));
     let report: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
-    let it = &report["specifications"][0];
+    let specification = &report["specifications"][0];
     assert_eq!(
-        (&it["from"], &it["to"]),
+        (&specification["from"], &specification["to"]),
         (&"2.99.39".into(), &"2.99.41".into())
     );
-    let digests = it["digests"].as_array().expect("digests");
-    let of = |service: Option<&str>| digests.iter().any(|it| it["service"].as_str() == service);
-    assert!(of(None) && of(Some("stop")), "{it:#}");
-    let prototypes = it["prototypes"].as_array().expect("prototypes");
+    let digests = specification["digests"].as_array().expect("digests");
+    let of = |service: Option<&str>| {
+        digests
+            .iter()
+            .any(|digest| digest["service"].as_str() == service)
+    };
+    assert!(of(None) && of(Some("stop")), "{specification:#}");
+    let prototypes = specification["prototypes"].as_array().expect("prototypes");
     assert_eq!(prototypes[0]["name"], "arm.armStart");
-    let types = it["types"].as_array().expect("types");
-    assert!(types.iter().any(|it| it["name"] == "::arm::pose"), "{it:#}");
+    let types = specification["types"].as_array().expect("types");
+    assert!(
+        types.iter().any(|ty| ty["name"] == "::arm::pose"),
+        "{specification:#}"
+    );
     let same = directory.run(&[
         "release", "diff", "--from", "2.99.41", "--to", "2.99.41", "arm.gen",
     ]);

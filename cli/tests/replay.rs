@@ -9,7 +9,7 @@ use crate::directory::{Directory, status, stderr, stdout};
 
 fn json(output: &Output) -> Value {
     let text = stdout(output);
-    serde_json::from_str(&text).unwrap_or_else(|it| panic!("{it}: {text}{}", stderr(output)))
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text}{}", stderr(output)))
 }
 
 /// A recorded run of the example, in a directory with its sources.
@@ -107,7 +107,7 @@ fn what_is_no_recording_is_refused() {
 fn what_codels_write_to_ports_is_in_the_recording() {
     let mut compiler = Command::new("cc");
     compiler.arg("--version").stdout(Stdio::null());
-    if !compiler.status().is_ok_and(|it| it.success()) {
+    if !compiler.status().is_ok_and(|status| status.success()) {
         eprintln!("skipped: there is no cc");
         return;
     }
@@ -133,7 +133,7 @@ fn what_codels_write_to_ports_is_in_the_recording() {
         assert!(read.data > 20, "{}", read.data);
         let (status_of, report) = replayed(&directory, &[&file, "echo.gen"]);
         // Codels without a time take none in the model, and some on this machine.
-        let allowed = |it: &Value| clock == "real" && it["kind"] == "longer";
+        let allowed = |json: &Value| clock == "real" && json["kind"] == "longer";
         let differences = report["differences"].as_array().expect("a list");
         assert!(differences.iter().all(allowed), "{clock}: {report:#}");
         assert_eq!(status_of, i32::from(!differences.is_empty()));

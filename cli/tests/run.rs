@@ -22,13 +22,15 @@ fn pump(arguments: &[&str]) -> Output {
 
 fn json_of(output: &Output) -> Value {
     let text = stdout(output);
-    serde_json::from_str(&text).unwrap_or_else(|it| panic!("{it}: {text}{}", stderr(output)))
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text}{}", stderr(output)))
 }
 
 /// How many cycles of a task: `DOTGEN_RUN_CYCLES`, by default some thousands.
 fn cycles() -> u64 {
     let given = std::env::var("DOTGEN_RUN_CYCLES").ok();
-    given.and_then(|it| it.parse().ok()).unwrap_or(20_000)
+    given
+        .and_then(|variable| variable.parse().ok())
+        .unwrap_or(20_000)
 }
 
 #[test]
@@ -101,7 +103,7 @@ fn a_response_time_beyond_the_period_exceeds_it() {
         "worst",
     ];
     let words = stdout(&directory.run(&run));
-    let row = words.lines().find(|it| it.contains("response late.t"));
+    let row = words.lines().find(|line| line.contains("response late.t"));
     let row: Vec<&str> = row.unwrap_or_default().split_whitespace().collect();
     assert_eq!(row[..3], ["exceeds", "response", "late.t"], "{words}");
     assert_eq!(row[row.len() - 2..], ["10", "ms"], "{words}");
@@ -157,24 +159,24 @@ scenario held {
 
 #[test]
 fn what_is_violated_is_told_with_its_moment() {
-    let it = Directory::new(&[("tight.gen", TIGHT), ("held.scn", HELD)]);
+    let directory = Directory::new(&[("tight.gen", TIGHT), ("held.scn", HELD)]);
     let arguments = ["run", "held.scn", "--durations", "worst", "--until", "1s"];
-    let output = it.run(&arguments);
+    let output = directory.run(&arguments);
     assert_eq!(status(&output), 1, "{}", stderr(&output));
     insta::assert_snapshot!(stdout(&output));
     // The same violations are proved to be possible.
-    let proved = it.run(&["verify", "held.scn", "--format", "json"]);
+    let proved = directory.run(&["verify", "held.scn", "--format", "json"]);
     let proved: Value = serde_json::from_str(&stdout(&proved)).expect("JSON");
-    let verdicts = |it: &Value| -> Vec<String> {
-        let checks = it["checks"].as_array().expect("a list");
-        let verdict = |it: &Value| it["verdict"].as_str().expect("a word").to_owned();
+    let verdicts = |json: &Value| -> Vec<String> {
+        let checks = json["checks"].as_array().expect("a list");
+        let verdict = |json: &Value| json["verdict"].as_str().expect("a word").to_owned();
         checks.iter().map(verdict).collect()
     };
     assert_eq!(
         verdicts(&proved),
         ["refuted", "refuted", "refuted", "proved"]
     );
-    let stopped = it.run(
+    let stopped = directory.run(
         &[
             &arguments[..],
             &["--on-violation", "stop", "--format", "json"],
@@ -191,7 +193,7 @@ fn what_is_violated_is_told_with_its_moment() {
 
 #[test]
 fn every_run_of_a_codel_is_a_line_of_the_profile() {
-    let it = Directory::new(&[("tight.gen", TIGHT), ("held.scn", HELD)]);
+    let directory = Directory::new(&[("tight.gen", TIGHT), ("held.scn", HELD)]);
     let arguments = [
         "run",
         "held.scn",
@@ -202,18 +204,18 @@ fn every_run_of_a_codel_is_a_line_of_the_profile() {
         "--format",
         "json",
     ];
-    let report = json_of(&it.run(&arguments));
-    let text = std::fs::read_to_string(it.path().join("run.out")).expect("the profile");
+    let report = json_of(&directory.run(&arguments));
+    let text = std::fs::read_to_string(directory.path().join("run.out")).expect("the profile");
     let mut counted = std::collections::BTreeMap::new();
     let first = text.lines().next();
     assert_eq!(first, Some("# dotgen: times are simulated"));
     assert!(text.ends_with("\n# dotgen: end of the run\n"));
-    for line in text.lines().filter(|it| !it.starts_with('#')) {
+    for line in text.lines().filter(|line| !line.starts_with('#')) {
         let columns: Vec<&str> = line.split(' ').collect();
         assert_eq!(columns.len(), 9, "{line}");
         let times: Vec<f64> = columns[..3]
             .iter()
-            .map(|it| it.parse().expect("seconds"))
+            .map(|column| column.parse().expect("seconds"))
             .collect();
         assert!(times.is_sorted(), "{line}");
         let decimals = columns[0].split_once('.').expect("a fraction").1;
@@ -231,7 +233,7 @@ fn every_run_of_a_codel_is_a_line_of_the_profile() {
             runs(1),
         ),
     ];
-    let expected = expected.map(|(it, count)| (it.to_owned(), count));
+    let expected = expected.map(|(text, count)| (text.to_owned(), count));
     assert_eq!(counted, expected.into_iter().collect());
     assert!(runs(0) > 10 && runs(1) > 5);
 }
@@ -247,8 +249,8 @@ component spin {
   };
 };
 ";
-    let it = Directory::new(&[("spin.gen", spin)]);
-    let output = it.run(&["run", "spin.gen", "--bounds", "none", "--until", "1s"]);
+    let directory = Directory::new(&[("spin.gen", spin)]);
+    let output = directory.run(&["run", "spin.gen", "--bounds", "none", "--until", "1s"]);
     assert_eq!(status(&output), 3, "{}", stdout(&output));
     assert!(
         stdout(&output).contains("time stands still"),
@@ -259,7 +261,7 @@ component spin {
 
 #[test]
 fn what_cannot_be_run_is_said() {
-    let it = Directory::new(&[("tight.gen", TIGHT), ("held.scn", HELD)]);
+    let directory = Directory::new(&[("tight.gen", TIGHT), ("held.scn", HELD)]);
     for (arguments, what) in [
         (&["run", "held.scn", "--until", "soon"][..], "10s"),
         (&["run", "nowhere.scn"], "nowhere.scn"),
@@ -276,7 +278,7 @@ fn what_cannot_be_run_is_said() {
             "nobody",
         ),
     ] {
-        let output = it.run(arguments);
+        let output = directory.run(arguments);
         assert_eq!(status(&output), 2, "{arguments:?}");
         assert!(
             stderr(&output).contains(what),
@@ -284,7 +286,7 @@ fn what_cannot_be_run_is_said() {
             stderr(&output)
         );
     }
-    let files: Vec<_> = std::fs::read_dir(it.path())
+    let files: Vec<_> = std::fs::read_dir(directory.path())
         .expect("a folder")
         .flatten()
         .collect();
@@ -356,9 +358,9 @@ fn chains_that_are_not_followed_are_named() {
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     let report = json_of(&output);
     let notes = report["notes"].as_array().expect("a list");
-    let named = |it: &Value| {
-        let it = it.as_str().unwrap_or_default();
-        it.starts_with("not checked along runs: `reaction c.raw -> c.clean`")
+    let named = |value: &Value| {
+        let text = value.as_str().unwrap_or_default();
+        text.starts_with("not checked along runs: `reaction c.raw -> c.clean`")
     };
     assert!(notes.iter().any(named), "{notes:?}");
     assert_eq!(report["checks"].as_array().map(Vec::len), Some(1));
@@ -415,12 +417,12 @@ fn without_execution_times_there_is_neither_load_nor_bound() {
         None => format!("{line}\n"),
     });
     let spec: String = spec.collect();
-    let it = Directory::new(&[("tight.gen", &spec)]);
+    let directory = Directory::new(&[("tight.gen", &spec)]);
     let words = "run tight.gen --simulate all --until 400ms --format json";
     let virtually: Vec<&str> = words.split(' ').collect();
     let socket = ["--clock", "real", "--socket", "s"];
     for more in [&[][..], &socket] {
-        let output = it.run(&[&virtually[..], more].concat());
+        let output = directory.run(&[&virtually[..], more].concat());
         assert_eq!(status(&output), 0, "{}", stderr(&output));
         let report = json_of(&output);
         for task in report["tasks"].as_array().expect("a list") {
@@ -436,8 +438,8 @@ fn without_execution_times_there_is_neither_load_nor_bound() {
             "{notes}"
         );
     }
-    it.run(&[&virtually[..], &["--profile", "run.out"]].concat());
-    let output = it.run(&["monitor", "run.out", "tight.gen"]);
+    directory.run(&[&virtually[..], &["--profile", "run.out"]].concat());
+    let output = directory.run(&["monitor", "run.out", "tight.gen"]);
     assert_eq!(status(&output), 0, "{}", stdout(&output));
     assert!(
         stderr(&output).contains("no bounds, because no execution time: tight.fast.start"),
@@ -475,7 +477,11 @@ fn a_run_does_not_wait_for_its_verification() {
     };
     let is_cancelled = |report: &Value| {
         let notes = report["notes"].as_array().expect("a list");
-        let told = |it: &&Value| it.as_str().is_some_and(|it| it.contains("cancelled"));
+        let told = |value: &&Value| {
+            value
+                .as_str()
+                .is_some_and(|text| text.contains("cancelled"))
+        };
         notes.iter().filter(told).count() == 1
     };
     let real = ["--clock", "real", "--until", "100ms"];

@@ -36,7 +36,7 @@ fn ask(directory: &Directory, request: &Value) -> impl Iterator<Item = Value> + 
     let mut client = UnixStream::connect(socket).expect("it listens");
     writeln!(client, "{request}").expect("it reads");
     let lines = BufReader::new(client).lines();
-    lines.map(|it| serde_json::from_str(&it.expect("text")).expect("JSON"))
+    lines.map(|line| serde_json::from_str(&line.expect("text")).expect("JSON"))
 }
 
 fn run() -> (Directory, Listening) {
@@ -56,7 +56,8 @@ fn a_run_describes_the_types_of_what_its_services_take() {
     let services = description["components"][0]["services"].as_array();
     let service = |name: &str| {
         let mut all = services.expect("services").iter();
-        all.find(|it| it["name"] == name).expect("the service")
+        all.find(|service| service["name"] == name)
+            .expect("the service")
     };
     let number = json!(["number", "null"]);
     let given = &service("go")["inputs"];
@@ -101,13 +102,13 @@ fn a_run_tells_how_far_it_has_come() {
     let (directory, _run) = run();
     let mut answers = ask(&directory, &json!({"id": 2, "progress": null}));
     assert_eq!(answers.next().expect("an answer")["event"], "following");
-    let taken = |it: &Value, to: &str| {
-        let all = it["machines"][0]["transitions"].as_array();
+    let taken = |json: &Value, to: &str| {
+        let all = json["machines"][0]["transitions"].as_array();
         let mut all = all.expect("transitions").iter();
-        let found = all.find(|it| it["to"] == to && it["from"] == "go");
+        let found = all.find(|transition| transition["to"] == to && transition["from"] == "go");
         found.expect("the transition")["taken"].as_u64()
     };
-    let moved = |it: &Value| taken(it, "pause::go") > Some(0);
+    let moved = |value: &Value| taken(value, "pause::go") > Some(0);
     let first = answers.find(moved).expect("it goes on");
     assert_eq!(
         (&first["id"], &first["event"]),
@@ -250,7 +251,9 @@ genom_event take_it(const load *it, int32_t *pages, const genom_context self) {
     };
     let mut pages = || {
         let pages = output(&request)["pages"].as_i64();
-        pages.filter(|it| *it > 0).expect("what was sent arrives")
+        pages
+            .filter(|page| *page > 0)
+            .expect("what was sent arrives")
     };
     let first = (0..10).map(|_| pages()).max().expect("ten");
     let last = (0..60).map(|_| pages()).max().expect("sixty");

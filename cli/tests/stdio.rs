@@ -23,7 +23,7 @@ fn an_error_comes_and_goes() {
     assert_eq!(server.diagnostics(), json!([]));
 
     server.send(json!({ "id": 1, "method": "shutdown" }));
-    server.receive(|it| it["id"] == 1);
+    server.receive(|message| message["id"] == 1);
     server.send(json!({ "method": "exit" }));
     let status = server.child.wait().expect("it ends, its input still open");
     assert_eq!(status.code(), Some(0));

@@ -45,43 +45,43 @@ fn trace(folder: &Directory) -> Value {
 fn consistent(trace: &Value) {
     let list = |name: &str| trace[name].as_array().cloned().expect("a list");
     let (lanes, spans, steps) = (list("lanes"), list("spans"), list("steps"));
-    let number = |it: &Value| it.as_f64().expect("a number");
-    let index = |it: &Value| it.as_u64().expect("an index") as usize;
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let index = |value: &Value| value.as_u64().expect("an index") as usize;
     let mut ends = std::collections::BTreeMap::new();
-    for it in &spans {
-        let key = (index(&it["lane"]), index(&it["row"]));
-        assert!(key.1 < index(&lanes[key.0]["rows"]), "{it}");
-        assert!(number(&it["from"]) <= number(&it["to"]) && index(&it["step"]) < steps.len());
-        let before = ends.insert(key, number(&it["to"]));
+    for span in &spans {
+        let key = (index(&span["lane"]), index(&span["row"]));
+        assert!(key.1 < index(&lanes[key.0]["rows"]), "{span}");
+        assert!(number(&span["from"]) <= number(&span["to"]) && index(&span["step"]) < steps.len());
+        let before = ends.insert(key, number(&span["to"]));
         assert!(
-            before.is_none_or(|before| before <= number(&it["from"])),
-            "{it}"
+            before.is_none_or(|before| before <= number(&span["from"])),
+            "{span}"
         );
-        for holder in it["by"].as_array().into_iter().flatten() {
-            assert!(number(&holder["from"]) < number(&it["to"]), "{it}");
+        for holder in span["by"].as_array().into_iter().flatten() {
+            assert!(number(&holder["from"]) < number(&span["to"]), "{span}");
         }
     }
-    for it in steps.windows(2) {
-        assert!(number(&it[0]["at"]) <= number(&it[1]["at"]));
+    for window in steps.windows(2) {
+        assert!(number(&window[0]["at"]) <= number(&window[1]["at"]));
     }
-    for it in &steps {
-        assert!(trace["rules"][it["rule"].as_str().expect("a word")].is_string());
-        assert!(index(&it["lane"]) < lanes.len());
+    for step in &steps {
+        assert!(trace["rules"][step["rule"].as_str().expect("a word")].is_string());
+        assert!(index(&step["lane"]) < lanes.len());
         assert!(
-            it.get("place")
+            step.get("place")
                 .is_none_or(|place| trace["places"][index(place)]["uri"].is_string())
         );
     }
     for name in ["marks", "arrows"] {
-        for it in list(name) {
-            assert!(it["step"].is_null() || index(&it["step"]) < steps.len());
+        for json in list(name) {
+            assert!(json["step"].is_null() || index(&json["step"]) < steps.len());
         }
     }
 }
 
 fn kinds<'t>(trace: &'t Value, of: &str) -> Vec<&'t str> {
     let all = trace[of].as_array().into_iter().flatten();
-    all.filter_map(|it| it["kind"].as_str()).collect()
+    all.filter_map(|trace| trace["kind"].as_str()).collect()
 }
 
 #[test]
@@ -111,8 +111,8 @@ fn a_counterexample_is_written_with_waits_and_the_moment_of_failure() {
         assert!(kinds(&trace, "marks").contains(&"miss"));
         let all = trace["spans"].as_array().into_iter().flatten();
         let named = all
-            .filter(|it| it["kind"] == waits)
-            .all(|it| it["by"][0]["name"].is_string());
+            .filter(|span| span["kind"] == waits)
+            .all(|span| span["by"][0]["name"].is_string());
         assert!(named, "{trace}");
     }
 }
@@ -129,7 +129,10 @@ fn a_recorded_run_has_the_same_form() {
     );
     let trace = trace(&folder);
     consistent(&trace);
-    assert_eq!(trace["end"].as_f64().map(|it| it > 60.0), Some(true));
+    assert_eq!(
+        trace["end"].as_f64().map(|number| number > 60.0),
+        Some(true)
+    );
     // The request goes from the client to the control task, and from there to the task.
     let lanes = |arrow: &Value, end: &str| {
         let lane = arrow[end].as_u64().expect("a lane") as usize;
@@ -140,7 +143,7 @@ fn a_recorded_run_has_the_same_form() {
     };
     let arrows = trace["arrows"].as_array().into_iter().flatten();
     let arrows: Vec<_> = arrows
-        .map(|it| (lanes(it, "from"), lanes(it, "to")))
+        .map(|arrow| (lanes(arrow, "from"), lanes(arrow, "to")))
         .collect();
     let wanted = [("client", "control"), ("control", "task")];
     for (from, to) in wanted {
@@ -217,7 +220,7 @@ fn limits_are_looked_for_downwards_where_deadlines_are_missed() {
     let out = folder.run(&["verify", "ride.scn", "--sensitivity"]);
     let text = stdout(&out);
     let line = |what: &str| {
-        let found = text.lines().find(|it| it.contains(what));
+        let found = text.lines().find(|line| line.contains(what));
         found.unwrap_or_else(|| panic!("{what}: {text}")).to_owned()
     };
     assert!(line("largest WCET    lift.report.start").contains("holds up to 5 ms (now 8 ms"));
@@ -242,8 +245,8 @@ fn changes_that_repair_a_system_carry_edits_that_do() {
     let found = check(&lift("published", "2"), &["--sensitivity"]);
     let changes = found["repairs"]["changes"].as_array().expect("a list");
     let mut kinds = Vec::new();
-    for it in changes {
-        let Some(edit) = it["edit"].as_object() else {
+    for change in changes {
+        let Some(edit) = change["edit"].as_object() else {
             continue;
         };
         let folder = lift("published", "2");
@@ -257,15 +260,15 @@ fn changes_that_repair_a_system_carry_edits_that_do() {
         let after = check(&folder, &[]);
         let checks = after["checks"].as_array().expect("checks");
         assert!(
-            !checks.is_empty() && checks.iter().all(|it| it["verdict"] == "proved"),
-            "{it}: {after:#}"
+            !checks.is_empty() && checks.iter().all(|check| check["verdict"] == "proved"),
+            "{change}: {after:#}"
         );
-        kinds.push(it["change"].as_str().unwrap_or_default().to_owned());
+        kinds.push(change["change"].as_str().unwrap_or_default().to_owned());
     }
     for kind in ["wcet", "period"] {
-        assert!(kinds.iter().any(|it| it == kind), "{kinds:?}");
+        assert!(kinds.iter().any(|candidate| candidate == kind), "{kinds:?}");
     }
-    let locks = changes.iter().find(|it| it["change"] == "lock");
+    let locks = changes.iter().find(|change| change["change"] == "lock");
     let lock = locks.expect("the codels can be separated");
     assert_eq!(lock["through"], json!(["`level` of the ids"]));
 }

@@ -62,8 +62,8 @@ fn json_of(output: &Output) -> Value {
 
 #[test]
 fn a_scenario_that_holds() {
-    let it = lift("5 ms");
-    let output = it.run(&["verify", "scenarios/ride.scn"]);
+    let directory = lift("5 ms");
+    let output = directory.run(&["verify", "scenarios/ride.scn"]);
     assert_eq!(stderr(&output), "");
     assert_eq!(status(&output), 0);
     insta::assert_snapshot!(stable(&stdout(&output)));
@@ -71,8 +71,8 @@ fn a_scenario_that_holds() {
 
 #[test]
 fn a_missed_deadline_is_told_as_a_timeline() {
-    let it = lift("17 ms");
-    let output = it.run(&[
+    let directory = lift("17 ms");
+    let output = directory.run(&[
         "verify",
         "--check",
         "check schedulable lift.sense;",
@@ -85,8 +85,8 @@ fn a_missed_deadline_is_told_as_a_timeline() {
 
 #[test]
 fn json_has_the_promised_shape() {
-    let it = lift("17 ms");
-    let output = it.run(&["verify", "--format", "json", "scenarios/ride.scn"]);
+    let directory = lift("17 ms");
+    let output = directory.run(&["verify", "--format", "json", "scenarios/ride.scn"]);
     assert_eq!(status(&output), 1);
     let mut document = json_of(&output);
     assert!(document["states"].as_u64() > Some(0));
@@ -99,11 +99,11 @@ fn json_has_the_promised_shape() {
 
 #[test]
 fn options_override_the_scenario() {
-    let it = lift("5 ms");
+    let directory = lift("5 ms");
     let response = ["--check", "check response lift.sense;", "--format", "json"];
     let run = |more: &[&str]| {
         let arguments = [&["verify", "scenarios/ride.scn"], &response[..], more].concat();
-        let document = json_of(&it.run(&arguments));
+        let document = json_of(&directory.run(&arguments));
         assert_eq!(document["checks"].as_array().map(Vec::len), Some(1));
         document["checks"][0]["value"].clone()
     };
@@ -118,8 +118,8 @@ fn options_override_the_scenario() {
 
 #[test]
 fn without_a_scenario_a_client_may_do_anything() {
-    let it = lift("5 ms");
-    let output = it.run(&["verify", "spec/lift.gen"]);
+    let directory = lift("5 ms");
+    let output = directory.run(&["verify", "spec/lift.gen"]);
     assert_eq!(stderr(&output), "");
     assert_eq!(status(&output), 0);
     insta::assert_snapshot!(stable(&stdout(&output)));
@@ -127,12 +127,12 @@ fn without_a_scenario_a_client_may_do_anything() {
 
 #[test]
 fn giving_up_is_an_answer_of_its_own() {
-    let it = lift("5 ms");
+    let directory = lift("5 ms");
     for limit in [["--max-states", "1"], ["--max-memory", "0"]] {
         let mut arguments = vec!["verify", "--durations", "interval"];
         arguments.extend(limit);
         arguments.push("scenarios/ride.scn");
-        let output = it.run(&arguments);
+        let output = directory.run(&arguments);
         assert_eq!(status(&output), 3, "{limit:?}");
         assert!(
             stdout(&output).contains("gave up at "),
@@ -144,7 +144,7 @@ fn giving_up_is_an_answer_of_its_own() {
 
 #[test]
 fn what_repeats_itself_is_told_once() {
-    let it = Directory::new(&[
+    let directory = Directory::new(&[
         (
             "busy.gen",
             "component busy {\n  ids { long x; };\n  task spin { period 5 ms;\n    codel<start> f(out x) yield go wcet 20 us;\n    codel<go> g(out x) yield start, pause::start wcet 80 us;\n  };\n};\n",
@@ -154,7 +154,7 @@ fn what_repeats_itself_is_told_once() {
             "scenario busy {\n  use \"busy.gen\"; semantics published;\n  durations fixed;\n  check schedulable *;\n}\n",
         ),
     ]);
-    let output = it.run(&["verify", "busy.scn"]);
+    let output = directory.run(&["verify", "busy.scn"]);
     assert_eq!(status(&output), 1);
     let text = stable(&stdout(&output));
     let start = text.find("refuted schedulable").expect("the run");
@@ -164,12 +164,12 @@ fn what_repeats_itself_is_told_once() {
 
 #[test]
 fn of_a_long_run_the_beginning_and_the_end_are_shown() {
-    let it = lift("9 ms");
-    it.write(
+    let directory = lift("9 ms");
+    directory.write(
         "scenarios/long.scn",
         b"scenario long {\n  use \"../spec/lift.gen\"; semantics published;\n  durations fixed;\n  client late { delay 200 ms; send lift.f; }\n  check always not lift.f;\n}\n",
     );
-    it.write(
+    directory.write(
         "spec/lift.gen",
         LIFT.replace("WCET", "3 ms")
             .replace("10 ms", "7 ms")
@@ -181,27 +181,30 @@ fn of_a_long_run_the_beginning_and_the_end_are_shown() {
             .as_bytes(),
     );
     let arguments = ["verify", "scenarios/long.scn"];
-    let output = it.run(&arguments);
+    let output = directory.run(&arguments);
     assert_eq!(status(&output), 1, "{}", stderr(&output));
     insta::assert_snapshot!(stable(&stdout(&output)));
-    let output = it.run(&[&arguments[..], &["--format", "json"]].concat());
+    let output = directory.run(&[&arguments[..], &["--format", "json"]].concat());
     let run = &json_of(&output)["checks"][0]["counterexample"];
     assert!(run.as_array().map(Vec::len) > Some(100));
 }
 
 #[test]
 fn what_was_given_up_says_why_and_what_helps() {
-    let it = lift("5 ms");
+    let directory = lift("5 ms");
     let mut told = String::new();
     let run = |limit: [&str; 2]| {
         let arguments = ["verify", "--durations", "interval", limit[0], limit[1]];
-        let text = it.run(&[&arguments[..], &["scenarios/ride.scn"]].concat());
-        let json = it.run(&[&arguments[..], &["--format", "json", "scenarios/ride.scn"]].concat());
+        let text = directory.run(&[&arguments[..], &["scenarios/ride.scn"]].concat());
+        let json =
+            directory.run(&[&arguments[..], &["--format", "json", "scenarios/ride.scn"]].concat());
         assert_eq!((status(&text), status(&json)), (3, 3), "{limit:?}");
         assert_eq!(stderr(&text), "", "no progress where nobody looks");
         let checks = json_of(&json)["checks"].clone();
         let checks = checks.as_array().expect("a list").clone();
-        let reasons = checks.iter().map(|it| it["gave-up"]["reason"].clone());
+        let reasons = checks
+            .iter()
+            .map(|check| check["gave-up"]["reason"].clone());
         (stable(&stdout(&text)), reasons.collect::<Vec<_>>())
     };
     for (limit, reason) in [
@@ -218,18 +221,18 @@ fn what_was_given_up_says_why_and_what_helps() {
 
 #[test]
 fn reductions_are_explained_and_can_be_switched_off() {
-    let it = lift("3 ms");
+    let directory = lift("3 ms");
     let run = |more: &[&str]| {
-        let output = it.run(&[&["verify", "scenarios/ride.scn"], more].concat());
+        let output = directory.run(&[&["verify", "scenarios/ride.scn"], more].concat());
         let text = stdout(&output);
         let (before, after) = text.split_once("\nreductions\n").unwrap_or((&text, ""));
-        let table: Vec<String> = (before.lines().filter(|it| !it.contains(" states in ")))
+        let table: Vec<String> = (before.lines().filter(|line| !line.contains(" states in ")))
             .map(str::to_owned)
             .collect();
         let line = |name: &str| -> String {
             let line = after
                 .lines()
-                .find_map(|it| it.trim_start().strip_prefix(name));
+                .find_map(|line| line.trim_start().strip_prefix(name));
             line.unwrap_or_default().trim().to_owned()
         };
         (status(&output), table, line("window-union"), line("zones"))
@@ -241,15 +244,15 @@ fn reductions_are_explained_and_can_be_switched_off() {
     assert_eq!(union, "not used: switched off");
     assert_eq!((other_code, other_table), (code, table));
     assert_eq!(run(&[]).2, "", "only where it is asked for");
-    let wrong = it.run(&["verify", "--without", "luck", "scenarios/ride.scn"]);
+    let wrong = directory.run(&["verify", "--without", "luck", "scenarios/ride.scn"]);
     assert_eq!(status(&wrong), 2);
     assert!(stderr(&wrong).contains("give one of persistent-sets, "));
 }
 
 #[test]
 fn a_timeout_ends_the_search_for_limits_as_well() {
-    let it = lift("3 ms");
-    let output = it.run(&[
+    let directory = lift("3 ms");
+    let output = directory.run(&[
         "verify",
         "--sensitivity",
         "--timeout",
@@ -260,7 +263,7 @@ fn a_timeout_ends_the_search_for_limits_as_well() {
     assert!(text.contains("time is up"), "{text}");
     assert!(!text.contains("largest WCET"), "{text}");
     for wrong in ["soon", "inf", "NaN"] {
-        let output = it.run(&["verify", "--timeout", wrong, "scenarios/ride.scn"]);
+        let output = directory.run(&["verify", "--timeout", wrong, "scenarios/ride.scn"]);
         assert_eq!(status(&output), 2, "{wrong}");
         assert!(stderr(&output).contains("give a number of seconds"));
     }
@@ -268,16 +271,16 @@ fn a_timeout_ends_the_search_for_limits_as_well() {
 
 #[test]
 fn what_cannot_be_verified_is_explained() {
-    let it = lift("5 ms");
-    it.write(
+    let directory = lift("5 ms");
+    directory.write(
         "broken.scn",
         b"scenario s {\n  use \"lost.gen\"; semantics published;\n  coers 4;\n}\n",
     );
-    it.write(
+    directory.write(
         "bad.gen",
         b"component c { task t { period 1 ms; codel<start> f( yield; }; };\n",
     );
-    it.write(
+    directory.write(
         "bad.scn",
         b"scenario s { use \"bad.gen\"; semantics published; check schedulable *; }\n",
     );
@@ -291,7 +294,7 @@ fn what_cannot_be_verified_is_explained() {
         &["nowhere.scn"],
         &["ride.txt"],
     ] {
-        let output = it.run(&[&["verify"], arguments].concat());
+        let output = directory.run(&[&["verify"], arguments].concat());
         assert_eq!(status(&output), 2, "{arguments:?}");
         assert_eq!(stdout(&output), "", "{arguments:?}");
         told.push_str(&format!(
@@ -326,9 +329,9 @@ component vague {
 
 #[test]
 fn what_cannot_be_verified_does_not_stop_the_others() {
-    let it = lift("5 ms");
-    it.write("broken.scn", b"scenario s {\n  coers 4;\n}\n");
-    let output = it.run(&[
+    let directory = lift("5 ms");
+    directory.write("broken.scn", b"scenario s {\n  coers 4;\n}\n");
+    let output = directory.run(&[
         "verify",
         "--format",
         "json",
@@ -344,7 +347,7 @@ fn what_cannot_be_verified_does_not_stop_the_others() {
         "{told}"
     );
     // Without one of its parts, a system is another one.
-    let output = it.run(&[
+    let output = directory.run(&[
         "verify",
         "nowhere.gen",
         "spec/lift.gen",
@@ -361,7 +364,7 @@ fn what_cannot_be_verified_does_not_stop_the_others() {
 
 #[test]
 fn what_is_assumed_is_told_once_where_it_stands() {
-    let it = Directory::new(&[
+    let directory = Directory::new(&[
         ("vague.gen", VAGUE),
         (
             "vague.scn",
@@ -376,7 +379,7 @@ fn what_is_assumed_is_told_once_where_it_stands() {
             "scenario long {\n  use \"vague.gen\"; semantics published;\n  duration vague.poll.start [1,9000000000] s;\n  duration vague.spin.b [1,1] us;\n  check schedulable *;\n}\n",
         ),
     ]);
-    it.write("zero.gen", VAGUE.replace("20 ms", "0 ms").as_bytes());
+    directory.write("zero.gen", VAGUE.replace("20 ms", "0 ms").as_bytes());
     let mut told = String::new();
     for file in [
         "vague.gen",
@@ -385,7 +388,7 @@ fn what_is_assumed_is_told_once_where_it_stands() {
         "long.scn",
         "zero.gen",
     ] {
-        let output = it.run(&["verify", "--max-states", "10", file]);
+        let output = directory.run(&["verify", "--max-states", "10", file]);
         told.push_str(&format!("$ dotgen verify {file}\n{}\n", stderr(&output)));
     }
     insta::assert_snapshot!(told);
@@ -393,8 +396,8 @@ fn what_is_assumed_is_told_once_where_it_stands() {
 
 #[test]
 fn programs_are_told_everything_in_the_document() {
-    let it = Directory::new(&[("vague.gen", VAGUE)]);
-    let output = it.run(&[
+    let directory = Directory::new(&[("vague.gen", VAGUE)]);
+    let output = directory.run(&[
         "verify",
         "--max-states",
         "10",
@@ -407,15 +410,15 @@ fn programs_are_told_everything_in_the_document() {
     let all = document["diagnostics"].as_array().expect("a list");
     let said: Vec<String> = all
         .iter()
-        .map(|it| {
-            let start = &it["range"]["start"];
+        .map(|diagnostic| {
+            let start = &diagnostic["range"]["start"];
             format!(
                 "{}:{}:{} {}: {}",
-                it["file"].as_str().unwrap_or_default(),
+                diagnostic["file"].as_str().unwrap_or_default(),
                 start["line"],
                 start["character"],
-                it["code"].as_str().unwrap_or_default(),
-                it["message"].as_str().unwrap_or_default()
+                diagnostic["code"].as_str().unwrap_or_default(),
+                diagnostic["message"].as_str().unwrap_or_default()
             )
         })
         .collect();
@@ -425,18 +428,20 @@ fn programs_are_told_everything_in_the_document() {
 #[test]
 fn what_is_assumed_has_the_severity_that_is_set() {
     let severity = "[severity]\ntiming-no-wcet = \"off\"\ntiming-state-cycle = \"hint\"\n";
-    let it = Directory::new(&[("vague.gen", VAGUE), ("dotgen.toml", severity)]);
+    let directory = Directory::new(&[("vague.gen", VAGUE), ("dotgen.toml", severity)]);
     let run = ["verify", "--max-states", "10", "vague.gen"];
-    let told = stderr(&it.run(&run));
+    let told = stderr(&directory.run(&run));
     assert!(!told.contains("no-wcet"), "{told}");
     assert!(told.contains("hint[timing-state-cycle]"), "{told}");
-    let output = it.run(&[&run[..], &["--format", "json"]].concat());
+    let output = directory.run(&[&run[..], &["--format", "json"]].concat());
     let document = json_of(&output);
     let all = document["diagnostics"].as_array().expect("a list").iter();
-    let all: Vec<_> = all.map(|it| (&it["code"], &it["severity"])).collect();
+    let all: Vec<_> = all
+        .map(|diagnostic| (&diagnostic["code"], &diagnostic["severity"]))
+        .collect();
     assert!(!all.is_empty());
-    for it in all {
-        assert_eq!(it, (&"timing-state-cycle".into(), &"hint".into()));
+    for pair in all {
+        assert_eq!(pair, (&"timing-state-cycle".into(), &"hint".into()));
     }
 }
 
@@ -468,7 +473,7 @@ fn ground_truth() {
                 let kind = key.replace('_', "-");
                 let check = checks
                     .iter()
-                    .find(|it| it["check"] == kind && it["of"] == **task);
+                    .find(|check| check["check"] == kind && check["of"] == **task);
                 let check = check.unwrap_or_else(|| panic!("{}: no {kind} {task}", case["id"]));
                 let found = match expected {
                     Value::Bool(_) => Value::from(check["verdict"] == "proved"),
@@ -485,8 +490,8 @@ fn ground_truth() {
 
 #[test]
 fn how_far_a_system_is_from_missing_a_deadline() {
-    let it = lift("3 ms");
-    let output = it.run(&["verify", "--sensitivity", "scenarios/ride.scn"]);
+    let directory = lift("3 ms");
+    let output = directory.run(&["verify", "--sensitivity", "scenarios/ride.scn"]);
     let text = stdout(&output);
     let start = text.find("with every deadline met").expect("the table");
     let table = text[start..].split("\n\n").next().unwrap_or_default();
@@ -500,7 +505,7 @@ fn how_far_a_system_is_from_missing_a_deadline() {
           next to break: the period of lift.sense, below 4 ms (now 10 ms)"#]]
     .assert_eq(table);
 
-    let output = it.run(&[
+    let output = directory.run(&[
         "verify",
         "--sensitivity",
         "--format",
@@ -515,15 +520,15 @@ fn how_far_a_system_is_from_missing_a_deadline() {
     // A value that the verifier itself accepts, and a little more that it refuses.
     let most = steer["extreme"].as_f64().expect("a time");
     for (wcet, verdict) in [(most, "proved"), (most + 0.5, "refuted")] {
-        let it = lift(&format!("{} us", (wcet * 1000.0).round()));
+        let directory = lift(&format!("{} us", (wcet * 1000.0).round()));
         let arguments = ["verify", "--format", "json", "--check", "schedulable *"];
-        let output = it.run(&[&arguments[..], &["scenarios/ride.scn"]].concat());
+        let output = directory.run(&[&arguments[..], &["scenarios/ride.scn"]].concat());
         let answer: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
         let refuted = answer["checks"]
             .as_array()
             .expect("checks")
             .iter()
-            .any(|it| it["verdict"] == "refuted");
+            .any(|check| check["verdict"] == "refuted");
         assert_eq!(refuted, verdict == "refuted", "{wcet} ms: {answer:#}");
     }
 }
@@ -532,7 +537,7 @@ fn how_far_a_system_is_from_missing_a_deadline() {
 /// late, because there is none.
 #[test]
 fn deadlines_of_jobs_that_never_come_are_not_met_with_fewer_cores() {
-    let it = Directory::new(&[
+    let directory = Directory::new(&[
         (
             "c.gen",
             "component c {\n  task low { period 10 ms; priority 9; codel<start> l() yield pause::start wcet 1 ms; };\n  task t { period 10 ms; priority 1; codel<start> a() yield pause::start wcet 1 ms; };\n};\n",
@@ -546,7 +551,7 @@ fn deadlines_of_jobs_that_never_come_are_not_met_with_fewer_cores() {
             "scenario s { use \"c.gen\"; use \"d.gen\"; unit 1 ms; durations fixed; cores 2; policy priority; check schedulable c.t; }\n",
         ),
     ]);
-    let output = it.run(&["verify", "--sensitivity", "--format", "json", "s.scn"]);
+    let output = directory.run(&["verify", "--sensitivity", "--format", "json", "s.scn"]);
     let cores = &json_of(&output)["sensitivity"]["minimum-cores"];
     assert_eq!(cores["cores"], 2, "{cores}");
     assert_eq!(cores["tried"][0][1], "refuted", "{cores}");
@@ -554,7 +559,7 @@ fn deadlines_of_jobs_that_never_come_are_not_met_with_fewer_cores() {
 
 #[test]
 fn a_reason_that_checks_share_is_said_once() {
-    let it = Directory::new(&[
+    let directory = Directory::new(&[
         (
             "m/m.gen",
             "component m {\n  ids { long a; };\n  task t { period 10 ms; codel<start> f(inout a) yield ether; };\n  task u { period 20 ms; codel<start> g(inout a) yield ether; };\n  activity go() { task t; codel<start> h(in a) yield ether; };\n};\n",
@@ -564,25 +569,25 @@ fn a_reason_that_checks_share_is_said_once() {
             "scenario m { use \"m.gen\"; check schedulable *; }\n",
         ),
     ]);
-    let output = it.run(&["verify", "m"]);
+    let output = directory.run(&["verify", "m"]);
     let told = stderr(&output);
     assert!(
         told.contains("note: `m/m.scn` is not used; name it to use its checks"),
         "{told}"
     );
     insta::assert_snapshot!(stable(&stdout(&output)));
-    let output = it.run(&["verify", "m", "m/m.scn"]);
+    let output = directory.run(&["verify", "m", "m/m.scn"]);
     assert!(!stderr(&output).contains("is not used"), "it is named");
 }
 
 #[test]
 fn a_specification_alone_is_answered_step_by_step() {
-    let it = Directory::new(&[(
+    let directory = Directory::new(&[(
         "lift.gen",
         "component lift {\n  ids { long position; };\n  task sense { period 10 ms; codel<start> look(in position) yield pause::start wcet 2 ms; };\n  task move { period 20 ms; };\n  activity go() { task move; codel<start> go_start(out position) yield pause::start, ether wcet 15 ms; };\n  activity rest() { task move; codel<start> rest_start() yield ether wcet 1 ms; };\n};\n",
     )]);
     let published = ["--semantics", "published"];
-    let output = it.run(&[
+    let output = directory.run(&[
         "verify",
         "--format",
         "json",
@@ -593,7 +598,7 @@ fn a_specification_alone_is_answered_step_by_step() {
     let document = json_of(&output);
     let first = document["first-answers"].as_array().expect("a list").iter();
     let first: Vec<String> = first
-        .map(|it| format!("{}: {}", it["assuming"], it["outcome"]))
+        .map(|json| format!("{}: {}", json["assuming"], json["outcome"]))
         .collect();
     assert_eq!(
         first,
@@ -603,11 +608,11 @@ fn a_specification_alone_is_answered_step_by_step() {
             r#""lift.rest alone, requested again at any time after it has ended": "proved""#,
         ]
     );
-    let text = stdout(&it.run(&["verify", "lift.gen"]));
+    let text = stdout(&directory.run(&["verify", "lift.gen"]));
     let (told, _) = text.split_once("any client:").expect("what is assumed");
     assert!(
-        told.lines().any(|it| {
-            let words: Vec<&str> = it.split_whitespace().collect();
+        told.lines().any(|line| {
+            let words: Vec<&str> = line.split_whitespace().collect();
             words.join(" ") == "permanent activities only, no requests proved"
         }),
         "{told}"
@@ -616,14 +621,14 @@ fn a_specification_alone_is_answered_step_by_step() {
 
 #[test]
 fn without_execution_times_nothing_was_verified() {
-    let it = lift("5 ms");
-    it.write(
+    let directory = lift("5 ms");
+    directory.write(
         "spec/lift.gen",
         LIFT.replace(" wcet WCET", "")
             .replace(" wcet 2 ms", "")
             .as_bytes(),
     );
-    let output = it.run(&["verify", "spec/lift.gen"]);
+    let output = directory.run(&["verify", "spec/lift.gen"]);
     assert_eq!(status(&output), 3, "{}", stdout(&output));
     let text = stdout(&output);
     assert!(
@@ -635,10 +640,10 @@ fn without_execution_times_nothing_was_verified() {
 
 #[test]
 fn each_step_names_its_rule() {
-    let it = lift("17 ms");
+    let directory = lift("17 ms");
     let check = ["--check", "schedulable lift.sense", "--explain"];
     let arguments = [&["verify"][..], &check, &["scenarios/ride.scn"]].concat();
-    let text = stdout(&it.run(&arguments));
+    let text = stdout(&directory.run(&arguments));
     for step in [
         "lift.sense.start begins  [begin]",
         "released  [release]",

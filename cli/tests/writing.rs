@@ -24,24 +24,24 @@ fn bytes(text: &str, line_end: &str) -> Vec<u8> {
     text.chars().flat_map(byte).collect()
 }
 
-fn read(it: &Directory, name: &str) -> Vec<u8> {
-    std::fs::read(it.path().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+fn read(directory: &Directory, name: &str) -> Vec<u8> {
+    std::fs::read(directory.path().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 /// Every line of `old` is still there, in order; what is new ends its lines in the same way.
 #[track_caller]
 fn kept(old: &[u8], new: &[u8], line_end: &str) {
-    let mut rest = new.split_inclusive(|it| *it == b'\n');
-    for line in old.split_inclusive(|it| *it == b'\n') {
+    let mut rest = new.split_inclusive(|byte| *byte == b'\n');
+    for line in old.split_inclusive(|byte| *byte == b'\n') {
         assert!(
-            rest.any(|it| it == line),
+            rest.any(|part| part == line),
             "lost {:?} in\n{}",
             String::from_utf8_lossy(line),
             String::from_utf8_lossy(new)
         );
     }
-    let lines = new.split_inclusive(|it| *it == b'\n');
-    for line in lines.filter(|it| it.ends_with(b"\n")) {
+    let lines = new.split_inclusive(|byte| *byte == b'\n');
+    for line in lines.filter(|line| line.ends_with(b"\n")) {
         assert_eq!(
             line.ends_with(b"\r\n"),
             line_end == "\r\n",
@@ -50,26 +50,26 @@ fn kept(old: &[u8], new: &[u8], line_end: &str) {
         );
     }
     let replacement = "\u{fffd}".as_bytes();
-    assert!(!new.windows(3).any(|it| it == replacement));
+    assert!(!new.windows(3).any(|window| window == replacement));
 }
 
 #[test]
 fn stubs_leave_the_other_bytes_of_a_source() {
     for line_end in ["\n", "\r\n"] {
-        let it = Directory::new(&[]);
-        it.write("c.gen", &bytes(SPEC, line_end));
-        it.write("codels/c_t_codels.c", &bytes(SOURCE, line_end));
-        let output = it.run(&["codels", "stub", "c.gen"]);
+        let directory = Directory::new(&[]);
+        directory.write("c.gen", &bytes(SPEC, line_end));
+        directory.write("codels/c_t_codels.c", &bytes(SOURCE, line_end));
+        let output = directory.run(&["codels", "stub", "c.gen"]);
         assert_eq!(status(&output), 0, "{}", stderr(&output));
         assert_eq!(stdout(&output), "changed codels/c_t_codels.c\n");
-        let new = read(&it, "codels/c_t_codels.c");
+        let new = read(&directory, "codels/c_t_codels.c");
         kept(&bytes(SOURCE, line_end), &new, line_end);
         assert!(
             String::from_utf8_lossy(&new).contains("\ng(int32_t x,"),
             "the stub is there"
         );
-        assert_eq!(read(&it, "c.gen"), bytes(SPEC, line_end));
-        let check = it.run(&["codels", "check", "c.gen"]);
+        assert_eq!(read(&directory, "c.gen"), bytes(SPEC, line_end));
+        let check = directory.run(&["codels", "check", "c.gen"]);
         assert_eq!(status(&check), 0, "{}{}", stdout(&check), stderr(&check));
     }
 }
@@ -77,33 +77,36 @@ fn stubs_leave_the_other_bytes_of_a_source() {
 #[test]
 fn synchronising_leaves_the_other_bytes_of_both_sides() {
     for line_end in ["\n", "\r\n"] {
-        let it = Directory::new(&[]);
+        let directory = Directory::new(&[]);
         // The body yields what the specification does not know, and `g` is missing.
         let source = SOURCE.replace("return c_ether", "if (x) return c_stop; return c_ether");
-        it.write("c.gen", &bytes(SPEC, line_end));
-        it.write("codels/c_t_codels.c", &bytes(&source, line_end));
-        let output = it.run(&["codels", "sync", "c.gen"]);
+        directory.write("c.gen", &bytes(SPEC, line_end));
+        directory.write("codels/c_t_codels.c", &bytes(&source, line_end));
+        let output = directory.run(&["codels", "sync", "c.gen"]);
         assert!(
             stdout(&output).contains("changed c.gen\n"),
             "{}{}",
             stdout(&output),
             stderr(&output)
         );
-        let (spec, code) = (read(&it, "c.gen"), read(&it, "codels/c_t_codels.c"));
+        let (spec, code) = (
+            read(&directory, "c.gen"),
+            read(&directory, "codels/c_t_codels.c"),
+        );
         let line = bytes("    codel<start> f(in x) yield ether", "\n");
         let changed = |old: Vec<u8>| {
-            let lines = old.split_inclusive(|it| *it == b'\n');
-            let lines = lines.filter(|it| !it.starts_with(&line));
-            let lines = lines.filter(|it| !it.starts_with(b" * Yields to c_ether"));
+            let lines = old.split_inclusive(|byte| *byte == b'\n');
+            let lines = lines.filter(|bytes| !bytes.starts_with(&line));
+            let lines = lines.filter(|line| !line.starts_with(b" * Yields to c_ether"));
             lines.collect::<Vec<_>>().concat()
         };
         kept(&changed(bytes(SPEC, line_end)), &spec, line_end);
         kept(&changed(bytes(&source, line_end)), &code, line_end);
         assert!(
-            spec.windows(8).any(|it| it == b"// d\xe9but"),
+            spec.windows(8).any(|window| window == b"// d\xe9but"),
             "the comment of the changed line"
         );
-        let again = it.run(&["codels", "sync", "c.gen"]);
+        let again = directory.run(&["codels", "sync", "c.gen"]);
         assert!(
             stderr(&again).contains("nothing to mend"),
             "{}{}",
@@ -117,22 +120,25 @@ fn synchronising_leaves_the_other_bytes_of_both_sides() {
 fn formatting_leaves_all_but_blanks() {
     let scenario = |uses: &str| format!("scenario s {{\n  {uses}\"c.gen\"; // \u{e9}t\u{e9}\n}}\n");
     for line_end in ["\n", "\r\n"] {
-        let it = Directory::new(&[]);
-        it.write("c.gen", &bytes(&SPEC.replace("ids {", "ids   {"), line_end));
-        it.write("a.scn", &bytes(&scenario("use   "), line_end));
-        let output = it.run(&["fmt"]);
+        let directory = Directory::new(&[]);
+        directory.write("c.gen", &bytes(&SPEC.replace("ids {", "ids   {"), line_end));
+        directory.write("a.scn", &bytes(&scenario("use   "), line_end));
+        let output = directory.run(&["fmt"]);
         assert_eq!(status(&output), 0, "{}", stderr(&output));
         let text = |bytes: Vec<u8>| -> Vec<u8> {
             bytes
                 .into_iter()
-                .filter(|it| !it.is_ascii_whitespace())
+                .filter(|byte| !byte.is_ascii_whitespace())
                 .collect()
         };
-        let new = read(&it, "c.gen");
+        let new = read(&directory, "c.gen");
         assert_eq!(text(new.clone()), text(bytes(SPEC, "\n")));
         kept(&bytes("/* Andr\u{e9} */\n", line_end), &new, line_end);
-        assert_eq!(read(&it, "a.scn"), bytes(&scenario("use "), line_end));
-        let piped = it.pipe(&["fmt", "-"], &bytes(SPEC, line_end));
+        assert_eq!(
+            read(&directory, "a.scn"),
+            bytes(&scenario("use "), line_end)
+        );
+        let piped = directory.pipe(&["fmt", "-"], &bytes(SPEC, line_end));
         assert_eq!(piped.stdout, new);
     }
 }
@@ -140,24 +146,24 @@ fn formatting_leaves_all_but_blanks() {
 #[test]
 fn merging_a_template_leaves_the_other_bytes() {
     for line_end in ["\n", "\r\n"] {
-        let it = Directory::new(&[]);
-        it.write("c.gen", &bytes(SPEC, line_end));
-        let first = it.run(&["generate", "skeleton", "c.gen"]);
+        let directory = Directory::new(&[]);
+        directory.write("c.gen", &bytes(SPEC, line_end));
+        let first = directory.run(&["generate", "skeleton", "c.gen"]);
         assert_eq!(status(&first), 0, "{}", stderr(&first));
-        let written =
-            String::from_utf8_lossy(&read(&it, "codels/c_t_codels.c")).replace('\u{fffd}', "?");
+        let written = String::from_utf8_lossy(&read(&directory, "codels/c_t_codels.c"))
+            .replace('\u{fffd}', "?");
         let mine = written.replace("/* skeleton sample */ return", "/* \u{e9}t\u{e9} */ return");
         let mine = mine
             .lines()
-            .filter(|it| !it.contains("#include"))
+            .filter(|line| !line.contains("#include"))
             .collect::<Vec<_>>()
             .join("\n")
             + "\n";
         assert!(mine.contains("\u{e9}t\u{e9}"), "{mine}");
-        it.write("codels/c_t_codels.c", &bytes(&mine, line_end));
-        let again = it.run(&["generate", "skeleton", "-m", "auto", "c.gen"]);
+        directory.write("codels/c_t_codels.c", &bytes(&mine, line_end));
+        let again = directory.run(&["generate", "skeleton", "-m", "auto", "c.gen"]);
         assert_eq!(status(&again), 0, "{}{}", stdout(&again), stderr(&again));
-        let new = read(&it, "codels/c_t_codels.c");
+        let new = read(&directory, "codels/c_t_codels.c");
         kept(&bytes(&mine, line_end), &new, line_end);
         assert!(
             String::from_utf8_lossy(&new).contains("#include"),
@@ -168,8 +174,8 @@ fn merging_a_template_leaves_the_other_bytes() {
 
 #[test]
 fn what_is_shown_of_other_encodings_is_utf8() {
-    let it = Directory::new(&[]);
-    it.write(
+    let directory = Directory::new(&[]);
+    directory.write(
         "c.gen",
         &bytes(&SPEC.replace("long x", "lng x; /** caf\u{e9} */"), "\n"),
     );
@@ -181,22 +187,22 @@ fn what_is_shown_of_other_encodings_is_utf8() {
         &["tree", "c.gen"],
         &["codels", "stub", "--dry-run", "c.gen"],
     ] {
-        let output = it.run(arguments);
+        let output = directory.run(arguments);
         let shown = stdout(&output) + &stderr(&output);
         let escapes = |c: char| (0x10_f780..=0x10_f7ff).contains(&u32::from(c));
         assert!(!shown.contains(escapes), "{arguments:?}: {shown}");
     }
-    let text = stdout(&it.run(&["tree", "c.gen"]));
+    let text = stdout(&directory.run(&["tree", "c.gen"]));
     assert!(text.contains("Andr\u{fffd}"), "{text}");
 }
 
 #[test]
 fn one_unusable_file_does_not_stop_the_others() {
-    let it = Directory::new(&[
+    let directory = Directory::new(&[
         ("a.gen", "struct  a { long x ; } ;\n"),
         ("b.gen", "struct b { lng x; };\n"),
     ]);
-    let checked = it.run(&["check", "none.gen", "b.gen", "a.gen"]);
+    let checked = directory.run(&["check", "none.gen", "b.gen", "a.gen"]);
     assert_eq!(status(&checked), 2);
     assert!(
         stderr(&checked).contains("`none.gen`: no such file"),
@@ -208,19 +214,19 @@ fn one_unusable_file_does_not_stop_the_others() {
         "{}",
         stdout(&checked)
     );
-    let formatted = it.run(&["fmt", "none.gen", "a.gen", "nowhere"]);
+    let formatted = directory.run(&["fmt", "none.gen", "a.gen", "nowhere"]);
     assert_eq!(status(&formatted), 2);
     assert!(
         stderr(&formatted).contains("nowhere"),
         "{}",
         stderr(&formatted)
     );
-    assert_ne!(read(&it, "a.gen"), b"struct  a { long x ; } ;\n");
-    let compared = it.run(&["codels", "check", "a.gen", "none.gen"]);
+    assert_ne!(read(&directory, "a.gen"), b"struct  a { long x ; } ;\n");
+    let compared = directory.run(&["codels", "check", "a.gen", "none.gen"]);
     assert_eq!(status(&compared), 2);
     let spec = "component c { ids { long x; }; task t { codel<start> f(in x) yield ether; }; };\n";
-    it.write("c.gen", spec.as_bytes());
-    let drawn = it.run(&["diagram", "fsm", "none.gen", "c.gen"]);
+    directory.write("c.gen", spec.as_bytes());
+    let drawn = directory.run(&["diagram", "fsm", "none.gen", "c.gen"]);
     assert_eq!(status(&drawn), 2);
     assert!(stdout(&drawn).starts_with("<svg"), "{}", stderr(&drawn));
 }
@@ -229,13 +235,13 @@ fn one_unusable_file_does_not_stop_the_others() {
 #[test]
 fn names_that_are_no_utf8_are_told() {
     use std::os::unix::ffi::OsStrExt;
-    let it = Directory::new(&[("a.gen", "struct a { long x; };\n")]);
+    let directory = Directory::new(&[("a.gen", "struct a { long x; };\n")]);
     let name = std::ffi::OsStr::from_bytes(b"caf\xe9.gen");
-    if std::fs::write(it.path().join(name), "struct b { long x; };\n").is_err() {
+    if std::fs::write(directory.path().join(name), "struct b { long x; };\n").is_err() {
         eprintln!("SKIPPED: this file system has no such names");
         return;
     }
-    let output = it.run(&["check", "."]);
+    let output = directory.run(&["check", "."]);
     assert_eq!(status(&output), 2);
     assert!(
         stderr(&output).contains("its name is not UTF-8"),
@@ -248,7 +254,11 @@ fn names_that_are_no_utf8_are_told() {
         stdout(&output)
     );
     for command in ["check", "fmt", "model", "tree"] {
-        let output = it.command(&[command]).arg(name).output().expect("it runs");
+        let output = directory
+            .command(&[command])
+            .arg(name)
+            .output()
+            .expect("it runs");
         assert_eq!(output.status.code(), Some(2), "{command}");
         assert!(!String::from_utf8_lossy(&output.stderr).contains("panicked"));
     }
@@ -258,7 +268,7 @@ fn names_that_are_no_utf8_are_told() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_changes_nothing() {
-    let it = Directory::new(&[]);
+    let directory = Directory::new(&[]);
     let script = "mkdir full && mount -t tmpfs -o size=64k none full && cd full && cp ../*.gen . \
                   && head -c 1000000 /dev/zero > rest 2>/dev/null; \"$0\" fmt; echo $? > ../status; cp *.gen ../after; \
                   ls -A > ../names";
@@ -266,21 +276,24 @@ fn a_full_disk_changes_nothing() {
         format!("struct  {name} {{ long x ; }} ;\n").repeat(1) + &"// text\n".repeat(1500)
     };
     for name in ["a", "b"] {
-        it.write(&format!("{name}.gen"), wide(name).as_bytes());
+        directory.write(&format!("{name}.gen"), wide(name).as_bytes());
     }
-    std::fs::create_dir(it.path().join("after")).expect("a directory");
+    std::fs::create_dir(directory.path().join("after")).expect("a directory");
     let mut command = std::process::Command::new("unshare");
     command.args(["--user", "--map-root-user", "--mount", "sh", "-c", script]);
     let output = command
         .arg(env!("CARGO_BIN_EXE_dotgen"))
-        .current_dir(it.path())
+        .current_dir(directory.path())
         .output();
-    let (Ok(output), Ok(code)) = (output, std::fs::read_to_string(it.path().join("status"))) else {
+    let (Ok(output), Ok(code)) = (
+        output,
+        std::fs::read_to_string(directory.path().join("status")),
+    ) else {
         eprintln!("SKIPPED: no file system can be mounted here");
         return;
     };
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    if !it.path().join("names").exists() || !said.contains("dotgen") && code.trim() != "2" {
+    if !directory.path().join("names").exists() || !said.contains("dotgen") && code.trim() != "2" {
         eprintln!("SKIPPED: no file system can be mounted here: {said}");
         return;
     }
@@ -288,12 +301,12 @@ fn a_full_disk_changes_nothing() {
     assert!(said.contains("none of the 2 files was changed"), "{said}");
     for name in ["a.gen", "b.gen"] {
         assert_eq!(
-            read(&it, &format!("after/{name}")),
-            read(&it, name),
+            read(&directory, &format!("after/{name}")),
+            read(&directory, name),
             "{name}"
         );
     }
-    let names = String::from_utf8_lossy(&read(&it, "names")).into_owned();
+    let names = String::from_utf8_lossy(&read(&directory, "names")).into_owned();
     assert_eq!(names, "a.gen\nb.gen\nrest\n", "nothing is left over");
 }
 
@@ -318,11 +331,13 @@ fn fixes_of_a_large_file_are_tried_or_left_out() {
         let output = directory.run(&["check", "c.gen", "--format", "json"]);
         let report: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
         let found = report["diagnostics"].as_array().expect("a list");
-        let of_code = found.iter().filter(|it| it["code"] == "fsm/missing-stop");
-        let fixes: Vec<&serde_json::Value> = of_code.map(|it| &it["fixes"]).collect();
+        let of_code = found
+            .iter()
+            .filter(|diagnostic| diagnostic["code"] == "fsm/missing-stop");
+        let fixes: Vec<&serde_json::Value> = of_code.map(|code| &code["fixes"]).collect();
         assert_eq!(fixes.len(), 20, "{report:#}");
         assert!(
-            fixes.iter().all(|it| **it == serde_json::json!([])),
+            fixes.iter().all(|fix| **fix == serde_json::json!([])),
             "{fixes:#?}"
         );
     }

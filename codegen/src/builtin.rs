@@ -94,12 +94,12 @@ impl Texts {
                 let path = dir.join(name);
                 let plain = Path::new(name)
                     .components()
-                    .all(|it| matches!(it, Component::Normal(_)));
+                    .all(|component| matches!(component, Component::Normal(_)));
                 if !plain || !readable_files::is_below(disk, &path, std::slice::from_ref(dir)) {
                     return Err(format!("{name} is not in the folder of the template"));
                 }
                 disk.read(&path)
-                    .and_then(|it| String::from_utf8(it).map_err(std::io::Error::other))
+                    .and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other))
                     .map_err(|error| format!("cannot read {}: {error}", path.display()))
             }
         }
@@ -108,7 +108,7 @@ impl Texts {
 
 /// Names of the templates included in dotgen, sorted.
 pub fn names() -> Vec<&'static str> {
-    let mut names: Vec<&str> = EMBEDDED.iter().map(|it| it.name).collect();
+    let mut names: Vec<&str> = EMBEDDED.iter().map(|embedded| embedded.name).collect();
     names.extend(["mappings", ros2_interfaces::NAME]);
     names.sort_unstable();
     names
@@ -121,15 +121,15 @@ pub(crate) fn about(disk: &dyn Disk, name: &str) -> String {
         ros2_interfaces::NAME => return ros2_interfaces::ABOUT.to_owned(),
         _ => {}
     }
-    let found = EMBEDDED.iter().find(|it| it.name == name);
-    let manifest = found.and_then(|it| Texts::Embedded(it.files).manifest(disk).ok());
-    manifest.map(|it| it.about).unwrap_or_default()
+    let found = EMBEDDED.iter().find(|embedded| embedded.name == name);
+    let manifest = found.and_then(|embedded| Texts::Embedded(embedded.files).manifest(disk).ok());
+    manifest.map(|manifest| manifest.about).unwrap_or_default()
 }
 
 /// The description of the template in a folder.
 pub(crate) fn about_folder(disk: &dyn Disk, dir: &Path) -> Option<String> {
     let manifest = Texts::Folder(dir.to_owned()).manifest(disk);
-    manifest.ok().map(|it| it.about)
+    manifest.ok().map(|manifest| manifest.about)
 }
 
 /// Runs a template of dotgen; `None` if there is no template of that name.
@@ -145,7 +145,7 @@ pub(crate) fn run(
     } else if name == ros2_interfaces::NAME {
         ros2_interfaces::run(args, options, compiler, env)
     } else {
-        let found = EMBEDDED.iter().find(|it| it.name == name)?;
+        let found = EMBEDDED.iter().find(|embedded| embedded.name == name)?;
         render::run(
             name,
             &Texts::Embedded(found.files),

@@ -54,7 +54,7 @@ pub fn templates(disk: &dyn Disk, search: &SearchPath) -> Vec<TemplateInfo> {
         });
     }
     for name in builtin::names() {
-        if all.iter().all(|it| it.name != name) {
+        if all.iter().all(|template_info| template_info.name != name) {
             all.push(TemplateInfo {
                 name: name.to_owned(),
                 kind: TemplateKind::Builtin,
@@ -85,8 +85,10 @@ pub fn options(usage: &str) -> Vec<TemplateOption> {
     let mut all: Vec<TemplateOption> = Vec::new();
     for line in usage.lines() {
         let text = line.trim_start();
-        let blanks = line.chars().take_while(|it| it.is_whitespace());
-        let indent: usize = blanks.map(|it| if it == '\t' { 8 } else { 1 }).sum();
+        let blanks = line
+            .chars()
+            .take_while(|character| character.is_whitespace());
+        let indent: usize = blanks.map(|blank| if blank == '\t' { 8 } else { 1 }).sum();
         if indent == 0 || text.is_empty() {
             continue;
         }
@@ -106,7 +108,10 @@ pub fn options(usage: &str) -> Vec<TemplateOption> {
             value: None,
             help: help.trim().to_owned(),
         };
-        for part in spelled.split([',', '.', ' ']).filter(|it| !it.is_empty()) {
+        for part in spelled
+            .split([',', '.', ' '])
+            .filter(|part| !part.is_empty())
+        {
             if !part.starts_with('-') {
                 option.value.get_or_insert_with(|| part.to_owned());
                 continue;
@@ -120,7 +125,10 @@ pub fn options(usage: &str) -> Vec<TemplateOption> {
                 option.value = Some(value.trim_matches(['[', ']']).to_owned());
             }
         }
-        let is_help = option.flags.iter().any(|it| it == "--help" || it == "-h");
+        let is_help = option
+            .flags
+            .iter()
+            .any(|text| text == "--help" || text == "-h");
         if !option.flags.is_empty() && !is_help {
             all.push(option);
         }
@@ -139,7 +147,14 @@ mod tests {
                      FILE             to FILE\n  -i\t\t\tmerge\n  -h. --help\t\tprint usage\n";
         let shown: Vec<String> = options(usage)
             .iter()
-            .map(|it| format!("{} {:?} {}", it.flags.join("/"), it.value, it.help))
+            .map(|option| {
+                format!(
+                    "{} {:?} {}",
+                    option.flags.join("/"),
+                    option.value,
+                    option.help
+                )
+            })
             .collect();
         assert_eq!(
             shown,

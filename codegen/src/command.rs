@@ -139,8 +139,12 @@ fn support_dir(env: &Environment<'_>) -> Option<PathBuf> {
             bytes: text.as_bytes().to_vec(),
             mode: None,
         });
-    let there = |it: &NewContent| env.disk.read(&it.path).is_ok_and(|there| there == it.bytes);
-    let missing: Vec<NewContent> = all.filter(|it| !there(it)).collect();
+    let there = |content: &NewContent| {
+        env.disk
+            .read(&content.path)
+            .is_ok_and(|there| there == content.bytes)
+    };
+    let missing: Vec<NewContent> = all.filter(|content| !there(content)).collect();
     env.disk.write(&missing).ok()?;
     Some(dir)
 }

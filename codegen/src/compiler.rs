@@ -96,18 +96,24 @@ impl Compiler {
         };
         let (mut errors, mut fatal) = (0, false);
         // In the order in which files are read; GenoM3's preprocessor stops at its first error.
-        let place = |it: &&Diagnostic| unit.files.iter().position(|file| *file == it.path);
+        let place =
+            |diagnostic: &&Diagnostic| unit.files.iter().position(|file| *file == diagnostic.path);
         let mut diagnostics: Vec<&Diagnostic> = unit.diagnostics.iter().collect();
         diagnostics.sort_by_key(place);
-        for it in diagnostics {
-            let key = (it.path.clone(), it.range.start, it.code, it.message.clone());
-            if !in_reference(it) || !self.reported.insert(key) {
+        for diagnostic in diagnostics {
+            let key = (
+                diagnostic.path.clone(),
+                diagnostic.range.start,
+                diagnostic.code,
+                diagnostic.message.clone(),
+            );
+            if !in_reference(diagnostic) || !self.reported.insert(key) {
                 continue;
             }
-            report(&encoding::shown(&self.line(it)));
-            if it.severity == Severity::Error {
+            report(&encoding::shown(&self.line(diagnostic)));
+            if diagnostic.severity == Severity::Error {
                 errors += 1;
-                fatal |= syntax::stops(it.code);
+                fatal |= syntax::stops(diagnostic.code);
             }
         }
         let analysis = self.host.analysis();
@@ -138,25 +144,25 @@ impl Compiler {
     }
 
     /// `BASENAME:LINE: TEXT`, as GenoM3 prints diagnostics.
-    fn line(&self, it: &Diagnostic) -> String {
-        let (text, at) = match &it.reference {
+    fn line(&self, diagnostic: &Diagnostic) -> String {
+        let (text, at) = match &diagnostic.reference {
             Some(reference) => (reference.text.as_str(), reference.at),
-            None => (it.message.as_str(), it.range.start),
+            None => (diagnostic.message.as_str(), diagnostic.range.start),
         };
-        let line = match self.host.analysis().text(&it.path) {
+        let line = match self.host.analysis().text(&diagnostic.path) {
             Ok(Some(text)) => {
                 let before = text.as_bytes().iter().take(at);
                 1 + before.filter(|byte| **byte == b'\n').count()
             }
             _ => 1,
         };
-        let is_error = it.severity == Severity::Error;
+        let is_error = diagnostic.severity == Severity::Error;
         // GenoM3's preprocessor prints the whole path and a word for the severity.
-        if syntax::stage(it.code) == Some(Stage::Preprocessor) {
+        if syntax::stage(diagnostic.code) == Some(Stage::Preprocessor) {
             let word = if is_error { "error" } else { "warning" };
-            return format!("{}:{line}: {word}: {text}", it.path);
+            return format!("{}:{line}: {word}: {text}", diagnostic.path);
         }
-        let name = it.path.file_name().unwrap_or(INLINE);
+        let name = diagnostic.path.file_name().unwrap_or(INLINE);
         let warning = if is_error { "" } else { " warning:" };
         format!("{name}:{line}:{warning} {text}")
     }
@@ -171,14 +177,17 @@ fn share_throws(spec: &mut Arc<Spec>) {
             let theirs = service.imported_from.and_then(|interface| {
                 let services = spec.components[interface as usize].services.iter();
                 let mut services = (0usize..).zip(services);
-                let (index, it) = services.find(|it| it.1.name == service.name)?;
-                (!it.throws.is_empty()).then_some((interface as usize, index, &it.throws))
+                let (index, service) = services.find(|other| other.1.name == service.name)?;
+                (!service.throws.is_empty()).then_some((interface as usize, index, &service.throws))
             });
             let Some((interface, index, throws)) = theirs else {
                 continue;
             };
-            let added = service.throws.iter().filter(|it| !throws.contains(it));
-            additions.extend(added.map(|it| (interface, index, *it)));
+            let added = service
+                .throws
+                .iter()
+                .filter(|exception| !throws.contains(exception));
+            additions.extend(added.map(|exception| (interface, index, *exception)));
         }
     }
     if additions.is_empty() {
@@ -188,10 +197,11 @@ fn share_throws(spec: &mut Arc<Spec>) {
     for (interface, index, exception) in additions {
         let name = spec.components[interface].services[index].name.clone();
         for (at, component) in spec.components.iter_mut().enumerate() {
-            let shares = component.services.iter_mut().filter(|it| {
-                it.name == name && (at == interface || it.imported_from == Some(interface as u32))
+            let shares = component.services.iter_mut().filter(|service| {
+                service.name == name
+                    && (at == interface || service.imported_from == Some(interface as u32))
             });
-            for service in shares.filter(|it| !it.throws.contains(&exception)) {
+            for service in shares.filter(|share| !share.throws.contains(&exception)) {
                 service.throws.push(exception);
             }
         }
@@ -199,12 +209,12 @@ fn share_throws(spec: &mut Arc<Spec>) {
 }
 
 /// True for errors, and for warnings that GenoM3 prints too. Other warnings are for editors and `check`.
-fn in_reference(it: &Diagnostic) -> bool {
-    match it.severity {
+fn in_reference(diagnostic: &Diagnostic) -> bool {
+    match diagnostic.severity {
         Severity::Error => true,
         Severity::Warning => {
-            syntax::stage(it.code) == Some(Stage::Preprocessor)
-                || codes::find(it.code).is_some_and(|code| code.reference)
+            syntax::stage(diagnostic.code) == Some(Stage::Preprocessor)
+                || codes::find(diagnostic.code).is_some_and(|code| code.reference)
         }
         _ => false,
     }
@@ -212,7 +222,7 @@ fn in_reference(it: &Diagnostic) -> bool {
 
 fn deps(unit: &UnitResult, names: &FxHashMap<Utf8PathBuf, String>) -> Vec<String> {
     let mut deps: Vec<String> = Vec::with_capacity(unit.files.len());
-    for name in unit.files.iter().filter_map(|it| names.get(it)) {
+    for name in unit.files.iter().filter_map(|file| names.get(file)) {
         if !name.contains(INLINE) && !deps.contains(name) {
             deps.push(name.clone());
         }
@@ -275,7 +285,7 @@ impl Frontend for Compiler {
 /// The path with links followed, if it exists.
 fn canonical(disk: &dyn Disk, path: Utf8PathBuf) -> Utf8PathBuf {
     let found = disk.canonical(path.as_std_path()).ok();
-    let found = found.and_then(|it| Utf8PathBuf::from_path_buf(it).ok());
+    let found = found.and_then(|path| Utf8PathBuf::from_path_buf(path).ok());
     found.unwrap_or(path)
 }
 
@@ -290,7 +300,7 @@ struct UnitPlaces {
 impl Places for UnitPlaces {
     fn place(&self, src: Src, anchor: Anchor<'_>) -> Option<Place> {
         let location = self.unit.locations.locate(src)?;
-        let text = self.texts.get(&location.path).map_or("", |it| it);
+        let text = self.texts.get(&location.path).map_or("", |text| text);
         let start = location.range.start.min(text.len());
         let end = match anchor {
             Anchor::First => start + first_token(text.get(start..).unwrap_or_default()),
@@ -384,11 +394,11 @@ fn share_requires(spec: &mut Arc<Spec>) {
     let Some(first) = spec.pragma_requires.first() else {
         return;
     };
-    let shares = |it: &Component| it.requires.first() == Some(first);
+    let shares = |component: &Component| component.requires.first() == Some(first);
     let mut shared: Vec<String> = Vec::new();
-    let sharing = spec.components.iter().filter(|it| shares(it));
+    let sharing = spec.components.iter().filter(|component| shares(component));
     for package in sharing
-        .flat_map(|it| &it.requires)
+        .flat_map(|component| &component.requires)
         .chain(&spec.pragma_requires)
     {
         if !shared.contains(package) {
@@ -449,7 +459,7 @@ fn commented(text: &str, line: Range<usize>) -> usize {
 
 /// The column of the end of a part of a line, after expansion of the macros in that part.
 fn expanded(text: &str, calls: &[MacroCall], part: Range<usize>, column: usize) -> usize {
-    let from = calls.partition_point(|it| it.range.start < part.start);
+    let from = calls.partition_point(|call| call.range.start < part.start);
     let mut column = column;
     for call in &calls[from..] {
         if call.range.end >= part.end {
@@ -457,7 +467,7 @@ fn expanded(text: &str, calls: &[MacroCall], part: Range<usize>, column: usize) 
         }
         // The preprocessor inserts a blank before punctuation.
         let before = text[..call.range.start].bytes().next_back();
-        let apart = call.punctuation && before.is_some_and(|it| !it.is_ascii_whitespace());
+        let apart = call.punctuation && before.is_some_and(|byte| !byte.is_ascii_whitespace());
         column += call.expanded + usize::from(apart);
         column = column.saturating_sub(call.range.len());
     }
@@ -494,8 +504,8 @@ fn first_token(text: &str) -> usize {
                 "codels-require",
                 "real-time",
             ];
-            let dashed = dashed.iter().find(|it| text.starts_with(**it));
-            dashed.map_or(word, |it| it.len())
+            let dashed = dashed.iter().find(|option| text.starts_with(**option));
+            dashed.map_or(word, |text| text.len())
         }
     }
 }
@@ -503,10 +513,10 @@ fn first_token(text: &str) -> usize {
 /// Length of the number at the start of a text, with its unit.
 fn number(text: &str) -> usize {
     let bytes = text.as_bytes();
-    let is = |at: usize, set: &[u8]| bytes.get(at).is_some_and(|it| set.contains(it));
+    let is = |at: usize, set: &[u8]| bytes.get(at).is_some_and(|byte| set.contains(byte));
     let digits = |from: usize, radix: u32| {
         let rest = bytes.iter().skip(from);
-        rest.take_while(|it| char::from(**it).is_digit(radix))
+        rest.take_while(|byte| char::from(**byte).is_digit(radix))
             .count()
     };
     let hex = match bytes {
@@ -590,11 +600,11 @@ fn keyword_before(text: &str, start: usize, word: &str) -> Option<usize> {
         let at = text.get(..until)?.rfind(word)?;
         let end = at + word.len();
         let before = at > 0 && is_word(bytes[at - 1]);
-        let after = bytes.get(end).is_some_and(|it| is_word(*it));
+        let after = bytes.get(end).is_some_and(|byte| is_word(*byte));
         let alone = !before && !after;
         if alone {
             // Only ports have a type before their name; the type may contain punctuation.
-            let another = |it| word != "port" && text[end..start].contains(it);
+            let another = |characters| word != "port" && text[end..start].contains(characters);
             let elsewhere = another([';', '{', '}']) || is_in_directive(text, at);
             return (!elsewhere).then_some(end);
         }
@@ -606,7 +616,7 @@ fn keyword_before(text: &str, start: usize, word: &str) -> Option<usize> {
 fn is_in_directive(text: &str, at: usize) -> bool {
     let mut start = at;
     loop {
-        start = text[..start].rfind('\n').map_or(0, |it| it + 1);
+        start = text[..start].rfind('\n').map_or(0, |index| index + 1);
         let before = text[..start].trim_end_matches(['\n', '\r']);
         if start == 0 || !before.ends_with('\\') {
             break;

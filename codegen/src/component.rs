@@ -134,7 +134,7 @@ fn unit(word: &str) -> Option<f64> {
 /// The period in microseconds, and its form in a specification, for texts such as `10 ms`, `10ms` or `0.5 s`.
 fn period(text: &str) -> Option<(f64, String)> {
     let text = text.trim();
-    let end = text.find(|it: char| !it.is_ascii_digit() && it != '.')?;
+    let end = text.find(|character: char| !character.is_ascii_digit() && character != '.')?;
     let (number, word) = (&text[..end], text[end..].trim());
     let value: f64 = number.parse().ok()?;
     let micros = value * unit(word)?;
@@ -145,15 +145,15 @@ fn period(text: &str) -> Option<(f64, String)> {
 fn is_name(text: &str) -> bool {
     let mut chars = text.chars();
     let first = chars.next();
-    first.is_some_and(|it| it.is_ascii_alphabetic() || it == '_')
-        && chars.all(|it| it.is_ascii_alphanumeric() || it == '_')
+    first.is_some_and(|character| character.is_ascii_alphabetic() || character == '_')
+        && chars.all(|character| character.is_ascii_alphanumeric() || character == '_')
 }
 
 /// Returns `true` if a text is a word that specifications reserve.
 fn is_keyword(text: &str) -> bool {
     let tokens = dotgen_syntax::lexer::lex(text);
     let kind = tokens.kinds().first();
-    kind.is_some_and(|it| it.is_reserved_word())
+    kind.is_some_and(|kind| kind.is_reserved_word())
 }
 
 impl NewComponent {
@@ -163,11 +163,11 @@ impl NewComponent {
     /// The first invalid answer.
     pub fn texts(&self) -> Result<NewTexts, NewComponentError> {
         use NewComponentError::{Keyword, Name, NoTask, Period, Template, Twice};
-        let names = std::iter::once(&self.name).chain(self.tasks.iter().map(|it| &it.name));
-        if let Some(wrong) = names.clone().find(|it| !is_name(it)) {
+        let names = std::iter::once(&self.name).chain(self.tasks.iter().map(|task| &task.name));
+        if let Some(wrong) = names.clone().find(|name| !is_name(name)) {
             return Err(Name(wrong.clone()));
         }
-        if let Some(keyword) = names.clone().find(|it| is_keyword(it)) {
+        if let Some(keyword) = names.clone().find(|name| is_keyword(name)) {
             return Err(Keyword(keyword.clone()));
         }
         if self.tasks.is_empty() {
@@ -175,7 +175,10 @@ impl NewComponent {
         }
         let mut tasks = Vec::new();
         for (index, task) in self.tasks.iter().enumerate() {
-            if self.tasks[..index].iter().any(|it| it.name == task.name) {
+            if self.tasks[..index]
+                .iter()
+                .any(|other| other.name == task.name)
+            {
                 return Err(Twice(task.name.clone()));
             }
             let given = task.period.as_deref().map(|text| {
@@ -186,14 +189,15 @@ impl NewComponent {
             });
             let given = given.transpose()?;
             // An estimate with which all tasks fit on one core.
-            let share = given.as_ref().map_or(1e3, |it| it.0) / (10.0 * self.tasks.len() as f64);
+            let share =
+                given.as_ref().map_or(1e3, |pair| pair.0) / (10.0 * self.tasks.len() as f64);
             let interfaces = self.provides.iter().chain(&self.uses);
             tasks.push(TaskData {
                 name: &task.name,
-                period: given.map(|it| it.1),
+                period: given.map(|pair| pair.1),
                 wcet: format!("{} us", share.floor().max(1.0)),
                 ports: match index {
-                    0 => interfaces.flat_map(|it| &it.ports).collect(),
+                    0 => interfaces.flat_map(|interface| &interface.ports).collect(),
                     _ => Vec::new(),
                 },
             });
@@ -201,22 +205,22 @@ impl NewComponent {
         let includes: Vec<&str> = {
             let all = self.provides.iter().chain(&self.uses);
             let mut out: Vec<&str> = Vec::new();
-            for it in all {
-                if !out.contains(&it.include.as_str()) {
-                    out.push(&it.include);
+            for provided in all {
+                if !out.contains(&provided.include.as_str()) {
+                    out.push(&provided.include);
                 }
             }
             out
         };
         let list = |all: &[NewInterface]| -> Vec<String> {
-            all.iter().map(|it| it.name.clone()).collect()
+            all.iter().map(|interface| interface.name.clone()).collect()
         };
         let data = context! {
             name => self.name,
             includes,
             provides => list(&self.provides).join(", "),
             uses => list(&self.uses).join(", "),
-            periodic => tasks.iter().any(|it| it.period.is_some()),
+            periodic => tasks.iter().any(|task| task.period.is_some()),
             tasks,
         };
         let expand = |text: &str| {
@@ -225,7 +229,7 @@ impl NewComponent {
             environment.set_trim_blocks(true);
             environment.set_lstrip_blocks(true);
             let expanded = environment.render_str(text, &data);
-            expanded.map_err(|it| Template(it.to_string()))
+            expanded.map_err(|error| Template(error.to_string()))
         };
         Ok(NewTexts {
             specification: expand(SPECIFICATION)?,
@@ -252,7 +256,7 @@ mod tests {
             tasks,
             ..NewComponent::default()
         };
-        let say = |it: NewComponent| it.texts().err().map(|it| it.to_string());
+        let say = |component: NewComponent| component.texts().err().map(|say| say.to_string());
         for (given, part) in [
             (
                 with("2d", vec![task("t", None)]),
@@ -295,7 +299,7 @@ mod tests {
         ] {
             let said = say(given.clone());
             assert!(
-                said.as_ref().is_some_and(|it| it.contains(part)),
+                said.as_ref().is_some_and(|say| say.contains(part)),
                 "{given:?}: {said:?}"
             );
         }

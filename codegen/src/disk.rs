@@ -61,13 +61,14 @@ pub trait Disk: fmt::Debug + Send + Sync {
 
     /// True if the target of a path is a file.
     fn is_file(&self, path: &Path) -> bool {
-        self.status(path).is_some_and(|it| it.kind == Kind::File)
+        self.status(path)
+            .is_some_and(|status| status.kind == Kind::File)
     }
 
     /// True if the target of a path is a directory.
     fn is_dir(&self, path: &Path) -> bool {
         self.status(path)
-            .is_some_and(|it| it.kind == Kind::Directory)
+            .is_some_and(|status| status.kind == Kind::Directory)
     }
 
     /// True if the target of a path exists.

@@ -127,9 +127,12 @@ impl Environment<'_> {
             return Ok(release);
         }
         let here = self.here();
-        let base = self.base.to_str().map_or(here.clone(), |it| here.join(it));
+        let base = self
+            .base
+            .to_str()
+            .map_or(here.clone(), |text| here.join(text));
         let base = base.join(&options.directory);
-        let files = options.rest.iter().map(|it| base.join(it));
+        let files = options.rest.iter().map(|rest| base.join(rest));
         Ok(ReleaseChoice::required(required_release(
             &*self.loader,
             files,
@@ -161,11 +164,13 @@ impl Environment<'_> {
 /// The search path of templates: the given list (`-t`), else `GENOM_TMPL_PATH`; and the folder in
 /// `DOTGEN_BUILTIN_TEMPLATES`.
 pub fn search_path(given: Option<&str>, variables: &dyn Fn(&str) -> Option<String>) -> SearchPath {
-    let variable = |name: &str| variables(name).filter(|it| !it.is_empty());
+    let variable = |name: &str| variables(name).filter(|variable| !variable.is_empty());
     let given = given.map(str::to_owned);
     let given = given.or_else(|| variable("GENOM_TMPL_PATH"));
     SearchPath {
-        dirs: given.map(|it| SearchPath::parse(&it)).unwrap_or_default(),
+        dirs: given
+            .map(|text| SearchPath::parse(&text))
+            .unwrap_or_default(),
         builtin: variable("DOTGEN_BUILTIN_TEMPLATES").map(PathBuf::from),
     }
 }

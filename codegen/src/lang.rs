@@ -459,29 +459,31 @@ impl<'a> Mapper<'a> {
 
     /// The place of a type.
     pub(crate) fn type_place(&self, ty: TypeId) -> Option<Place> {
-        let it = self.spec.ty(ty);
-        let keyword = match &it.kind {
-            TypeKind::Const { .. } if it.name.is_some() => "const",
+        let known_type = self.spec.ty(ty);
+        let keyword = match &known_type.kind {
+            TypeKind::Const { .. } if known_type.name.is_some() => "const",
             // The ids have no keyword except their name.
-            TypeKind::Struct { .. } if it.name.as_deref() != Some("ids") => "struct",
+            TypeKind::Struct { .. } if known_type.name.as_deref() != Some("ids") => "struct",
             TypeKind::Union { .. } => "union",
             TypeKind::ForwardStruct { .. } => "struct",
             TypeKind::ForwardUnion { .. } => "union",
             TypeKind::Native => "native",
             TypeKind::Port { .. } => "port",
             // The alias of a provided port has the place of the port.
-            TypeKind::Typedef { ty } if self.spec.ty(*ty).src == it.src => match self.kind(*ty) {
-                TypeKind::Port { .. } => "port",
-                _ => return self.places.place(it.src, Anchor::First),
-            },
+            TypeKind::Typedef { ty } if self.spec.ty(*ty).src == known_type.src => {
+                match self.kind(*ty) {
+                    TypeKind::Port { .. } => "port",
+                    _ => return self.places.place(known_type.src, Anchor::First),
+                }
+            }
             TypeKind::PauseEvent => "pause",
             TypeKind::Remote { component, remote } => {
                 let remote = &self.spec.components[*component as usize].remotes[*remote as usize];
                 service_word(remote.kind)
             }
-            _ => return self.places.place(it.src, Anchor::First),
+            _ => return self.places.place(known_type.src, Anchor::First),
         };
-        self.places.place(it.src, Anchor::Keyword(keyword))
+        self.places.place(known_type.src, Anchor::Keyword(keyword))
     }
 
     pub(crate) fn type_mark(&self, ty: TypeId, wanted: bool) -> String {
@@ -554,7 +556,7 @@ pub fn nested(spec: &Spec, ty: TypeId) -> Vec<TypeId> {
         )
     };
     let all = spec.types.iter().enumerate();
-    all.filter(|(_, it)| it.parent == Some(ty) && kinds(&it.kind))
+    all.filter(|(_, candidate)| candidate.parent == Some(ty) && kinds(&candidate.kind))
         .map(|(index, _)| TypeId(index as u32))
         .collect()
 }

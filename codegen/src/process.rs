@@ -182,9 +182,9 @@ impl Process {
         drop(self.child.stdin.take());
         let (ended, both) = channel();
         let output = self.child.stdout.take();
-        let output = output.map(|it| read_all(it, ended.clone()));
+        let output = output.map(|output| read_all(output, ended.clone()));
         let errors = self.child.stderr.take();
-        let errors = errors.map(|it| read_all(it, ended));
+        let errors = errors.map(|error| read_all(error, ended));
         // Ends when both outputs are closed.
         while let Err(RecvTimeoutError::Timeout) = both.recv_timeout(STOP_POLL_INTERVAL) {
             if stop() {
@@ -192,7 +192,8 @@ impl Process {
                 break;
             }
         }
-        let text = |it: Option<JoinHandle<Vec<u8>>>| it.and_then(|it| it.join().ok());
+        let text =
+            |handle: Option<JoinHandle<Vec<u8>>>| handle.and_then(|handle| handle.join().ok());
         let (output, errors) = (text(output), text(errors));
         Ok((
             self.child.wait()?,

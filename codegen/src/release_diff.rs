@@ -96,9 +96,11 @@ fn language(component: &Component) -> Language {
 /// The components and interfaces that exist in both, as indexes.
 fn pairs(from: &Spec, to: &Spec) -> Vec<(u32, u32)> {
     let new = (0u32..).zip(&to.components);
-    let new: FxHashMap<&str, u32> = new.map(|(index, it)| (it.name.as_str(), index)).collect();
+    let new: FxHashMap<&str, u32> = new
+        .map(|(index, component)| (component.name.as_str(), index))
+        .collect();
     let old = (0u32..).zip(&from.components);
-    old.filter_map(|(index, it)| Some((index, *new.get(it.name.as_str())?)))
+    old.filter_map(|(index, component)| Some((index, *new.get(component.name.as_str())?)))
         .collect()
 }
 
@@ -106,7 +108,7 @@ fn digests(from: &Spec, old: u32, to: &Spec, new: u32, out: &mut Vec<DigestChang
     let component = from.components[old as usize].name.to_string();
     let later: FxHashMap<Option<String>, String> = component_digests(to, new).into_iter().collect();
     for (service, from) in component_digests(from, old) {
-        if let Some(to) = later.get(&service).filter(|it| **it != from) {
+        if let Some(to) = later.get(&service).filter(|digest| **digest != from) {
             out.push(DigestChange {
                 component: component.clone(),
                 service,
@@ -130,17 +132,22 @@ fn prototypes(
         let component = &spec.components[index as usize];
         let codels = component.all_codels().map(|at| component.codel(at));
         codels
-            .filter_map(|it| Some((it.name.to_string(), mapper.prototype(index, it, " ").ok()?)))
+            .filter_map(|codel| {
+                Some((
+                    codel.name.to_string(),
+                    mapper.prototype(index, codel, " ").ok()?,
+                ))
+            })
             .collect()
     };
     let later: FxHashMap<String, String> = all(to, new).into_iter().collect();
     let component = &from.components[old as usize].name;
     for (name, from) in all(from, old) {
-        let Some(to) = later.get(&name).filter(|it| **it != from) else {
+        let Some(to) = later.get(&name).filter(|spec| **spec != from) else {
             continue;
         };
         let name = format!("{component}.{name}");
-        if out.iter().all(|it| it.name != name) {
+        if out.iter().all(|change| change.name != name) {
             out.push(TextChange {
                 name,
                 language: language.name(),
@@ -158,10 +165,10 @@ fn codels_without_stub(spec: &Spec, index: u32) -> Vec<(String, String)> {
     }
     let component = &spec.components[index as usize];
     let codels = component.all_codels().map(|at| component.codel(at));
-    let external = codels.filter_map(|it| {
-        let body = spec.body_of(it.src).filter(|body| *body != index)?;
+    let external = codels.filter_map(|codel| {
+        let body = spec.body_of(codel.src).filter(|body| *body != index)?;
         let owner = spec.components[body as usize].name.to_string();
-        Some((it.name.to_string(), owner))
+        Some((codel.name.to_string(), owner))
     });
     external.collect()
 }
@@ -174,11 +181,11 @@ fn stubs(from: &Spec, old: u32, to: &Spec, new: u32, out: &mut Vec<StubChange>) 
     let (before, after) = (codels_without_stub(from, old), codels_without_stub(to, new));
     let component = from.components[old as usize].name.to_string();
     let mut add = |list: &[(String, String)], other: &[(String, String)], only_in: Release| {
-        for it in list.iter().filter(|it| !other.contains(it)) {
+        for pair in list.iter().filter(|pair| !other.contains(pair)) {
             let change = StubChange {
                 component: component.clone(),
-                codel: it.0.clone(),
-                declared_by: it.1.clone(),
+                codel: pair.0.clone(),
+                declared_by: pair.1.clone(),
                 only_in,
             };
             if !out.contains(&change) {
@@ -194,11 +201,11 @@ fn types(from: &Spec, to: &Spec, language: Language, out: &mut Vec<TextChange>) 
     let (before, after) = (definitions(from, language), definitions(to, language));
     let later: FxHashMap<&str, &str> = after
         .iter()
-        .map(|it| (it.0.as_str(), it.1.as_str()))
+        .map(|pair| (pair.0.as_str(), pair.1.as_str()))
         .collect();
     let earlier: FxHashMap<&str, &str> = before
         .iter()
-        .map(|it| (it.0.as_str(), it.1.as_str()))
+        .map(|pair| (pair.0.as_str(), pair.1.as_str()))
         .collect();
     let mut add = |name: &str, from: &str, to: &str| {
         out.push(TextChange {
@@ -239,9 +246,9 @@ fn definitions(spec: &Spec, language: Language) -> Vec<(String, String)> {
         };
         let kept = text
             .lines()
-            .filter(|it| !it.is_empty() && !it.starts_with('#'));
+            .filter(|line| !line.is_empty() && !line.starts_with('#'));
         let text: Vec<&str> = kept.collect();
-        if !text.is_empty() && out.iter().all(|it| it.0 != name) {
+        if !text.is_empty() && out.iter().all(|entry| entry.0 != name) {
             out.push((name, text.join("\n")));
         }
     }

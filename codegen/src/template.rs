@@ -58,11 +58,11 @@ pub(crate) fn component_digests(spec: &Spec, component: u32) -> Vec<(Option<Stri
     };
     let digest = |object| closure::digest(&model, &object, &mut |_| Ok(true)).ok();
     let services = (0u32..).zip(&spec.components[component as usize].services);
-    let services = services.filter_map(|(index, it)| {
+    let services = services.filter_map(|(index, service)| {
         let digest = digest(object::Object::Service(component, index))?;
-        Some((Some(it.name.to_string()), digest))
+        Some((Some(service.name.to_string()), digest))
     });
-    let own = digest(object::Object::Component(component)).map(|it| (None, it));
+    let own = digest(object::Object::Component(component)).map(|digest| (None, digest));
     own.into_iter().chain(services).collect()
 }
 

@@ -58,7 +58,10 @@ fn run_as(release: Release, dir: &Path, args: &[&str]) -> (i32, String, String) 
         }),
     };
     let dir = dir.display().to_string();
-    let args: Vec<String> = args.iter().map(|it| it.replace("DIR", &dir)).collect();
+    let args: Vec<String> = args
+        .iter()
+        .map(|argument| argument.replace("DIR", &dir))
+        .collect();
     let status = generate(&args, &mut environment);
     let out = String::from_utf8(console.out).unwrap();
     (

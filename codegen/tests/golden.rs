@@ -34,7 +34,7 @@ fn main() -> ExitCode {
         return generator();
     }
     // The test harness' options make no difference; listing must not run anything.
-    if std::env::args().any(|it| it == "--list") {
+    if std::env::args().any(|argument| argument == "--list") {
         println!("golden: test");
         return ExitCode::SUCCESS;
     }

@@ -82,7 +82,7 @@ impl Place<'_> {
             release: Some(choice),
         };
         let mut all = vec!["-t".to_owned(), self.templates.display().to_string()];
-        all.extend(words.iter().map(|it| (*it).to_owned()));
+        all.extend(words.iter().map(|word| (*word).to_owned()));
         let status = generate(&all, &mut environment);
         let result = RunResult {
             status,
@@ -97,15 +97,15 @@ impl Place<'_> {
     fn files(&self) -> BTreeMap<PathBuf, String> {
         let all = walkdir::WalkDir::new(self.folder.path()).into_iter();
         let files = all
-            .map(|it| it.expect("a folder"))
-            .filter(|it| it.file_type().is_file());
-        let with_text = files.map(|it| {
-            let path = it
+            .map(|directory| directory.expect("a folder"))
+            .filter(|directory| directory.file_type().is_file());
+        let with_text = files.map(|file| {
+            let path = file
                 .path()
                 .strip_prefix(self.folder.path())
                 .expect("below")
                 .to_owned();
-            let bytes = std::fs::read(it.path()).expect("a file");
+            let bytes = std::fs::read(file.path()).expect("a file");
             let text: String = bytes.into_iter().map(char::from).collect();
             // Files of the build repeat the options of the call.
             let templates = self.templates.to_str().expect("a name");
@@ -119,14 +119,14 @@ impl RunResult {
     /// Fails where another result differs, with what does.
     fn is(&self, expected: &RunResult, what: &str) {
         // Lines behind the first one are of Tcl: commands that led to an error.
-        let err = |it: &RunResult| it.err.lines().next().map(str::to_owned);
+        let err = |run: &RunResult| run.err.lines().next().map(str::to_owned);
         assert_eq!(
             (self.status, err(self)),
             (expected.status, err(expected)),
             "{what}"
         );
         assert_eq!(self.out, expected.out, "{what}");
-        let names = |it: &RunResult| it.files.keys().cloned().collect::<Vec<_>>();
+        let names = |run: &RunResult| run.files.keys().cloned().collect::<Vec<_>>();
         assert_eq!(names(self), names(expected), "{what}");
         for (name, text) in &expected.files {
             assert!(
@@ -183,11 +183,11 @@ impl Templates {
 /// All specifications beside the project.
 fn specifications() -> Option<(PathBuf, Vec<PathBuf>)> {
     let shared = dotgen_loaders::shared("")?;
-    let folders = ["corpus", "golden/inputs"].map(|it| shared.join(it));
+    let folders = ["corpus", "golden/inputs"].map(|text| shared.join(text));
     let all = folders.iter().flat_map(walkdir::WalkDir::new);
     let mut all: Vec<PathBuf> = all
-        .map(|it| it.expect("a folder").into_path())
-        .filter(|it| it.extension().is_some_and(|it| it == "gen"))
+        .map(|directory| directory.expect("a folder").into_path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "gen"))
         .collect();
     all.sort();
     Some((shared, all))
@@ -215,7 +215,7 @@ fn ours_writes_what_tcl_writes(release: Release, variable: &str) {
         "corpus/components/standins",
         "golden/standins",
     ];
-    let includes = includes.map(|it| format!("-I{}", shared.join(it).display()));
+    let includes = includes.map(|include| format!("-I{}", shared.join(include).display()));
     let calls: [&[&str]; 5] = [
         &["skeleton", "-C", "out"],
         &["skeleton", "-l", "c++", "-t", "-C", "out/deeper"],
@@ -256,7 +256,7 @@ fn ours_merges_as_tcl_merges() {
         let places = templates.places();
         let both = |words: &[&str], programs: usize| {
             let [(found, started), (expected, _)] =
-                [&places[0], &places[1]].map(|it| it.run(words));
+                [&places[0], &places[1]].map(|place| place.run(words));
             found.is(&expected, &format!("{words:?}"));
             assert_eq!(started, programs, "programs for {words:?}");
             found

@@ -45,7 +45,7 @@ const SPECIFICATION: &str = "component lamp {
 fn copy(from: &Path, to: &Path) {
     for entry in walkdir::WalkDir::new(from)
         .into_iter()
-        .map(|it| it.expect("a folder"))
+        .map(|directory| directory.expect("a folder"))
     {
         let to = to.join(entry.path().strip_prefix(from).expect("below"));
         if entry.file_type().is_dir() {
@@ -115,8 +115,8 @@ fn a_ros_server_compiles_without_genom() {
     let sources = |extension: &str| {
         let all = walkdir::WalkDir::new(&out)
             .into_iter()
-            .map(|it| it.expect("a folder").into_path());
-        let of_kind = |it: &PathBuf| it.extension().is_some_and(|it| it == extension);
+            .map(|directory| directory.expect("a folder").into_path());
+        let of_kind = |path: &PathBuf| path.extension().is_some_and(|name| name == extension);
         all.filter(of_kind).collect::<Vec<_>>()
     };
     let mut messages = [sources("msg"), sources("srv")].concat();

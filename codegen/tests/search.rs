@@ -49,10 +49,13 @@ fn a_folder_wins_over_a_template_of_dotgen() {
     };
     let all = templates(&Files, &search);
     let of = |name: &str| {
-        let found = all.iter().find(|it| it.name == name);
-        found.map(|it| (it.kind, it.about.as_str()))
+        let found = all.iter().find(|template| template.name == name);
+        found.map(|template| (template.kind, template.about.as_str()))
     };
     assert_eq!(of("skeleton"), Some((TemplateKind::Tcl, "")));
     assert_eq!(of("mine"), Some((TemplateKind::Minijinja, "names")));
-    assert_eq!(of("mappings").map(|it| it.0), Some(TemplateKind::Builtin));
+    assert_eq!(
+        of("mappings").map(|found| found.0),
+        Some(TemplateKind::Builtin)
+    );
 }

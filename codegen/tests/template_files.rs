@@ -13,18 +13,20 @@ use dotgen_codegen::template::files::{self, Role, SCRIPT};
 /// Every file below a directory with its diagnostics, if it belongs to a template.
 fn findings(directory: &Utf8Path) -> Vec<(Utf8PathBuf, Vec<Diagnostic>)> {
     let files = walkdir::WalkDir::new(directory).into_iter().flatten();
-    let files = files.filter_map(|it| Utf8PathBuf::from_path_buf(it.into_path()).ok());
-    let read = |it: &Utf8Path| -> Option<String> { std::fs::read_to_string(it).ok() };
+    let files = files.filter_map(|file| Utf8PathBuf::from_path_buf(file.into_path()).ok());
+    let read = |path: &Utf8Path| -> Option<String> { std::fs::read_to_string(path).ok() };
     let mut out = Vec::new();
     for file in files {
-        let home = file.ancestors().find(|it| it.join(SCRIPT).is_file());
+        let home = file
+            .ancestors()
+            .find(|ancestor| ancestor.join(SCRIPT).is_file());
         let (Some(text), Some(home)) = (read(&file), home) else {
             continue;
         };
         let main = read(&home.join(SCRIPT)).unwrap_or_default();
         let required = files::required(home, &main);
         let mut scripts = vec![main];
-        scripts.extend(required.iter().filter_map(|it| read(it)));
+        scripts.extend(required.iter().filter_map(|path| read(path)));
         let found = match files::role(&file, &text, scripts.iter().map(String::as_str)) {
             Some(Role::Script) => check::script(&file, &text),
             Some(Role::Source) => check::source(&file, &text),
@@ -44,21 +46,23 @@ fn templates_that_run_have_no_errors() {
         .iter()
         .filter_map(|folder| folder.to_str())
         .chain(more.split(':'))
-        .filter(|it| Path::new(it).is_dir())
+        .filter(|text| Path::new(text).is_dir())
         .collect();
     for directory in directories {
         let all = findings(directory.into());
         assert!(!all.is_empty(), "no template below {directory}");
         for (file, found) in all {
-            let errors = found.iter().filter(|it| it.severity == Severity::Error);
+            let errors = found
+                .iter()
+                .filter(|diagnostic| diagnostic.severity == Severity::Error);
             let messages: Vec<_> = errors
-                .map(|it| format!("{file}:{}: {}", it.range.start, it.message))
+                .map(|error| format!("{file}:{}: {}", error.range.start, error.message))
                 .collect();
             // Recorded for the errors of the engine.
             let fails = ["badtag", "mixed", "unclosed", "unopened"].iter();
             let fails = fails
                 .into_iter()
-                .any(|it| file.as_str().contains(&format!("/failing/{it}/")));
+                .any(|text| file.as_str().contains(&format!("/failing/{text}/")));
             assert_eq!(
                 fails && file.file_name() != Some(SCRIPT),
                 !messages.is_empty(),

@@ -59,7 +59,7 @@ fn run(
     let run = Run {
         disk: Arc::new(crate::files::Files),
         dir: search.find(&crate::files::Files, template).unwrap(),
-        args: args.iter().map(|it| (*it).to_owned()).collect(),
+        args: args.iter().map(|argument| (*argument).to_owned()).collect(),
         search: &search,
         program: "/bin/dotgen".into(),
         cmdline: String::new(),
@@ -166,7 +166,7 @@ component c {
     };
     let own = found
         .lines()
-        .filter(|it| it.contains("::c::"))
+        .filter(|line| line.contains("::c::"))
         .collect::<Vec<_>>();
     assert_eq!(
         own,
@@ -196,7 +196,7 @@ struct two { one x; };
     };
     let structs = found
         .lines()
-        .filter(|it| it.starts_with("struct ::"))
+        .filter(|line| line.starts_with("struct ::"))
         .collect::<Vec<_>>();
     assert_eq!(structs, ["struct ::one 5", "struct ::two 6"]);
 }
@@ -270,7 +270,7 @@ component c { extends i; };
     };
     let order = found
         .lines()
-        .filter(|it| it.ends_with("ids 1") || it.starts_with("const"))
+        .filter(|line| line.ends_with("ids 1") || line.starts_with("const"))
         .collect::<Vec<_>>();
     assert_eq!(
         order,

@@ -79,7 +79,7 @@ pub fn graph(spec: &Spec, component: &Component, owner: Owner, options: Options)
             owner,
         },
         options,
-        period: task.and_then(|it| it.period.as_ref()).map(|p| p.value),
+        period: task.and_then(|task| task.period.as_ref()).map(|p| p.value),
     };
     for &(index, codel) in &model.codels {
         machine.codel(index, codel);
@@ -313,9 +313,9 @@ impl Machine<'_> {
         let named: Vec<&str> = way.iter().map(String::as_str).collect();
         for state in &named {
             if let Some(id) = self.node_of.get(*state).cloned() {
-                self.graph.nodes.iter_mut().for_each(|it| {
-                    if it.id == id {
-                        it.mark();
+                self.graph.nodes.iter_mut().for_each(|node| {
+                    if node.id == id {
+                        node.mark();
                     }
                 });
             }
@@ -333,10 +333,12 @@ impl Machine<'_> {
                     .graph
                     .nodes
                     .iter()
-                    .any(|it| it.id == *to && it.names.len() > 1);
+                    .any(|node| node.id == *to && node.names.len() > 1);
                 let mut edges = self.graph.edges.iter_mut();
-                let step = edges.find(|it| {
-                    it.from == *from && it.to == *to && (!several || it.label.ends_with(&pair[1]))
+                let step = edges.find(|edge| {
+                    edge.from == *from
+                        && edge.to == *to
+                        && (!several || edge.label.ends_with(&pair[1]))
                 });
                 if let Some(step) = step {
                     step.mark();
@@ -373,7 +375,7 @@ impl Machine<'_> {
             Owner::Service(i) => component.services[i as usize].throws.as_slice(),
             Owner::Task(_) => &[],
         };
-        let of_task = task.map_or(&[][..], |it| &it.throws);
+        let of_task = task.map_or(&[][..], |task| &task.throws);
         for &id in component.throws.iter().chain(of_task).chain(service) {
             let name = spec.ty(id).name.as_deref().unwrap_or_default();
             if !name.is_empty() && !thrown.contains(&name) {

@@ -150,7 +150,7 @@ pub const MARKED: &str = "marked";
 
 /// Adds the class, once.
 fn mark(classes: &mut Vec<String>) {
-    if classes.iter().all(|it| it != MARKED) {
+    if classes.iter().all(|class| class != MARKED) {
         classes.push(MARKED.to_owned());
     }
 }
@@ -172,7 +172,7 @@ impl Edge {
 impl Graph {
     /// Returns true if a node or edge is marked.
     pub(crate) fn has_marks(&self) -> bool {
-        let marks = |it: &String| it == MARKED || it == "contended";
-        self.nodes.iter().any(|it| it.classes.iter().any(marks))
+        let marks = |text: &String| text == MARKED || text == "contended";
+        self.nodes.iter().any(|node| node.classes.iter().any(marks))
     }
 }

@@ -188,9 +188,9 @@ pub fn layout_within(graph: &Graph, pane: f64) -> Layout {
     }
     // Passing edges need space as well, which is known only after the layout.
     for share in [1.0, 0.8, 0.6, 0.45, 0.3] {
-        let it = place(graph, Direction::Down, Some(share * most));
-        if it.width <= most {
-            return it;
+        let place = place(graph, Direction::Down, Some(share * most));
+        if place.width <= most {
+            return place;
         }
     }
     sideways
@@ -280,7 +280,7 @@ fn frames(graph: &Graph, nodes: &[Rect]) -> Vec<Frame> {
     for (node, rect) in graph.nodes.iter().zip(nodes) {
         let Some(name) = &node.group else { continue };
         let mut known = frames.iter_mut().zip(&columns);
-        match known.find(|(it, column)| it.name == *name && **column == node.column) {
+        match known.find(|(frame, column)| frame.name == *name && **column == node.column) {
             Some((frame, _)) => frame.rect = frame.rect.union(*rect),
             None => {
                 columns.push(node.column);
@@ -329,7 +329,7 @@ fn finish(graph: &Graph, mut layout: Layout) -> Layout {
     let rects = layout
         .nodes
         .iter()
-        .chain(layout.frames.iter().map(|it| &it.rect))
+        .chain(layout.frames.iter().map(|frame| &frame.rect))
         .chain(layout.edges.iter().filter_map(|e| e.label.as_ref()));
     for rect in rects {
         see(Point {
@@ -356,7 +356,7 @@ fn finish(graph: &Graph, mut layout: Layout) -> Layout {
     for rect in layout
         .nodes
         .iter_mut()
-        .chain(layout.frames.iter_mut().map(|it| &mut it.rect))
+        .chain(layout.frames.iter_mut().map(|frame| &mut frame.rect))
         .chain(layout.edges.iter_mut().filter_map(|e| e.label.as_mut()))
     {
         (rect.x, rect.y) = (round(rect.x + dx), round(rect.y + dy));

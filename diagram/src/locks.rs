@@ -40,17 +40,17 @@ pub fn graph(spec: &Spec, component: &Component, of: Option<Owner>) -> Graph {
     for codel in component.all_codels() {
         for exclusion in mutex::exclusions(spec, component, codel) {
             let other = match exclusion.with {
-                Excluded::Codel(it) => Holder::Codel(it),
-                Excluded::Service(it) => Holder::Attribute(it),
+                Excluded::Codel(codel) => Holder::Codel(codel),
+                Excluded::Service(service) => Holder::Attribute(service),
             };
-            let concerned = |it: Owner| {
-                codel.owner == it
+            let concerned = |owner: Owner| {
+                codel.owner == owner
                     || match other {
-                        Holder::Codel(other) => other.owner == it,
-                        Holder::Attribute(other) => Owner::Service(other) == it,
+                        Holder::Codel(other) => other.owner == owner,
+                        Holder::Attribute(other) => Owner::Service(other) == owner,
                     }
             };
-            if of.is_some_and(|it| !concerned(it)) {
+            if of.is_some_and(|owner| !concerned(owner)) {
                 continue;
             }
             for through in &exclusion.through {
@@ -71,7 +71,11 @@ struct Exclusions<'a> {
 
 impl Exclusions<'_> {
     fn add(&mut self, holder: Holder, other: Holder, shared: &Shared, param: u32) {
-        let resource = match self.resources.iter().position(|it| it == shared) {
+        let resource = match self
+            .resources
+            .iter()
+            .position(|resource| resource == shared)
+        {
             Some(known) => known,
             None => {
                 self.resources.push(shared.clone());
@@ -103,8 +107,8 @@ impl Exclusions<'_> {
 
     fn graph(mut self, of: Option<Owner>) -> Graph {
         let component = self.component;
-        let of = of.map_or(String::new(), |it| {
-            format!(".{}", owner_name(component, it))
+        let of = of.map_or(String::new(), |owner| {
+            format!(".{}", owner_name(component, owner))
         });
         let mut graph = Graph {
             title: format!("{}{of}: mutual exclusion", component.name),
@@ -118,10 +122,10 @@ impl Exclusions<'_> {
             ));
             return graph;
         }
-        let mut holders: Vec<Holder> = self.uses.keys().map(|it| it.0).collect();
+        let mut holders: Vec<Holder> = self.uses.keys().map(|key| key.0).collect();
         // By task, so that holders that never exclude each other are next to each other; the control task
         // first.
-        holders.sort_by_key(|it| (task(component, *it), *it));
+        holders.sort_by_key(|holder| (task(component, *holder), *holder));
         holders.dedup();
         let columns = self.columns(&holders);
         for (&holder, &column) in holders.iter().zip(&columns) {
@@ -135,7 +139,7 @@ impl Exclusions<'_> {
             graph.nodes.push(resource(component, shared, column));
         }
         let mut uses: Vec<_> = self.uses.drain().collect();
-        uses.sort_by_key(|it| it.0);
+        uses.sort_by_key(|usage| usage.0);
         for ((holder, shared), used) in uses {
             let text = match (used.reads, used.writes) {
                 (true, true) => "reads and writes",
@@ -205,11 +209,11 @@ impl Exclusions<'_> {
             }
         }
         // The largest first, each to the emptier side.
-        groups.sort_by_key(|it| std::cmp::Reverse(it.1.len()));
+        groups.sort_by_key(|group| std::cmp::Reverse(group.1.len()));
         let mut count = vec![0; sides];
         let mut columns = vec![0; holders.len()];
         for (first, group) in groups {
-            let least = (0..sides).min_by_key(|it| count[*it]).unwrap_or(0);
+            let least = (0..sides).min_by_key(|side| count[*side]).unwrap_or(0);
             count[least] += group.len();
             columns[first..first + group.len()].fill(2 * least);
         }
@@ -225,11 +229,17 @@ impl Exclusions<'_> {
             let users = holders.iter().zip(columns);
             let users: Vec<usize> = users
                 .filter(|(holder, _)| self.uses.contains_key(&(**holder, shared)))
-                .map(|it| *it.1)
+                .map(|user| *user.1)
                 .collect();
-            let far = |column: usize| users.iter().map(|it| it.abs_diff(column)).sum::<usize>();
+            let far = |column: usize| {
+                users
+                    .iter()
+                    .map(|user| user.abs_diff(column))
+                    .sum::<usize>()
+            };
             let between = (1..last).step_by(2);
-            let best = between.min_by_key(|it| (far(*it), taken.get(it).copied().unwrap_or(0)));
+            let best =
+                between.min_by_key(|index| (far(*index), taken.get(index).copied().unwrap_or(0)));
             let best = best.unwrap_or(1);
             *taken.entry(best).or_default() += 1;
             out.push(best);
@@ -244,26 +254,30 @@ impl Exclusions<'_> {
         let mut excluded: Vec<&str> = Vec::new();
         for resource in 0..self.resources.len() {
             if let Some(used) = self.uses.get(&(holder, resource)) {
-                for it in &used.excluded {
-                    if !excluded.contains(&it.as_str()) {
-                        excluded.push(it);
+                for text in &used.excluded {
+                    if !excluded.contains(&text.as_str()) {
+                        excluded.push(text);
                     }
                 }
             }
         }
         let (what, of, src) = match holder {
-            Holder::Codel(it) => {
-                let codel = component.codel(it);
+            Holder::Codel(reference) => {
+                let codel = component.codel(reference);
                 (
                     "codel",
-                    format!("{} {}", owner_name(component, it.owner), states(codel)),
+                    format!(
+                        "{} {}",
+                        owner_name(component, reference.owner),
+                        states(codel)
+                    ),
                     codel.src,
                 )
             }
-            Holder::Attribute(it) => (
+            Holder::Attribute(attribute) => (
                 "attribute",
                 "attribute".to_owned(),
-                component.services[it as usize].src,
+                component.services[attribute as usize].src,
             ),
         };
         Node {
@@ -294,7 +308,11 @@ fn task_name(component: &Component, holder: Holder) -> String {
 }
 
 fn states(codel: &Codel) -> String {
-    let states: Vec<&str> = codel.triggers.iter().map(|it| it.name.as_str()).collect();
+    let states: Vec<&str> = codel
+        .triggers
+        .iter()
+        .map(|trigger| trigger.name.as_str())
+        .collect();
     match codel.kind {
         CodelKind::Fsm => states.join(", "),
         CodelKind::Validate => "validate".to_owned(),
@@ -304,30 +322,30 @@ fn states(codel: &Codel) -> String {
 
 fn params(component: &Component, holder: Holder) -> &[Param] {
     match holder {
-        Holder::Codel(it) => &component.codel(it).params,
-        Holder::Attribute(it) => &component.services[it as usize].params,
+        Holder::Codel(codel) => &component.codel(codel).params,
+        Holder::Attribute(attribute) => &component.services[attribute as usize].params,
     }
 }
 
 /// The execution task; `None` for the control task.
 fn task(component: &Component, holder: Holder) -> Option<u32> {
     match holder {
-        Holder::Codel(it) => component.task_of(it),
+        Holder::Codel(codel) => component.task_of(codel),
         Holder::Attribute(_) => None,
     }
 }
 
 fn holder_name(component: &Component, holder: Holder) -> String {
     match holder {
-        Holder::Codel(it) => component.codel(it).name.to_string(),
-        Holder::Attribute(it) => component.services[it as usize].name.to_string(),
+        Holder::Codel(codel) => component.codel(codel).name.to_string(),
+        Holder::Attribute(attribute) => component.services[attribute as usize].name.to_string(),
     }
 }
 
 fn holder_id(component: &Component, holder: Holder) -> String {
     match holder {
-        Holder::Codel(it) => format!("{}#{}", owner_name(component, it.owner), it.index),
-        Holder::Attribute(it) => component.services[it as usize].name.to_string(),
+        Holder::Codel(codel) => format!("{}#{}", owner_name(component, codel.owner), codel.index),
+        Holder::Attribute(attribute) => component.services[attribute as usize].name.to_string(),
     }
 }
 
@@ -338,14 +356,14 @@ fn resource_id(component: &Component, shared: &Shared) -> String {
         Shared::Port(port) => component
             .ports
             .get(*port as usize)
-            .map_or_else(|| "port".to_owned(), |it| format!("port {}", it.name)),
+            .map_or_else(|| "port".to_owned(), |port| format!("port {}", port.name)),
     }
 }
 
 fn resource(component: &Component, shared: &Shared, column: usize) -> Node {
     let id = resource_id(component, shared);
     let src = match shared {
-        Shared::Port(port) => component.ports.get(*port as usize).map(|it| it.src),
+        Shared::Port(port) => component.ports.get(*port as usize).map(|port| port.src),
         Shared::Ids(_) => None,
     };
     Node {

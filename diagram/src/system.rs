@@ -104,7 +104,7 @@ pub fn graph(parts: &[Part], options: &Options) -> Graph {
     for (number, part) in parts.iter().enumerate() {
         let name = &part.component.name;
         let inputs = (0..).zip(&part.component.ports);
-        for (index, port) in inputs.filter(|it| it.1.dir == PortDir::In) {
+        for (index, port) in inputs.filter(|input| input.1.dir == PortDir::In) {
             let sources = system.sources((number, index));
             if sources.is_empty() {
                 let id = format!("{name}.{}", port.name);
@@ -145,7 +145,7 @@ pub fn graph(parts: &[Part], options: &Options) -> Graph {
     for chain in &options.chains {
         follow(&system, chain, &mut graph);
     }
-    let lonely = |it: &Node| it.classes.iter().any(|it| it == "unconnected");
+    let lonely = |node: &Node| node.classes.iter().any(|class| class == "unconnected");
     if graph.nodes.iter().any(lonely) {
         let note = "Dashed: input ports that nothing here feeds.";
         graph.notes.push(note.to_owned());
@@ -172,9 +172,9 @@ fn card(part: &Part, options: &Options, detail: Detail) -> Node {
         interrupts(part, &mut lines);
     }
     let open = detail == Detail::Open;
-    let ports = component.ports.iter().map(|it| &it.name);
-    let tasks = component.tasks.iter().map(|it| &it.name);
-    let services = component.services.iter().map(|it| &it.name);
+    let ports = component.ports.iter().map(|port| &port.name);
+    let tasks = component.tasks.iter().map(|task| &task.name);
+    let services = component.services.iter().map(|service| &service.name);
     let names = ports.chain(tasks).chain(services);
     let names = names.map(ToString::to_string).collect();
     Node {
@@ -245,7 +245,7 @@ fn everything(part: &Part, lines: &mut Vec<Line>) {
         lines.push(Line::new(LineStyle::Detail, text).at(origin(part, port.src)));
     }
     let tasks = component.tasks.iter();
-    lines.extend(tasks.map(|it| task(it).at(origin(part, it.src))));
+    lines.extend(tasks.map(|declared| task(declared).at(origin(part, declared.src))));
     for service in &component.services {
         let text = format!("{}()", service.name);
         lines.push(Line::new(LineStyle::Code, text).at(origin(part, service.src)));
@@ -306,14 +306,14 @@ fn locks(system: &System, graph: &mut Graph) {
                 if users.components.last() != Some(&number) {
                     users.components.push(number);
                 }
-                let wcet = codel.wcet.as_ref().map(|it| it.value);
+                let wcet = codel.wcet.as_ref().map(|wcet| wcet.value);
                 users.longest = users.longest.max(wcet);
             }
         }
     }
-    for (port, users) in users.into_iter().filter(|it| it.1.components.len() > 1) {
+    for (port, users) in users.into_iter().filter(|user| user.1.components.len() > 1) {
         let id = system.port_name(port);
-        let Some(node) = graph.nodes.iter_mut().find(|it| it.id == id) else {
+        let Some(node) = graph.nodes.iter_mut().find(|node| node.id == id) else {
             continue;
         };
         let mut text = format!("{} codels take turns", users.codels.len());
@@ -331,7 +331,7 @@ fn follow(system: &System, chain: &Chain, graph: &mut Graph) {
     let data = |(component, port): &(String, String)| {
         let part = system.part(component)?;
         let mut ports = (0..).zip(&system.parts[part].component.ports);
-        let (index, _) = ports.find(|(_, it)| it.name.as_str() == port)?;
+        let (index, _) = ports.find(|(_, candidate)| candidate.name.as_str() == port)?;
         let source = system.data_of((part, index)).first().copied()?;
         Some(system.port_name(source))
     };
@@ -340,12 +340,12 @@ fn follow(system: &System, chain: &Chain, graph: &mut Graph) {
     for pair in ports.windows(2) {
         way.extend(shortest(graph, &pair[0], &pair[1]));
     }
-    for node in graph.nodes.iter_mut().filter(|it| way.contains(&it.id)) {
+    for node in graph.nodes.iter_mut().filter(|node| way.contains(&node.id)) {
         node.mark();
     }
     for edge in &mut graph.edges {
         let mut steps = way.windows(2);
-        if steps.any(|it| it[0] == edge.from && it[1] == edge.to) {
+        if steps.any(|step| step[0] == edge.from && step[1] == edge.to) {
             edge.mark();
         }
     }
@@ -356,8 +356,8 @@ fn follow(system: &System, chain: &Chain, graph: &mut Graph) {
 fn shortest(graph: &Graph, from: &str, to: &str) -> Vec<String> {
     let mut before: BTreeMap<&str, &str> = BTreeMap::new();
     let mut queue = std::collections::VecDeque::from([from]);
-    while let Some(node) = queue.pop_front().filter(|it| *it != to) {
-        for edge in graph.edges.iter().filter(|it| it.from == node) {
+    while let Some(node) = queue.pop_front().filter(|queue| *queue != to) {
+        for edge in graph.edges.iter().filter(|edge| edge.from == node) {
             if edge.to != from && !before.contains_key(edge.to.as_str()) {
                 before.insert(&edge.to, node);
                 queue.push_back(&edge.to);
@@ -366,9 +366,9 @@ fn shortest(graph: &Graph, from: &str, to: &str) -> Vec<String> {
     }
     let mut way = Vec::new();
     let mut at = to;
-    while let Some(it) = before.get(at) {
+    while let Some(text) = before.get(at) {
         way.push(at.to_owned());
-        at = it;
+        at = text;
     }
     way.reverse();
     way

@@ -68,7 +68,7 @@ impl InputSlot {
     }
 
     fn swap(&self, data: Option<Vec<u8>>) -> Option<Vec<u8>> {
-        let mut held = self.data.lock().unwrap_or_else(|it| it.into_inner());
+        let mut held = self.data.lock().unwrap_or_else(|error| error.into_inner());
         std::mem::replace(&mut held, data)
     }
 }
@@ -242,7 +242,7 @@ impl Children {
             return Ok(());
         };
         let name = &self.names[component];
-        let tasks = (0..).zip(&self.tasks).filter(|it| it.1.0 == component);
+        let tasks = (0..).zip(&self.tasks).filter(|pair| pair.1.0 == component);
         let manner = HostOptions {
             component: name.clone(),
             tasks: tasks
@@ -251,8 +251,8 @@ impl Children {
             real_time: self.real,
             debug: self.debug.is_some(),
         };
-        let wrong = |it: std::io::Error| format!("cannot start a host for `{name}`: {it}");
-        let manner = serde_json::to_string(&manner).map_err(|it| wrong(it.into()))?;
+        let wrong = |error: std::io::Error| format!("cannot start a host for `{name}`: {error}");
+        let manner = serde_json::to_string(&manner).map_err(|error| wrong(error.into()))?;
         let program = Program {
             path: own(),
             arguments: vec![COMMAND.into(), manner.into(), library.as_std_path().into()],
@@ -266,9 +266,9 @@ impl Children {
         let output = output.ok_or_else(|| format!("the host of `{name}` has no output"))?;
         // The engine never waits for a host that does not read.
         if let Some(input) = &process.child.stdin {
-            let flags = rustix::fs::fcntl_getfl(input).map_err(|it| wrong(it.into()))?;
+            let flags = rustix::fs::fcntl_getfl(input).map_err(|error| wrong(error.into()))?;
             rustix::fs::fcntl_setfl(input, flags | OFlags::NONBLOCK)
-                .map_err(|it| wrong(it.into()))?;
+                .map_err(|error| wrong(error.into()))?;
         }
         let (sender, started) = (self.sender.clone(), self.started);
         std::thread::spawn(move || {
@@ -294,7 +294,7 @@ impl Children {
             .boards
             .of
             .get(&origin)
-            .is_some_and(|it| it.1.holds(data.len()));
+            .is_some_and(|pair| pair.1.holds(data.len()));
         if !fits {
             let Ok(board) = SharedData::new(data.len()) else {
                 // Memory is exhausted: readers keep their data.
@@ -307,7 +307,7 @@ impl Children {
                 .boards
                 .of
                 .insert(origin.clone(), (self.boards.made, board));
-            self.boards.small.extend(small.map(|it| it.1));
+            self.boards.small.extend(small.map(|pair| pair.1));
         }
         let Some((number, board)) = self.boards.of.get_mut(&origin) else {
             return;
@@ -329,7 +329,7 @@ impl Children {
 
     fn order(&mut self, component: usize, order: &HostCommand) {
         let process = self.children.get_mut(component);
-        let process = process.and_then(|it| it.process.as_mut());
+        let process = process.and_then(|process| process.process.as_mut());
         let Some(process) = process else { return };
         let sent = match (order.bytes(), &mut process.child.stdin) {
             (Ok(bytes), Some(input)) => send(input, &bytes),
@@ -337,7 +337,7 @@ impl Children {
         };
         // If the write fails because the host has ended, the end of its output is an event. A host that does
         // not read is ended.
-        if sent.is_err_and(|it| it.kind() == io::ErrorKind::TimedOut) {
+        if sent.is_err_and(|error| error.kind() == io::ErrorKind::TimedOut) {
             process.kill();
         }
     }
@@ -373,13 +373,13 @@ impl Children {
         loop {
             let left = until.saturating_duration_since(Instant::now());
             let arrival = match self.arrivals.recv_timeout(left) {
-                Ok(it) => it,
+                Ok(message) => message,
                 Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return None,
             };
             match arrival {
                 EngineEvent::HostMessage(_, of, _) | EngineEvent::Closed(_, of)
                     if of != self.started => {}
-                it => return Some(it),
+                arrival => return Some(arrival),
             }
         }
     }
@@ -406,8 +406,12 @@ impl Children {
             return None;
         }
         self.looked = now;
-        let processes = self.children.iter().filter_map(|it| it.process.as_ref());
-        let hosts = processes.filter_map(|it| Pid::from_raw(it.child.id().try_into().ok()?));
+        let processes = self
+            .children
+            .iter()
+            .filter_map(|child| child.process.as_ref());
+        let hosts =
+            processes.filter_map(|process| Pid::from_raw(process.child.id().try_into().ok()?));
         orphans::reap(&hosts.collect::<Vec<_>>());
         for (component, child) in self.children.iter_mut().enumerate() {
             let Some(process) = &mut child.process else {
@@ -482,8 +486,8 @@ fn send(input: &mut ChildStdin, mut bytes: &[u8]) -> io::Result<()> {
     while !bytes.is_empty() {
         match input.write(bytes) {
             Ok(count) => bytes = bytes.get(count..).unwrap_or_default(),
-            Err(it) if it.kind() == io::ErrorKind::Interrupted => {}
-            Err(it) if it.kind() == io::ErrorKind::WouldBlock => {
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
                 let left = until.saturating_duration_since(Instant::now());
                 if left.is_zero() {
                     return Err(io::ErrorKind::TimedOut.into());
@@ -492,10 +496,10 @@ fn send(input: &mut ChildStdin, mut bytes: &[u8]) -> io::Result<()> {
                 let mut wanted = [PollFd::new(&*input, PollFlags::OUT)];
                 match rustix::event::poll(&mut wanted, Some(&left)) {
                     Ok(_) | Err(rustix::io::Errno::INTR) => {}
-                    Err(it) => return Err(it.into()),
+                    Err(error) => return Err(error.into()),
                 }
             }
-            Err(it) => return Err(it),
+            Err(error) => return Err(error),
         }
     }
     Ok(())
@@ -532,7 +536,7 @@ impl Hosts for Children {
             self.spawn(component)?;
         }
         let until = self.deadline();
-        let wanted = self.children.iter().filter(|it| it.process.is_some());
+        let wanted = self.children.iter().filter(|child| child.process.is_some());
         let mut missing = wanted.count();
         while missing > 0 {
             match self.next_unless_interrupted(until) {
@@ -554,8 +558,8 @@ impl Hosts for Children {
                         "the codels of `{name}` cannot be loaded: its host {why}"
                     ));
                 }
-                Some(it) => {
-                    let message = self.message(it);
+                Some(event) => {
+                    let message = self.message(event);
                     self.early.extend(message);
                 }
                 None if self.interrupt.is_raised() => return Err("interrupted".to_owned()),
@@ -622,15 +626,15 @@ impl Hosts for Children {
     }
 
     fn wait(&mut self, until: u64) -> Option<Message> {
-        if let Some(it) = self.early.pop_front() {
-            return Some(it);
+        if let Some(message) = self.early.pop_front() {
+            return Some(message);
         }
         let until = Duration::from_nanos(until).min(DEBUGGER_TIMEOUT);
         let until = self.begin + until;
         loop {
             let arrival = self.next_unless_interrupted(until)?;
-            if let Some(it) = self.message(arrival) {
-                return Some(it);
+            if let Some(message) = self.message(arrival) {
+                return Some(message);
             }
         }
     }
@@ -647,8 +651,8 @@ impl Hosts for Children {
     }
 
     fn kill(&mut self, component: usize) {
-        if let Some(it) = self.children.get_mut(component) {
-            it.process = None;
+        if let Some(child) = self.children.get_mut(component) {
+            child.process = None;
         }
     }
 
@@ -671,26 +675,26 @@ impl Hosts for Children {
     }
 
     fn answer(&mut self, id: u64, answer: RequestReply) {
-        for it in &mut self.outside {
-            it.answer(id, &answer);
+        for listener in &mut self.outside {
+            listener.answer(id, &answer);
         }
     }
 
     fn entered(&mut self, id: u64, state: &str) {
-        for it in &mut self.outside {
-            it.entered(id, state);
+        for listener in &mut self.outside {
+            listener.entered(id, state);
         }
     }
 
     fn gone(&mut self, component: usize, why: &str) {
-        for it in &mut self.outside {
-            it.gone(component, why);
+        for listener in &mut self.outside {
+            listener.gone(component, why);
         }
     }
 
     fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
-        for it in &mut self.outside {
-            it.published(component, port, id, data);
+        for listener in &mut self.outside {
+            listener.published(component, port, id, data);
         }
     }
 }

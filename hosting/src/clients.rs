@@ -43,16 +43,16 @@ impl Client {
     }
 
     /// Answers. A client that does not read is disconnected, as the answer would be missing.
-    pub(super) fn say(&self, it: Value, id: &Value) {
-        if !self.offer(it, id) {
+    pub(super) fn say(&self, mapping: Value, id: &Value) {
+        if !self.offer(mapping, id) {
             self.stream.disconnect();
         }
     }
 
     /// Sends a line that may be missed. Returns whether there was room for the line.
-    pub(super) fn offer(&self, mut it: Value, id: &Value) -> bool {
-        it["id"] = id.clone();
-        let sent = self.lines.try_send(format!("{it}\n"));
+    pub(super) fn offer(&self, mut message: Value, id: &Value) -> bool {
+        message["id"] = id.clone();
+        let sent = self.lines.try_send(format!("{message}\n"));
         !matches!(sent, Err(TrySendError::Full(_)))
     }
 }

@@ -35,18 +35,18 @@ pub(super) fn describe(known: &KnownComponent) -> Value {
     let values = Values::new(&known.spec);
     let component = known.component();
     let services = component.services.iter().map(|service| {
-        let inputs = service.params.iter().filter(|it| is_input(it));
-        let inputs = inputs.map(|it| {
+        let inputs = service.params.iter().filter(|param| is_input(param));
+        let inputs = inputs.map(|input| {
             let mut out = json!({
-                "name": it.name.as_str(),
-                "schema": schema::of_param(&known.spec, it),
+                "name": input.name.as_str(),
+                "schema": schema::of_param(&known.spec, input),
             });
-            if let Some(default) = values.default_of(it) {
+            if let Some(default) = values.default_of(input) {
                 out["default"] = default;
             }
             out
         });
-        let outputs = service.params.iter().filter(|it| is_output(it));
+        let outputs = service.params.iter().filter(|param| is_output(param));
         json!({
             "name": service.name.as_str(),
             "kind": match service.kind {
@@ -56,11 +56,15 @@ pub(super) fn describe(known: &KnownComponent) -> Value {
             },
             "doc": service.doc,
             "inputs": inputs.collect::<Vec<_>>(),
-            "outputs": outputs.map(|it| it.name.as_str()).collect::<Vec<_>>(),
+            "outputs": outputs.map(|output| output.name.as_str()).collect::<Vec<_>>(),
         })
     });
     let mut services: Vec<Value> = services.collect();
-    if !component.services.iter().any(|it| it.name == CONNECT) {
+    if !component
+        .services
+        .iter()
+        .any(|service| service.name == CONNECT)
+    {
         services.push(json!({
             "name": CONNECT,
             "kind": "function",
@@ -73,13 +77,13 @@ pub(super) fn describe(known: &KnownComponent) -> Value {
             "outputs": [],
         }));
     }
-    let ports = component.ports.iter().map(|it| {
+    let ports = component.ports.iter().map(|port| {
         json!({
-            "name": it.name.as_str(),
-            "direction": if it.dir == PortDir::In { "in" } else { "out" },
-            "multiple": it.multiple,
-            "schema": schema::of_type(&known.spec, it.data),
-            "doc": it.doc,
+            "name": port.name.as_str(),
+            "direction": if port.dir == PortDir::In { "in" } else { "out" },
+            "multiple": port.multiple,
+            "schema": schema::of_type(&known.spec, port.data),
+            "doc": port.doc,
         })
     });
     json!({
@@ -98,16 +102,19 @@ pub(super) fn detail_of(spec: &Spec, exception: &str, bytes: &[u8]) -> Value {
         return json!({"code": i32::from_ne_bytes(code)});
     }
     if exception == "::genom::unkex" {
-        let end = bytes.iter().position(|&it| it == 0).unwrap_or(bytes.len());
+        let end = bytes
+            .iter()
+            .position(|&byte| byte == 0)
+            .unwrap_or(bytes.len());
         let what = String::from_utf8_lossy(bytes.get(..end).unwrap_or_default());
         return json!({"what": what});
     }
     let ids = (0..spec.types.len() as u32).map(TypeId);
-    let mut exceptions = ids.filter(|&it| matches!(spec.ty(it).kind, TypeKind::Exception { .. }));
-    let found = exceptions.find(|&it| spec.full_name(it).as_deref() == Some(exception));
-    let value = found.and_then(|it| Values::new(spec).decode(it, bytes).ok());
+    let mut exceptions = ids.filter(|&ty| matches!(spec.ty(ty).kind, TypeKind::Exception { .. }));
+    let found = exceptions.find(|&ty| spec.full_name(ty).as_deref() == Some(exception));
+    let value = found.and_then(|exception| Values::new(spec).decode(exception, bytes).ok());
     match value {
-        Some(Value::Object(it)) if it.is_empty() => Value::Null,
-        it => it.unwrap_or(Value::Null),
+        Some(Value::Object(object)) if object.is_empty() => Value::Null,
+        exception => exception.unwrap_or(Value::Null),
     }
 }

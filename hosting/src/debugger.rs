@@ -28,6 +28,8 @@ fn is_attached() -> bool {
         // Without this file the answer is unknown. The host does not wait.
         return true;
     };
-    let tracer = status.lines().find_map(|it| it.strip_prefix("TracerPid:"));
-    tracer.is_some_and(|it| it.trim() != "0")
+    let tracer = status
+        .lines()
+        .find_map(|line| line.strip_prefix("TracerPid:"));
+    tracer.is_some_and(|tracer| tracer.trim() != "0")
 }

@@ -74,7 +74,7 @@ struct Waiting {
 fn remote_call(output: Output, waiting: Arc<Mutex<Waiting>>) -> RemoteCall {
     Box::new(move |remote, inputs| {
         let (sender, answer) = channel();
-        let mut all = waiting.lock().unwrap_or_else(|it| it.into_inner());
+        let mut all = waiting.lock().unwrap_or_else(|error| error.into_inner());
         all.next = all.next.wrapping_add(1);
         let ask = all.next;
         all.all.insert(ask, sender);
@@ -95,7 +95,7 @@ fn serve(library: &Path, manner: &HostOptions) -> io::Result<()> {
     let real = manner.real_time;
     let (mut input, output) = channels()?;
     let component = match Component::load(library) {
-        Ok(it) => Arc::new(it),
+        Ok(component) => Arc::new(component),
         Err(why) => return tell(&output, &HostMessage::Unusable(why)),
     };
     if manner.debug {
@@ -123,13 +123,13 @@ fn serve(library: &Path, manner: &HostOptions) -> io::Result<()> {
                 error,
                 outputs,
             } => {
-                let mut waiting = waiting.lock().unwrap_or_else(|it| it.into_inner());
+                let mut waiting = waiting.lock().unwrap_or_else(|error| error.into_inner());
                 let result = match error {
                     0 => Ok(outputs),
                     error => Err(c_int::try_from(error).unwrap_or(libc::EIO)),
                 };
-                if let Some(it) = waiting.all.remove(&ask) {
-                    let _ = it.send(result);
+                if let Some(sender) = waiting.all.remove(&ask) {
+                    let _ = sender.send(result);
                 }
             }
             HostCommand::Share { port, id, path } => component.share(port, &id, &path)?,
@@ -169,7 +169,7 @@ fn channels() -> io::Result<(BufReader<File>, Output)> {
 }
 
 fn tell(output: &Output, reply: &HostMessage) -> io::Result<()> {
-    let mut output = output.lock().unwrap_or_else(|it| it.into_inner());
+    let mut output = output.lock().unwrap_or_else(|error| error.into_inner());
     reply.send(&mut *output)
 }
 
@@ -187,7 +187,7 @@ fn start(
         if let Some(core) = real {
             // The engine makes the same request, and reports a refusal.
             realtime::raise_priority();
-            if let Some(core) = core.filter(|&it| !realtime::pin(it)) {
+            if let Some(core) = core.filter(|&core| !realtime::pin(core)) {
                 // Without a channel nothing can be reported.
                 let _ = tell(&output, &HostMessage::Denied(format!("core {core}")));
             }

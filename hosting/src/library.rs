@@ -128,12 +128,12 @@ impl Component {
         let id = CString::new(id)?;
         let view = View::open(path)?;
         let address = view.address();
-        let mut views = self.views.lock().unwrap_or_else(|it| it.into_inner());
+        let mut views = self.views.lock().unwrap_or_else(|error| error.into_inner());
         views.push(view);
         // SAFETY: the name ends with a zero and is only read. The view keeps its address until the glue
         // returns it.
         let before = unsafe { (self.share)(port, id.as_ptr(), address) };
-        views.retain(|it| it.address() != before);
+        views.retain(|view| view.address() != before);
         Ok(())
     }
 
@@ -173,21 +173,21 @@ impl Component {
 }
 
 fn outcome(bytes: &[u8]) -> Option<Outcome> {
-    let mut it = ByteReader(bytes);
-    let how = match it.number().ok()? {
+    let mut reader = ByteReader(bytes);
+    let how = match reader.number().ok()? {
         0 => CodelEnd::Event,
         1 => CodelEnd::Exception,
         _ => CodelEnd::Other,
     };
-    let name = it.text().ok()?;
-    let detail = it.bytes().ok()?.to_vec();
-    let count = it.number().ok()?;
+    let name = reader.text().ok()?;
+    let detail = reader.bytes().ok()?.to_vec();
+    let count = reader.number().ok()?;
     let mut written = Vec::new();
     for _ in 0..count {
-        let port = it.number().ok()?;
-        let id = it.text().ok()?;
-        let data = match it.number().ok()? {
-            0 => Some(it.bytes().ok()?.to_vec()),
+        let port = reader.number().ok()?;
+        let id = reader.text().ok()?;
+        let data = match reader.number().ok()? {
+            0 => Some(reader.bytes().ok()?.to_vec()),
             _ => None,
         };
         written.push(PortWrite { port, id, data });

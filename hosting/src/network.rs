@@ -53,20 +53,20 @@ pub fn join(
     tell: &Notifier,
 ) -> Result<(Network, Box<dyn RunListener>), String> {
     let config = config("peer", wanted.listen, wanted.connect)
-        .map_err(|it| format!("an endpoint of Zenoh is wrong: {it}"))?;
+        .map_err(|error| format!("an endpoint of Zenoh is wrong: {error}"))?;
     let session = zenoh::open(config).wait();
-    let session = session.map_err(|it| format!("cannot join by Zenoh: {it}"))?;
+    let session = session.map_err(|error| format!("cannot join by Zenoh: {error}"))?;
     let mut subscribers = Vec::new();
-    for (&component, it) in known {
-        for (index, port) in (0u32..).zip(&it.component().ports) {
+    for (&component, entry) in known {
+        for (index, port) in (0u32..).zip(&entry.component().ports) {
             if port.dir == PortDir::Out {
                 continue;
             }
             let chosen = wanted
                 .reads
                 .iter()
-                .filter(|it| it.0 == component && it.1 == index);
-            let mut keys: Vec<String> = chosen.map(|it| it.2.clone()).collect();
+                .filter(|entry| entry.0 == component && entry.1 == index);
+            let mut keys: Vec<String> = chosen.map(|triple| triple.2.clone()).collect();
             if keys.is_empty() && !is_fed(component, index) {
                 keys.push(format!("*/{}", port.name));
                 if port.multiple {
@@ -75,9 +75,9 @@ pub fn join(
             }
             for key in keys {
                 let input = Input {
-                    spec: it.spec.clone(),
+                    spec: entry.spec.clone(),
                     ty: port.data,
-                    path: format!("{}.{}", it.component().name, port.name),
+                    path: format!("{}.{}", entry.component().name, port.name),
                     component,
                     port: index,
                     multiple: port.multiple,
@@ -88,8 +88,11 @@ pub fn join(
                 let subscriber = session.declare_subscriber(key.clone());
                 // The data of this run does not pass through the network.
                 let subscriber = subscriber.allowed_origin(Locality::Remote);
-                let subscriber = subscriber.callback(move |it| input.hear(&it)).wait();
-                subscribers.push(subscriber.map_err(|it| format!("cannot read `{key}`: {it}"))?);
+                let subscriber = subscriber
+                    .callback(move |sample| input.hear(&sample))
+                    .wait();
+                subscribers
+                    .push(subscriber.map_err(|error| format!("cannot read `{key}`: {error}"))?);
             }
         }
     }
@@ -155,14 +158,14 @@ impl Input {
         };
         let bytes = sample.payload().to_bytes();
         let data = from_cdr(Values::new(&self.spec), self.ty, &bytes);
-        let mut heard = self.state.lock().unwrap_or_else(|it| it.into_inner());
+        let mut heard = self.state.lock().unwrap_or_else(|error| error.into_inner());
         let tell_once = |told: &mut BTreeSet<String>, what: &str| {
             if told.len() < SOURCES && told.insert(key.to_owned()) {
                 (self.tell)(what);
             }
         };
         let data = match data {
-            Ok(it) => it,
+            Ok(data) => data,
             Err(wrong) => {
                 let path = &self.path;
                 let what =
@@ -214,7 +217,7 @@ impl Outputs {
         let encoding = Encoding::APPLICATION_CDR.with_schema(name.trim_start_matches("::"));
         let publisher = self.session.declare_publisher(key.clone());
         match publisher.encoding(encoding).wait() {
-            Ok(it) => Some(it),
+            Ok(wait) => Some(wait),
             Err(why) => {
                 (self.tell)(&format!("`{key}` is not seen by other machines: {why}"));
                 None
@@ -227,7 +230,8 @@ impl RunListener for Outputs {
     fn answer(&mut self, _: u64, _: &RequestReply) {}
 
     fn gone(&mut self, component: usize, _: &str) {
-        self.publishers.retain(|it, _| it.0 != component);
+        self.publishers
+            .retain(|publisher, _| publisher.0 != component);
     }
 
     fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {

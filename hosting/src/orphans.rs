@@ -27,11 +27,11 @@ impl OrphanReaper {
         let helpers = children();
         let mut programs = helpers
             .iter()
-            .map(|it| program(&it.pid.as_raw_nonzero().to_string()));
-        if getpid() == Pid::INIT || programs.any(|it| it != own) {
+            .map(|helper| program(&helper.pid.as_raw_nonzero().to_string()));
+        if getpid() == Pid::INIT || programs.any(|program| program != own) {
             return None;
         }
-        let helpers = helpers.into_iter().map(|it| it.pid).collect();
+        let helpers = helpers.into_iter().map(|helper| helper.pid).collect();
         #[cfg(target_os = "linux")]
         rustix::process::set_child_subreaper(Some(getpid())).ok()?;
         Some(OrphanReaper { helpers })
@@ -58,7 +58,7 @@ impl Drop for OrphanReaper {
         let until = Instant::now() + LIMIT;
         loop {
             let mut strays = children();
-            strays.retain(|it| !self.helpers.contains(&it.pid));
+            strays.retain(|stray| !self.helpers.contains(&stray.pid));
             if strays.is_empty() {
                 break;
             }

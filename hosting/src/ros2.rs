@@ -52,7 +52,7 @@ pub fn join(
     inbox: &RunInbox,
     tell: &Notifier,
 ) -> Result<Box<dyn RunListener>, String> {
-    let failed = |it: zenoh::Error| format!("cannot join ROS 2 by Zenoh: {it}");
+    let failed = |error: zenoh::Error| format!("cannot join ROS 2 by Zenoh: {error}");
     let session = open(wanted).map_err(failed)?;
     let mut nodes = Nodes {
         id: session.zid().to_string(),
@@ -62,15 +62,15 @@ pub fn join(
         joined: BTreeMap::new(),
         tell: tell.clone(),
     };
-    for (&component, it) in known {
-        match endpoints(&it.spec, it.component(), wanted.domain) {
+    for (&component, entry) in known {
+        match endpoints(&entry.spec, entry.component(), wanted.domain) {
             Ok(node) => {
                 let refused = node.refused.iter();
-                refused.for_each(|it| tell(&it.to_string()));
+                refused.for_each(|refusal| tell(&refusal.to_string()));
                 let joined = nodes.add(component, node, is_fed).map_err(failed)?;
                 nodes.joined.insert(component, joined);
             }
-            Err(all) => all.iter().for_each(|it| tell(&it.to_string())),
+            Err(all) => all.iter().for_each(|refusal| tell(&refusal.to_string())),
         }
     }
     Ok(Box::new(nodes))
@@ -85,7 +85,7 @@ fn open(wanted: Ros2Options<'_>) -> zenoh::Result<Session> {
     let default = [ROUTER.to_owned()];
     let connect = match (wanted.connect, wanted.listen) {
         ([], []) => &default[..],
-        (it, _) => it,
+        (connect, _) => connect,
     };
     let mut config = config(mode, wanted.listen, connect)?;
     // The last message of a topic is kept with its time.
@@ -162,7 +162,7 @@ impl Nodes {
                 (Kind::Subscription, Part::Port(port)) if !is_fed(component, port) => {
                     let input = self.input(component, port, endpoint.multiple);
                     let subscriber = self.session.declare_subscriber(key);
-                    let subscriber = subscriber.callback(move |it| input.hear(&it));
+                    let subscriber = subscriber.callback(move |sample| input.hear(&sample));
                     subscribers.push(subscriber.wait()?);
                     if !endpoint.multiple {
                         tokens.push(declare(endpoint.token(id, self.number()))?);
@@ -202,10 +202,15 @@ impl Nodes {
     /// Declares the topic of an instance of a `multiple` output port.
     fn instance(&self, node: &Node, number: u32, port: u32, name: &str) -> Option<Topic> {
         let mut all = node.endpoints.iter();
-        let endpoint: &Endpoint = all.find(|it| it.part == Part::Port(port))?;
-        let topic = endpoint.instance(name).and_then(|it| {
-            let topic = Topic::new(&self.session, self.id(node, number), &it, self.number());
-            topic.map_err(|it| it.to_string())
+        let endpoint: &Endpoint = all.find(|endpoint| endpoint.part == Part::Port(port))?;
+        let topic = endpoint.instance(name).and_then(|instance| {
+            let topic = Topic::new(
+                &self.session,
+                self.id(node, number),
+                &instance,
+                self.number(),
+            );
+            topic.map_err(|error| error.to_string())
         });
         topic
             .inspect_err(|why| {
@@ -234,22 +239,22 @@ impl RunListener for Nodes {
 
     fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
         let place = (port, id.to_owned());
-        let Some(it) = self.joined.get(&component) else {
+        let Some(joined) = self.joined.get(&component) else {
             return;
         };
-        if !it.topics.contains_key(&place) {
-            if it.topics.len() >= SOURCES {
+        if !joined.topics.contains_key(&place) {
+            if joined.topics.len() >= SOURCES {
                 return;
             }
-            let topic = self.instance(&it.node, it.number, port, id);
-            if let Some(it) = self.joined.get_mut(&component) {
-                it.topics.insert(place.clone(), topic);
+            let topic = self.instance(&joined.node, joined.number, port, id);
+            if let Some(joined) = self.joined.get_mut(&component) {
+                joined.topics.insert(place.clone(), topic);
             }
         }
         let topic = self
             .joined
             .get(&component)
-            .and_then(|it| it.topics.get(&place));
+            .and_then(|joined| joined.topics.get(&place));
         let Some(Some(topic)) = topic else {
             return;
         };
@@ -289,7 +294,10 @@ impl Input {
         let Ok(data) = payloads.data(ty, &payload.to_bytes()) else {
             return;
         };
-        let mut newest = self.newest.lock().unwrap_or_else(|it| it.into_inner());
+        let mut newest = self
+            .newest
+            .lock()
+            .unwrap_or_else(|error| error.into_inner());
         if newest.len() >= SOURCES && !newest.contains_key(name) {
             return;
         }

@@ -65,12 +65,12 @@ impl Server {
         clients: Clients,
     ) -> Result<(SocketAddr, Option<PathBuf>), String> {
         let address = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
-        let wrong = |it: io::Error| format!("cannot listen at {address}: {it}");
+        let wrong = |error: io::Error| format!("cannot listen at {address}: {error}");
         let listener = TcpListener::bind(address).map_err(wrong)?;
         let taken = listener.local_addr().map_err(wrong)?;
         let mut token = None;
         if clients == Clients::OfThisUser {
-            let no_file = |it: io::Error| format!("cannot make the token of {taken}: {it}");
+            let no_file = |error: io::Error| format!("cannot make the token of {taken}: {error}");
             let (text, file) = Token::new(taken.port()).map_err(no_file)?;
             self.token = Some(file);
             token = Some(Arc::new(text));
@@ -152,7 +152,7 @@ struct Watcher {
 
 impl Shared {
     fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(|it| it.into_inner())
+        self.state.lock().unwrap_or_else(|error| error.into_inner())
     }
 }
 
@@ -172,14 +172,14 @@ pub fn listen(
             "another run listens at `{shown}`; end it, or choose another path with --socket"
         ));
     }
-    if std::fs::symlink_metadata(path).is_ok_and(|it| {
+    if std::fs::symlink_metadata(path).is_ok_and(|metadata| {
         use std::os::unix::fs::FileTypeExt as _;
-        it.file_type().is_socket()
+        metadata.file_type().is_socket()
     }) {
         // The socket was left behind by a run that was killed.
         let _ = std::fs::remove_file(path);
     }
-    let wrong = |it: std::io::Error| format!("cannot listen at `{shown}`: {it}");
+    let wrong = |error: std::io::Error| format!("cannot listen at `{shown}`: {error}");
     // The socket is private from its first moment.
     let before = umask(Mode::from_raw_mode(0o177));
     let listener = UnixListener::bind(path);
@@ -239,13 +239,19 @@ fn serve(shared: &Shared, stream: Stream, number: u64, token: Option<&Token>) {
         stream.wait_for_end();
     }
     let mut state = shared.state();
-    state.watchers.retain(|it| it.client.number != number);
-    state.followers.retain(|it| it.0.number != number);
+    state
+        .watchers
+        .retain(|watcher| watcher.client.number != number);
+    state
+        .followers
+        .retain(|follower| follower.0.number != number);
     state
         .progress_subscribers
-        .retain(|it| it.0.number != number);
+        .retain(|subscriber| subscriber.0.number != number);
     // The requests go on, without a receiver of their results.
-    state.requests.retain(|_, it| it.client.number != number);
+    state
+        .requests
+        .retain(|_, request| request.client.number != number);
     drop(state);
     stream.wait_for_end();
 }
@@ -279,9 +285,9 @@ fn read_requests(
             Line::End => return token.is_none(),
         }
         let request: Value = match serde_json::from_slice(&line) {
-            Ok(it) => it,
-            Err(it) => {
-                let why = format!("this is no JSON: {it}");
+            Ok(slice) => slice,
+            Err(error) => {
+                let why = format!("this is no JSON: {error}");
                 client.say(json!({"event": "error", "message": why}), &Value::Null);
                 // A page in a browser can connect to the port too, but its request begins with text that is
                 // not JSON.
@@ -307,7 +313,7 @@ fn read_requests(
             continue;
         }
         match answer(shared, client, &request, &id) {
-            Ok(Some(it)) => client.say(it, &id),
+            Ok(Some(answer)) => client.say(answer, &id),
             Ok(None) => {}
             Err(why) => client.say(json!({"event": "error", "message": why}), &id),
         }
@@ -316,12 +322,18 @@ fn read_requests(
 
 /// Refuses a request that does not end at once if the connection has too many, or one with the same `id`.
 fn admit(state: &State, client: &Client, id: &Value) -> Result<(), String> {
-    let requests = state.requests.values().map(|it| (&it.client, &it.id));
-    let watchers = state.watchers.iter().map(|it| (&it.client, &it.id));
+    let requests = state
+        .requests
+        .values()
+        .map(|request| (&request.client, &request.id));
+    let watchers = state
+        .watchers
+        .iter()
+        .map(|watcher| (&watcher.client, &watcher.id));
     let others = state.followers.iter().chain(&state.progress_subscribers);
     let all = requests
         .chain(watchers)
-        .chain(others.map(|it| (&it.0, &it.1)));
+        .chain(others.map(|follower| (&follower.0, &follower.1)));
     let mut waiting = 0;
     for (_, other) in all.filter(|(other, _)| other.number == client.number) {
         // Requests without an `id` cannot be distinguished. The client has chosen this.
@@ -389,7 +401,8 @@ fn answer(
     if let Some(of) = request.get("abort") {
         let state = shared.state();
         let mut all = state.requests.iter();
-        let found = all.find(|(_, it)| it.client.number == client.number && it.id == *of);
+        let found =
+            all.find(|(_, request)| request.client.number == client.number && request.id == *of);
         let Some((&number, _)) = found else {
             return Err("that request has ended, or is none of yours".to_owned());
         };
@@ -439,13 +452,18 @@ fn call(
     let at = component(shared, name)?;
     let known = &shared.known[&at];
     let services = &known.component().services;
-    let found = services.iter().position(|it| it.name == service);
+    let found = services
+        .iter()
+        .position(|candidate| candidate.name == service);
     if found.is_none() && service == CONNECT {
         client.say(inputs::connect(shared, at, input)?, id);
         return Ok(());
     }
     let Some(index) = found else {
-        let names: Vec<&str> = services.iter().map(|it| it.name.as_str()).collect();
+        let names: Vec<&str> = services
+            .iter()
+            .map(|service| service.name.as_str())
+            .collect();
         return Err(find::missing(
             &format!("`{name}`"),
             "service",
@@ -459,11 +477,11 @@ fn call(
     let none = Map::new();
     let given = match input {
         None | Some(Value::Null) => &none,
-        Some(Value::Object(it)) => it,
+        Some(Value::Object(object)) => object,
         Some(_) => return Err(data::not_an_object(&known.spec, &services[index])),
     };
     let inputs = Values::new(&known.spec).inputs(&services[index], given);
-    let inputs = inputs.map_err(|it| format!("`{path}`: {it}"))?;
+    let inputs = inputs.map_err(|error| format!("`{path}`: {error}"))?;
     let mut state = shared.state();
     admit(&state, client, id)?;
     let number = shared.inbox.number();
@@ -530,10 +548,10 @@ impl RunListener for EngineListener {
             return;
         };
         let told = lost(known, why);
-        state.watchers.retain(|it| {
-            let stays = it.component != component;
+        state.watchers.retain(|watcher| {
+            let stays = watcher.component != component;
             if !stays {
-                it.client.say(told.clone(), &it.id);
+                watcher.client.say(told.clone(), &watcher.id);
             }
             stays
         });
@@ -547,13 +565,13 @@ impl RunListener for EngineListener {
         let ty = known.component().ports[port as usize].data;
         let mut value = None;
         let of = state.watchers.iter();
-        for it in of.filter(|it| (it.component, it.port) == (component, port)) {
+        for watcher in of.filter(|watcher| (watcher.component, watcher.port) == (component, port)) {
             let value = value.get_or_insert_with(|| {
                 let value = Values::new(&known.spec).decode(ty, data);
                 value.unwrap_or(Value::Null)
             });
             let told = json!({"event": "data", "instance": id, "value": value});
-            it.client.offer(told, &it.id);
+            watcher.client.offer(told, &watcher.id);
         }
         state
             .data

@@ -177,7 +177,7 @@ fn map(file: &File, length: usize, access: libc::c_int) -> io::Result<NonNull<Bo
     };
     match memory {
         libc::MAP_FAILED => Err(io::Error::last_os_error()),
-        it => NonNull::new(it.cast()).ok_or_else(io::Error::last_os_error),
+        memory => NonNull::new(memory.cast()).ok_or_else(io::Error::last_os_error),
     }
 }
 

@@ -14,12 +14,12 @@ const SUFFIX: &str = "sock";
 /// The folder cannot be created, or another user can enter it.
 pub(crate) fn folder() -> io::Result<PathBuf> {
     let own = rustix::process::getuid().as_raw();
-    let folder = match std::env::var_os("XDG_RUNTIME_DIR").filter(|it| !it.is_empty()) {
-        Some(it) => PathBuf::from(it).join("dotgen"),
+    let folder = match std::env::var_os("XDG_RUNTIME_DIR").filter(|variable| !variable.is_empty()) {
+        Some(variable) => PathBuf::from(variable).join("dotgen"),
         None => std::env::temp_dir().join(format!("dotgen-{own}")),
     };
     match std::fs::DirBuilder::new().mode(0o700).create(&folder) {
-        Err(it) if it.kind() != io::ErrorKind::AlreadyExists => return Err(it),
+        Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
         _ => {}
     }
     let found = std::fs::symlink_metadata(&folder)?;
@@ -49,22 +49,30 @@ pub(super) fn token(port: u16) -> io::Result<PathBuf> {
 /// A message: no run listens, or several runs do.
 pub fn connect(path: Option<&Path>) -> Result<UnixStream, String> {
     if let Some(path) = path {
-        let wrong = |it| format!("no run listens at `{}`: {it}", path.display());
+        let wrong = |error| format!("no run listens at `{}`: {error}", path.display());
         return UnixStream::connect(path).map_err(wrong);
     }
-    let folder = folder().map_err(|it| it.to_string())?;
-    let entries = std::fs::read_dir(&folder).map_err(|it| it.to_string())?;
-    let sockets = entries.filter_map(Result::ok).map(|it| it.path());
-    let sockets = sockets.filter(|it| it.extension().is_some_and(|it| it == SUFFIX));
+    let folder = folder().map_err(|error| error.to_string())?;
+    let entries = std::fs::read_dir(&folder).map_err(|error| error.to_string())?;
+    let sockets = entries.filter_map(Result::ok).map(|entry| entry.path());
+    let sockets = sockets.filter(|socket| {
+        socket
+            .extension()
+            .is_some_and(|extension| extension == SUFFIX)
+    });
     let mut found: Vec<(PathBuf, UnixStream)> = sockets
-        .filter_map(|it| UnixStream::connect(&it).ok().map(|stream| (it, stream)))
+        .filter_map(|socket| {
+            UnixStream::connect(&socket)
+                .ok()
+                .map(|stream| (socket, stream))
+        })
         .collect();
     match found.len() {
         0 => Err("no run accepts requests; start one with `dotgen run --clock real FILE`. A run that was just started \
              may still be compiling".to_owned()),
-        1 => found.pop().map(|it| it.1).ok_or_else(String::new),
+        1 => found.pop().map(|pair| pair.1).ok_or_else(String::new),
         _ => {
-            let names = found.iter().map(|it| it.0.display().to_string());
+            let names = found.iter().map(|pair| pair.0.display().to_string());
             let names: Vec<String> = names.collect();
             let names = names.join(", ");
             Err(format!(

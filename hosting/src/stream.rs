@@ -26,9 +26,9 @@ impl Stream {
 
     /// Limits the time of each read from a TCP port. A read that takes longer fails.
     pub(super) fn limit_reads(&self, time: Option<Duration>) {
-        if let Stream::Tcp(it) = self {
+        if let Stream::Tcp(tcp) = self {
             // Fails only for a time of zero.
-            let _ = it.set_read_timeout(time);
+            let _ = tcp.set_read_timeout(time);
         }
     }
 
@@ -36,8 +36,8 @@ impl Stream {
     pub(super) fn disconnect(&self) {
         // The connection may have ended already.
         let _ = match self {
-            Stream::Unix(it) => it.shutdown(Shutdown::Both),
-            Stream::Tcp(it) => it.shutdown(Shutdown::Both),
+            Stream::Unix(unix) => unix.shutdown(Shutdown::Both),
+            Stream::Tcp(tcp) => tcp.shutdown(Shutdown::Both),
         };
     }
 }
@@ -46,8 +46,8 @@ impl Stream {
     /// Waits until the connection has ended in both directions.
     pub(super) fn wait_for_end(&self) {
         let fd = match self {
-            Stream::Unix(it) => it.as_fd(),
-            Stream::Tcp(it) => it.as_fd(),
+            Stream::Unix(unix) => unix.as_fd(),
+            Stream::Tcp(tcp) => tcp.as_fd(),
         };
         // `poll` reports the end without a request for it.
         let mut polled = [PollFd::new(&fd, PollFlags::empty())];
@@ -58,8 +58,8 @@ impl Stream {
 impl Read for &Stream {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         match self {
-            Stream::Unix(it) => (&*it).read(bytes),
-            Stream::Tcp(it) => (&*it).read(bytes),
+            Stream::Unix(unix) => (&*unix).read(bytes),
+            Stream::Tcp(tcp) => (&*tcp).read(bytes),
         }
     }
 }
@@ -67,8 +67,8 @@ impl Read for &Stream {
 impl Write for &Stream {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
-            Stream::Unix(it) => (&*it).write(bytes),
-            Stream::Tcp(it) => (&*it).write(bytes),
+            Stream::Unix(unix) => (&*unix).write(bytes),
+            Stream::Tcp(tcp) => (&*tcp).write(bytes),
         }
     }
 

@@ -118,33 +118,33 @@ impl HostCommand {
         let Some(bytes) = receive(from)? else {
             return Ok(None);
         };
-        let mut it = ByteReader(&bytes);
-        let order = match it.byte()? {
+        let mut reader = ByteReader(&bytes);
+        let order = match reader.byte()? {
             0 => HostCommand::Make {
-                service: it.number()?,
-                instance: it.number()?,
-                inputs: it.bytes()?.to_vec(),
+                service: reader.number()?,
+                instance: reader.number()?,
+                inputs: reader.bytes()?.to_vec(),
             },
             1 => HostCommand::Run {
-                lane: it.number()?,
-                ticket: it.number()?,
-                codel: it.number()?,
-                instance: it.number()?,
-                core: Some(it.number()?).filter(|it| *it != NO_CORE),
+                lane: reader.number()?,
+                ticket: reader.number()?,
+                codel: reader.number()?,
+                instance: reader.number()?,
+                core: Some(reader.number()?).filter(|core| *core != NO_CORE),
             },
             2 => HostCommand::End {
-                service: it.number()?,
-                instance: it.number()?,
+                service: reader.number()?,
+                instance: reader.number()?,
             },
             3 => HostCommand::Share {
-                port: it.number()?,
-                id: it.text()?,
-                path: it.text()?,
+                port: reader.number()?,
+                id: reader.text()?,
+                path: reader.text()?,
             },
             4 => HostCommand::Answered {
-                ask: it.number()?,
-                error: it.number()?,
-                outputs: it.bytes()?.to_vec(),
+                ask: reader.number()?,
+                error: reader.number()?,
+                outputs: reader.bytes()?.to_vec(),
             },
             _ => return Err(nonsense()),
         };
@@ -175,9 +175,9 @@ impl HostMessage {
                 out.byte(3).number(ran.ticket).long(ran.nanos).byte(how);
                 out.bytes(ran.name.as_bytes()).bytes(&ran.detail);
                 out.number(u32::try_from(ran.written.len()).unwrap_or(u32::MAX));
-                for it in &ran.written {
-                    out.number(it.port).bytes(it.id.as_bytes());
-                    match &it.data {
+                for port_write in &ran.written {
+                    out.number(port_write.port).bytes(port_write.id.as_bytes());
+                    match &port_write.data {
                         Some(data) => out.byte(1).bytes(data),
                         None => out.byte(0),
                     };
@@ -194,42 +194,42 @@ impl HostMessage {
         let Some(bytes) = receive(from)? else {
             return Ok(None);
         };
-        let mut it = ByteReader(&bytes);
-        let reply = match it.byte()? {
+        let mut reader = ByteReader(&bytes);
+        let reply = match reader.byte()? {
             0 => HostMessage::Ready,
-            1 => HostMessage::Unusable(it.text()?),
-            2 => HostMessage::Ended(it.bytes()?.to_vec()),
+            1 => HostMessage::Unusable(reader.text()?),
+            2 => HostMessage::Ended(reader.bytes()?.to_vec()),
             3 => HostMessage::CodelResult(CodelResult {
-                ticket: it.number()?,
-                nanos: it.long()?,
-                how: match it.byte()? {
+                ticket: reader.number()?,
+                nanos: reader.long()?,
+                how: match reader.byte()? {
                     0 => CodelEnd::Event,
                     1 => CodelEnd::Exception,
                     _ => CodelEnd::Other,
                 },
-                name: it.text()?,
-                detail: it.bytes()?.to_vec(),
+                name: reader.text()?,
+                detail: reader.bytes()?.to_vec(),
                 written: {
-                    let count = it.number()?;
+                    let count = reader.number()?;
                     let mut all = Vec::new();
                     for _ in 0..count {
                         all.push(PortWrite {
-                            port: it.number()?,
-                            id: it.text()?,
-                            data: match it.byte()? {
+                            port: reader.number()?,
+                            id: reader.text()?,
+                            data: match reader.byte()? {
                                 0 => None,
-                                _ => Some(it.bytes()?.to_vec()),
+                                _ => Some(reader.bytes()?.to_vec()),
                             },
                         });
                     }
                     all
                 },
             }),
-            4 => HostMessage::Denied(it.text()?),
+            4 => HostMessage::Denied(reader.text()?),
             5 => HostMessage::Asked {
-                ask: it.number()?,
-                remote: it.number()?,
-                inputs: it.bytes()?.to_vec(),
+                ask: reader.number()?,
+                remote: reader.number()?,
+                inputs: reader.bytes()?.to_vec(),
             },
             6 => HostMessage::Waiting,
             _ => return Err(nonsense()),
@@ -242,24 +242,24 @@ impl HostMessage {
 struct Frame(Vec<u8>);
 
 impl Frame {
-    fn byte(&mut self, it: u8) -> &mut Self {
-        self.0.push(it);
+    fn byte(&mut self, byte: u8) -> &mut Self {
+        self.0.push(byte);
         self
     }
 
-    fn number(&mut self, it: u32) -> &mut Self {
-        self.0.extend(it.to_le_bytes());
+    fn number(&mut self, number: u32) -> &mut Self {
+        self.0.extend(number.to_le_bytes());
         self
     }
 
-    fn long(&mut self, it: u64) -> &mut Self {
-        self.0.extend(it.to_le_bytes());
+    fn long(&mut self, number: u64) -> &mut Self {
+        self.0.extend(number.to_le_bytes());
         self
     }
 
-    fn bytes(&mut self, it: &[u8]) -> &mut Self {
-        self.number(u32::try_from(it.len()).unwrap_or(u32::MAX));
-        self.0.extend(it);
+    fn bytes(&mut self, bytes: &[u8]) -> &mut Self {
+        self.number(u32::try_from(bytes.len()).unwrap_or(u32::MAX));
+        self.0.extend(bytes);
         self
     }
 
@@ -277,8 +277,8 @@ impl Frame {
 fn receive(from: &mut impl Read) -> io::Result<Option<Vec<u8>>> {
     let mut length = [0; 4];
     match from.read_exact(&mut length) {
-        Err(it) if it.kind() == io::ErrorKind::UnexpectedEof => return Ok(None),
-        it => it?,
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => return Ok(None),
+        result => result?,
     }
     let length = u32::from_le_bytes(length) as usize;
     if length > MAX_FRAME_BYTES {

@@ -107,9 +107,9 @@ impl Config {
             generate: settings
                 .generate
                 .iter()
-                .map(|it| Generate {
-                    file: resolve(&it.file, base).into_string(),
-                    ..it.clone()
+                .map(|generate| Generate {
+                    file: resolve(&generate.file, base).into_string(),
+                    ..generate.clone()
                 })
                 .collect(),
             severity: settings.severity.clone(),
@@ -132,8 +132,8 @@ impl Config {
     /// The project that a file belongs to, if there is one.
     pub fn project(&self, file: &Utf8Path) -> Option<&Project> {
         let around = self.projects.iter();
-        let around = around.filter(|it| file.starts_with(&it.directory));
-        around.max_by_key(|it| it.directory.as_str().len())
+        let around = around.filter(|project| file.starts_with(&project.directory));
+        around.max_by_key(|project| project.directory.as_str().len())
     }
 
     /// The release that the user sets for a file.
@@ -187,11 +187,11 @@ impl Config {
             defines: defines(&self.defines),
             release: self.release.clone(),
             projects: projects
-                .map(|it| dotgen_analysis::host::Project {
-                    directory: it.directory.clone(),
-                    include_dirs: it.include_paths.clone(),
-                    defines: defines(&it.defines),
-                    release: it.release.clone(),
+                .map(|project| dotgen_analysis::host::Project {
+                    directory: project.directory.clone(),
+                    include_dirs: project.include_paths.clone(),
+                    defines: defines(&project.defines),
+                    release: project.release.clone(),
                 })
                 .collect(),
             severities: self
@@ -200,7 +200,7 @@ impl Config {
                 .map(|(code, level)| (code.clone(), level.severity()))
                 .collect(),
             lints: self.lints.clone(),
-            max_file_bytes: self.max_file_size.map(|it| u64::from(it) * 1024),
+            max_file_bytes: self.max_file_size.map(|size| u64::from(size) * 1024),
         }
     }
 
@@ -314,7 +314,7 @@ fn connections(settings: &Settings) -> Vec<Connection> {
 pub fn nearest_directory(file: &Utf8Path) -> Option<Utf8PathBuf> {
     let mut directories = file.ancestors().skip(1);
     directories
-        .find(|it| it.join(FILE_NAME).is_file())
+        .find(|directory| directory.join(FILE_NAME).is_file())
         .map(Utf8Path::to_owned)
 }
 

@@ -49,7 +49,7 @@ impl Backend {
             _: &DocumentParams,
         ) -> Cancellable<Option<String>> {
             let text = snapshot.analysis.text(&subject.path)?;
-            Ok(text.map(|it| it.to_string()))
+            Ok(text.map(|text| text.to_string()))
         }
         let uri = params.text_document.uri.clone();
         self.dispatch.document(uri, params, handle).await
@@ -102,7 +102,7 @@ impl Backend {
     /// While some document has its first version: works until it is cancelled.
     async fn test_second(&self, params: DocumentParams) -> Result<bool> {
         fn handle(snapshot: &Snapshot, subject: &Subject, _: &DocumentParams) -> Cancellable<bool> {
-            while snapshot.open.values().any(|it| it.version == 1) {
+            while snapshot.open.values().any(|file| file.version == 1) {
                 snapshot.analysis.line_index(&subject.path)?;
                 std::thread::yield_now();
             }

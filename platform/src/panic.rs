@@ -33,9 +33,9 @@ fn install_hook() {
             if !ISOLATED.get() {
                 return default(info);
             }
-            let place = info
-                .location()
-                .map_or_else(String::new, |it| format!(" at {}:{}", it.file(), it.line()));
+            let place = info.location().map_or_else(String::new, |location| {
+                format!(" at {}:{}", location.file(), location.line())
+            });
             let payload = info.payload();
             let message = payload
                 .downcast_ref::<&str>()

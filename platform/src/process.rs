@@ -87,7 +87,7 @@ impl Processes for System {
     }
 
     fn meter(&self, folders: Vec<PathBuf>) -> Meter {
-        Box::new(move || folders.iter().map(|it| folders::size(it)).sum())
+        Box::new(move || folders.iter().map(|folder| folders::size(folder)).sum())
     }
 }
 
@@ -133,7 +133,7 @@ pub fn ask(
 /// Registers moves of files, which the helper completes if this process is killed. Valid until the result is
 /// dropped. `None` if the helper cannot be started.
 pub(crate) fn finish(moves: &[Move]) -> Option<CleanupGuard> {
-    Watcher::get().map(|it| it.moves(moves))
+    Watcher::get().map(|watcher| watcher.moves(moves))
 }
 
 /// The command for a program.
@@ -173,7 +173,7 @@ fn again(own: &Path) -> Command {
 /// The file does not exist.
 fn find(name: &Path, directory: &Path) -> io::Result<PathBuf> {
     let found = match name.components().count() > 1 {
-        true => Some(directory.join(name)).filter(|it| it.is_file()),
+        true => Some(directory.join(name)).filter(|path| path.is_file()),
         false => find_in_path(name),
     };
     found.ok_or_else(|| io::ErrorKind::NotFound.into())
@@ -183,8 +183,8 @@ fn find(name: &Path, directory: &Path) -> io::Result<PathBuf> {
 pub(crate) fn find_in_path(name: &Path) -> Option<PathBuf> {
     let path = std::env::var_os("PATH").unwrap_or_default();
     std::env::split_paths(&path)
-        .map(|it| it.join(name))
-        .find(|it| it.is_file() && is_executable(it))
+        .map(|path| path.join(name))
+        .find(|path| path.is_file() && is_executable(path))
 }
 
 /// The system lets this process execute the file.
@@ -199,7 +199,7 @@ fn is_executable(file: &Path) -> bool {
 pub(crate) fn is_machine_code(file: &Path) -> bool {
     let mut magic = [0; 4];
     std::fs::File::open(file)
-        .and_then(|mut it| it.read_exact(&mut magic))
+        .and_then(|mut file| file.read_exact(&mut magic))
         .is_ok_and(|()| magic == *b"\x7fELF")
 }
 
@@ -227,7 +227,7 @@ fn run(mut command: Command, channels: Channels) -> io::Result<Process> {
     // The helper is started first, so that it runs before the program does.
     let watcher = Watcher::get().filter(|_| own_group);
     let child = start(command)?;
-    let group = watcher.map(|it| it.group(child.id()));
+    let group = watcher.map(|watcher| watcher.group(child.id()));
     let group = ProcessGroup {
         own_group,
         _watched: group,

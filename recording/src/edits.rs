@@ -71,18 +71,22 @@ pub fn specification(
     wanted: &[NewWcet],
     form: WcetForm,
 ) -> WcetEdits {
-    let place = |src| unit.locations.locate(src).map(|it| (it.path, it.range));
+    let place = |src| {
+        unit.locations
+            .locate(src)
+            .map(|location| (location.path, location.range))
+    };
     let mut uses: Vec<CodelUse<'_>> = Vec::new();
     for (index, component) in (0..).zip(&unit.spec.components) {
         for of in component.all_codels() {
             let codel = component.codel(of);
-            let mut times = wanted.iter().filter(|it| it.component == index);
-            let time = times.find(|it| it.codel == of).map(|it| it.micros);
+            let mut times = wanted.iter().filter(|wcet| wcet.component == index);
+            let time = times.find(|time| time.codel == of).map(|time| time.micros);
             let Some((path, range)) = place(codel.node) else {
                 continue;
             };
             // A service of an interface is declared once, however many components provide it.
-            let same = |it: &&mut CodelUse<'_>| it.path == path && it.range == range;
+            let same = |usage: &&mut CodelUse<'_>| usage.path == path && usage.range == range;
             if let Some(known) = uses.iter_mut().find(same) {
                 known.wanted = known.wanted.max(time);
                 continue;
@@ -91,22 +95,22 @@ pub fn specification(
                 codel,
                 path,
                 range,
-                time: codel.wcet.as_ref().and_then(|it| place(it.src)),
+                time: codel.wcet.as_ref().and_then(|wcet| place(wcet.src)),
                 wanted: time,
             });
         }
     }
     let mut functions: FxHashMap<&str, Vec<usize>> = FxHashMap::default();
-    for (number, it) in uses.iter().enumerate() {
-        functions.entry(&it.codel.name).or_default().push(number);
+    for (number, usage) in uses.iter().enumerate() {
+        functions.entry(&usage.codel.name).or_default().push(number);
     }
     let mut names: Vec<&str> = functions.keys().copied().collect();
     names.sort_unstable();
     let mut out = WcetEdits::default();
     for name in names {
         let of = functions.get(name).into_iter().flatten();
-        let of: Vec<&CodelUse<'_>> = of.filter_map(|&it| uses.get(it)).collect();
-        if of.iter().all(|it| it.wanted.is_none()) {
+        let of: Vec<&CodelUse<'_>> = of.filter_map(|&function| uses.get(function)).collect();
+        if of.iter().all(|usage| usage.wanted.is_none()) {
             continue;
         }
         match function(name, &of, text, form) {
@@ -127,20 +131,20 @@ fn function(
     form: WcetForm,
 ) -> Result<Vec<FileEdit>, Refusal> {
     let slice = |path: &Utf8Path, range: &Range<usize>| {
-        text(path).and_then(|it| it.get(range.clone()).map(str::to_owned))
+        text(path).and_then(|text| text.get(range.clone()).map(str::to_owned))
     };
-    let greatest = uses.iter().filter_map(|it| it.wanted).max();
-    let stands = |it: &CodelUse<'_>| it.time.clone();
+    let greatest = uses.iter().filter_map(|usage| usage.wanted).max();
+    let stands = |usage: &CodelUse<'_>| usage.time.clone();
     let pragma = uses
         .iter()
-        .filter_map(|it| stands(it))
+        .filter_map(|usage| stands(usage))
         .find(|(path, range)| {
-            slice(path, range).is_some_and(|it| it.trim_start().starts_with('#'))
+            slice(path, range).is_some_and(|slice| slice.trim_start().starts_with('#'))
         });
     if let (Some((path, range)), Some(micros)) = (pragma, greatest) {
         let old = slice(&path, &range).ok_or(Refusal::Macro)?;
         // The name may come from a macro as well. Such a pragma must not be replaced.
-        if !old.split_whitespace().any(|it| it == name) {
+        if !old.split_whitespace().any(|word| word == name) {
             return Err(Refusal::Macro);
         }
         if has_comment(&old) {
@@ -153,9 +157,9 @@ fn function(
             new_text: format!("#pragma wcet {name} {}", written(micros)),
         }]);
     }
-    let clauses = uses.iter().any(|it| it.time.is_some());
+    let clauses = uses.iter().any(|usage| usage.time.is_some());
     if form == WcetForm::Pragma && !clauses {
-        let first = uses.iter().find(|it| it.wanted.is_some());
+        let first = uses.iter().find(|usage| usage.wanted.is_some());
         let (Some(first), Some(micros)) = (first, greatest) else {
             return Ok(Vec::new());
         };
@@ -163,23 +167,23 @@ fn function(
         return Ok(vec![insert_pragma_above(first, &text, name, micros)]);
     }
     let mut edits = Vec::new();
-    for it in uses {
-        let Some(micros) = it.wanted else { continue };
-        let declaration = slice(&it.path, &it.range).unwrap_or_default();
+    for usage in uses {
+        let Some(micros) = usage.wanted else { continue };
+        let declaration = slice(&usage.path, &usage.range).unwrap_or_default();
         if !declaration.contains(name) || !declaration.contains('(') {
             return Err(Refusal::Macro);
         }
-        let (range, new_text) = match &it.time {
+        let (range, new_text) = match &usage.time {
             None => {
-                let end = it.range.start + declaration.trim_end().len();
+                let end = usage.range.start + declaration.trim_end().len();
                 (end..end, format!(" wcet {}", written(micros)))
             }
             Some((path, range)) => {
                 let old = slice(path, range).unwrap_or_default();
-                let inside = *path == it.path && it.range.start <= range.start;
+                let inside = *path == usage.path && usage.range.start <= range.start;
                 let word = old.starts_with("wcet");
-                let bare = old.starts_with(|it: char| it.is_ascii_digit());
-                if !inside || range.end > it.range.end || !(word || bare) {
+                let bare = old.starts_with(|character: char| character.is_ascii_digit());
+                if !inside || range.end > usage.range.end || !(word || bare) {
                     return Err(Refusal::Macro);
                 }
                 if has_comment(&old) {
@@ -190,7 +194,7 @@ fn function(
             }
         };
         edits.push(FileEdit {
-            path: it.path.clone(),
+            path: usage.path.clone(),
             range,
             new_text,
         });
@@ -205,20 +209,20 @@ fn has_comment(text: &str) -> bool {
 
 /// Adds a pragma above a declaration. If the declaration does not begin its line, the pragma goes to the end
 /// of the file, where it has the same meaning.
-fn insert_pragma_above(it: &CodelUse<'_>, text: &str, name: &str, micros: u64) -> FileEdit {
+fn insert_pragma_above(usage: &CodelUse<'_>, text: &str, name: &str, micros: u64) -> FileEdit {
     let end = LineEnd::of(text).as_str();
     let pragma = format!("#pragma wcet {name} {}{end}", written(micros));
-    let before = text.get(..it.range.start).unwrap_or_default();
-    let line = before.rfind('\n').map_or(0, |it| it + 1);
+    let before = text.get(..usage.range.start).unwrap_or_default();
+    let line = before.rfind('\n').map_or(0, |index| index + 1);
     let between = before.get(line..).unwrap_or_default();
     // The words that begin the declaration of a codel.
     let begins = between
         .split_whitespace()
-        .all(|it| matches!(it, "async" | "validate" | "codel"));
+        .all(|word| matches!(word, "async" | "validate" | "codel"));
     // A line that a backslash joins to the previous line is not a line of its own.
     let joined = before
         .get(..line)
-        .is_some_and(|it| it.trim_end_matches(['\n', '\r']).ends_with('\\'));
+        .is_some_and(|text| text.trim_end_matches(['\n', '\r']).ends_with('\\'));
     let (at, new_text) = if begins && !joined {
         (line, pragma)
     } else if text.is_empty() || text.ends_with('\n') {
@@ -227,7 +231,7 @@ fn insert_pragma_above(it: &CodelUse<'_>, text: &str, name: &str, micros: u64) -
         (text.len(), format!("{end}{pragma}"))
     };
     FileEdit {
-        path: it.path.clone(),
+        path: usage.path.clone(),
         range: at..at,
         new_text,
     }
@@ -248,12 +252,12 @@ pub fn scenario(
     };
     let statement_end = |from: usize| {
         let rest = text.get(from..).unwrap_or_default();
-        rest.find(';').map(|it| from + it)
+        rest.find(';').map(|index| from + index)
     };
     let mut edits = Vec::new();
     let mut fresh = Vec::new();
     for (codel, micros) in times {
-        let known = scenario.items.iter().find_map(|it| match it {
+        let known = scenario.items.iter().find_map(|item| match item {
             Item::Duration(path, interval, unit) if path.text() == *codel => {
                 Some((path.range().end, interval.lower, unit))
             }
@@ -273,12 +277,15 @@ pub fn scenario(
             None => fresh.push(format!("duration {codel} [0,{micros}] us;")),
         }
     }
-    let last = scenario.items.iter().filter_map(|it| match it {
+    let last = scenario.items.iter().filter_map(|item| match item {
         Item::Use(file) => Some(file.range.end),
         Item::Duration(path, ..) => Some(path.range().end),
         _ => None,
     });
-    let last = last.max().and_then(statement_end).map(|it| it + 1);
+    let last = last
+        .max()
+        .and_then(statement_end)
+        .map(|statement_end| statement_end + 1);
     // A comment behind a statement belongs to the statement.
     let last = last.map(|at| {
         let rest = text.get(at..).unwrap_or_default();
@@ -289,17 +296,17 @@ pub fn scenario(
     });
     if let (Some(at), false) = (last, fresh.is_empty()) {
         let before = text.get(..at).unwrap_or_default();
-        let line = before.rfind('\n').map_or(0, |it| it + 1);
+        let line = before.rfind('\n').map_or(0, |index| index + 1);
         let line = before.get(line..).unwrap_or_default();
         let blanks: String = line
             .chars()
-            .take_while(|it| matches!(it, ' ' | '\t'))
+            .take_while(|character| matches!(character, ' ' | '\t'))
             .collect();
         let end = LineEnd::of(text).as_str();
-        let lines = fresh.iter().map(|it| format!("{end}{blanks}{it}"));
+        let lines = fresh.iter().map(|text| format!("{end}{blanks}{text}"));
         edits.push(edit(at..at, lines.collect()));
     }
-    edits.sort_by_key(|it| it.range.start);
+    edits.sort_by_key(|edit| edit.range.start);
     edits
 }
 
@@ -307,10 +314,10 @@ pub fn scenario(
 pub fn apply_edits<'e>(text: &str, edits: impl IntoIterator<Item = &'e FileEdit>) -> String {
     let mut out = String::with_capacity(text.len());
     let mut at = 0;
-    for it in edits {
-        out.push_str(text.get(at..it.range.start).unwrap_or_default());
-        out.push_str(&it.new_text);
-        at = it.range.end;
+    for edit in edits {
+        out.push_str(text.get(at..edit.range.start).unwrap_or_default());
+        out.push_str(&edit.new_text);
+        at = edit.range.end;
     }
     out.push_str(text.get(at..).unwrap_or_default());
     out

@@ -165,7 +165,7 @@ fn recorded(text: &[u8]) -> Option<([i64; 3], &[u8])> {
     for time in &mut times {
         let mut seconds: i64 = 0;
         let mut length = 0;
-        while let Some(digit) = rest.get(length).map(|it| it.wrapping_sub(b'0'))
+        while let Some(digit) = rest.get(length).map(|byte| byte.wrapping_sub(b'0'))
             && digit <= 9
         {
             seconds = seconds * 10 + i64::from(digit);
@@ -210,7 +210,7 @@ fn eight_digits(text: [u8; 8]) -> Option<u32> {
 
 /// Returns the first word, and the rest.
 fn word(text: &[u8]) -> Option<(&[u8], &[u8])> {
-    let start = text.iter().position(|it| !it.is_ascii_whitespace())?;
+    let start = text.iter().position(|byte| !byte.is_ascii_whitespace())?;
     let text = text.get(start..)?;
     let end = memchr(b' ', text).unwrap_or(text.len());
     let word = text.get(..end)?;
@@ -239,8 +239,8 @@ const DIGITS: usize = 18;
 fn number(word: &[u8]) -> Option<(i64, usize)> {
     let mut value: i64 = 0;
     let mut used = 0;
-    for it in word {
-        let digit = it.wrapping_sub(b'0');
+    for byte in word {
+        let digit = byte.wrapping_sub(b'0');
         if digit > 9 {
             break;
         }
@@ -383,7 +383,7 @@ impl LineKinds {
     fn add_kind(&mut self, line: &Line<'_>) -> u32 {
         let names = line.names();
         let about = names.map_or(LineSubject::Garbage, about);
-        let text = |it: &[u8]| String::from_utf8_lossy(it).into_owned();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let [instance, task, service, function, from, to] = names.unwrap_or([b""; NAMES]).map(text);
         let kind = u32::try_from(self.all.len()).unwrap_or(u32::MAX);
         self.abouts.push(about);
@@ -513,9 +513,11 @@ mod tests {
             "0.020500000 0.020500001 0.0230000\u{b2}",
             "0.020500000 0,020500001 0.023000000",
         ] {
-            let fast = line(format!("{times}{tail}").as_bytes()).map(|it| (it.ended, it.exact));
+            let fast =
+                line(format!("{times}{tail}").as_bytes()).map(|line| (line.ended, line.exact));
             // A recorder never writes a blank in front.
-            let careful = line(format!(" {times}{tail}").as_bytes()).map(|it| (it.ended, it.exact));
+            let careful =
+                line(format!(" {times}{tail}").as_bytes()).map(|line| (line.ended, line.exact));
             assert_eq!(fast, careful, "{times}");
         }
         for number in [0u32, 1, 9, 10, 12_345_678, 99_999_999, 90_000_000] {
@@ -561,7 +563,7 @@ mod tests {
         assert_eq!(left, expected);
         // One word too many.
         let more = format!("{PLAIN} more");
-        assert_eq!(line(more.as_bytes()).and_then(|it| it.names()), None);
+        assert_eq!(line(more.as_bytes()).and_then(|line| line.names()), None);
     }
 
     #[test]
@@ -572,7 +574,11 @@ mod tests {
             for piece in text.as_bytes().chunks(size) {
                 lines.feed(piece, |number, line| all.push((number, line.to_vec())));
             }
-            all.extend(lines.unterminated_line().map(|it| (it.0, it.1.to_vec())));
+            all.extend(
+                lines
+                    .unterminated_line()
+                    .map(|line| (line.0, line.1.to_vec())),
+            );
             all
         };
         let whole = read(text.len());
@@ -580,7 +586,7 @@ mod tests {
         for size in 1..70 {
             assert_eq!(read(size), whole);
         }
-        assert!(line(&whole[0].1).is_some_and(|it| it.tail.ends_with(b"::pause::start")));
+        assert!(line(&whole[0].1).is_some_and(|line| line.tail.ends_with(b"::pause::start")));
     }
 
     #[test]

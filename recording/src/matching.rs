@@ -81,19 +81,22 @@ pub fn site(names: &Names<'_>, kind: &LineKind) -> Result<Site, Mismatch> {
     let Some(member) = names.components.get(component) else {
         return Err(Mismatch::Component);
     };
-    let it = member.component;
+    let model = member.component;
     let (codel, state) = match from.component {
         Some(_) => {
-            let task = it.tasks.iter().position(|task| task.name == kind.task);
+            let task = model.tasks.iter().position(|task| task.name == kind.task);
             let task = task.ok_or(Mismatch::Task)? as u32;
             (
-                of_machine(it, task, kind, from.name)?,
+                of_machine(model, task, kind, from.name)?,
                 Some(from.name.to_owned()),
             )
         }
-        None => (of_control(it, kind).ok_or_else(|| without(it, kind))?, None),
+        None => (
+            of_control(model, kind).ok_or_else(|| without(model, kind))?,
+            None,
+        ),
     };
-    if it.codel(codel).name != kind.function {
+    if model.codel(codel).name != kind.function {
         return Err(Mismatch::Function);
     }
     Ok(Site {
@@ -107,30 +110,39 @@ pub fn site(names: &Names<'_>, kind: &LineKind) -> Result<Site, Mismatch> {
 /// or the only component with such a codel, because a server may have been started under another name.
 fn component(names: &Names<'_>, kind: &LineKind, from: &Event<'_>) -> Option<usize> {
     let all = &names.components;
-    let named = |name: &str| all.iter().position(|it| it.component.name == name);
+    let named = |name: &str| {
+        all.iter()
+            .position(|component| component.component.name == name)
+    };
     if let Some(component) = from.component {
         return named(component);
     }
     named(&kind.instance).or_else(|| {
-        let mut fitting = (0..all.len()).filter(|&it| {
-            let of = all.get(it);
-            of.is_some_and(|it| of_control(it.component, kind).is_some())
+        let mut fitting = (0..all.len()).filter(|&component| {
+            let of = all.get(component);
+            of.is_some_and(|member| of_control(member.component, kind).is_some())
         });
         fitting.next().filter(|_| fitting.next().is_none())
     })
 }
 
 fn of_machine(
-    it: &Component,
+    component: &Component,
     task: u32,
     kind: &LineKind,
     state: &str,
 ) -> Result<CodelRef, Mismatch> {
-    let service = it.services.iter().position(|of| of.name == kind.service);
-    let service = service.map(|it| it as u32);
-    let in_service = service.and_then(|it_is| in_state(it, Owner::Service(it_is), state));
+    let service = component
+        .services
+        .iter()
+        .position(|of| of.name == kind.service);
+    let service = service.map(|service| service as u32);
+    let in_service = service.and_then(|it_is| in_state(component, Owner::Service(it_is), state));
     if let (Some(service), Some(codel)) = (service, in_service) {
-        let of = it.services.get(service as usize).and_then(|it| it.task);
+        let of = component
+            .services
+            .get(service as usize)
+            .and_then(|service| service.task);
         return match of == Some(task) {
             true => Ok(codel),
             false => Err(Mismatch::WrongTask),
@@ -139,26 +151,29 @@ fn of_machine(
     // Recorders differ in their name for the service of a permanent activity. No service has such a name.
     match service {
         Some(_) => Err(Mismatch::State),
-        None => in_state(it, Owner::Task(task), state).ok_or(Mismatch::State),
+        None => in_state(component, Owner::Task(task), state).ok_or(Mismatch::State),
     }
 }
 
-fn in_state(it: &Component, owner: Owner, state: &str) -> Option<CodelRef> {
+fn in_state(component: &Component, owner: Owner, state: &str) -> Option<CodelRef> {
     let has = |codel: &Codel| {
-        codel.kind == CodelKind::Fsm && codel.triggers.iter().any(|it| it.name == state)
+        codel.kind == CodelKind::Fsm && codel.triggers.iter().any(|trigger| trigger.name == state)
     };
-    let index = it.codels_of(owner).iter().position(has)?;
+    let index = component.codels_of(owner).iter().position(has)?;
     Some(CodelRef {
         owner,
         index: index as u32,
     })
 }
 
-fn of_control(it: &Component, kind: &LineKind) -> Option<CodelRef> {
-    let service = it.services.iter().position(|of| of.name == kind.service)?;
+fn of_control(component: &Component, kind: &LineKind) -> Option<CodelRef> {
+    let service = component
+        .services
+        .iter()
+        .position(|of| of.name == kind.service)?;
     let owner = Owner::Service(service as u32);
     let validates = kind.from == "validate";
-    let index = it.codels_of(owner).iter().position(|codel| {
+    let index = component.codels_of(owner).iter().position(|codel| {
         let wanted = match validates {
             true => CodelKind::Validate,
             false => CodelKind::Simple,
@@ -172,11 +187,15 @@ fn of_control(it: &Component, kind: &LineKind) -> Option<CodelRef> {
 }
 
 /// Returns the reason why a control task executes no codel.
-fn without(it: &Component, kind: &LineKind) -> Mismatch {
-    let service = it.services.iter().find(|of| of.name == kind.service);
-    let of = |it: &dotgen_analysis::model::Service| {
-        let attribute = it.kind == dotgen_analysis::model::ServiceKind::Attribute;
-        attribute && it.codels.iter().all(|it| it.kind == CodelKind::Validate)
+fn without(component: &Component, kind: &LineKind) -> Mismatch {
+    let service = component.services.iter().find(|of| of.name == kind.service);
+    let of = |service: &dotgen_analysis::model::Service| {
+        let attribute = service.kind == dotgen_analysis::model::ServiceKind::Attribute;
+        attribute
+            && service
+                .codels
+                .iter()
+                .all(|codel| codel.kind == CodelKind::Validate)
     };
     match service.is_some_and(of) {
         true => Mismatch::NoCodel,
@@ -189,12 +208,16 @@ pub fn path(names: &Names<'_>, site: &Site) -> String {
     let Some(member) = names.components.get(site.component) else {
         return String::new();
     };
-    let it = member.component;
+    let model = member.component;
     let last = match &site.state {
         Some(state) => state.as_str(),
-        None => it.codel(site.codel).name.as_str(),
+        None => model.codel(site.codel).name.as_str(),
     };
-    format!("{}.{}.{last}", it.name, it.owner_name(site.codel.owner))
+    format!(
+        "{}.{}.{last}",
+        model.name,
+        model.owner_name(site.codel.owner)
+    )
 }
 
 /// Returns every codel of the specifications in each of its states.
@@ -202,16 +225,16 @@ pub fn sites(names: &Names<'_>) -> Vec<Site> {
     let mut out = Vec::new();
     for (component, member) in names.components.iter().enumerate() {
         for codel in member.component.all_codels() {
-            let it = member.component.codel(codel);
+            let declaration = member.component.codel(codel);
             let site = |state| Site {
                 component,
                 codel,
                 state,
             };
-            match it.kind {
+            match declaration.kind {
                 CodelKind::Fsm => {
-                    let states = it.triggers.iter();
-                    out.extend(states.map(|it| site(Some(it.name.to_string()))));
+                    let states = declaration.triggers.iter();
+                    out.extend(states.map(|state| site(Some(state.name.to_string()))));
                 }
                 _ => out.push(site(None)),
             }
@@ -227,8 +250,8 @@ mod tests {
     #[test]
     fn events_have_parts() {
         let parts = |text| {
-            let it = event(text);
-            (it.component, it.name, it.paused)
+            let event = event(text);
+            (event.component, event.name, event.paused)
         };
         assert_eq!(parts("::pump::start"), (Some("pump"), "start", false));
         assert_eq!(parts("::pump::pause::pause"), (Some("pump"), "pause", true));

@@ -103,8 +103,8 @@ impl LogMeasurements {
                     section.codels.insert(path.to_owned());
                 }
             }
-            Some(it @ (Origin::Measured | Origin::Simulated)) => self.sections.push(Section {
-                simulated: it == Origin::Simulated,
+            Some(origin @ (Origin::Measured | Origin::Simulated)) => self.sections.push(Section {
+                simulated: origin == Origin::Simulated,
                 ..Section::default()
             }),
             Some(Origin::End) | None => {}
@@ -128,13 +128,13 @@ impl LogMeasurements {
     pub fn found(&self, names: &Names<'_>) -> Measurements {
         let sites = sites(names);
         let mut places: FxHashMap<(usize, _, Option<String>), usize> = FxHashMap::default();
-        for (place, it) in sites.iter().enumerate() {
-            places.insert((it.component, it.codel, it.state.clone()), place);
+        for (place, site) in sites.iter().enumerate() {
+            places.insert((site.component, site.codel, site.state.clone()), place);
         }
         let mut found = Measurements {
             sites: sites
                 .into_iter()
-                .map(|it| (it, ExecutionTimes::default()))
+                .map(|site| (site, ExecutionTimes::default()))
                 .collect(),
             strays: Vec::new(),
             simulated: BTreeMap::new(),
@@ -142,7 +142,7 @@ impl LogMeasurements {
         let mut strays: Vec<u64> = vec![0; self.kinds.all.len()];
         for section in &self.sections {
             let kinds = self.kinds.all.iter().zip(&section.of).enumerate();
-            for (number, (kind, measure)) in kinds.filter(|it| it.1.1.runs > 0) {
+            for (number, (kind, measure)) in kinds.filter(|kind| kind.1.1.runs > 0) {
                 let Ok(site) = site(names, kind) else {
                     if let Some(runs) = strays.get_mut(number) {
                         *runs += measure.runs;
@@ -155,7 +155,7 @@ impl LogMeasurements {
                     continue;
                 }
                 let place = places.get(&(site.component, site.codel, site.state));
-                let entry = place.and_then(|&it| found.sites.get_mut(it));
+                let entry = place.and_then(|&place| found.sites.get_mut(place));
                 if let Some((_, known)) = entry {
                     known.join(measure);
                 }

@@ -202,11 +202,11 @@ impl<'s> Monitor<'s> {
             return;
         };
         while kind as usize >= self.resolved.len()
-            && let Some(it) = self.kinds.all.get(self.resolved.len())
+            && let Some(kind) = self.kinds.all.get(self.resolved.len())
         {
             let next = self.instances.len() as u32;
-            let instance = *self.instances.entry(it.instance.clone()).or_insert(next);
-            self.resolved.push(self.model.resolve(it, instance));
+            let instance = *self.instances.entry(kind.instance.clone()).or_insert(next);
+            self.resolved.push(self.model.resolve(kind, instance));
         }
         let Some(resolved) = self.resolved.get(kind as usize).copied() else {
             return;
@@ -221,21 +221,21 @@ impl<'s> Monitor<'s> {
         match resolved {
             ResolvedKind::Mismatch(Mismatch::NoCodel) => {}
             ResolvedKind::Mismatch(Mismatch::Component) => {
-                if let Some(it) = self.kinds.all.get(kind as usize) {
-                    *self.foreign.entry(it.instance.clone()).or_default() += 1;
+                if let Some(kind) = self.kinds.all.get(kind as usize) {
+                    *self.foreign.entry(kind.instance.clone()).or_default() += 1;
                 }
             }
             ResolvedKind::Mismatch(stray) => {
-                let it = self.kinds.all.get(kind as usize).cloned();
-                if let Some(it) = it {
+                let kind = self.kinds.all.get(kind as usize).cloned();
+                if let Some(kind) = kind {
                     let what = DeviationKind::Unknown {
-                        task: it.task,
-                        service: it.service,
-                        function: it.function,
-                        from: it.from,
+                        task: kind.task,
+                        service: kind.service,
+                        function: kind.function,
+                        from: kind.from,
                         why: stray,
                     };
-                    self.report(&run, it.instance, what);
+                    self.report(&run, kind.instance, what);
                 }
             }
             ResolvedKind::State(at) => self.state(at, kind, run),
@@ -247,7 +247,11 @@ impl<'s> Monitor<'s> {
             } => {
                 self.codel(codel, &run);
                 if !declared
-                    && let Some(to) = self.kinds.all.get(kind as usize).map(|it| it.to.clone())
+                    && let Some(to) = self
+                        .kinds
+                        .all
+                        .get(kind as usize)
+                        .map(|kind| kind.to.clone())
                 {
                     let from = self.model.last_name(codel);
                     self.report(
@@ -296,20 +300,20 @@ impl<'s> Monitor<'s> {
     fn codel(&mut self, codel: usize, run: &CodelRun) {
         self.runs += 1;
         let took = run.ended - run.began;
-        if let Some(it) = self.codels.get_mut(codel) {
-            it.runs += 1;
-            it.greatest = it.greatest.max(took);
-            it.waited = it.waited.max(run.began - run.asked);
+        if let Some(codel) = self.codels.get_mut(codel) {
+            codel.runs += 1;
+            codel.greatest = codel.greatest.max(took);
+            codel.waited = codel.waited.max(run.began - run.asked);
         }
         let (least, greatest) = self.model.limits(codel);
-        if let Some(limit) = greatest.filter(|&it| took > it + 1) {
+        if let Some(limit) = greatest.filter(|&number| took > number + 1) {
             self.report(
                 run,
                 self.model.path(codel),
                 DeviationKind::Longer { took, limit },
             );
         }
-        if let Some(limit) = least.filter(|&it| took + 1 < it) {
+        if let Some(limit) = least.filter(|&number| took + 1 < number) {
             self.report(
                 run,
                 self.model.path(codel),
@@ -352,7 +356,7 @@ impl<'s> Monitor<'s> {
         let machine = self.machines.entry(key).or_default();
         // Servers start their tasks before cores matter.
         let starts_up = at.permanent && !machine.paused;
-        machine.paused |= at.next.is_none_or(|it| it.1);
+        machine.paused |= at.next.is_none_or(|pair| pair.1);
         let core = self.model.core(at.task, at.is_async);
         let run = CodelRun {
             codel: at.codel,
@@ -367,7 +371,11 @@ impl<'s> Monitor<'s> {
         };
         self.check_order(run);
         if let CodelOutcome::Undeclared = at.to {
-            let to = self.kinds.all.get(kind as usize).map(|it| it.to.clone());
+            let to = self
+                .kinds
+                .all
+                .get(kind as usize)
+                .map(|kind| kind.to.clone());
             let what = DeviationKind::Transition {
                 from: self.model.last_name(at.codel),
                 to: to.unwrap_or_default(),
@@ -380,18 +388,24 @@ impl<'s> Monitor<'s> {
         }
         let machine = self.machines.entry(key).or_default();
         // The last one: earlier ones may belong to interrupted activities.
-        let place = machine.awaited.iter().rposition(|it| it.state == at.state);
+        let place = machine
+            .awaited
+            .iter()
+            .rposition(|expected_state| expected_state.state == at.state);
         let alone = machine.awaited.len() <= 1;
-        let known = place.map(|it| machine.awaited.remove(it));
+        let known = place.map(|place| machine.awaited.remove(place));
         let is_first = !std::mem::replace(&mut machine.seen, true);
         let starts = at.state == at.start && (!at.permanent || is_first);
         let broken = known.is_none() && !starts && !is_first && at.stop != Some(at.state);
-        let awaited = machine.awaited.last().map(|it| it.state);
+        let awaited = machine
+            .awaited
+            .last()
+            .map(|expected_state| expected_state.state);
         if known.is_none() && at.stop == Some(at.state) {
             machine.awaited.pop();
         }
         let since = match known {
-            Some(it) if !it.paused => it.since,
+            Some(place) if !place.paused => place.since,
             _ => run.asked,
         };
         if let Some((state, paused)) = at.next {
@@ -405,7 +419,7 @@ impl<'s> Monitor<'s> {
             });
         }
         if broken {
-            let awaited = awaited.map(|it| self.model.state_name(at.machine, it));
+            let awaited = awaited.map(|state| self.model.state_name(at.machine, state));
             let what = DeviationKind::Elsewhere {
                 state: self.model.last_name(at.codel),
                 awaited,
@@ -415,8 +429,8 @@ impl<'s> Monitor<'s> {
         // A chain of asynchronous codels with threads of their own lasts over several turns, and is not a
         // job.
         if alone && !(at.is_async && self.model.system.platform.async_free) {
-            let begins = known.is_none_or(|it| it.paused);
-            let ends = at.next.is_none_or(|it| it.1);
+            let begins = known.is_none_or(|place| place.paused);
+            let ends = at.next.is_none_or(|pair| pair.1);
             self.chain(at, &run, since, begins, ends);
         }
     }
@@ -440,7 +454,10 @@ impl<'s> Monitor<'s> {
             if begins {
                 off = task.periodic.begins(since, period, latest);
             }
-            tick = task.periodic.tick(period).map_or(since, |it| it.min(since));
+            tick = task
+                .periodic
+                .tick(period)
+                .map_or(since, |tick| tick.min(since));
         }
         let mut beyond = None;
         if ends {
@@ -449,7 +466,7 @@ impl<'s> Monitor<'s> {
             task.greatest = task.greatest.max(response);
             beyond = limits
                 .bound
-                .filter(|&it| response > it + 1)
+                .filter(|&bound| response > bound + 1)
                 .map(|bound| DeviationKind::Response { response, bound });
         }
         let name = || self.model.system.task_path(at.task);
@@ -465,11 +482,11 @@ impl<'s> Monitor<'s> {
         let system = self.model.system;
         let tasks = (0..system.tasks.len()).map(|task| {
             let limits = self.model.of_task(task);
-            let of = self.tasks.iter().filter(|it| it.0.1 == task);
+            let of = self.tasks.iter().filter(|candidate| candidate.0.1 == task);
             let (mut chains, mut greatest) = (0, 0);
-            for (_, it) in of {
-                chains += it.chains;
-                greatest = greatest.max(it.greatest);
+            for (_, task) in of {
+                chains += task.chains;
+                greatest = greatest.max(task.greatest);
             }
             TaskTimes {
                 task: system.task_path(task),
@@ -479,20 +496,21 @@ impl<'s> Monitor<'s> {
                 period: limits.period,
             }
         });
-        let executed = |it: &&(usize, &Codel)| it.1.runs > 0;
+        let executed = |pair: &&(usize, &Codel)| pair.1.runs > 0;
         let codels = self.codels.iter().enumerate();
         let codels = codels
-            .filter(|it| executed(&it))
-            .map(|(number, it)| CodelTimes {
+            .filter(|codel| executed(&codel))
+            .map(|(number, codel)| CodelTimes {
                 codel: self.model.path(number),
-                runs: it.runs,
-                greatest: it.greatest,
-                waited: it.waited,
+                runs: codel.runs,
+                greatest: codel.greatest,
+                waited: codel.waited,
                 declared: self.model.declared(number),
             });
         let never = self.model.codels_of_threads();
-        let never = never.filter(|&it| self.codels.get(it).is_some_and(|it| it.runs == 0));
-        let mut never: Vec<String> = never.map(|it| self.model.path(it)).collect();
+        let never =
+            never.filter(|&codel| self.codels.get(codel).is_some_and(|codel| codel.runs == 0));
+        let mut never: Vec<String> = never.map(|codel| self.model.path(codel)).collect();
         never.sort();
         never.dedup();
         MonitorReport {

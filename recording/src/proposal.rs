@@ -21,7 +21,7 @@ impl Margin {
         let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
         let digits = format!("{whole}{fraction}");
         let short = digits.len() <= 12 && !whole.is_empty();
-        if !short || !digits.bytes().all(|it| it.is_ascii_digit()) {
+        if !short || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
             return Err(wrong());
         }
         let scale = 10i128.pow(u32::try_from(fraction.len()).map_err(|_| wrong())?);
@@ -50,9 +50,9 @@ pub fn micros(greatest: i64, margin: Margin) -> u64 {
 /// Returns microseconds in readable form: a whole number of the largest possible unit.
 pub fn written(micros: u64) -> String {
     match micros {
-        it if it % 1_000_000 == 0 => format!("{} s", it / 1_000_000),
-        it if it % 1_000 == 0 => format!("{} ms", it / 1_000),
-        it => format!("{it} us"),
+        number if number % 1_000_000 == 0 => format!("{} s", number / 1_000_000),
+        number if number % 1_000 == 0 => format!("{} ms", number / 1_000),
+        number => format!("{number} us"),
     }
 }
 
@@ -102,8 +102,8 @@ mod tests {
 
     #[test]
     fn proposals_are_never_less_than_what_was_measured_with_its_margin() {
-        let margin = |it| Margin::parse(it).expect("a margin");
-        let of = |nanos, it| written(micros(nanos, margin(it)));
+        let margin = |text| Margin::parse(text).expect("a margin");
+        let of = |nanos, text| written(micros(nanos, margin(text)));
         assert_eq!(of(1_312_323, "1.2"), "1600 us");
         assert_eq!(of(1_312_323, "1"), "1400 us");
         assert_eq!(of(0, "1.2"), "1 us");
@@ -114,28 +114,28 @@ mod tests {
         assert_eq!(of(1_000_000_001, "1"), "1100 ms");
         assert_eq!(of(2_000_000_000, "1"), "2 s");
         for nanos in (1..200_000_000).step_by(7_919) {
-            for it in ["1", "1.2", "3.75"] {
-                let exact = Ratio::from_integer(i128::from(nanos)) * margin(it).0;
-                let micros = micros(nanos, margin(it));
+            for text in ["1", "1.2", "3.75"] {
+                let exact = Ratio::from_integer(i128::from(nanos)) * margin(text).0;
+                let micros = micros(nanos, margin(text));
                 let proposed = Ratio::from_integer(i128::from(micros) * MICRO);
-                assert!(proposed >= exact, "{nanos} {it}");
+                assert!(proposed >= exact, "{nanos} {text}");
                 // At most ten per cent and one microsecond more.
                 let most = exact * Ratio::new(11, 10) + Ratio::from_integer(MICRO);
-                assert!(proposed <= most, "{nanos} {it}: {micros}");
+                assert!(proposed <= most, "{nanos} {text}: {micros}");
             }
         }
     }
 
     #[test]
     fn margins_are_numbers_from_one_on() {
-        for it in ["0.9", "", "x", "-1", "1.2.3", ".5", "1e3", "99999999999999"] {
-            assert!(Margin::parse(it).is_err(), "{it}");
+        for text in ["0.9", "", "x", "-1", "1.2.3", ".5", "1e3", "99999999999999"] {
+            assert!(Margin::parse(text).is_err(), "{text}");
         }
     }
 
     #[test]
     fn nothing_is_lowered_unasked() {
-        let ms = |it| Some(Ratio::new(it, 1_000));
+        let ms = |ratio| Some(Ratio::new(ratio, 1_000));
         assert_eq!(decide(None, Some(1_000), false), Decision::New);
         assert_eq!(decide(ms(2), Some(1_000), false), Decision::Kept);
         assert_eq!(decide(ms(2), Some(1_000), true), Decision::Lowered);

@@ -47,7 +47,7 @@ pub struct RunInfo {
 impl RunInfo {
     /// Returns the metadata, with the end of the run if it is known.
     fn metadata(&self, ended: bool) -> Metadata {
-        let text = |it: &str| it.to_owned();
+        let text = |text: &str| text.to_owned();
         let mut metadata = BTreeMap::from([
             (text("scenario"), self.scenario.clone()),
             (text("unit"), self.unit.clone()),
@@ -116,7 +116,7 @@ impl<W: Write> Writer<W> {
     ///
     /// Returns an error if the recording cannot be written.
     pub fn step(&mut self, at: u64, step: &Step) -> McapResult<()> {
-        let bytes = serde_json::to_vec(step).map_err(|it| McapError::Io(it.into()))?;
+        let bytes = serde_json::to_vec(step).map_err(|error| McapError::Io(error.into()))?;
         self.count += 1;
         self.write(self.steps, self.count, at, &bytes)
     }
@@ -231,7 +231,7 @@ pub fn read(bytes: &[u8]) -> Result<Recording, String> {
         });
     }
     let text = |key: &str| about.get(key).cloned().unwrap_or_default();
-    let last = out.steps.last().map_or(0, |it| it.time);
+    let last = out.steps.last().map_or(0, |step| step.time);
     out.about = RunInfo {
         scenario: text("scenario"),
         unit: text("unit"),

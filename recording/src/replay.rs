@@ -100,8 +100,8 @@ pub struct Replay<'s> {
 /// Returns a system in which every codel may throw: [`Replay`] itself checks undeclared exceptions.
 pub fn with_any_exception(system: &TimedSystem) -> TimedSystem {
     let mut out = system.clone();
-    for it in &mut out.codels {
-        it.throws = true;
+    for codel in &mut out.codels {
+        codel.throws = true;
     }
     out
 }
@@ -115,7 +115,7 @@ impl<'s> Replay<'s> {
         stepper.begin(&mut seen);
         let executors = stepper.executors();
         let mut out = Replay {
-            throws: verified.codels.iter().map(|it| it.throws).collect(),
+            throws: verified.codels.iter().map(|codel| codel.throws).collect(),
             outside: outside.unwrap_or(system.clients.len()),
             begun: vec![(0, (0, FOREVER)); executors],
             longer: vec![false; executors],
@@ -159,7 +159,7 @@ impl<'s> Replay<'s> {
             // Restores the possible actions, which the search for an early end has changed.
             self.stepper.possible(&mut self.possible);
             let actions = self.possible.actions().iter().take(MAX_LISTED_STEPS);
-            let possible = actions.map(|&it| Step::new(self.system, &self.stepper, it));
+            let possible = actions.map(|&action| Step::new(self.system, &self.stepper, action));
             let possible: Vec<Step> = possible.collect();
             self.lost = true;
             let due = possible.first().filter(|_| self.possible.is_committed());
@@ -201,7 +201,7 @@ impl<'s> Replay<'s> {
     /// Returns the possible action that corresponds to a step.
     fn find(&self, step: &Step) -> Option<Action> {
         let mut actions = self.possible.actions().iter().copied();
-        actions.find(|&it| Step::new(self.system, &self.stepper, it) == *step)
+        actions.find(|&action| Step::new(self.system, &self.stepper, action) == *step)
     }
 
     /// Returns the action by which an executor ends although the model forbids it. Either the work took less
@@ -225,11 +225,11 @@ impl<'s> Replay<'s> {
     /// Returns the executor that ends with a step, if it executes the work of the step.
     fn ends(&self, step: &Step) -> Option<usize> {
         let ends = matches!(step.rule, Rule::End | Rule::Delay);
-        let mut executing =
-            (0..self.stepper.executors()).filter(|&it| ends && self.stepper.window(it).is_some());
+        let mut executing = (0..self.stepper.executors())
+            .filter(|&index| ends && self.stepper.window(index).is_some());
         executing.find(|&executor| {
-            let it = self.end_of(executor);
-            (it.rule, &it.of, &it.what) == (step.rule, &step.of, &step.what)
+            let end = self.end_of(executor);
+            (end.rule, &end.of, &end.what) == (step.rule, &step.of, &step.what)
         })
     }
 
@@ -247,8 +247,9 @@ impl<'s> Replay<'s> {
         match action {
             Action::Finish { executor, .. } => {
                 self.record_overrun(executor, step);
-                let codel = self.stepper.work(executor).and_then(|it| it.codel());
-                let throws = codel.is_none_or(|it| self.throws.get(it).is_some_and(|it| *it));
+                let codel = self.stepper.work(executor).and_then(|work| work.codel());
+                let throws = codel
+                    .is_none_or(|codel| self.throws.get(codel).is_some_and(|exception| *exception));
                 // A refusal of a request is an exception, declared or not.
                 let state = matches!(self.stepper.work(executor), Some(Work::State { .. }));
                 if state && step.to == step::EXCEPTION && !throws {
@@ -276,7 +277,7 @@ impl<'s> Replay<'s> {
                     continue;
                 }
                 let due = self.possible.actions().first();
-                let due = due.map(|&it| Step::new(self.system, &self.stepper, it));
+                let due = due.map(|&action| Step::new(self.system, &self.stepper, action));
                 self.lost = true;
                 let Some(due) = due else { return false };
                 self.record_difference(step, due.rule, DifferenceKind::Omitted { due });
@@ -286,16 +287,18 @@ impl<'s> Replay<'s> {
             let jump = self.stepper.next_moment_but(&|_| true);
             let jump = jump.map_or(left, u64::from).clamp(1, left);
             let jump = Ticks::try_from(jump).unwrap_or(FOREVER - 1);
-            let window = |it: &Stepper<'_>, executor| it.window(executor);
+            let window = |stepper: &Stepper<'_>, executor| stepper.window(executor);
             let executors = 0..self.stepper.executors();
-            let before: Vec<_> = executors.map(|it| window(&self.stepper, it)).collect();
+            let before: Vec<_> = executors
+                .map(|executor| window(&self.stepper, executor))
+                .collect();
             self.stepper.pass(jump, &mut self.seen);
             self.seen.clear();
             for (executor, before) in before.into_iter().enumerate() {
                 // Without a greatest time, the window does not show whether the work progressed.
-                let known = before.filter(|it| it.1 != FOREVER);
+                let known = before.filter(|window| window.1 != FOREVER);
                 self.waited[executor] =
-                    known.is_some_and(|it| window(&self.stepper, executor) == Some(it));
+                    known.is_some_and(|old| window(&self.stepper, executor) == Some(old));
             }
         }
         true
@@ -305,7 +308,11 @@ impl<'s> Replay<'s> {
     fn overrun(&mut self) -> bool {
         let mut any = false;
         for executor in 0..self.stepper.executors() {
-            if self.stepper.window(executor).is_some_and(|it| it.1 == 0) {
+            if self
+                .stepper
+                .window(executor)
+                .is_some_and(|window| window.1 == 0)
+            {
                 self.stepper.set_window(executor, (0, FOREVER));
                 self.longer[executor] = true;
                 any = true;
@@ -338,8 +345,8 @@ impl<'s> Replay<'s> {
 
     fn abort(&mut self, step: &Step) {
         let place = step.what.parse().ok();
-        let place = place.filter(|&it| it < self.stepper.places());
-        let known = place.filter(|&it| Step::abort(self.system, &self.stepper, it) == *step);
+        let place = place.filter(|&place| place < self.stepper.places());
+        let known = place.filter(|&place| Step::abort(self.system, &self.stepper, place) == *step);
         let Some(place) = known else {
             self.lost = true;
             let possible = Vec::new();
@@ -357,8 +364,8 @@ impl<'s> Replay<'s> {
     /// Records the start of new work.
     fn look(&mut self) {
         let now = self.stepper.now();
-        for it in self.seen.drain(..) {
-            if let Seen::Begun { executor, time, .. } = it
+        for observation in self.seen.drain(..) {
+            if let Seen::Begun { executor, time, .. } = observation
                 && let Some(begun) = self.begun.get_mut(executor)
             {
                 *begun = (now, time);

@@ -141,15 +141,18 @@ impl Collector {
     }
 
     fn belongs(&mut self, kind: usize) -> Option<KindGroups> {
-        let it = self.kinds.all.get(kind)?;
+        let entry = self.kinds.all.get(kind)?;
         if self.kinds.about(kind) == LineSubject::Garbage {
             return None;
         }
-        let (starts, pauses) = (it.from.ends_with("::start"), it.to.contains("::pause::"));
-        let names = [&it.instance, &it.task, &it.service, &it.from];
+        let (starts, pauses) = (
+            entry.from.ends_with("::start"),
+            entry.to.contains("::pause::"),
+        );
+        let names = [&entry.instance, &entry.task, &entry.service, &entry.from];
         let names: Vec<String> = names.into_iter().cloned().collect();
         // A Tcl list that begins with an empty name is shorter by this name.
-        let start = usize::from(it.instance.is_empty());
+        let start = usize::from(entry.instance.is_empty());
         let groups = [2, 3, 4].map(|length| {
             let key = names.get(start..length).unwrap_or_default().to_vec();
             let next = self.keys.len();
@@ -159,9 +162,9 @@ impl Collector {
                 next
             });
             let kinds = self.kinds_of.get_mut(group);
-            let place = kinds.map_or(0, |it| {
-                it.push(kind as u32);
-                it.len() - 1
+            let place = kinds.map_or(0, |count| {
+                count.push(kind as u32);
+                count.len() - 1
             });
             (group, place)
         });
@@ -182,12 +185,12 @@ impl Collector {
     /// Ends a file: its lines are sorted among those of earlier files.
     pub fn file_ended(&mut self) {
         let (belongs, keys) = (&self.belongs, &self.keys);
-        let of = |it: &Entry| belongs.get(it.kind as usize).copied().flatten();
+        let of = |entry: &Entry| belongs.get(entry.kind as usize).copied().flatten();
         // By group: the last line, and whether the line before it paused.
         let mut last: Vec<Option<(usize, bool)>> = vec![None; keys.len()];
-        for task in self.tasks.iter_mut().filter(|it| it.fresh) {
+        for task in self.tasks.iter_mut().filter(|task| task.fresh) {
             task.fresh = false;
-            task.entries.sort_by_key(|it| it.asked);
+            task.entries.sort_by_key(|entry| entry.asked);
             for place in 0..task.entries.len() {
                 let Some(now) = task.entries.get(place).copied() else {
                     continue;
@@ -195,18 +198,18 @@ impl Collector {
                 let Some(belongs) = of(&now) else { continue };
                 // Cycles belong to keys with three words.
                 for (group, _) in belongs.groups {
-                    if keys.get(group).is_none_or(|it| it.len() != 3) {
+                    if keys.get(group).is_none_or(|key| key.len() != 3) {
                         continue;
                     }
                     let Some(last) = last.get_mut(group) else {
                         continue;
                     };
-                    let before = last.and_then(|it| Some((task.entries.get(it.0)?, it.1)));
+                    let before = last.and_then(|pair| Some((task.entries.get(pair.0)?, pair.1)));
                     let paused = match before {
                         None => false,
                         // Of equal lines the last one counts: it replaces the previous one.
                         Some((before, paused)) if before.asked == now.asked => paused,
-                        Some((before, _)) => of(before).is_some_and(|it| it.pauses),
+                        Some((before, _)) => of(before).is_some_and(|groups| groups.pauses),
                     };
                     *last = Some((place, paused));
                     let mark = match (belongs.starts, paused) {
@@ -215,8 +218,8 @@ impl Collector {
                         // A mark of an earlier file is kept, as in `profundis`.
                         (false, false) => continue,
                     };
-                    if let Some(it) = task.entries.get_mut(place) {
-                        it.cycle = mark;
+                    if let Some(entry) = task.entries.get_mut(place) {
+                        entry.cycle = mark;
                     }
                 }
             }
@@ -233,12 +236,12 @@ impl Collector {
             })
             .collect();
         for task in &self.tasks {
-            for it in &task.entries {
-                let belongs = self.belongs.get(it.kind as usize).copied().flatten();
+            for entry in &task.entries {
+                let belongs = self.belongs.get(entry.kind as usize).copied().flatten();
                 let Some(belongs) = belongs else { continue };
                 for (group, place) in belongs.groups {
                     if let Some(sum) = sums.get_mut(group) {
-                        sum.next(*it, place);
+                        sum.next(*entry, place);
                     }
                 }
             }
@@ -249,7 +252,7 @@ impl Collector {
             groups.push((list(key), self.group(key, kinds, &sum)));
         }
         groups.sort_by(|a, b| a.0.cmp(&b.0));
-        groups.into_iter().map(|it| it.1).collect()
+        groups.into_iter().map(|group| group.1).collect()
     }
 
     fn group(&self, key: &[String], kinds: &[u32], sum: &GroupSums) -> Group {
@@ -265,7 +268,8 @@ impl Collector {
         for &place in &sum.order {
             let Some(of) = kind(place) else { continue };
             let count = sum.counts.get(place).copied().unwrap_or(0);
-            let same = |it: &&mut Transition| it.from == of.from && it.to == of.to;
+            let same =
+                |transition: &&mut Transition| transition.from == of.from && transition.to == of.to;
             if let Some(known) = transitions.iter_mut().find(same) {
                 known.count += count;
                 continue;
@@ -279,12 +283,12 @@ impl Collector {
             });
         }
         let mut placed: Vec<_> = places.into_iter().zip(transitions).collect();
-        placed.sort_by_key(|it| it.0);
-        let first = sum.order.first().and_then(|&it| kind(it));
+        placed.sort_by_key(|pair| pair.0);
+        let first = sum.order.first().and_then(|&order| kind(order));
         let first = first.filter(|_| key.len() == 4);
         Group {
             key: key.to_vec(),
-            function: first.map(|it| it.function.clone()),
+            function: first.map(|kind| kind.function.clone()),
             execution: sum.execution.times().unwrap_or(Times {
                 count: 0,
                 least: 0,
@@ -293,7 +297,7 @@ impl Collector {
                 deviation: 0,
             }),
             cycle: sum.cycles.times().or(sum.periods.times()),
-            transitions: placed.into_iter().map(|it| it.1).collect(),
+            transitions: placed.into_iter().map(|pair| pair.1).collect(),
         }
     }
 }
@@ -317,7 +321,7 @@ struct GroupSums {
 
 impl GroupSums {
     fn next(&mut self, entry: Entry, place: usize) {
-        if self.pending.is_some_and(|it| it.0.asked != entry.asked) {
+        if self.pending.is_some_and(|pair| pair.0.asked != entry.asked) {
             self.flush();
         }
         self.pending = Some((entry, place));
@@ -381,7 +385,7 @@ impl Sum {
         let mean = self.sum as f64 / count;
         // After steps of the clock, the square of a sum may overflow.
         let square = match self.sum.checked_mul(self.sum) {
-            Some(it) => it as f64,
+            Some(number) => number as f64,
             None => self.sum as f64 * self.sum as f64,
         };
         let variance = (self.squares as f64 - square / count) / count;
@@ -399,21 +403,21 @@ impl Sum {
 pub fn lines(groups: &[Group]) -> String {
     let mut out = String::new();
     out.push_str("# exec instance task service state codel count min max avg std\n");
-    for it in groups {
-        out.push_str(&of_times("exec", it, &it.execution));
+    for group in groups {
+        out.push_str(&of_times("exec", group, &group.execution));
     }
     out.push_str("\n# cycle instance task service state codel count min max avg std\n");
-    for it in groups {
-        if let Some(cycle) = &it.cycle {
-            out.push_str(&of_times("cycle", it, cycle));
+    for group in groups {
+        if let Some(cycle) = &group.cycle {
+            out.push_str(&of_times("cycle", group, cycle));
         }
     }
     out.push_str("\n# trans instance task service state codel from to count/total\n");
-    for it in groups {
-        for edge in &it.transitions {
+    for group in groups {
+        for edge in &group.transitions {
             let Transition { from, to, count } = edge;
-            let total = it.execution.count;
-            let (key, function) = (group_key(it), function(it));
+            let total = group.execution.count;
+            let (key, function) = (group_key(group), function(group));
             out.push_str(&format!(
                 "trans {key} {function} {from} {to} {count}/{total}\n"
             ));
@@ -443,12 +447,12 @@ fn group_key(group: &Group) -> String {
 
 /// Returns words as a Tcl list: a text that would not be one word gets braces.
 fn list(words: &[String]) -> String {
-    let special = |it: char| it.is_whitespace() || "{}\"[]$;\\".contains(it);
+    let special = |character: char| character.is_whitespace() || "{}\"[]$;\\".contains(character);
     let words = words
         .iter()
-        .map(|it| match it.is_empty() || it.contains(special) {
-            true => format!("{{{it}}}"),
-            false => it.clone(),
+        .map(|word| match word.is_empty() || word.contains(special) {
+            true => format!("{{{word}}}"),
+            false => word.clone(),
         });
     words.collect::<Vec<_>>().join(" ")
 }

@@ -100,7 +100,7 @@ impl<'n> Trace<'n> {
         let mut slices = Vec::new();
         let mut runs = std::mem::take(&mut self.runs);
         // Codels are logged as they end. Lines of several logs are mixed.
-        runs.sort_by_key(|it| it.ended);
+        runs.sort_by_key(|run| run.ended);
         for run in &runs {
             self.run(run, &mut slices);
         }
@@ -195,14 +195,14 @@ fn locks_of(names: &Names<'_>, kind: &LineKind) -> Vec<String> {
         match param.source {
             ParamSource::Ids => {
                 let whole = "ids".to_owned();
-                out.push(param.path.first().map_or(whole, |it| match it {
+                out.push(param.path.first().map_or(whole, |path| match path {
                     dotgen_analysis::model::PathElement::Member(name) => name.to_string(),
                     dotgen_analysis::model::PathElement::Index(_) => "ids".to_owned(),
                 }));
             }
             ParamSource::Port(port) => {
                 let port = member.component.ports.get(port as usize);
-                out.extend(port.map(|it| it.name.to_string()));
+                out.extend(port.map(|port| port.name.to_string()));
             }
             _ => {}
         }
@@ -225,7 +225,7 @@ impl Requests {
         // No service has this name: a permanent activity has no request.
         if !kind
             .service
-            .starts_with(|it: char| it.is_alphabetic() || it == '_')
+            .starts_with(|character: char| character.is_alphabetic() || character == '_')
         {
             return None;
         }
@@ -234,8 +234,10 @@ impl Requests {
         let from = event(&kind.from);
         let place = match kind.task.as_str() {
             CONTROL => None,
-            _ => (open.iter().rposition(|it| it.awaited == from.name))
-                .or_else(|| open.iter().position(|it| it.awaited.is_empty())),
+            _ => (open
+                .iter()
+                .rposition(|request| request.awaited == from.name))
+            .or_else(|| open.iter().position(|request| request.awaited.is_empty())),
         };
         let mut request = match place {
             Some(place) => open.remove(place),
@@ -277,7 +279,7 @@ impl Requests {
         open.sort_by(|a, b| a.0.cmp(&b.0));
         for ((instance, service), requests) in open {
             let slices = requests.iter();
-            out.extend(slices.map(|it| slice_of(instance.clone(), service.clone(), it)));
+            out.extend(slices.map(|slice| slice_of(instance.clone(), service.clone(), slice)));
         }
     }
 }
@@ -326,8 +328,8 @@ impl Tracks {
             None => self.lanes.entry(place.clone()).or_default(),
         };
         // Slices come as they end. The free lane that was used last is the one that leads to the fewest.
-        let free = lanes.iter_mut().filter(|it| it.1 <= slice.begin);
-        let lane = match free.max_by_key(|it| it.1) {
+        let free = lanes.iter_mut().filter(|lane| lane.1 <= slice.begin);
+        let lane = match free.max_by_key(|lane| lane.1) {
             Some(lane) => {
                 lane.1 = slice.end;
                 lane.0

@@ -6,7 +6,7 @@ fn collected(files: &[&str]) -> Vec<Group> {
     let mut collector = Collector::default();
     for file in files {
         file.lines()
-            .for_each(|it| collector.line(it.as_bytes(), true));
+            .for_each(|line| collector.line(line.as_bytes(), true));
         collector.file_ended();
     }
     collector.groups_in_order()
@@ -14,8 +14,8 @@ fn collected(files: &[&str]) -> Vec<Group> {
 
 /// Returns a line of task `t` of component `c`, which begins when it asks. Times are in seconds.
 fn line(began: &str, ended: &str, service: &str, from: &str, to: &str) -> String {
-    let stamp = |it: &str| {
-        let (seconds, fraction) = it.split_once('.').unwrap_or((it, ""));
+    let stamp = |text: &str| {
+        let (seconds, fraction) = text.split_once('.').unwrap_or((text, ""));
         format!("{seconds}.{fraction:0<9}")
     };
     let (began, ended) = (stamp(began), stamp(ended));
@@ -69,7 +69,7 @@ fn a_cycle_begins_after_a_pause_and_not_at_a_start() {
     let groups = collected(&[&log]);
     let service = groups
         .iter()
-        .find(|it| it.key.len() == 3)
+        .find(|group| group.key.len() == 3)
         .expect("a service");
     // From the second start to the run after the second pause: that run ends a cycle, and the starts do not.
     let cycle = service.cycle.expect("one");
@@ -112,12 +112,12 @@ fn steps_of_the_clock_are_no_reason_to_fail() {
     let far = line("9000000000", "9000000000.1", "s", "start", "ether");
     let near = line("1", "1.1", "s", "start", "ether");
     let log: String = (0..40)
-        .map(|it| if it % 2 == 0 { &*near } else { &*far })
+        .map(|number| if number % 2 == 0 { &*near } else { &*far })
         .collect();
     let groups = collected(&[&log]);
     assert_eq!(groups[0].execution.count, 2);
     assert_eq!(
-        groups[0].cycle.map(|it| it.least),
+        groups[0].cycle.map(|cycle| cycle.least),
         Some(8_999_999_999_000_000_000)
     );
 }

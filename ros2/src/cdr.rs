@@ -180,8 +180,8 @@ impl<'s> Payloads<'s> {
         is_wanted: fn(&Param) -> bool,
     ) -> impl Iterator<Item = &'s Param> {
         let service: Option<&'s Service> = self.component.services.get(service as usize);
-        let params = service.map_or(&[][..], |it| it.params.as_slice());
-        params.iter().filter(move |it| is_wanted(it))
+        let params = service.map_or(&[][..], |service| service.params.as_slice());
+        params.iter().filter(move |param| is_wanted(param))
     }
 }
 

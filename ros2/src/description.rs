@@ -102,8 +102,8 @@ impl FieldType {
         let base = self.base.text();
         match self.count {
             Count::One => base,
-            Count::Exactly(it) => format!("{base}[{it}]"),
-            Count::AtMost(it) => format!("{base}[<={it}]"),
+            Count::Exactly(number) => format!("{base}[{number}]"),
+            Count::AtMost(number) => format!("{base}[<={number}]"),
             Count::Any => format!("{base}[]"),
         }
     }
@@ -203,7 +203,7 @@ impl Types {
     /// Adds a service with its messages.
     pub fn service(&mut self, name: &str, request: Vec<Field>, response: Vec<Field>) {
         let [request_name, response_name, event_name] =
-            ["Request", "Response", "Event"].map(|it| format!("{name}_{it}"));
+            ["Request", "Response", "Event"].map(|text| format!("{name}_{text}"));
         self.add(&request_name, request);
         self.add(&response_name, response);
         let optional = |name: &str| FieldType {
@@ -232,7 +232,7 @@ impl Types {
         result: Vec<Field>,
         feedback: Vec<Field>,
     ) {
-        let part = |it: &str| FieldType::nested(format!("{name}_{it}"));
+        let part = |text: &str| FieldType::nested(format!("{name}_{text}"));
         let parts = [("Goal", goal), ("Result", result), ("Feedback", feedback)];
         for (part, fields) in parts {
             self.add(&format!("{name}_{part}"), fields);
@@ -259,7 +259,7 @@ impl Types {
             ("get_result_service", "GetResult"),
             ("feedback_message", "FeedbackMessage"),
         ];
-        let action = action.map(|(field, it)| Field::new(field, part(it)));
+        let action = action.map(|(field, action)| Field::new(field, part(action)));
         self.add(name, action.to_vec());
     }
 
@@ -314,8 +314,8 @@ impl Types {
         let fields = self.fields(name).unwrap_or_default().iter().map(|field| {
             let (offset, capacity) = match field.ty.count {
                 Count::One => (0, 0),
-                Count::Exactly(it) => (48, it),
-                Count::AtMost(it) => (96, it),
+                Count::Exactly(number) => (48, number),
+                Count::AtMost(number) => (96, number),
                 Count::Any => (144, 0),
             };
             let (string, nested) = match &field.ty.base {

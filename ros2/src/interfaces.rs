@@ -30,7 +30,7 @@ pub fn interfaces(spec: &Spec, components: &[&Component]) -> Interfaces {
     for component in components {
         match offer(&mut mapping, spec, component) {
             Ok((_, some)) => refused.extend(some),
-            Err(it) => refused.push(it),
+            Err(error) => refused.push(error),
         }
     }
     types_of_modules(&mut mapping, spec, &mut refused);
@@ -38,7 +38,7 @@ pub fn interfaces(spec: &Spec, components: &[&Component]) -> Interfaces {
     let packages: Vec<String> = mapping.packages().map(str::to_owned).collect();
     let needs: BTreeMap<&str, BTreeSet<String>> = packages
         .iter()
-        .map(|it| (it.as_str(), needs(&mapping, it)))
+        .map(|package| (package.as_str(), needs(&mapping, package)))
         .collect();
     for package in &packages {
         if let Some(with) = circle(package, &needs) {
@@ -86,10 +86,12 @@ pub fn interfaces(spec: &Spec, components: &[&Component]) -> Interfaces {
 pub fn packages(spec: &Spec) -> Ros2Packages {
     let all = spec.components.iter();
     let all: Vec<&Component> = all
-        .filter(|it| it.kind == ComponentKind::Component)
+        .filter(|component| component.kind == ComponentKind::Component)
         .collect();
     let Interfaces { files, refused } = interfaces(spec, &all);
-    let refused = refused.iter().map(|it| (it.src, it.to_string()));
+    let refused = refused
+        .iter()
+        .map(|refusal| (refusal.src, refusal.to_string()));
     Ros2Packages {
         files,
         refused: refused.collect(),
@@ -111,19 +113,23 @@ fn types_of_modules(mapping: &mut Mapping<'_>, spec: &Spec, refused: &mut Vec<Re
 
 fn add_types(mapping: &mut Mapping<'_>, spec: &Spec, refused: &mut Vec<Refusal>) {
     let packages: BTreeSet<String> = mapping.packages().map(str::to_owned).collect();
-    for (ty, it) in (0u32..).map(TypeId).zip(&spec.types) {
-        let is_wanted = match &it.kind {
+    for (ty, entry) in (0u32..).map(TypeId).zip(&spec.types) {
+        let is_wanted = match &entry.kind {
             TypeKind::Struct { .. } | TypeKind::Union { .. } | TypeKind::Enum { .. } => true,
             TypeKind::Exception { members } => !members.is_empty(),
             _ => false,
         };
-        let modules = it.scope.iter().filter(|it| it.kind == ScopeKind::Module);
-        let modules: Vec<&str> = modules.map(|it| it.name.as_str()).collect();
-        let is_internal = spec.components.iter().any(|it| {
-            it.kind == ComponentKind::Component && modules.first() == Some(&it.name.as_str())
+        let modules = entry
+            .scope
+            .iter()
+            .filter(|scope| scope.kind == ScopeKind::Module);
+        let modules: Vec<&str> = modules.map(|module| module.name.as_str()).collect();
+        let is_internal = spec.components.iter().any(|component| {
+            component.kind == ComponentKind::Component
+                && modules.first() == Some(&component.name.as_str())
         });
         let package = names::package(modules);
-        if !is_wanted || is_internal || !package.is_ok_and(|it| packages.contains(&it)) {
+        if !is_wanted || is_internal || !package.is_ok_and(|package| packages.contains(&package)) {
             continue;
         }
         if let Err(obstacle) = mapping.named(ty) {
@@ -165,7 +171,7 @@ fn source(mapping: &Mapping<'_>, name: &str, path: &str) -> Option<(String, Stri
 
 /// A comment: the part of the model that a file is for.
 fn heading(mapping: &Mapping<'_>, name: &str) -> String {
-    let origin = mapping.origin(name).map_or("", |it| it.0);
+    let origin = mapping.origin(name).map_or("", |origin| origin.0);
     format!("# GenoM3: {}\n", origin.replace('`', ""))
 }
 
@@ -188,9 +194,9 @@ fn needs(mapping: &Mapping<'_>, package: &str) -> BTreeSet<String> {
         mapping
             .types
             .names()
-            .filter(|it| it.starts_with(&of_package))
+            .filter(|name| name.starts_with(&of_package))
     };
-    let fields = own().flat_map(|it| mapping.types.fields(it).unwrap_or_default());
+    let fields = own().flat_map(|text| mapping.types.fields(text).unwrap_or_default());
     let nested = fields.filter_map(|field| match &field.ty.base {
         Base::Nested(name) => name.split('/').next(),
         _ => None,
@@ -201,7 +207,7 @@ fn needs(mapping: &Mapping<'_>, package: &str) -> BTreeSet<String> {
     out.remove("service_msgs");
     out.remove("unique_identifier_msgs");
     out.remove("builtin_interfaces");
-    if own().any(|it| it.starts_with(&format!("{package}/action/"))) {
+    if own().any(|text| text.starts_with(&format!("{package}/action/"))) {
         out.insert("action_msgs".to_owned());
     }
     out
@@ -213,12 +219,12 @@ fn circle<'n>(package: &str, needs: &'n BTreeMap<&str, BTreeSet<String>>) -> Opt
     direct.into_iter().find(|&start| {
         let mut seen = BTreeSet::new();
         let mut waiting = vec![start];
-        while let Some(it) = waiting.pop() {
-            if it == package {
+        while let Some(name) = waiting.pop() {
+            if name == package {
                 return true;
             }
-            if seen.insert(it) {
-                waiting.extend(needs.get(it).into_iter().flatten().map(String::as_str));
+            if seen.insert(name) {
+                waiting.extend(needs.get(name).into_iter().flatten().map(String::as_str));
             }
         }
         false
@@ -230,17 +236,17 @@ fn first_src(mapping: &Mapping<'_>, package: &str) -> Src {
     let mut names = mapping
         .types
         .names()
-        .filter(|it| it.starts_with(&of_package));
+        .filter(|name| name.starts_with(&of_package));
     names
-        .find_map(|it| mapping.origin(it))
-        .map(|it| it.1)
+        .find_map(|name| mapping.origin(name))
+        .map(|origin| origin.1)
         .unwrap_or_default()
 }
 
 fn manifest(package: &str, needs: &BTreeSet<String>) -> String {
     let mut depends = String::new();
-    for it in needs {
-        let _ = writeln!(depends, "  <depend>{it}</depend>");
+    for need in needs {
+        let _ = writeln!(depends, "  <depend>{need}</depend>");
     }
     format!(
         "<?xml version=\"1.0\"?>\n<package format=\"3\">\n  <name>{package}</name>\n  \
@@ -257,15 +263,18 @@ fn manifest(package: &str, needs: &BTreeSet<String>) -> String {
 
 fn build(package: &str, sources: &[String], needs: &BTreeSet<String>) -> String {
     let mut find = String::new();
-    for it in needs {
-        let _ = writeln!(find, "find_package({it} REQUIRED)");
+    for need in needs {
+        let _ = writeln!(find, "find_package({need} REQUIRED)");
     }
     let mut depends = String::new();
     if !needs.is_empty() {
         let needs: Vec<&str> = needs.iter().map(String::as_str).collect();
         depends = format!("  DEPENDENCIES {}\n", needs.join(" "));
     }
-    let sources: String = sources.iter().map(|it| format!("  \"{it}\"\n")).collect();
+    let sources: String = sources
+        .iter()
+        .map(|source| format!("  \"{source}\"\n"))
+        .collect();
     format!(
         "cmake_minimum_required(VERSION 3.8)\nproject({package})\n\nfind_package(ament_cmake REQUIRED)\n\
          find_package(rosidl_default_generators REQUIRED)\n{find}\n\

@@ -67,8 +67,8 @@ impl<'s> Mapping<'s> {
 
     /// The package of modules, if no other modules have it.
     pub(crate) fn package(&mut self, scope: &[Scope], src: Src) -> Result<String, Obstacle> {
-        let modules = scope.iter().filter(|it| it.kind == ScopeKind::Module);
-        let modules: Vec<&str> = modules.map(|it| it.name.as_str()).collect();
+        let modules = scope.iter().filter(|scope| scope.kind == ScopeKind::Module);
+        let modules: Vec<&str> = modules.map(|module| module.name.as_str()).collect();
         let obstacle = |why| Obstacle { why, src };
         let package = names::package(modules.iter().copied()).map_err(obstacle)?;
         let path = modules.join("::");
@@ -148,9 +148,9 @@ impl<'s> Mapping<'s> {
     /// The message of a value that is not a field of another: a structure or union itself, a message of
     /// `std_msgs`, or a message with the field `data`.
     pub(crate) fn message(&mut self, ty: TypeId, place: &Place) -> Result<String, Obstacle> {
-        let it = self.field_type(ty, place)?;
-        if it.count == Count::One {
-            let local = match &it.base {
+        let field_type = self.field_type(ty, place)?;
+        if field_type.count == Count::One {
+            let local = match &field_type.base {
                 Base::Nested(name) => return Ok(name.clone()),
                 Base::BoundedString(_) => None,
                 Base::Int8 => Some("Int8"),
@@ -168,11 +168,11 @@ impl<'s> Mapping<'s> {
             };
             if let Some(local) = local {
                 let name = format!("std_msgs/msg/{local}");
-                self.types.add(&name, vec![Field::new("data", it)]);
+                self.types.add(&name, vec![Field::new("data", field_type)]);
                 return Ok(name);
             }
         }
-        self.wrapped(ty, it, place)
+        self.wrapped(ty, field_type, place)
     }
 
     /// Adds the message of a type with a name.
@@ -203,7 +203,11 @@ impl<'s> Mapping<'s> {
         self.claim(&name, origin, place.src)?;
         let fields = vec![Field::new("data", data)];
         // Parameters of different services may give types without a name the same one.
-        if self.types.fields(&name).is_some_and(|it| *it != *fields) {
+        if self
+            .types
+            .fields(&name)
+            .is_some_and(|field| *field != *fields)
+        {
             return Err(Obstacle {
                 why: format!("two types would be `{name}`: name one by a typedef"),
                 src: place.src,
@@ -215,10 +219,12 @@ impl<'s> Mapping<'s> {
 
     /// The full name of the message of a type with a name.
     fn name_of(&mut self, ty: TypeId) -> Result<String, Obstacle> {
-        let it = self.spec.ty(ty);
-        let package = self.package(&it.scope, it.src)?;
-        let (_, local) =
-            names::of_type(self.spec, ty).map_err(|why| Obstacle { why, src: it.src })?;
+        let known_type = self.spec.ty(ty);
+        let package = self.package(&known_type.scope, known_type.src)?;
+        let (_, local) = names::of_type(self.spec, ty).map_err(|why| Obstacle {
+            why,
+            src: known_type.src,
+        })?;
         Ok(format!("{package}/msg/{local}"))
     }
 
@@ -252,7 +258,7 @@ impl<'s> Mapping<'s> {
             TypeKind::Float => Base::Float32,
             TypeKind::Double => Base::Float64,
             TypeKind::String { bound: None } => Base::String,
-            TypeKind::String { bound: Some(it) } => Base::BoundedString(*it),
+            TypeKind::String { bound: Some(bound) } => Base::BoundedString(*bound),
             TypeKind::Enum { enumerators } => {
                 self.enumeration(resolved, enumerators)?;
                 Base::Uint32
@@ -324,10 +330,10 @@ impl<'s> Mapping<'s> {
             local: format!("{}Item", place.local),
             ..place.clone()
         };
-        let it = self.field_type(ty, &place)?;
-        match it.count {
-            Count::One => Ok(it.base),
-            _ => Ok(Base::Nested(self.wrapped(ty, it, &place)?)),
+        let field_type = self.field_type(ty, &place)?;
+        match field_type.count {
+            Count::One => Ok(field_type.base),
+            _ => Ok(Base::Nested(self.wrapped(ty, field_type, &place)?)),
         }
     }
 
@@ -410,9 +416,9 @@ impl<'s> Mapping<'s> {
         self.claim(&name, format!("`{full}`"), src)?;
         let mut seen = BTreeSet::new();
         let mut out = Vec::new();
-        for (value, &it) in enumerators.iter().enumerate() {
-            let src = self.spec.ty(it).src;
-            let plain = self.plain_name(it);
+        for (value, &enumerator) in enumerators.iter().enumerate() {
+            let src = self.spec.ty(enumerator).src;
+            let plain = self.plain_name(enumerator);
             let constant = names::constant(&plain).map_err(|why| Obstacle { why, src })?;
             if !seen.insert(constant.clone()) {
                 return Err(Obstacle {
@@ -428,14 +434,14 @@ impl<'s> Mapping<'s> {
 
     fn plain_name(&self, ty: TypeId) -> String {
         let name = self.spec.ty(ty).name.as_ref();
-        name.map(|it| it.to_string()).unwrap_or_default()
+        name.map(|name| name.to_string()).unwrap_or_default()
     }
 }
 
 /// Fields of one message have different names.
 pub(crate) fn distinct(fields: &[Field], src: Src) -> Result<(), Obstacle> {
     let mut seen = BTreeSet::new();
-    match fields.iter().find(|it| !seen.insert(&it.name)) {
+    match fields.iter().find(|field| !seen.insert(&field.name)) {
         None => Ok(()),
         Some(field) => Err(Obstacle {
             why: format!("two fields become `{}`: rename one", field.name),

@@ -118,7 +118,7 @@ pub fn camel(name: &str) -> Result<String, String> {
     let mut out = String::new();
     for word in name.split('_') {
         let mut letters = word.chars();
-        out.extend(letters.next().map(|it| it.to_ascii_uppercase()));
+        out.extend(letters.next().map(|letter| letter.to_ascii_uppercase()));
         out.extend(letters);
     }
     match out.starts_with(|c: char| c.is_ascii_uppercase()) {
@@ -134,13 +134,13 @@ pub fn camel(name: &str) -> Result<String, String> {
 /// # Errors
 /// In words: ROS 2 has no such name.
 pub fn of_type(spec: &Spec, ty: TypeId) -> Result<(String, String), String> {
-    let it = spec.ty(ty);
+    let ty = spec.ty(ty);
     let is_module = |kind| kind == ScopeKind::Module;
-    let modules = it.scope.iter().filter(|scope| is_module(scope.kind));
+    let modules = ty.scope.iter().filter(|scope| is_module(scope.kind));
     let package = package(modules.map(|scope| scope.name.as_str()))?;
-    let around = it.scope.iter().filter(|scope| !is_module(scope.kind));
+    let around = ty.scope.iter().filter(|scope| !is_module(scope.kind));
     let mut local = String::new();
-    for name in around.map(|scope| &scope.name).chain(&it.name) {
+    for name in around.map(|scope| &scope.name).chain(&ty.name) {
         local += &camel(name)?;
     }
     Ok((package, local))

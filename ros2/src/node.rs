@@ -105,7 +105,7 @@ pub struct Node {
 /// The component itself has no name in ROS 2, or its package has no name.
 pub fn endpoints(spec: &Spec, component: &Component, domain: u32) -> Result<Node, Vec<Refusal>> {
     let mut mapping = Mapping::new(spec);
-    let (endpoints, refused) = offer(&mut mapping, spec, component).map_err(|it| vec![it])?;
+    let (endpoints, refused) = offer(&mut mapping, spec, component).map_err(|error| vec![error])?;
     Ok(Node {
         name: component.name.to_string(),
         domain,
@@ -127,7 +127,7 @@ pub(crate) fn offer(
         src: component.src,
     });
     let package = name.and_then(|_| mapping.package(&[module(component)], component.src));
-    let package = package.map_err(|it| refusal(part(), it))?;
+    let package = package.map_err(|error| refusal(part(), error))?;
     let mut offer = Offer {
         mapping,
         spec,
@@ -137,15 +137,15 @@ pub(crate) fn offer(
     };
     let mut refused = Vec::new();
     for (index, port) in (0u32..).zip(&component.ports) {
-        if let Err(it) = offer.port(index, port) {
+        if let Err(error) = offer.port(index, port) {
             let part = format!("port `{}.{}`", component.name, port.name);
-            refused.push(refusal(part, it));
+            refused.push(refusal(part, error));
         }
     }
     for (index, service) in (0u32..).zip(&component.services) {
-        if let Err(it) = offer.service(index, service) {
+        if let Err(error) = offer.service(index, service) {
             let part = format!("service `{}.{}`", component.name, service.name);
-            refused.push(refusal(part, it));
+            refused.push(refusal(part, error));
         }
     }
     Ok((offer.endpoints, refused))
@@ -225,7 +225,7 @@ impl Offer<'_, '_> {
         }
         let state = vec![Field::new("state", Base::String)];
         self.mapping.types.action(&name, inputs, outputs, state);
-        let of = |it: &str| format!("{name}_{it}");
+        let of = |text: &str| format!("{name}_{text}");
         let (server, publisher) = (Kind::Server, Kind::Publisher);
         let (volatile, latched) = (Qos::Volatile, Qos::Latched);
         let all = [
@@ -278,7 +278,7 @@ impl Offer<'_, '_> {
         is_wanted: fn(&Param) -> bool,
         local: &str,
     ) -> Result<Vec<Field>, Obstacle> {
-        let wanted = service.params.iter().filter(|it| is_wanted(it));
+        let wanted = service.params.iter().filter(|param| is_wanted(param));
         wanted
             .map(|param| {
                 let place = Place {
@@ -293,7 +293,7 @@ impl Offer<'_, '_> {
 
     /// The fields that say how a service ended.
     fn exceptions(&mut self, service: u32, out: &mut Vec<Field>) -> Result<(), Obstacle> {
-        if out.iter().any(|it| it.name == "exception") {
+        if out.iter().any(|field| field.name == "exception") {
             return Err(Obstacle {
                 why: "an output becomes `exception`, a field of every response: rename it"
                     .to_owned(),
@@ -302,9 +302,9 @@ impl Offer<'_, '_> {
         }
         out.push(Field::new("exception", Base::String));
         for ty in service_throws(self.component, service) {
-            let it = self.spec.ty(self.spec.resolve_alias(ty));
+            let known_type = self.spec.ty(self.spec.resolve_alias(ty));
             let has_members =
-                matches!(&it.kind, TypeKind::Exception { members } if !members.is_empty());
+                matches!(&known_type.kind, TypeKind::Exception { members } if !members.is_empty());
             if !has_members {
                 continue;
             }
@@ -312,7 +312,7 @@ impl Offer<'_, '_> {
             let place = Place {
                 package: self.package.clone(),
                 local: String::new(),
-                src: it.src,
+                src: known_type.src,
             };
             let mut field = self.mapping.field(&full.replace("::", "_"), ty, &place)?;
             field.ty.count = Count::AtMost(1);

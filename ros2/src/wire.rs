@@ -186,14 +186,14 @@ mod tests {
 
     #[test]
     fn attachments_are_read_back_and_others_refused() {
-        let it = Attachment {
+        let attachment = Attachment {
             sequence: -2,
             time: 1_000_000_007,
             gid: gid(&NODE.token()),
         };
-        let bytes = it.to_bytes();
+        let bytes = attachment.to_bytes();
         assert_eq!(bytes[..8], [0xfe, 255, 255, 255, 255, 255, 255, 255]);
-        assert_eq!(Attachment::read(&bytes), Some(it));
+        assert_eq!(Attachment::read(&bytes), Some(attachment));
         for end in 0..ATTACHMENT {
             assert_eq!(Attachment::read(&bytes[..end]), None, "{end}");
         }

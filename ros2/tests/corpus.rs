@@ -20,11 +20,12 @@ fn units() -> Vec<(String, UnitResult)> {
     let root = Utf8PathBuf::from_path_buf(root).expect("UTF-8");
     let mut out = Vec::new();
     let folders = ["components", "robnav", "quadcopter"];
-    let mut pending: Vec<(&str, Utf8PathBuf)> = folders.map(|it| (it, root.join(it))).into();
+    let mut pending: Vec<(&str, Utf8PathBuf)> =
+        folders.map(|folder| (folder, root.join(folder))).into();
     while let Some((folder, path)) = pending.pop() {
         if path.is_dir() && path != root.join("components/standins") {
             let entries = path.read_dir_utf8().expect("a folder").flatten();
-            pending.extend(entries.map(|it| (folder, it.into_path())));
+            pending.extend(entries.map(|entry| (folder, entry.into_path())));
         } else if path.extension() == Some("gen") {
             let include = match folder {
                 "components" => "components/standins",
@@ -54,10 +55,11 @@ fn published_components_are_offered() {
         let values = Values::new(spec);
         let components = spec.components.iter();
         let components: Vec<_> = components
-            .filter(|it| it.kind == ComponentKind::Component)
+            .filter(|component| component.kind == ComponentKind::Component)
             .collect();
         for component in &components {
-            let node = endpoints(spec, component, 0).unwrap_or_else(|it| panic!("{path}: {it:?}"));
+            let node =
+                endpoints(spec, component, 0).unwrap_or_else(|error| panic!("{path}: {error:?}"));
             offered += node.endpoints.len();
             let payloads = Payloads::new(spec, component);
             for port in &component.ports {
@@ -76,8 +78,8 @@ fn published_components_are_offered() {
                 payloads.response(service, failed).expect("a response");
             }
         }
-        for it in interfaces(spec, &components).refused {
-            found += &format!("{path}: {it}\n");
+        for refusal in interfaces(spec, &components).refused {
+            found += &format!("{path}: {refusal}\n");
         }
     }
     assert_eq!(found, "", "everything has a form in ROS 2");

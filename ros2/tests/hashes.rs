@@ -9,11 +9,11 @@ pub(crate) const HASHES: &str = include_str!("fixtures/hashes.txt");
 
 fn field(line: &str) -> Field {
     let (ty, name) = line.split_once(' ').expect("type and name");
-    let (base, count) = match ty.strip_suffix(']').and_then(|it| it.rsplit_once('[')) {
+    let (base, count) = match ty.strip_suffix(']').and_then(|stem| stem.rsplit_once('[')) {
         None => (ty, Count::One),
         Some((base, "")) => (base, Count::Any),
         Some((base, number)) => match number.strip_prefix("<=") {
-            Some(it) => (base, Count::AtMost(it.parse().expect("a number"))),
+            Some(rest) => (base, Count::AtMost(rest.parse().expect("a number"))),
             None => (base, Count::Exactly(number.parse().expect("a number"))),
         },
     };
@@ -31,7 +31,7 @@ fn field(line: &str) -> Field {
         "bool" => Base::Bool,
         "string" => Base::String,
         other => match other.strip_prefix("string<=") {
-            Some(it) => Base::BoundedString(it.parse().expect("a number")),
+            Some(rest) => Base::BoundedString(rest.parse().expect("a number")),
             None => Base::Nested(other.replacen('/', "/msg/", 1)),
         },
     };
@@ -43,7 +43,7 @@ pub(crate) fn add(text: &str, to: &mut Types) {
     for definition in text.split("= ").skip(1) {
         let (name, rest) = definition.split_once('\n').expect("a name");
         let parts = rest.split("---\n").map(|part| {
-            let lines = part.lines().filter(|it| !it.is_empty());
+            let lines = part.lines().filter(|line| !line.is_empty());
             lines.map(field).collect::<Vec<_>>()
         });
         match <[Vec<Field>; 1]>::try_from(parts.collect::<Vec<_>>()) {

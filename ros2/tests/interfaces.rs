@@ -33,13 +33,15 @@ fn files_and_descriptions_agree() {
         };
         let lines = text
             .lines()
-            .filter(|it| !it.starts_with('#') && !it.contains('='));
-        let bounded = text.lines().filter(|it| it.contains("<="));
-        let lines: BTreeMap<usize, &str> =
-            lines.chain(bounded).map(|it| (at(&text, it), it)).collect();
+            .filter(|line| !line.starts_with('#') && !line.contains('='));
+        let bounded = text.lines().filter(|line| line.contains("<="));
+        let lines: BTreeMap<usize, &str> = lines
+            .chain(bounded)
+            .map(|line| (at(&text, line), line))
+            .collect();
         let lines: Vec<&str> = lines
             .values()
-            .map(|it| it.split("  #").next().unwrap_or(it))
+            .map(|line| line.split("  #").next().unwrap_or(line))
             .collect();
         super::hashes::add(&format!("= {name}\n{}\n", lines.join("\n")), &mut read);
     }

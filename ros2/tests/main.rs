@@ -14,11 +14,11 @@ use dotgen_analysis::model::{Spec, TypeId};
 const PUMP: &str = include_str!("fixtures/pump.gen");
 
 fn unit(text: &str) -> UnitResult {
-    dotgen_loaders::unit(text).unwrap_or_else(|it| panic!("{it}"))
+    dotgen_loaders::unit(text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn type_of(spec: &Spec, name: &str) -> TypeId {
     let mut all = (0..spec.types.len() as u32).map(TypeId);
-    let found = all.find(|&it| spec.full_name(it).as_deref() == Some(name));
+    let found = all.find(|&ty| spec.full_name(ty).as_deref() == Some(name));
     found.unwrap_or_else(|| panic!("no `{name}`"))
 }

@@ -19,10 +19,13 @@ fn refused(text: &str) -> Vec<String> {
 fn a_component_is_a_node() {
     let node = node(PUMP);
     assert_eq!(node.refused, []);
-    let lines = node.endpoints.iter().map(|it| {
-        let mut key = it.key(node.domain);
+    let lines = node.endpoints.iter().map(|endpoint| {
+        let mut key = endpoint.key(node.domain);
         key.truncate(key.find("RIHS01").unwrap_or(0));
-        format!("{:?} {:?} {:?} {key}", it.part, it.kind, it.qos)
+        format!(
+            "{:?} {:?} {:?} {key}",
+            endpoint.part, endpoint.kind, endpoint.qos
+        )
     });
     insta::assert_snapshot!(lines.collect::<Vec<_>>().join("\n"));
 }
@@ -32,16 +35,22 @@ fn types_have_the_hashes_of_rosidl() {
     let node = node(PUMP);
     for endpoint in &node.endpoints {
         let name = &endpoint.type_name;
-        let mut lines = super::hashes::HASHES.lines().map(|it| it.split_once(' '));
-        let known = lines.find_map(|it| it.filter(|it| it.0 == name));
-        assert_eq!(known.map(|it| it.1), Some(endpoint.hash.as_str()), "{name}");
+        let mut lines = super::hashes::HASHES
+            .lines()
+            .map(|line| line.split_once(' '));
+        let known = lines.find_map(|line| line.filter(|line| line.0 == name));
+        assert_eq!(
+            known.map(|line| line.1),
+            Some(endpoint.hash.as_str()),
+            "{name}"
+        );
     }
 }
 
 #[test]
 fn an_instance_has_its_own_topic() {
     let node = node(PUMP);
-    let is_multiple = |it: &&Endpoint| it.multiple;
+    let is_multiple = |endpoint: &&Endpoint| endpoint.multiple;
     let port = node.endpoints.iter().find(is_multiple).expect("a port");
     assert!(
         port.key(0)

@@ -22,7 +22,7 @@ fn state() -> Value {
 
 fn service(spec: &dotgen_analysis::model::Spec, name: &str) -> u32 {
     let services = &spec.components[0].services;
-    let found = services.iter().position(|it| it.name == name);
+    let found = services.iter().position(|service| service.name == name);
     found.expect("a service") as u32
 }
 
@@ -53,7 +53,7 @@ fn a_message_is_aligned_after_its_header() {
     expected[6].truncate(12);
     let padding = length(&expected).next_multiple_of(8) - length(&expected);
     expected.push(vec![0; padding]);
-    expected.extend((1..10).map(|it| f64::from(it).to_le_bytes().into()));
+    expected.extend((1..10).map(|number| f64::from(number).to_le_bytes().into()));
     expected.push(vec![1, 0, 0, 0, 0xf9, 0xff, 0, 0]);
     expected.push(vec![
         2, 0, 0, 0, 2, 0, 0, 0, b'p', 0, 0, 0, 1, 0, 0, 0, 0, 1,
@@ -147,10 +147,10 @@ fn an_exception_has_its_name_and_members() {
         let wish = service(spec, "wish");
         payloads.response(wish, Outcome::Failed { exception, detail })
     };
-    let text = |it: &str| {
+    let text = |text: &str| {
         [
-            &(it.len() as u32 + 1).to_le_bytes()[..],
-            it.as_bytes(),
+            &(text.len() as u32 + 1).to_le_bytes()[..],
+            text.as_bytes(),
             &[0],
         ]
         .concat()
@@ -220,8 +220,8 @@ fn any_bytes_are_read_or_refused() {
     let unit = unit(PUMP);
     let spec = &unit.spec;
     let payloads = Payloads::new(spec, &spec.components[0]);
-    let types = [STATE, SHAPE, "::or::t3d::path"].map(|it| type_of(spec, it));
-    let [wish, fill] = ["wish", "fill"].map(|it| service(spec, it));
+    let types = [STATE, SHAPE, "::or::t3d::path"].map(|name| type_of(spec, name));
+    let [wish, fill] = ["wish", "fill"].map(|text| service(spec, text));
     // Small numbers are more often lengths that fit.
     let bytes = || prop::collection::vec(prop_oneof![4 => 0u8..3, 1 => any::<u8>()], 0..160);
     let mut runner = proptest::test_runner::TestRunner::deterministic();

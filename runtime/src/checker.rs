@@ -99,8 +99,8 @@ impl<'p> RunChecker<'p> {
         places: Vec<Option<usize>>,
         bounds: Vec<Option<Ticks>>,
     ) -> Self {
-        let answers = prepared.checks.iter().map(|it| CheckResult {
-            verdict: match it.question {
+        let answers = prepared.checks.iter().map(|check| CheckResult {
+            verdict: match check.question {
                 Question::Reachable(_) | Question::Eventually(_) => Verdict::NotSeen,
                 _ => Verdict::Kept,
             },
@@ -134,15 +134,15 @@ impl<'p> RunChecker<'p> {
                 if self.gone[task] => {}
             Seen::Missed { task } => self.each(
                 now,
-                |it| matches!(it, Question::Schedulable(of) if *of == task),
+                |question| matches!(question, Question::Schedulable(of) if *of == task),
             ),
             Seen::Overdue { task } => self.each(
                 now,
-                |it| matches!(it, Question::NoOverdue(of) if *of == task),
+                |question| matches!(question, Question::NoOverdue(of) if *of == task),
             ),
             Seen::Job { task, response } => {
                 self.lasts_job(now, task, response);
-                self.over(|it| matches!(it, Question::Response(of, _) if *of == task));
+                self.over(|question| matches!(question, Question::Response(of, _) if *of == task));
                 self.beyond[task] = false;
             }
             Seen::Reached { predicate } => self.reached(now, predicate),
@@ -169,12 +169,15 @@ impl<'p> RunChecker<'p> {
                 continue;
             };
             self.bounds[task] = Some(bound);
-            let of_task = |it: &Violation| match *it {
+            let of_task = |violation: &Violation| match *violation {
                 Violation::BeyondBound { task: of, .. } => of == task,
                 _ => false,
             };
-            if let Some((response, when)) = self.longest[task].filter(|it| it.0 > bound)
-                && !self.violations.iter().any(|it| of_task(&it.1))
+            if let Some((response, when)) = self.longest[task].filter(|pair| pair.0 > bound)
+                && !self
+                    .violations
+                    .iter()
+                    .any(|violation| of_task(&violation.1))
             {
                 let violation = Violation::BeyondBound {
                     task,
@@ -187,36 +190,39 @@ impl<'p> RunChecker<'p> {
     }
 
     /// Records a violation by a codel.
-    pub fn on_violation(&mut self, stepper: &Stepper, it: CodelViolation) {
+    pub fn on_violation(&mut self, stepper: &Stepper, violation: CodelViolation) {
         let now = Moment {
             run: self.run,
             time: stepper.now(),
         };
-        if let CodelViolation::Lost { component, .. } = &it {
+        if let CodelViolation::Lost { component, .. } = &violation {
             let system = &self.prepared.built.system;
             for (task, gone) in self.gone.iter_mut().enumerate() {
                 *gone |= system.components[system.tasks[task].component].name == *component;
             }
         }
-        let known = self.broken.iter_mut().position(|known| match (known, &it) {
-            (
-                CodelViolation::Overrun { codel: a, took, .. },
-                CodelViolation::Overrun {
-                    codel: b,
-                    took: new,
-                    ..
-                },
-            ) => {
-                let same = *a == *b;
-                if same {
-                    *took = (*took).max(*new);
+        let known = self
+            .broken
+            .iter_mut()
+            .position(|known| match (known, &violation) {
+                (
+                    CodelViolation::Overrun { codel: a, took, .. },
+                    CodelViolation::Overrun {
+                        codel: b,
+                        took: new,
+                        ..
+                    },
+                ) => {
+                    let same = *a == *b;
+                    if same {
+                        *took = (*took).max(*new);
+                    }
+                    same
                 }
-                same
-            }
-            (a, b) => *a == *b,
-        });
+                (a, b) => *a == *b,
+            });
         let place = known.unwrap_or_else(|| {
-            self.broken.push(it);
+            self.broken.push(violation);
             self.broken.len() - 1
         });
         self.note(now, Violation::CodelViolation(place));
@@ -252,7 +258,7 @@ impl<'p> RunChecker<'p> {
             time: stepper.now(),
         };
         if end == End::NothingLeft {
-            self.each(now, |it| matches!(it, Question::Deadlock));
+            self.each(now, |question| matches!(question, Question::Deadlock));
             for check in 0..self.places.len() {
                 // The awaited event can no longer come.
                 let awaited = match (&self.prepared.checks[check].question, self.places[check]) {
@@ -327,7 +333,7 @@ impl<'p> RunChecker<'p> {
                 self.lasts(now, check, time);
             }
         }
-        if self.longest[task].is_none_or(|it| time > it.0) {
+        if self.longest[task].is_none_or(|pair| time > pair.0) {
             self.longest[task] = Some((time, now));
         }
         if let Some(bound) = self.bounds[task].filter(|&bound| time > bound)
@@ -352,7 +358,7 @@ impl<'p> RunChecker<'p> {
             Question::Response(_, limit) | Question::Within(_, _, limit) => limit,
             _ => None,
         };
-        let exceeds = limit.is_some_and(|it| time > it);
+        let exceeds = limit.is_some_and(|limit| time > limit);
         if exceeds && !std::mem::replace(&mut self.exceeded[check], true) {
             self.violate(now, check);
         }
@@ -370,13 +376,13 @@ impl<'p> RunChecker<'p> {
 
     fn note(&mut self, now: Moment, violation: Violation) {
         self.count += 1;
-        let same = |it: &Violation| match (*it, violation) {
+        let same = |other: &Violation| match (*other, violation) {
             (Violation::BeyondBound { task: a, .. }, Violation::BeyondBound { task: b, .. }) => {
                 a == b
             }
             (a, b) => a == b,
         };
-        if !self.violations.iter().any(|it| same(&it.1)) {
+        if !self.violations.iter().any(|violation| same(&violation.1)) {
             self.violations.push((now, violation));
         }
     }

@@ -62,16 +62,21 @@ pub struct Transition {
 
 /// Returns true if a codel of the activities of a task has an execution time.
 pub fn has_times(system: &TimedSystem, task: usize) -> bool {
-    let machines = system.automata.iter().filter(|it| it.task == task);
-    let mut states = machines.flat_map(|it| &system.machines[it.machine].states);
-    states.any(|it| system.codels[it.codel].upper > 0)
+    let machines = system
+        .automata
+        .iter()
+        .filter(|automaton| automaton.task == task);
+    let mut states = machines.flat_map(|machine| &system.machines[machine.machine].states);
+    states.any(|state| system.codels[state.codel].upper > 0)
 }
 
 /// Returns the paths of codels without an execution time, without repetition.
 pub fn codels_without_time(system: &TimedSystem) -> Vec<String> {
     let codels = system.codels.iter();
-    let codels_without_time = codels.filter(|it| it.site.is_some() && it.upper == 0);
-    let mut out: Vec<String> = codels_without_time.map(|it| it.path.to_string()).collect();
+    let codels_without_time = codels.filter(|codel| codel.site.is_some() && codel.upper == 0);
+    let mut out: Vec<String> = codels_without_time
+        .map(|codel| codel.path.to_string())
+        .collect();
     out.sort();
     out.dedup();
     out
@@ -91,13 +96,13 @@ pub(crate) fn tasks(
         (times.count > 0).then(|| Value::Time(all / times.count as f64))
     };
     let tasks = system.tasks.iter().zip(&tally.tasks).enumerate();
-    let tasks = tasks.map(|(task, (it, counted))| TaskCounts {
+    let tasks = tasks.map(|(task, (entry, counted))| TaskCounts {
         task: system.task_path(task),
         jobs: counted.jobs.count,
         greatest: counted.greatest.map(value),
         mean: mean(&counted.jobs),
         bound: bounds.get(task).copied().flatten().map(value),
-        period: it.period.map(value),
+        period: entry.period.map(value),
         missed: counted.missed,
         load: has_times(system, task).then(|| counted.executed as f64 / time.max(1) as f64),
     });
@@ -113,7 +118,7 @@ pub(crate) fn machines(prepared: &Prepared, tally: &Tally) -> Vec<MachineCounts>
         for (state, counts) in machine.states.iter().zip(counts) {
             for (outcome, times) in counts.iter().enumerate() {
                 let taken = times.count;
-                let name = |it: usize| machine.states[it].name.clone();
+                let name = |state: usize| machine.states[state].name.clone();
                 let to = match state.yields.get(outcome) {
                     Some(&Yield::Next(to)) => name(to),
                     Some(&Yield::Pause(to)) => format!("pause::{}", name(to)),

@@ -68,7 +68,7 @@ impl<'s> RandomDecisions<'s> {
                 automaton, state, ..
             } => {
                 let states = &self.system.machine_of(automaton).states;
-                (states.get(state)).is_some_and(|it| outcome < it.yields.len())
+                (states.get(state)).is_some_and(|state| outcome < state.yields.len())
             }
             Work::Control { .. } => outcome == 0,
             Work::Delay { .. } => true,
@@ -78,15 +78,15 @@ impl<'s> RandomDecisions<'s> {
 
 /// Returns eight times the longest finite time of a system, in base units.
 fn max_extra_time(system: &TimedSystem) -> Ticks {
-    let periods = system.tasks.iter().filter_map(|it| it.period);
-    let codels = system.codels.iter().map(|it| it.upper);
-    let steps = system.clients.iter().flat_map(|it| &it.steps);
-    let delays = steps.filter_map(|it| match it.action {
+    let periods = system.tasks.iter().filter_map(|task| task.period);
+    let codels = system.codels.iter().map(|codel| codel.upper);
+    let steps = system.clients.iter().flat_map(|client| &client.steps);
+    let delays = steps.filter_map(|step| match step.action {
         ClientAction::Delay(_, upper) => Some(upper),
         _ => None,
     });
     let times = periods.chain(codels).chain(delays);
-    let longest = times.filter(|&it| it != FOREVER).max();
+    let longest = times.filter(|&time| time != FOREVER).max();
     longest
         .unwrap_or(0)
         .max(1)
@@ -105,7 +105,7 @@ impl Decide for RandomDecisions<'_> {
     fn time(&mut self, work: &Work, least: Ticks, greatest: Ticks) -> Ticks {
         let greatest_drawn = match greatest {
             FOREVER => least.saturating_add(self.max_extra_time).min(FOREVER - 1),
-            it => it,
+            tick => tick,
         };
         // A client is not a codel, and work without a greatest time has no worst case.
         let durations = match work {
@@ -125,8 +125,8 @@ impl Decide for RandomDecisions<'_> {
         if outcomes.len() < 2 {
             return 0;
         }
-        let usual = |it: &usize| self.is_usual(work, *it);
-        let count = outcomes.iter().filter(|it| usual(it)).count();
+        let usual = |outcome: &usize| self.is_usual(work, *outcome);
+        let count = outcomes.iter().filter(|outcome| usual(outcome)).count();
         if count == 0 || count == outcomes.len() {
             return self.dice.usize(..outcomes.len());
         }
@@ -138,7 +138,7 @@ impl Decide for RandomDecisions<'_> {
         };
         let chosen = self.dice.usize(..among);
         let mut places = (outcomes.iter().enumerate())
-            .filter(|(_, it)| self.is_usual(work, **it) == wanted)
+            .filter(|(_, outcome)| self.is_usual(work, **outcome) == wanted)
             .map(|(place, _)| place);
         places.nth(chosen).unwrap_or(0)
     }

@@ -56,17 +56,17 @@ pub fn run(
         if let Some(live) = live.as_deref_mut() {
             live.step(stepper, &seen);
         }
-        for it in &seen {
+        for observation in &seen {
             if let Seen::Begun {
                 executor,
                 work,
                 time: (least, greatest),
-            } = *it
+            } = *observation
             {
                 note(&mut works, executor, work);
                 stepper.decide(executor, decide.time(&work, least, greatest));
             }
-            watch.on_event(stepper, it);
+            watch.on_event(stepper, observation);
         }
         if let Some(live) = live.as_deref_mut() {
             forward_violations(stepper, live, watch);
@@ -119,11 +119,11 @@ pub(crate) fn forward_violations(
     live: &mut Live<'_>,
     watch: &mut dyn RunObserver,
 ) {
-    for it in live.take_published() {
-        watch.on_port_update(stepper, &it);
+    for update in live.take_published() {
+        watch.on_port_update(stepper, &update);
     }
-    for it in live.take_broken() {
-        watch.on_violation(stepper, it);
+    for violation in live.take_broken() {
+        watch.on_violation(stepper, violation);
     }
 }
 
@@ -159,11 +159,11 @@ pub(crate) fn choose(
         return group[decide.order(group.len())];
     };
     outcomes.clear();
-    outcomes.extend(group.iter().filter_map(|it| match *it {
+    outcomes.extend(group.iter().filter_map(|action| match *action {
         Action::Finish { outcome, .. } => Some(outcome),
         _ => None,
     }));
-    let executed = live.and_then(|it| it.outcome(executor, outcomes));
+    let executed = live.and_then(|live| live.outcome(executor, outcomes));
     let place = executed.unwrap_or_else(|| decide.outcome(&work, outcomes));
     group[place.min(group.len() - 1)]
 }

@@ -115,7 +115,9 @@ impl<'p> Live<'p> {
     pub fn begin(&mut self, stepper: &Stepper) -> bool {
         self.alive.fill(true);
         self.running.clear();
-        self.pending.iter_mut().for_each(|it| *it = None);
+        self.pending
+            .iter_mut()
+            .for_each(|instance| *instance = None);
         self.places = (0..stepper.places()).map(|_| None).collect();
         self.asks.clear();
         self.fault = self.hosts.start().err();
@@ -154,14 +156,15 @@ impl<'p> Live<'p> {
 
     /// Returns true if a host executes the codel.
     pub fn is_real(&self, codel: usize) -> bool {
-        let component = self.system.codels.get(codel).map(|it| it.component);
-        self.parts.codel(codel).is_some() && component.is_some_and(|it| self.is_alive(it))
+        let component = self.system.codels.get(codel).map(|codel| codel.component);
+        self.parts.codel(codel).is_some()
+            && component.is_some_and(|component| self.is_alive(component))
     }
 
     /// Performs the events of a step in the hosts.
     pub fn step(&mut self, stepper: &Stepper, seen: &[Seen]) {
-        for it in seen {
-            match *it {
+        for observation in seen {
+            match *observation {
                 Seen::Ended {
                     executor,
                     work,
@@ -172,8 +175,8 @@ impl<'p> Live<'p> {
             }
         }
         self.begin_and_end_requests(stepper);
-        for it in seen {
-            if let Seen::Begun { executor, work, .. } = *it {
+        for observation in seen {
+            if let Seen::Begun { executor, work, .. } = *observation {
                 self.report_state(&work);
                 self.note_begin(executor, work);
             }
@@ -197,8 +200,8 @@ impl<'p> Live<'p> {
                     // An activity already has its place: it is the youngest one of its service.
                     None if activity => {
                         let all = self.places.iter_mut().flatten();
-                        all.filter(|it| it.service == service)
-                            .max_by_key(|it| it.number)
+                        all.filter(|place| place.service == service)
+                            .max_by_key(|place| place.number)
                     }
                     None => None,
                 }
@@ -212,7 +215,7 @@ impl<'p> Live<'p> {
             self.running.resize_with(executor + 1, || None);
         }
         let codel = work.codel();
-        let real = codel.is_some_and(|it| self.is_real(it));
+        let real = codel.is_some_and(|codel| self.is_real(codel));
         self.running[executor] = Some(Running {
             work,
             real,
@@ -226,7 +229,7 @@ impl<'p> Live<'p> {
             return;
         };
         let component = self.system.codels[codel].component;
-        let instance = self.instance(&work).map_or(0, |it| it.number);
+        let instance = self.instance(&work).map_or(0, |instance| instance.number);
         self.hosts.run(&Call {
             lane: match work {
                 Work::State { task, .. } => u32::try_from(task).unwrap_or(u32::MAX - 1),
@@ -262,13 +265,13 @@ impl<'p> Live<'p> {
     /// Returns the time until which the present work must end, on the clock of the hosts, in nanoseconds.
     fn work_deadline_nanos(&self) -> u64 {
         let blocked_after_nanos = self.hosts.blocked_after_nanos();
-        blocked_after_nanos.map_or(u64::MAX, |it| self.hosts.now().saturating_add(it))
+        blocked_after_nanos.map_or(u64::MAX, |number| self.hosts.now().saturating_add(number))
     }
 
     /// Returns true if a host executes work for an executor.
     pub fn is_running(&self, executor: usize) -> bool {
-        let it = self.running.get(executor).and_then(Option::as_ref);
-        it.is_some_and(|it| it.real && it.ran.is_none())
+        let running = self.running.get(executor).and_then(Option::as_ref);
+        running.is_some_and(|running| running.real && running.ran.is_none())
     }
 
     /// Handles a message of a host.
@@ -279,25 +282,28 @@ impl<'p> Live<'p> {
                     return;
                 }
                 let executor = ran.ticket as usize;
-                let Some(Some(it)) = self.running.get_mut(executor) else {
+                let Some(Some(running)) = self.running.get_mut(executor) else {
                     return;
                 };
-                let codel = it.work.codel().and_then(|it| self.system.codels.get(it));
+                let codel = running
+                    .work
+                    .codel()
+                    .and_then(|codel| self.system.codels.get(codel));
                 // A message is valid only for the codels of its own component, whatever those codels do to
                 // their host.
-                if codel.is_none_or(|it| it.component != component) || it.ran.is_some() {
+                if codel.is_none_or(|codel| codel.component != component) || running.ran.is_some() {
                     return;
                 }
-                it.ran = Some(ran);
+                running.ran = Some(ran);
                 self.measure(executor);
             }
             Message::Lost { component, why } => self.lost(component, why),
-            Message::OutsideRequest(it) => {
-                let component = self.system.services[it.service].component;
+            Message::OutsideRequest(request) => {
+                let component = self.system.services[request.service].component;
                 if self.is_alive(component) {
-                    self.wanted[component].push_back(it);
+                    self.wanted[component].push_back(request);
                 } else {
-                    self.answer_failed(it.id, requests::COMPONENT_LOST);
+                    self.answer_failed(request.id, requests::COMPONENT_LOST);
                 }
             }
             Message::Abort(id) => self.aborts.push(id),
@@ -307,10 +313,12 @@ impl<'p> Live<'p> {
                 remote,
                 inputs,
             } => self.call_remote(component, ask, remote, inputs),
-            Message::Connect(it) => {
-                let other = |known: &Connection| (known.to, &known.name) != (it.to, &it.name);
+            Message::Connect(connection) => {
+                let other = |known: &Connection| {
+                    (known.to, &known.name) != (connection.to, &connection.name)
+                };
                 self.connected.retain(other);
-                self.connected.push(it);
+                self.connected.push(connection);
             }
             Message::Fed {
                 component,
@@ -367,16 +375,17 @@ impl<'p> Live<'p> {
         }
         self.hosts.gone(component, &why);
         let mut culprit = None;
-        for it in self.running.iter_mut().flatten() {
-            let codel = it.work.codel();
-            let Some(codel) = codel.filter(|&it| self.system.codels[it].component == component)
+        for running in self.running.iter_mut().flatten() {
+            let codel = running.work.codel();
+            let Some(codel) =
+                codel.filter(|&codel| self.system.codels[codel].component == component)
             else {
                 continue;
             };
-            if it.real && it.ran.is_none() {
+            if running.real && running.ran.is_none() {
                 let path = self.system.codels[codel].path.to_string();
                 culprit.get_or_insert((path, self.parts.function(codel)));
-                it.real = false;
+                running.real = false;
             }
         }
         self.broken.push(CodelViolation::Lost {
@@ -387,9 +396,9 @@ impl<'p> Live<'p> {
         let places = self.places.iter_mut().flatten();
         let pending = self.pending[component].iter_mut();
         let all = places.chain(pending);
-        let of = all.filter(|it| self.system.services[it.service].component == component);
-        let mut gone: Vec<u64> = of.filter_map(|it| it.wanted.take()).collect();
-        gone.extend(self.wanted[component].drain(..).map(|it| it.id));
+        let of = all.filter(|place| self.system.services[place.service].component == component);
+        let mut gone: Vec<u64> = of.filter_map(|place| place.wanted.take()).collect();
+        gone.extend(self.wanted[component].drain(..).map(|request| request.id));
         for id in gone {
             self.answer_failed(id, requests::COMPONENT_LOST);
         }
@@ -417,7 +426,7 @@ impl<'p> Live<'p> {
             }
             return Some(self.exception_index(&work, outcomes));
         };
-        match outcomes.iter().position(|&it| it == wanted) {
+        match outcomes.iter().position(|&outcome| outcome == wanted) {
             Some(place) => Some(place),
             None => Some(self.exception_index(&work, outcomes)),
         }
@@ -429,14 +438,17 @@ impl<'p> Live<'p> {
             automaton, state, ..
         } = *work
         else {
-            return outcomes.iter().position(|&it| it == 1).unwrap_or(0);
+            return outcomes
+                .iter()
+                .position(|&outcome| outcome == 1)
+                .unwrap_or(0);
         };
         let yields = &self.system.machine_of(automaton).states[state].yields;
-        let exception = outcomes.iter().position(|&it| it == yields.len());
+        let exception = outcomes.iter().position(|&outcome| outcome == yields.len());
         let end = || {
             outcomes
                 .iter()
-                .position(|&it| yields.get(it) == Some(&Yield::End))
+                .position(|&outcome| yields.get(outcome) == Some(&Yield::End))
         };
         exception.or_else(end).unwrap_or(0)
     }
@@ -465,13 +477,13 @@ impl<'p> Live<'p> {
                 let mut words = ran.name.rsplit("::");
                 let name = words.next()?;
                 let paused = words.next() == Some("pause");
-                let to = machine.states.iter().position(|it| it.name == name);
+                let to = machine.states.iter().position(|state| state.name == name);
                 let wanted = match to {
                     Some(to) if paused => Yield::Pause(to),
                     Some(to) => Yield::Next(to),
                     None => Yield::End,
                 };
-                yields.iter().position(|it| *it == wanted)
+                yields.iter().position(|transition| *transition == wanted)
             }
             (Work::Delay { .. }, _) => None,
         }
@@ -486,9 +498,11 @@ impl<'p> Live<'p> {
                 automaton, state, ..
             } => {
                 let yields = &self.system.machine_of(automaton).states[state].yields;
-                let ends = yields.get(outcome).is_none_or(|it| *it == Yield::End);
-                if let (true, Some(it)) = (ends, self.instance(work)) {
-                    it.ended = true;
+                let ends = yields
+                    .get(outcome)
+                    .is_none_or(|transition| *transition == Yield::End);
+                if let (true, Some(instance)) = (ends, self.instance(work)) {
+                    instance.ended = true;
                 }
                 outcome < yields.len()
             }
@@ -497,19 +511,22 @@ impl<'p> Live<'p> {
         let Some(ran) = running.ran else { return };
         // In the model, a codel without `throws` has no exception: its end stands for one.
         let failed = ran.how == CodelEnd::Exception || running.undeclared || !usual;
-        if failed && let Some(it) = self.instance(work) {
+        if failed && let Some(instance) = self.instance(work) {
             let name = match ran.how {
                 CodelEnd::Exception => ran.name.clone(),
                 _ => "::genom::bad_transition".to_owned(),
             };
-            it.failed = Some((name, ran.detail.clone()));
+            instance.failed = Some((name, ran.detail.clone()));
         }
-        let Some(component) = work.codel().map(|it| self.system.codels[it].component) else {
+        let Some(component) = work
+            .codel()
+            .map(|codel| self.system.codels[codel].component)
+        else {
             return;
         };
-        for it in ran.written {
-            if let Some(data) = it.data {
-                self.publish(component, it.port, &it.id, &data);
+        for port_write in ran.written {
+            if let Some(data) = port_write.data {
+                self.publish(component, port_write.port, &port_write.id, &data);
             }
         }
     }
@@ -525,11 +542,11 @@ impl<'p> Live<'p> {
             });
         }
         let feeds = self.parts.feeds.iter();
-        let feeds = feeds.filter(|it| it.from == (component, port));
-        let feeds = feeds.map(|it| Reader {
-            component: it.to.0,
-            port: it.to.1,
-            name: match (it.multiple, id) {
+        let feeds = feeds.filter(|flow| flow.from == (component, port));
+        let feeds = feeds.map(|flow| Reader {
+            component: flow.to.0,
+            port: flow.to.1,
+            name: match (flow.multiple, id) {
                 (false, _) => "",
                 (true, "") => &self.system.components[component].name,
                 (true, id) => id,
@@ -538,17 +555,20 @@ impl<'p> Live<'p> {
         // A connection from outside replaces the one of the scenario.
         let replaced = |reader: &Reader<'_>| {
             let mut all = self.connected.iter();
-            all.any(|it| it.to == (reader.component, reader.port) && it.name == reader.name)
+            all.any(|connection| {
+                connection.to == (reader.component, reader.port) && connection.name == reader.name
+            })
         };
         let connected = self.connected.iter();
-        let connected = connected.filter(|it| it.from == (component, port) && it.id == id);
-        let connected = connected.map(|it| Reader {
-            component: it.to.0,
-            port: it.to.1,
-            name: &it.name,
+        let connected = connected
+            .filter(|connection| connection.from == (component, port) && connection.id == id);
+        let connected = connected.map(|connection| Reader {
+            component: connection.to.0,
+            port: connection.to.1,
+            name: &connection.name,
         });
-        let readers = feeds.filter(|it| !replaced(it)).chain(connected);
-        let readers = readers.filter(|it| self.alive[it.component]);
+        let readers = feeds.filter(|reader| !replaced(reader)).chain(connected);
+        let readers = readers.filter(|reader| self.alive[reader.component]);
         let readers: Vec<Reader<'_>> = readers.collect();
         if !readers.is_empty() {
             let from = Source {

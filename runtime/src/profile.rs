@@ -37,9 +37,9 @@ pub struct Profile<'s, W> {
 /// Returns the C or C++ function of each codel of a system. A codel without a function is represented by its
 /// path.
 pub fn functions(system: &TimedSystem, names: &Names) -> Vec<String> {
-    let codels = system.codels.iter().map(|it| match it.site {
+    let codels = system.codels.iter().map(|other| match other.site {
         Some((c, codel)) => names.components[c].component.codel(codel).name.to_string(),
-        None => it.path.to_string(),
+        None => other.path.to_string(),
     });
     codels.collect()
 }
@@ -70,7 +70,7 @@ impl<'s, W: Write> Profile<'s, W> {
         let Some(codel) = work.codel() else { return };
         let busy = *tally.busy(executor);
         let times = [busy.asked, busy.begun, stepper.now()];
-        let times = times.map(|it| self.stamp(it + offset));
+        let times = times.map(|time| self.stamp(time + offset));
         let line = self.line(codel, &work, outcome, times);
         let result = self.out.write_all(line.as_bytes());
         self.lines += 1;
@@ -108,10 +108,10 @@ impl<'s, W: Write> Profile<'s, W> {
                 ..
             } => {
                 let machine = system.machine_of(automaton);
-                let name = |it: usize| machine.states.get(it).map_or("", |it| &it.name);
+                let name = |index: usize| machine.states.get(index).map_or("", |state| &state.name);
                 task = system.tasks[of].name.clone();
                 service = match system.automata[automaton].service {
-                    Some(it) => system.services[it].name.clone(),
+                    Some(service) => system.services[service].name.clone(),
                     None => PERMANENT.to_owned(),
                 };
                 from = event(name(state));
@@ -128,10 +128,10 @@ impl<'s, W: Write> Profile<'s, W> {
                 number,
                 ..
             } => {
-                let it = &system.services[of];
+                let definition = &system.services[of];
                 task = "<control>".to_owned();
-                service = it.name.clone();
-                let validates = number == 0 && it.validate.is_some();
+                service = definition.name.clone();
+                let validates = number == 0 && definition.validate.is_some();
                 from = if validates { "validate" } else { "codel" }.to_owned();
                 to = match outcome {
                     0 => "::genom::ok",

@@ -44,12 +44,12 @@ pub fn run(
     let ticks = |nanos: u64| nanos.saturating_sub(start) / pace.nanos.max(1);
     loop {
         live.step(stepper, &seen);
-        for it in &seen {
+        for observation in &seen {
             if let Seen::Begun {
                 executor,
                 work,
                 time: (least, greatest),
-            } = *it
+            } = *observation
             {
                 engine::note(&mut works, executor, work);
                 // The end of real work, and requests from outside, come from the hosts.
@@ -57,7 +57,7 @@ pub fn run(
                     stepper.decide(executor, decide.time(&work, least, greatest));
                 }
             }
-            watch.on_event(stepper, it);
+            watch.on_event(stepper, observation);
         }
         seen.clear();
         live.accept(stepper, &mut told);
@@ -71,7 +71,7 @@ pub fn run(
         stepper.possible(&mut possible);
         allowed.clear();
         let actions = possible.actions().iter().copied();
-        allowed.extend(actions.filter(|it| may_happen(it, &works, live)));
+        allowed.extend(actions.filter(|action| may_happen(action, &works, live)));
         let drawn = possible.may_wait() && only_preemptions(&allowed);
         if !(allowed.is_empty() || drawn && decide.waits()) {
             at_once += 1;
@@ -93,7 +93,7 @@ pub fn run(
         }
         let open = |executor: usize| {
             let work = works.get(executor).copied().flatten();
-            live.is_running(executor) || work.is_some_and(|it| live.is_outside(&it))
+            live.is_running(executor) || work.is_some_and(|work| live.is_outside(&work))
         };
         let next = stepper.next_moment_but(&open);
         let due = next.map_or(u64::MAX, u64::from).min(left);
@@ -127,7 +127,7 @@ pub fn run(
 fn only_preemptions(actions: &[Action]) -> bool {
     actions
         .iter()
-        .all(|it| matches!(it, Action::Preempt { .. }))
+        .all(|action| matches!(action, Action::Preempt { .. }))
 }
 
 /// Returns true if the host has reported the event of a possible action: the end of real work, or a request

@@ -26,20 +26,20 @@ pub fn scale(prepared: &mut Prepared) -> Ticks {
     let system = &mut prepared.built.system;
     let nanos = (system.unit * Ratio::from_integer(1_000_000_000)).ceil();
     let wanted = (nanos.to_integer() + UNIT - 1) / UNIT;
-    let greatest = times(system).into_iter().filter(|it| **it != FOREVER);
-    let greatest = greatest.map(|it| *it).max().unwrap_or(0).max(1);
+    let greatest = times(system).into_iter().filter(|time| **time != FOREVER);
+    let greatest = greatest.map(|time| *time).max().unwrap_or(0).max(1);
     // The limit leaves room for sums.
     let most = FOREVER / 64 / greatest;
     let factor = Ticks::try_from(wanted).unwrap_or(most).min(most).max(1);
-    for it in times(system) {
-        if *it != FOREVER {
-            *it *= factor;
+    for time in times(system) {
+        if *time != FOREVER {
+            *time *= factor;
         }
     }
     system.unit /= Ratio::from_integer(i128::from(factor));
-    for it in &mut prepared.checks {
+    for check in &mut prepared.checks {
         if let Question::Response(_, Some(limit)) | Question::Within(_, _, Some(limit)) =
-            &mut it.question
+            &mut check.question
         {
             *limit = limit.saturating_mul(factor);
         }

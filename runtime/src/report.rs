@@ -212,15 +212,15 @@ impl RunReport {
             }
         });
         let codels = system.codels.iter().zip(&outcome.tally.codels);
-        let codels = codels.map(|(it, counted)| CodelCounts {
-            codel: it.path.to_string(),
+        let codels = codels.map(|(codel, counted)| CodelCounts {
+            codel: codel.path.to_string(),
             runs: counted.runs.count,
             greatest: make.value(counted.runs.greatest),
             waited: make.value(counted.waits.greatest),
         });
         let mut notes = prepared.report.notes.clone();
-        notes.extend(outcome.refused.iter().map(|&it| {
-            let path = system.service_path(it);
+        notes.extend(outcome.refused.iter().map(|&service| {
+            let path = system.service_path(service);
             format!("a request of {path} was refused because all its slots were in use")
         }));
         RunReport {
@@ -266,18 +266,18 @@ impl ReportBuilder<'_> {
         Value::Time(unit.from_seconds(Seconds::new(i128::from(nanos), 1_000_000_000)))
     }
 
-    fn at(&self, it: Moment) -> RunMoment {
+    fn at(&self, moment: Moment) -> RunMoment {
         RunMoment {
-            run: it.run + 1,
-            seed: self.plan.seed.wrapping_add(it.run),
-            time: Value::Time(self.prepared.time(it.time)),
+            run: moment.run + 1,
+            seed: self.plan.seed.wrapping_add(moment.run),
+            time: Value::Time(self.prepared.time(moment.time)),
         }
     }
 
     fn checks(&self, outcome: &SimulationResult) -> Vec<CheckOutcome> {
         let checks = self.prepared.checks.iter().zip(&outcome.judge.answers);
         let checks = checks.map(|(asked, answer)| {
-            let greatest = answer.greatest.map(|it| self.value(it));
+            let greatest = answer.greatest.map(|number| self.value(number));
             let limit = asked.report.limit;
             CheckOutcome {
                 name: asked.report.name.clone(),
@@ -285,9 +285,9 @@ impl ReportBuilder<'_> {
                 of: asked.report.of.clone(),
                 verdict: answer.verdict,
                 greatest,
-                limit: limit.map(|it| Value::Time(it.time())),
-                exceeded: (limit.zip(greatest)).is_some_and(|it| it.0.is_exceeded_by(it.1)),
-                at: answer.at.map(|it| self.at(it)),
+                limit: limit.map(|limit| Value::Time(limit.time())),
+                exceeded: (limit.zip(greatest)).is_some_and(|pair| pair.0.is_exceeded_by(pair.1)),
+                at: answer.at.map(|moment| self.at(moment)),
                 violations: answer.violations,
             }
         });
@@ -297,9 +297,9 @@ impl ReportBuilder<'_> {
     fn violations(&self, outcome: &SimulationResult) -> Vec<ViolationReport> {
         let system = &self.prepared.built.system;
         let all = outcome.judge.violations.iter();
-        let all = all.map(|&(at, it)| ViolationReport {
+        let all = all.map(|&(at, violation)| ViolationReport {
             at: self.at(at),
-            what: match it {
+            what: match violation {
                 Violation::Check(check) => Violated::Check { check },
                 Violation::BeyondBound {
                     task,
@@ -326,8 +326,8 @@ impl ReportBuilder<'_> {
                         why,
                     } => Violated::Lost {
                         component: component.clone(),
-                        codel: codel.as_ref().map(|it| it.0.clone()),
-                        function: codel.as_ref().map(|it| it.1.clone()),
+                        codel: codel.as_ref().map(|codel| codel.0.clone()),
+                        function: codel.as_ref().map(|codel| codel.1.clone()),
                         why: why.clone(),
                     },
                     CodelViolation::Overrun {

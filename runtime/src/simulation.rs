@@ -120,12 +120,14 @@ pub fn simulate_recorded<'p, W: Write>(
     let system = &prepared.built.system;
     let (watched, places) = prepared.watched();
     let mut stepper = Stepper::new(system, &watched);
-    let follow = execution.as_mut().and_then(|it| it.follow.take());
+    let follow = execution
+        .as_mut()
+        .and_then(|execution| execution.follow.take());
     let mut observer = Observer {
         system,
         prepared,
         bounds: bounds.clone(),
-        follow: follow.map(|it| (it, ActivityStates::default())),
+        follow: follow.map(|execution| (execution, ActivityStates::default())),
         tally: Tally::new(system),
         judge: RunChecker::new(prepared, places, bounds),
         profile,
@@ -159,7 +161,7 @@ pub fn simulate_recorded<'p, W: Write>(
                 interrupted,
             ),
             other => {
-                let live = other.as_mut().map(|it| &mut *it.live);
+                let live = other.as_mut().map(|execution| &mut *execution.live);
                 engine::run(
                     &mut stepper,
                     &mut dice,
@@ -174,7 +176,7 @@ pub fn simulate_recorded<'p, W: Write>(
         observer.judge.end(&stepper, end);
         if let Some(run) = observer.recorded.as_mut().filter(|_| observer.first) {
             run.end = match run.left_out {
-                true => run.steps.last().map_or(0, |it| it.0),
+                true => run.steps.last().map_or(0, |step| step.0),
                 false => stepper.now(),
             };
         }
@@ -199,7 +201,7 @@ pub fn simulate_recorded<'p, W: Write>(
         judge: observer.judge,
         time: observer.offset,
         refused: (0..system.services.len())
-            .filter(|&it| stepper.has_refused(it))
+            .filter(|&service| stepper.has_refused(service))
             .collect(),
         recorded: observer.recorded,
         end,

@@ -94,7 +94,7 @@ impl Tally {
         let machines = system.machines.iter().map(|machine| {
             let states = machine.states.iter();
             states
-                .map(|it| vec![Times::default(); it.yields.len() + 1])
+                .map(|state| vec![Times::default(); state.yields.len() + 1])
                 .collect()
         });
         Tally {
@@ -164,16 +164,16 @@ impl Tally {
             Work::State {
                 automaton, state, ..
             } => {
-                let it = &system.automata[automaton];
-                let outcomes = self.transitions[it.machine].get_mut(state);
-                if let Some(times) = outcomes.and_then(|it| it.get_mut(outcome)) {
+                let automaton = &system.automata[automaton];
+                let outcomes = self.transitions[automaton.machine].get_mut(state);
+                if let Some(times) = outcomes.and_then(|times| times.get_mut(outcome)) {
                     times.add(took);
                 }
                 let ends = match crate::decide::yield_of_outcome(system, work, outcome) {
-                    Some(it) => it == dotgen_timing::system::Yield::End,
+                    Some(state) => state == dotgen_timing::system::Yield::End,
                     None => true,
                 };
-                if let (true, Some(service)) = (ends, it.service) {
+                if let (true, Some(service)) = (ends, automaton.service) {
                     self.services[service].ended += 1;
                 }
             }

@@ -16,7 +16,7 @@ fn compare(seed: u64) -> Option<usize> {
     let texts = random::texts(&mut systems::Dice::new(seed));
     let units = load(&texts.specifications)?;
     let input = SystemInput {
-        specs: units.iter().map(|it| &*it.spec).collect(),
+        specs: units.iter().map(|unit| &*unit.spec).collect(),
     };
     let shown = || {
         format!(
@@ -93,7 +93,9 @@ fn compare(seed: u64) -> Option<usize> {
 /// Returns the number of systems: `DOTGEN_RUN_SYSTEMS`, by default a few dozen.
 fn systems_to_compare() -> u64 {
     let given = std::env::var("DOTGEN_RUN_SYSTEMS").ok();
-    given.and_then(|it| it.parse().ok()).unwrap_or(60)
+    given
+        .and_then(|variable| variable.parse().ok())
+        .unwrap_or(60)
 }
 
 #[test]
@@ -102,7 +104,7 @@ fn nothing_is_seen_that_verification_excludes() {
     let mut compared = 0;
     let mut seed = 0;
     while compared < systems {
-        compared += u64::from(compare(seed).is_some_and(|it| it > 0));
+        compared += u64::from(compare(seed).is_some_and(|index| index > 0));
         seed += 1;
         assert!(seed < 20 * systems + 100, "few systems are legal and small");
     }

@@ -40,7 +40,7 @@ impl Recorder {
 
     fn input(&self) -> SystemInput<'_> {
         SystemInput {
-            specs: self.units.iter().map(|it| &*it.spec).collect(),
+            specs: self.units.iter().map(|unit| &*unit.spec).collect(),
         }
     }
 
@@ -72,9 +72,12 @@ impl Recorder {
         let scenario = parse(&self.scenario).scenario;
         let report = verify(&self.input(), &scenario, &options, &Cancel::default());
         let mut bounds = vec![None; prepared.built.system.tasks.len()];
-        for it in &report.checks {
-            let task = it.id.task.and_then(|it| prepared.built.tasks.get(&it));
-            if let (Some(&task), Some(Value::Time(time))) = (task, it.value) {
+        for check in &report.checks {
+            let task = check
+                .id
+                .task
+                .and_then(|task| prepared.built.tasks.get(&task));
+            if let (Some(&task), Some(Value::Time(time))) = (task, check.value) {
                 bounds[task] = Some((time / prepared.time(1)).round() as Ticks);
             }
         }
@@ -105,7 +108,9 @@ impl Recorder {
 /// Returns the number of systems: `DOTGEN_RUN_SYSTEMS`, by default a few hundred.
 fn systems_to_run() -> u64 {
     let given = std::env::var("DOTGEN_RUN_SYSTEMS").ok();
-    given.and_then(|it| it.parse().ok()).unwrap_or(300)
+    given
+        .and_then(|variable| variable.parse().ok())
+        .unwrap_or(300)
 }
 
 #[test]
@@ -198,7 +203,7 @@ struct Row {
 
 impl Row {
     fn shift(&mut self, by: i64) {
-        self.times.iter_mut().for_each(|it| *it += by);
+        self.times.iter_mut().for_each(|time| *time += by);
     }
 
     fn is(&self, function: &str) -> bool {
@@ -211,7 +216,8 @@ fn rows(log: &str) -> Vec<Row> {
         let line = log::line(text.as_bytes()).expect("a line");
         Row {
             times: [line.asked, line.began, line.ended],
-            names: (line.names().expect("six")).map(|it| String::from_utf8_lossy(it).into_owned()),
+            names: (line.names().expect("six"))
+                .map(|name| String::from_utf8_lossy(name).into_owned()),
         }
     };
     log.lines().map(row).collect()
@@ -219,12 +225,12 @@ fn rows(log: &str) -> Vec<Row> {
 
 /// Returns the log in order of the ends, as a recorder writes it.
 fn written(mut rows: Vec<Row>) -> String {
-    rows.sort_by_key(|it| it.times[2]);
+    rows.sort_by_key(|row| row.times[2]);
     let second = 1_000_000_000;
-    let stamp = |it: &i64| format!("{}.{:09}", it / second, it % second);
-    let line = |it: &Row| {
-        let times: Vec<String> = it.times.iter().map(stamp).collect();
-        format!("{} {}\n", times.join(" "), it.names.join(" "))
+    let stamp = |number: &i64| format!("{}.{:09}", number / second, number % second);
+    let line = |row: &Row| {
+        let times: Vec<String> = row.times.iter().map(stamp).collect();
+        format!("{} {}\n", times.join(" "), row.names.join(" "))
     };
     rows.iter().map(line).collect()
 }
@@ -233,9 +239,9 @@ const MS: i64 = 1_000_000;
 
 /// Returns the index of a run of a function, far from the start.
 fn place(rows: &[Row], function: &str) -> usize {
-    let places = rows.iter().enumerate().filter(|it| it.1.is(function));
+    let places = rows.iter().enumerate().filter(|pair| pair.1.is(function));
     places
-        .map(|it| it.0)
+        .map(|place| place.0)
         .nth(10)
         .expect("it was executed often")
 }
@@ -244,7 +250,7 @@ type Plant = (&'static str, &'static str, fn(&mut Vec<Row>));
 
 /// Changes the runs of a permanent activity. `change` gets the number of the turn, from 0.
 fn turns(rows: &mut [Row], function: &str, mut change: impl FnMut(i64, &mut Row)) {
-    let all = rows.iter_mut().filter(|it| it.is(function));
+    let all = rows.iter_mut().filter(|row| row.is(function));
     for (number, row) in (0..).zip(all) {
         change(number, row);
     }
@@ -322,7 +328,7 @@ const PLANTS: &[Plant] = &[
         rows[at].times[2] = began + 2 * MS;
         let next = rows
             .iter()
-            .position(|it| it.is("slow_start") && it.times[0] >= began);
+            .position(|row| row.is("slow_start") && row.times[0] >= began);
         let next = next.expect("it comes again");
         let length = rows[next].times[2] - rows[next].times[1];
         rows[next].times = [
@@ -347,8 +353,8 @@ const PLANTS: &[Plant] = &[
         let at = place(rows, "side_start");
         let began = rows[at].times[1];
         for function in ["side_start", "slow_second", "go_wait"] {
-            let it = rows.iter_mut().filter(|it| it.is(function));
-            let nearest = it.min_by_key(|it| (it.times[1] - began).abs());
+            let rows = rows.iter_mut().filter(|row| row.is(function));
+            let nearest = rows.min_by_key(|row| (row.times[1] - began).abs());
             nearest.expect("it is executed").times = [began, began, began + MS / 2];
         }
     }),
@@ -382,7 +388,7 @@ const PLANTS: &[Plant] = &[
         rows[at].times = [began, began, began + MS];
         let next = rows
             .iter()
-            .position(|it| it.is("slow_start") && it.times[0] >= began);
+            .position(|row| row.is("slow_start") && row.times[0] >= began);
         let next = next.expect("it comes again");
         // The codel asked first, and got its locks last.
         rows[next].times = [began - MS / 2, began + MS, began + 2 * MS];
@@ -400,7 +406,7 @@ fn what_is_planted_is_found() {
         let clean = recorder.monitor_with(&prepared, bounds.clone(), &log);
         assert_eq!(clean.deviation_count, 0, "{:#?}", clean.deviations);
         assert!(
-            clean.tasks.iter().all(|it| it.bound.is_some()),
+            clean.tasks.iter().all(|task| task.bound.is_some()),
             "{:#?}",
             clean.tasks
         );
@@ -429,12 +435,17 @@ fn transitions_never_taken_are_told() {
     let never = |log: &str| -> Vec<String> {
         let report = recorder.monitor(&prepared, log);
         let all = report.never_taken.iter();
-        all.map(|it| format!("{} {} {}", it.machine, it.from, it.to))
-            .collect()
+        all.map(|transition| {
+            format!(
+                "{} {} {}",
+                transition.machine, transition.from, transition.to
+            )
+        })
+        .collect()
     };
     assert_eq!(never(&log), [""; 0]);
     let mut some = rows(&log);
-    some.retain(|it| it.names[5] != "::plant::pause::wait");
+    some.retain(|row| row.names[5] != "::plant::pause::wait");
     assert_eq!(never(&written(some)), ["plant.go wait pause::wait"]);
     let counts: BTreeMap<&str, u64> = recorder.monitor(&prepared, &log).counts;
     assert_eq!(counts, BTreeMap::new());
@@ -474,10 +485,13 @@ scenario plant {
             let long = b.times[1] + MS < b.times[2];
             a.times[1] + MS < b.times[1] && b.times[2] + MS < a.times[2] && long
         };
-        let slow = rows.iter().enumerate().filter(|it| it.1.is("slow_second"));
-        let side = || rows.iter().filter(|it| it.is("side_start"));
+        let slow = rows
+            .iter()
+            .enumerate()
+            .filter(|pair| pair.1.is("slow_second"));
+        let side = || rows.iter().filter(|row| row.is("side_start"));
         let mut nested =
-            slow.filter_map(|(at, row)| Some((at, side().find(|it| inside(row, it))?.times)));
+            slow.filter_map(|(at, row)| Some((at, side().find(|side| inside(row, side))?.times)));
         let Some((at, times)) = nested.next_back() else {
             continue;
         };

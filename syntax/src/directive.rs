@@ -216,8 +216,8 @@ impl Directive {
             None if line.rest().is_empty() => (None, DirectiveKind::Empty),
             None => (None, DirectiveKind::Unknown),
         };
-        if let DirectiveKind::Pragma(Pragma { misspelt: it, .. }) = &kind {
-            misspelt = misspelt.or_else(|| it.clone());
+        if let DirectiveKind::Pragma(Pragma { misspelt: node, .. }) = &kind {
+            misspelt = misspelt.or_else(|| node.clone());
         }
         let last = (first..end)
             .rev()
@@ -271,9 +271,9 @@ impl Pragma {
 
     fn from_words(words: Vec<PragmaArg>, operator: bool) -> Pragma {
         let mut words = words.into_iter();
-        let mut name = words.next().map(|it| Name {
-            text: it.text,
-            range: it.range,
+        let mut name = words.next().map(|word| Name {
+            text: word.text,
+            range: word.range,
         });
         let mut misspelt = None;
         if let Some(name) = &mut name
@@ -507,7 +507,7 @@ impl Line<'_> {
     /// The words of a pragma. In pragmas that the reference compiler knows, comments count as words.
     fn pragma_words(&mut self) -> Vec<PragmaArg> {
         let words = self.split_words(false);
-        let name = words.first().map_or("", |it| it.text.as_str());
+        let name = words.first().map_or("", |word| word.text.as_str());
         match name {
             "requires" | "require" | "provides" | "provide" | "masquerade" => {
                 self.split_words(true)
@@ -548,7 +548,7 @@ impl Line<'_> {
                         end_word(&mut word, &mut range, false);
                     }
                     word.push_str(part);
-                    range = Some(range.map_or(token, |it| it.cover(token)));
+                    range = Some(range.map_or(token, |range| range.cover(token)));
                 }
             } else if matches!(kind, STRING | OPEN_STRING) && text.starts_with('"') {
                 // `L"…"` is the same.
@@ -562,7 +562,7 @@ impl Line<'_> {
                 end_word(&mut word, &mut range, true);
             } else {
                 word.push_str(&text);
-                range = Some(range.map_or(token, |it| it.cover(token)));
+                range = Some(range.map_or(token, |range| range.cover(token)));
             }
         }
         end_word(&mut word, &mut range, false);

@@ -32,7 +32,7 @@ pub fn dump(parse: &Parse) -> String {
             NodeOrToken::Node(_) => depth += 1,
             NodeOrToken::Token(token) => {
                 let _ = match parse.expansion.virtual_token(&token) {
-                    Some(it) => write!(out, " -> {:?}", it.text),
+                    Some(token) => write!(out, " -> {:?}", token.text),
                     None => write!(out, " {:?}", encoding::shown(token.text())),
                 };
             }

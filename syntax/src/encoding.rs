@@ -21,7 +21,7 @@ fn escape_of(byte: u8) -> char {
 /// The byte that a scalar stands for, if it is an escape.
 pub fn escaped_byte(c: char) -> Option<u8> {
     let byte = u32::from(c).checked_sub(BASE)?;
-    u8::try_from(byte).ok().filter(|it| !it.is_ascii())
+    u8::try_from(byte).ok().filter(|byte| !byte.is_ascii())
 }
 
 /// Returns the offset of the first escape in a text, in bytes; `None` if the text holds none.
@@ -115,7 +115,7 @@ pub enum LineEnd {
 impl LineEnd {
     /// The line end of most lines of a text; `\n` for a text of one line.
     pub fn of(text: &str) -> LineEnd {
-        let all = text.bytes().filter(|it| *it == b'\n').count();
+        let all = text.bytes().filter(|byte| *byte == b'\n').count();
         let crlf = text.matches("\r\n").count();
         match crlf * 2 > all {
             true => LineEnd::CrLf,

@@ -46,29 +46,29 @@ impl ExpansionMap {
 
     /// The virtual token behind an empty token of the tree.
     pub fn virtual_token(&self, token: &SyntaxToken) -> Option<&VirtualToken> {
-        self.entry(token).map(|it| &it.token)
+        self.entry(token).map(|entry| &entry.token)
     }
 
     /// The origin of the spelling of a virtual token.
     pub fn origin(&self, token: &SyntaxToken) -> Option<&Origin> {
-        self.entry(token).map(|it| &it.token.origin)
+        self.entry(token).map(|entry| &entry.token.origin)
     }
 
     /// The range to report for a token: its own, or the macro call that produced it.
     pub fn range(&self, token: &SyntaxToken) -> TextRange {
         self.entry(token)
-            .map_or_else(|| token.text_range(), |it| it.call)
+            .map_or_else(|| token.text_range(), |entry| entry.call)
     }
 
     /// The virtual tokens that a macro call produced.
     pub fn expansion(&self, call: TextRange) -> impl Iterator<Item = &VirtualToken> {
         let start = self
             .tokens
-            .partition_point(|it| it.call.start() < call.start());
+            .partition_point(|token| token.call.start() < call.start());
         self.tokens[start..]
             .iter()
-            .take_while(move |it| it.call == call)
-            .map(|it| &it.token)
+            .take_while(move |token| token.call == call)
+            .map(|token| &token.token)
     }
 
     /// Adds the next virtual token of the tree, which is at this path, and the range of its call.
@@ -87,16 +87,16 @@ impl ExpansionMap {
         }
         let offset = token.text_range().start();
         let mut path: Vec<u32> = std::iter::once(token.index())
-            .chain(token.parent_ancestors().map(|it| it.index()))
-            .map(|it| it as u32)
+            .chain(token.parent_ancestors().map(|ancestor| ancestor.index()))
+            .map(|index| index as u32)
             .collect();
         // The root is not in any list of siblings.
         path.pop();
         path.reverse();
         let found = self
             .tokens
-            .binary_search_by(|it| (it.offset, &*it.path).cmp(&(offset, &*path)));
-        found.ok().map(|it| &self.tokens[it])
+            .binary_search_by(|token| (token.offset, &*token.path).cmp(&(offset, &*path)));
+        found.ok().map(|token| &self.tokens[token])
     }
 }
 

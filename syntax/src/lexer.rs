@@ -427,7 +427,7 @@ fn lex_spliced(text: &str) -> RawTokens {
                 if tokens
                     .ends
                     .last()
-                    .is_none_or(|&it| (it as usize) < at + removed)
+                    .is_none_or(|&end| (end as usize) < at + removed)
                 {
                     tokens.push(kind, at + removed);
                 }

@@ -66,8 +66,9 @@ impl LineIndex {
                 0..=127 => at += 1,
                 _ => {
                     let len = utf8_len(byte);
-                    let (saved16, saved32) =
-                        wide.last().map_or((0, 0), |it| (it.saved16, it.saved32));
+                    let (saved16, saved32) = wide
+                        .last()
+                        .map_or((0, 0), |character| (character.saved16, character.saved32));
                     wide.push(WideChar {
                         start: at as u32,
                         end: (at + len) as u32,
@@ -119,12 +120,22 @@ impl LineIndex {
         let line = self.line(offset.into());
         let (start, len) = self.lines[line as usize];
         offset = offset.min(start + len);
-        let before = self.wide.partition_point(|it| it.end <= offset);
-        if let Some(it) = self.wide.get(before) {
-            offset = if it.start < offset { it.start } else { offset };
+        let before = self
+            .wide
+            .partition_point(|character| character.end <= offset);
+        if let Some(character) = self.wide.get(before) {
+            offset = if character.start < offset {
+                character.start
+            } else {
+                offset
+            };
         }
         let saved = self.saved(before, encoding)
-            - self.saved(self.wide.partition_point(|it| it.end <= start), encoding);
+            - self.saved(
+                self.wide
+                    .partition_point(|character| character.end <= start),
+                encoding,
+            );
         LineCol {
             line,
             col: offset - start - saved,
@@ -135,13 +146,15 @@ impl LineIndex {
     /// those inside a character as its start.
     pub fn offset(&self, position: LineCol, encoding: PositionEncoding) -> Option<TextSize> {
         let &(start, len) = self.lines.get(position.line as usize)?;
-        let first = self.wide.partition_point(|it| it.end <= start);
+        let first = self
+            .wide
+            .partition_point(|character| character.end <= start);
         let saved_before = self.saved(first, encoding);
         // The ends of the characters of this line, in columns.
         let column_end = |i: usize| {
-            self.wide
-                .get(first + i)
-                .map(|it| it.end - start - (self.saved(first + i + 1, encoding) - saved_before))
+            self.wide.get(first + i).map(|character| {
+                character.end - start - (self.saved(first + i + 1, encoding) - saved_before)
+            })
         };
         let (mut low, mut high) = (0, self.wide.len() - first);
         while low < high {
@@ -154,8 +167,12 @@ impl LineIndex {
         }
         let saved = self.saved(first + low, encoding) - saved_before;
         let mut offset = start.saturating_add(position.col).saturating_add(saved);
-        if let Some(it) = self.wide.get(first + low) {
-            offset = if it.start < offset { it.start } else { offset };
+        if let Some(character) = self.wide.get(first + low) {
+            offset = if character.start < offset {
+                character.start
+            } else {
+                offset
+            };
         }
         Some(offset.min(start + len).into())
     }

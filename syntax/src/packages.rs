@@ -23,11 +23,11 @@ pub struct Providers {
 
 /// Names of the packages in a requirement as pkg-config reads it: `a >= 1.0, b c`.
 pub fn names(requirement: &str) -> Vec<&str> {
-    let separator = |it: char| it.is_whitespace() || it == ',';
+    let separator = |character: char| character.is_whitespace() || character == ',';
     let mut out = Vec::new();
     let mut version = false;
-    for word in requirement.split(separator).filter(|it| !it.is_empty()) {
-        let is_operator = |it: char| matches!(it, '<' | '>' | '=' | '!');
+    for word in requirement.split(separator).filter(|part| !part.is_empty()) {
+        let is_operator = |character: char| matches!(character, '<' | '>' | '=' | '!');
         let name = word.split(is_operator).next().unwrap_or_default();
         let operator = &word[name.len()..];
         if name.is_empty() {
@@ -52,7 +52,7 @@ pub fn providers(name: &str) -> Providers {
     };
     let debian = match &robotpkg {
         Some(_) => format!("robotpkg-{name}"),
-        None => match DEBIAN.iter().find(|it| it.0 == name) {
+        None => match DEBIAN.iter().find(|debian| debian.0 == name) {
             Some((_, package)) => (*package).to_owned(),
             None => format!("lib{}-dev", name.strip_prefix("lib").unwrap_or(name)),
         },
@@ -92,10 +92,10 @@ mod tests {
     #[test]
     fn what_brings_a_package_follows_from_its_name() {
         let of = |name| {
-            let it = providers(name);
+            let provider = providers(name);
             (
-                it.robotpkg.unwrap_or_default(),
-                it.debian.unwrap_or_default(),
+                provider.robotpkg.unwrap_or_default(),
+                provider.debian.unwrap_or_default(),
             )
         };
         let pair = |a: &str, b: &str| (a.to_owned(), b.to_owned());

@@ -32,7 +32,7 @@ pub struct Parse {
 impl Parse {
     /// The ranges that do not parse: the ranges of the errors, and the text beyond the last listed one.
     pub fn broken(&self) -> Vec<TextRange> {
-        let mut broken: Vec<TextRange> = self.errors.iter().map(|it| it.range).collect();
+        let mut broken: Vec<TextRange> = self.errors.iter().map(|error| error.range).collect();
         let from = self.inside_out.into_iter().chain(self.unlisted).min();
         let end = self.syntax().text_range().end();
         broken.extend(
@@ -62,7 +62,7 @@ pub fn parse(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment
     let mut errors = said.errors;
     if !of_directives.is_empty() {
         errors.extend(of_directives);
-        errors.sort_by_key(|it| it.range.start());
+        errors.sort_by_key(|error| error.range.start());
     }
     Parse {
         green,

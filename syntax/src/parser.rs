@@ -70,7 +70,7 @@ pub(crate) fn read(
     let is_include = |index: u32| {
         pre.directives
             .get(index as usize)
-            .is_some_and(|it| matches!(it.kind, DirectiveKind::Include(_)))
+            .is_some_and(|directive| matches!(directive.kind, DirectiveKind::Include(_)))
     };
     let input = Input::new(text, raw, &pre.elements, is_include);
     let mut p = Parser::new(&input);
@@ -79,12 +79,12 @@ pub(crate) fn read(
     let (events, mut errors) = p.finish();
     let unlisted = errors
         .get(MAX_ERRORS)
-        .map(|it| input.range(it.token).start());
-    errors.retain(|it| inside_out.is_none_or(|from| it.token <= from));
+        .map(|error| input.range(error.token).start());
+    errors.retain(|error| inside_out.is_none_or(|from| error.token <= from));
     ParserOutput {
         events,
         errors: locate(&input, errors),
-        inside_out: inside_out.map(|it| input.range(it).start()),
+        inside_out: inside_out.map(|index| input.range(index).start()),
         unlisted,
     }
 }
@@ -141,7 +141,7 @@ pub(crate) fn parse_wcet_pragma(
     let mut p = Parser::new(&input);
     grammar::wcet_pragma(&mut p);
     let (events, mut errors) = p.finish();
-    errors.retain(|it| matches!(it.kind, Parsing::MoreInPragma { .. }));
+    errors.retain(|error| matches!(error.kind, Parsing::MoreInPragma { .. }));
     (events, locate(&input, errors))
 }
 
@@ -172,10 +172,10 @@ fn locate(input: &Input<'_>, errors: Vec<RawError>) -> Vec<SyntaxError> {
                 .related
                 .map(|(token, what)| (input.range(token), what)),
             missing: error.missing,
-            repair: error.repair.and_then(|it| it.locate(input)),
+            repair: error.repair.and_then(|repair| repair.locate(input)),
         });
     }
-    located.sort_by_key(|it| it.range.start());
+    located.sort_by_key(|capacity| capacity.range.start());
     located
 }
 
@@ -464,13 +464,13 @@ impl<'i> Parser<'i> {
     /// Returns true if more `}` follow than bodies are open: a `{` is missing somewhere.
     pub(crate) fn has_spare_brace(&self) -> bool {
         let closing = self.input.closing(self.pos);
-        closing.is_some_and(|it| it > self.open + self.unclosed)
+        closing.is_some_and(|number| number > self.open + self.unclosed)
     }
 
     /// Returns true if fewer `}` follow than bodies are open: a `}` is missing somewhere.
     pub(crate) fn lacks_brace(&self) -> bool {
         let closing = self.input.closing(self.pos);
-        closing.is_some_and(|it| it < self.open)
+        closing.is_some_and(|number| number < self.open)
     }
 
     /// Enters a construct that may nest. If it is nested too deeply, the error is reported and the text is

@@ -60,7 +60,7 @@ impl Release {
     pub fn changes_between(self, other: Release) -> impl Iterator<Item = &'static Entry> {
         CHANGES
             .iter()
-            .filter(move |it| self.has(it.change) != other.has(it.change))
+            .filter(move |change| self.has(change.change) != other.has(change.change))
     }
 
     /// The least release that a requirement on the package `genom3` admits: `genom3 >= 2.99.41`. `None` if
@@ -120,11 +120,16 @@ impl FromStr for Release {
     /// Reads two or three numbers separated by points.
     fn from_str(text: &str) -> Result<Release, NoRelease> {
         let fail = || NoRelease(text.to_owned());
-        let mut numbers = text.trim().split('.').map(|it| {
-            let digits = it.bytes().all(|byte| byte.is_ascii_digit());
-            digits.then(|| it.parse::<u16>().ok()).flatten()
+        let mut numbers = text.trim().split('.').map(|part| {
+            let digits = part.bytes().all(|byte| byte.is_ascii_digit());
+            digits.then(|| part.parse::<u16>().ok()).flatten()
         });
-        let mut number = || numbers.next().map(|it| it.ok_or_else(fail)).transpose();
+        let mut number = || {
+            numbers
+                .next()
+                .map(|number| number.ok_or_else(fail))
+                .transpose()
+        };
         let (major, minor, patch) = (number()?, number()?, number()?);
         match (major, minor, numbers.next()) {
             (Some(major), Some(minor), None) => {
@@ -281,7 +286,7 @@ mod tests {
         let sorted = [
             "2.9", "2.99.4", "2.99.26", "2.99.39", "2.99.41", "3.0", "3.1", "3.1.2", "3.10",
         ];
-        let mut read: Vec<Release> = sorted.iter().rev().map(|it| release(it)).collect();
+        let mut read: Vec<Release> = sorted.iter().rev().map(|text| release(text)).collect();
         read.sort_unstable();
         let shown: Vec<String> = read.iter().map(Release::to_string).collect();
         assert_eq!(shown[1..], sorted[1..]);
@@ -303,7 +308,7 @@ mod tests {
 
     #[test]
     fn requirements_have_lower_bounds() {
-        let bound = |text: &str| Release::lower_bound(text).map(|it| it.to_string());
+        let bound = |text: &str| Release::lower_bound(text).map(|bound| bound.to_string());
         let some = |text: &str| Some(text.to_owned());
         assert_eq!(bound("genom3 >= 2.99.41"), some("2.99.41"));
         assert_eq!(bound(" genom3>=3.1 "), some("3.1"));
@@ -326,19 +331,26 @@ mod tests {
         let manual = std::fs::read_to_string(path).unwrap();
         let rows: Vec<&str> = manual
             .lines()
-            .skip_while(|it| !it.starts_with("| since |"))
+            .skip_while(|line| !line.starts_with("| since |"))
             .skip(2)
-            .take_while(|it| it.starts_with('|'))
+            .take_while(|line| line.starts_with('|'))
             .collect();
-        let row = |it: &Entry| format!("| {} | {} | {} |", it.since, it.area.name(), it.what);
+        let row = |entry: &Entry| {
+            format!(
+                "| {} | {} | {} |",
+                entry.since,
+                entry.area.name(),
+                entry.what
+            )
+        };
         let expected: Vec<String> = CHANGES.iter().map(row).collect();
         assert_eq!(rows, expected);
     }
 
     #[test]
     fn the_table_is_in_order() {
-        assert!(CHANGES.is_sorted_by_key(|it| it.since));
-        assert!(CHANGES.iter().all(|it| it.since > Release::OLDEST));
+        assert!(CHANGES.is_sorted_by_key(|change| change.since));
+        assert!(CHANGES.iter().all(|change| change.since > Release::OLDEST));
         let names = |from: Release, to| from.changes_between(to).count();
         assert_eq!(names(Release::V2_99_39, Release::V3), CHANGES.len());
         assert_eq!(names(Release::V2_99_41, Release::V2_99_41), 0);

@@ -100,7 +100,7 @@ impl Sink<'_> {
         let end = first
             + self.pre.elements[first..]
                 .iter()
-                .take_while(|it| self.is_passed(it))
+                .take_while(|element| self.is_passed(element))
                 .count();
         // A call is part of the node that its expansion begins.
         let end = match self.pre.elements.get(end) {
@@ -229,7 +229,7 @@ impl Sink<'_> {
             match kind(i) {
                 NEWLINE => line_ends += 1,
                 WHITESPACE | SPLICE => {}
-                it if it.is_comment() => {
+                node if node.is_comment() => {
                     let before = (first..i).rev().find(|&i| kind(i) != WHITESPACE);
                     let begins_line = match before {
                         Some(i) => kind(i) == NEWLINE || kind(i).is_comment(),

@@ -6,15 +6,15 @@ pub fn nearest<'n>(name: &str, candidates: impl IntoIterator<Item = &'n str>) ->
     let limit = (name.chars().count() / 3).clamp(1, 3);
     candidates
         .into_iter()
-        .filter(|it| *it != name && !it.is_empty())
-        .filter_map(|it| Some((distance(name, it, limit)?, it)))
+        .filter(|candidate| *candidate != name && !candidate.is_empty())
+        .filter_map(|candidate| Some((distance(name, candidate, limit)?, candidate)))
         .min()
-        .map(|(_, it)| it)
+        .map(|(_, distance)| distance)
 }
 
 /// What to write instead of a name that is not among some: the nearest of them, or all.
 pub fn advice(name: &str, names: &[&str]) -> String {
-    let quoted: Vec<String> = names.iter().map(|it| format!("`{it}`")).collect();
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     match (nearest(name, names.iter().copied()), quoted.as_slice()) {
         (Some(near), _) => format!("did you mean `{near}`?"),
         (None, []) => "there are none".to_owned(),

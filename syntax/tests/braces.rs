@@ -12,14 +12,14 @@ use dotgen_syntax::{
 fn specifications(folder: &Path, out: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder)
         .expect("a folder")
-        .filter_map(|it| it.ok())
+        .filter_map(|entry| entry.ok())
     {
         let path = entry.path();
         if path.is_dir() {
             specifications(&path, out);
         } else if path
             .extension()
-            .is_some_and(|it| it == "gen" || it == "idl")
+            .is_some_and(|extension| extension == "gen" || extension == "idl")
         {
             out.push(path);
         }
@@ -36,10 +36,15 @@ fn texts() -> Vec<(String, String)> {
     if let Some(published) = crate::shared::shared("corpus") {
         specifications(&published, &mut found);
     }
-    let read = |it: &PathBuf| Some((it.display().to_string(), std::fs::read_to_string(it).ok()?));
+    let read = |path: &PathBuf| {
+        Some((
+            path.display().to_string(),
+            std::fs::read_to_string(path).ok()?,
+        ))
+    };
     let texts = found.iter().filter_map(read);
     texts
-        .filter(|(_, it)| parse_text(it).errors.is_empty())
+        .filter(|(_, text)| parse_text(text).errors.is_empty())
         .collect()
 }
 
@@ -47,21 +52,21 @@ fn texts() -> Vec<(String, String)> {
 fn names(parse: &Parse) -> Vec<String> {
     let names = parse.syntax().descendants().filter_map(Name::cast);
     names
-        .map(|it| it.text(&parse.expansion).to_string())
+        .map(|name| name.text(&parse.expansion).to_string())
         .collect()
 }
 
 /// The braces of a kind around bodies.
 fn braces(parse: &Parse, kind: SyntaxKind) -> Vec<usize> {
     let tokens = parse.syntax().descendants_with_tokens();
-    let tokens = tokens.filter_map(|it| it.into_token());
+    let tokens = tokens.filter_map(|token| token.into_token());
     tokens
-        .filter(|it| it.kind() == kind && !it.text_range().is_empty())
-        .filter(|it| {
-            let parent = it.parent().map(|it| it.kind());
+        .filter(|token| token.kind() == kind && !token.text_range().is_empty())
+        .filter(|token| {
+            let parent = token.parent().map(|parent| parent.kind());
             matches!(parent, Some(SyntaxKind::BODY | SyntaxKind::ENUMERATOR_LIST))
         })
-        .map(|it| it.text_range().start().into())
+        .map(|token| token.text_range().start().into())
         .collect()
 }
 

@@ -12,7 +12,7 @@ use crate::shared::shared;
 fn specifications(dir: &Path, acc: &mut Vec<PathBuf>) {
     let mut entries: Vec<PathBuf> = std::fs::read_dir(dir)
         .expect("readable directory")
-        .filter_map(|it| Some(it.ok()?.path()))
+        .filter_map(|entry| Some(entry.ok()?.path()))
         .collect();
     entries.sort();
     for path in entries {
@@ -20,7 +20,7 @@ fn specifications(dir: &Path, acc: &mut Vec<PathBuf>) {
             specifications(&path, acc);
         } else if path
             .extension()
-            .is_some_and(|it| it == "gen" || it == "idl")
+            .is_some_and(|extension| extension == "gen" || extension == "idl")
         {
             acc.push(path);
         }
@@ -47,21 +47,21 @@ fn error_lines(text: &str) -> Vec<(usize, String)> {
     let own = parse
         .errors
         .iter()
-        .filter(|it| it.severity == Severity::Error);
+        .filter(|error| error.severity == Severity::Error);
     let other = pre
         .errors
         .iter()
-        .filter(|it| it.severity == Severity::Error);
-    own.map(|it| {
+        .filter(|error| error.severity == Severity::Error);
+    own.map(|error| {
         (
-            line(it.range.start().into()),
-            format!("{}: {}", it.code(), it.wording()),
+            line(error.range.start().into()),
+            format!("{}: {}", error.code(), error.wording()),
         )
     })
-    .chain(other.map(|it| {
+    .chain(other.map(|error| {
         (
-            line(it.range.start().into()),
-            format!("{}: {}", it.kind.code(), it.kind.wording()),
+            line(error.range.start().into()),
+            format!("{}: {}", error.kind.code(), error.kind.wording()),
         )
     }))
     .collect()
@@ -135,7 +135,7 @@ fn specifications_that_the_reference_accepts_have_no_syntax_error() {
             let errors: Vec<_> = parse
                 .errors
                 .iter()
-                .filter(|it| it.severity == Severity::Error)
+                .filter(|error| error.severity == Severity::Error)
                 .collect();
             assert!(errors.is_empty(), "{}: {errors:?}", file.display());
         }

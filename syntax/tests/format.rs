@@ -323,7 +323,7 @@ fn damaged_files_keep_their_tokens() {
                     at -= 1;
                 }
                 if random(4) == 0 {
-                    let cut = |it: char| it.len_utf8();
+                    let cut = |character: char| character.len_utf8();
                     let end = at + damaged[at..].chars().take(6).map(cut).sum::<usize>();
                     damaged.replace_range(at..end, " ");
                 }
@@ -365,11 +365,15 @@ fn damaged_files_keep_their_tokens() {
 /// The number of lines that formatting changes, and the lines over the width before and after.
 fn changes(text: &str) -> (usize, usize, usize, usize) {
     let once = formatted(text);
-    let over = |text: &str| text.lines().filter(|it| it.chars().count() > 80).count();
+    let over = |text: &str| {
+        text.lines()
+            .filter(|line| line.chars().count() > 80)
+            .count()
+    };
     let diff = similar::TextDiff::from_lines(text, &once);
     let changed = diff.iter_all_changes();
     let changed = changed
-        .filter(|it| it.tag() == similar::ChangeTag::Delete)
+        .filter(|change| change.tag() == similar::ChangeTag::Delete)
         .count();
     (text.lines().count(), changed, over(text), over(&once))
 }
@@ -530,7 +534,8 @@ fn long_lines_and_deep_nesting_take_linear_time() {
         let all: Vec<String> = (0..n).map(item).collect();
         all.join(between)
     };
-    let component = |it: String| format!("component c {{ version \"1\"; lang \"c\"; {it} }};\n");
+    let component =
+        |text: String| format!("component c {{ version \"1\"; lang \"c\"; {text} }};\n");
     type Text<'a> = (&'a str, usize, &'a dyn Fn(usize) -> String);
     let texts: [Text<'_>; 8] = [
         ("exceptions", 5_000, &|n| {

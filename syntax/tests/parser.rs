@@ -28,8 +28,8 @@ fn data(kind: &str) -> PathBuf {
 fn files(dir: &Path, extension: &str) -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = fs::read_dir(dir)
         .unwrap_or_else(|error| panic!("{}: {error}", dir.display()))
-        .filter_map(|it| Some(it.ok()?.path()))
-        .filter(|it| it.extension().is_some_and(|it| it == extension))
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|name| name == extension))
         .collect();
     files.sort();
     files
@@ -46,7 +46,7 @@ fn examples() -> BTreeMap<String, String> {
                 continue;
             };
             let mut text = String::new();
-            while let Some(line) = lines.peek().and_then(|it| it.strip_prefix("//")) {
+            while let Some(line) = lines.peek().and_then(|line| line.strip_prefix("//")) {
                 text.push_str(line.strip_prefix(' ').unwrap_or(line));
                 text.push('\n');
                 lines.next();
@@ -100,7 +100,7 @@ fn correct_texts() {
         let errors: Vec<_> = parse
             .errors
             .iter()
-            .filter(|it| it.severity == Severity::Error)
+            .filter(|error| error.severity == Severity::Error)
             .collect();
         assert!(errors.is_empty(), "{}: {errors:?}\n{text}", path.display());
     }
@@ -111,7 +111,10 @@ fn broken_texts() {
     for path in files(&data("err"), "gen") {
         let (text, parse) = check(&path);
         assert!(
-            parse.errors.iter().any(|it| it.severity == Severity::Error),
+            parse
+                .errors
+                .iter()
+                .any(|error| error.severity == Severity::Error),
             "{} has no error\n{text}",
             path.display()
         );
@@ -149,7 +152,12 @@ iced = 1;
     assert_eq!(parse.errors, []);
     let names = parse.syntax().descendants().filter_map(Name::cast);
     let names: Vec<_> = names
-        .map(|it| (it.text(&parse.expansion), &text[it.range(&parse.expansion)]))
+        .map(|name| {
+            (
+                name.text(&parse.expansion),
+                &text[name.range(&parse.expansion)],
+            )
+        })
         .collect();
     let names: Vec<_> = names
         .iter()
@@ -169,7 +177,7 @@ iced = 1;
         .syntax()
         .descendants()
         .filter_map(Quantity::cast)
-        .map(|it| it.is_glued(&parse.expansion))
+        .map(|quantity| quantity.is_glued(&parse.expansion))
         .collect();
     assert_eq!(glued, [true, false, true]);
 }

@@ -79,14 +79,16 @@ impl Host for Disk {
         let beside = self
             .open
             .last()
-            .and_then(|it| it.parent())
+            .and_then(|path| path.parent())
             .filter(|_| !request.angled);
-        let dirs = beside
-            .into_iter()
-            .chain(self.include_dirs.iter().map(|it| it.as_path()));
+        let dirs = beside.into_iter().chain(
+            self.include_dirs
+                .iter()
+                .map(|include_dir| include_dir.as_path()),
+        );
         let candidates: Vec<Utf8PathBuf> =
             dirs.map(|dir| dir.join(request.path.as_str())).collect();
-        match candidates.iter().find(|it| it.is_file()) {
+        match candidates.iter().find(|candidate| candidate.is_file()) {
             Some(path) => Ok(self.run(path, env.clone()).unwrap_or_default()),
             None => Err(IncludeError::NotFound {
                 searched: Vec::new(),
@@ -141,11 +143,11 @@ fn conformance() {
             &case["ours"]
         };
         let errors: Vec<&Value> = case["errors"].as_array().into_iter().flatten().collect();
-        let required = || errors.iter().filter(|it| it["consequence"] != true);
+        let required = || errors.iter().filter(|error| error["consequence"] != true);
         let of_this_layer = |check: &Value| {
             check
                 .as_str()
-                .is_some_and(|it| it.starts_with("pp-") || it.starts_with("lex-"))
+                .is_some_and(|check| check.starts_with("pp-") || check.starts_with("lex-"))
         };
         let close = |wanted: &Value, severity: Severity| {
             disk.reports.iter().any(|(file, line, report)| {
@@ -156,16 +158,17 @@ fn conformance() {
                     .chain([&wanted["line"]]);
                 file.file_name() == wanted["file"].as_str()
                     && report.severity == severity
-                    && lines.any(|it| {
-                        it.as_i64()
-                            .is_some_and(|it| (it - i64::from(*line)).abs() <= 1)
+                    && lines.any(|candidate| {
+                        candidate
+                            .as_i64()
+                            .is_some_and(|number| (number - i64::from(*line)).abs() <= 1)
                     })
             })
         };
         let reported = disk
             .reports
             .iter()
-            .filter(|it| it.2.severity == Severity::Error);
+            .filter(|report| report.2.severity == Severity::Error);
         if ours["verdict"] == "accept" {
             judged += 1;
             if reported.count() > 0 {
@@ -176,14 +179,15 @@ fn conformance() {
                     failures.push(format!("{name}: no {warning} in {:?}", disk.reports));
                 }
             }
-        } else if required().all(|it| of_this_layer(&it["check"])) {
+        } else if required().all(|json| of_this_layer(&json["check"])) {
             judged += 1;
             for error in required() {
                 if !close(error, Severity::Error) {
                     failures.push(format!("{name}: no {error} in {:?}", disk.reports));
                 }
             }
-        } else if !required().any(|it| of_this_layer(&it["check"])) && name.starts_with("preproc/")
+        } else if !required().any(|json| of_this_layer(&json["check"]))
+            && name.starts_with("preproc/")
         {
             judged += 1;
             if reported.count() > 0 {
@@ -212,7 +216,7 @@ fn specifications(dir: &Path) -> Vec<PathBuf> {
             found.extend(specifications(&path));
         } else if path
             .extension()
-            .is_some_and(|it| it == "gen" || it == "idl")
+            .is_some_and(|extension| extension == "gen" || extension == "idl")
         {
             found.push(path);
         }
@@ -233,12 +237,12 @@ fn corpus() {
         let codes: BTreeSet<&str> = disk
             .reports
             .iter()
-            .filter(|(_, _, it)| it.severity != Severity::Hint)
-            .map(|(_, _, it)| it.kind.code())
+            .filter(|(_, _, error)| error.severity != Severity::Hint)
+            .map(|(_, _, error)| error.kind.code())
             .collect();
         // Files of packages that are not part of the corpus.
         assert!(
-            codes.iter().all(|&it| it == "pp-include-not-found"),
+            codes.iter().all(|&code| code == "pp-include-not-found"),
             "{path}: {codes:?}"
         );
     }

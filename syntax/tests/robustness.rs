@@ -28,8 +28,8 @@ fn check(text: &str) -> Parse {
     }
     for token in root
         .descendants_with_tokens()
-        .filter_map(|it| it.into_token())
-        .filter(|it| it.text_range().is_empty())
+        .filter_map(|element| element.into_token())
+        .filter(|token| token.text_range().is_empty())
     {
         assert!(
             parse.expansion.virtual_token(&token).is_some(),
@@ -48,14 +48,14 @@ fn fixtures() -> Vec<String> {
             .join(kind);
         let mut files: Vec<_> = std::fs::read_dir(dir)
             .expect("fixtures")
-            .filter_map(|it| Some(it.ok()?.path()))
-            .filter(|it| it.extension().is_some_and(|it| it == "gen"))
+            .filter_map(|entry| Some(entry.ok()?.path()))
+            .filter(|path| path.extension().is_some_and(|extension| extension == "gen"))
             .collect();
         files.sort();
         texts.extend(
             files
                 .iter()
-                .map(|it| std::fs::read_to_string(it).expect("readable")),
+                .map(|file| std::fs::read_to_string(file).expect("readable")),
         );
     }
     texts
@@ -146,7 +146,7 @@ fn apply(text: &str, edits: &[Edit]) -> String {
         };
         let start = boundary(edit.at.index(text.len() + 1));
         let end = boundary(start + edit.delete);
-        let piece = edit.insert.map_or("", |it| PIECES[it]);
+        let piece = edit.insert.map_or("", |piece| PIECES[piece]);
         text.replace_range(start..end.max(start), piece);
     }
     text
@@ -182,12 +182,12 @@ fn many_random_edits_keep_the_text() {
         let Ok(entries) = std::fs::read_dir(&dir) else {
             continue;
         };
-        for path in entries.filter_map(|it| Some(it.ok()?.path())) {
+        for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
             if path.is_dir() {
                 stack.push(path);
             } else if path
                 .extension()
-                .is_some_and(|it| it == "gen" || it == "idl")
+                .is_some_and(|extension| extension == "gen" || extension == "idl")
             {
                 texts.push(String::from_utf8_lossy(&std::fs::read(path).expect("readable")).into());
             }
@@ -327,7 +327,10 @@ fn a_large_expansion_is_read_in_linear_time() {
     let parse = check(&text);
     assert_eq!(parse.errors, []);
     let names = parse.syntax().descendants().filter_map(ast::Name::cast);
-    let texts: Vec<_> = names.map(|it| it.text(&parse.expansion)).skip(5).collect();
+    let texts: Vec<_> = names
+        .map(|name| name.text(&parse.expansion))
+        .skip(5)
+        .collect();
     assert_eq!(texts.len(), 10_002);
     assert_eq!(
         (&*texts[0], &*texts[1], &*texts[10_001]),
@@ -356,7 +359,7 @@ component c {
     let kinds = |items: Vec<dotgen_syntax::ast::Item>| {
         items
             .iter()
-            .map(|it| format!("{:?}", it.syntax().kind()))
+            .map(|item| format!("{:?}", item.syntax().kind()))
             .collect::<Vec<_>>()
     };
     let items: Vec<_> = parse.tree().items().collect();

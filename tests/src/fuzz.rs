@@ -49,7 +49,7 @@ impl Target {
 
     /// The target of that name.
     pub fn of(name: &str) -> Option<Target> {
-        Target::ALL.into_iter().find(|it| it.name() == name)
+        Target::ALL.into_iter().find(|target| target.name() == name)
     }
 
     /// Does with an input what users' programs do with it.
@@ -103,10 +103,10 @@ fn files(folder: &std::path::Path, extensions: &[&str]) -> Vec<Vec<u8>> {
     while let Some(folder) = open.pop() {
         for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
             let path = entry.path();
-            let extension = path.extension().and_then(|it| it.to_str());
+            let extension = path.extension().and_then(|extension| extension.to_str());
             if path.is_dir() {
                 open.push(path);
-            } else if extension.is_some_and(|it| extensions.contains(&it)) {
+            } else if extension.is_some_and(|extension| extensions.contains(&extension)) {
                 paths.push(path);
             }
         }
@@ -114,6 +114,6 @@ fn files(folder: &std::path::Path, extensions: &[&str]) -> Vec<Vec<u8>> {
     paths.sort();
     paths
         .iter()
-        .filter_map(|it| std::fs::read(it).ok())
+        .filter_map(|path| std::fs::read(path).ok())
         .collect()
 }

@@ -138,7 +138,7 @@ fn crates_depend_in_one_direction_only() {
         .as_array()
         .expect("workspace.members is a list")
         .iter()
-        .filter_map(|it| it.as_str().map(str::to_owned))
+        .filter_map(|member| member.as_str().map(str::to_owned))
         .collect();
     let known: BTreeSet<&str> = ALLOWED.iter().map(|(folder, _)| *folder).collect();
     for member in &members {
@@ -209,8 +209,8 @@ fn scripts_of_the_extension_import_in_one_direction_only() {
 #[test]
 fn a_circle_of_imports_is_seen() {
     let circles = |texts: &[(&str, &str)]| {
-        let module = |it: &str| -> Vec<String> {
-            let names = it.split("::").filter(|it| !it.is_empty());
+        let module = |text: &str| -> Vec<String> {
+            let names = text.split("::").filter(|part| !part.is_empty());
             names.map(str::to_owned).collect()
         };
         let texts: BTreeMap<Vec<String>, String> = texts
@@ -220,7 +220,7 @@ fn a_circle_of_imports_is_seen() {
         let all = Imports::read(&texts).circles();
         let all = all
             .into_iter()
-            .map(|it| it.1.into_iter().collect::<Vec<_>>());
+            .map(|circle| circle.1.into_iter().collect::<Vec<_>>());
         all.collect::<Vec<_>>()
     };
     let ab = vec![vec!["a".to_owned(), "b".to_owned()]];
@@ -269,7 +269,7 @@ fn sources(folder: &str) -> Vec<(String, String)> {
     while let Some(at) = waiting.pop() {
         if at.is_dir() {
             let entries = std::fs::read_dir(&at).expect("a folder");
-            waiting.extend(entries.flatten().map(|it| it.path()));
+            waiting.extend(entries.flatten().map(|entry| entry.path()));
             continue;
         }
         let name = at
@@ -293,7 +293,7 @@ fn sources(folder: &str) -> Vec<(String, String)> {
 fn programs_are_started_in_one_place() {
     for (folder, _) in ALLOWED
         .iter()
-        .filter(|it| !["tests", "xtask"].contains(&it.0))
+        .filter(|pair| !["tests", "xtask"].contains(&pair.0))
     {
         for (name, code) in sources(folder) {
             let starts =
@@ -343,7 +343,7 @@ fn text_searches(source: &str) -> Vec<usize> {
     let mut lines = Vec::new();
     for (number, line) in (1..).zip(source.lines()) {
         let code = line.split("//").next().unwrap_or_default();
-        for c in code.chars().filter(|it| !it.is_whitespace()) {
+        for c in code.chars().filter(|character| !character.is_whitespace()) {
             text.push(c);
             lines.extend(std::iter::repeat_n(number, c.len_utf8()));
         }
@@ -357,9 +357,11 @@ fn text_searches(source: &str) -> Vec<usize> {
                 continue;
             }
             let rest = &text[i + subject.len()..];
-            let text_searches = through.iter().any(|it| {
-                let rest = rest.strip_prefix(it).and_then(|it| it.strip_prefix('.'));
-                rest.is_some_and(|rest| TEXT_SEARCHES.iter().any(|it| rest.starts_with(it)))
+            let text_searches = through.iter().any(|text| {
+                let rest = rest
+                    .strip_prefix(text)
+                    .and_then(|rest| rest.strip_prefix('.'));
+                rest.is_some_and(|rest| TEXT_SEARCHES.iter().any(|search| rest.starts_with(search)))
             });
             if text_searches {
                 found.push(lines[i]);
@@ -456,14 +458,19 @@ const PARTS_OF_TEXT: [&str; 13] = [
 fn taken_apart(source: &str) -> Vec<usize> {
     let code = |line: &str| {
         let code = line.split("//").next().unwrap_or_default();
-        code.chars().filter(|it| !it.is_whitespace()).collect()
+        code.chars()
+            .filter(|character| !character.is_whitespace())
+            .collect()
     };
     let has_parts = |line: &str| {
         let code: String = code(line);
-        PARTS_OF_TEXT.iter().any(|it| code.contains(it))
+        PARTS_OF_TEXT.iter().any(|part| code.contains(part))
     };
     let lines = (1..).zip(source.lines());
-    lines.filter(|it| has_parts(it.1)).map(|it| it.0).collect()
+    lines
+        .filter(|line| has_parts(line.1))
+        .map(|line| line.0)
+        .collect()
 }
 
 /// The parts of a run are data: `CodelName`, `ThreadName`, `TimeUnit`.
@@ -482,7 +489,7 @@ fn names_and_times_are_not_taken_apart() {
         let name = path.to_string_lossy().replace('\\', "/");
         // Endings of names of files, and times that users write.
         let other = ["codegen/src/codels/source.rs", "codegen/src/component.rs"];
-        let is_other = other.iter().any(|it| name.ends_with(it));
+        let is_other = other.iter().any(|text| name.ends_with(text));
         if name.contains("/tests/") || name.ends_with("tests.rs") || is_other {
             continue;
         }
@@ -525,7 +532,10 @@ fn files(folder: &std::path::Path, ending: &str) -> Vec<std::path::PathBuf> {
         let path = entry.path();
         if path.is_dir() {
             out.extend(files(&path, ending));
-        } else if path.extension().is_some_and(|it| it == ending) {
+        } else if path
+            .extension()
+            .is_some_and(|extension| extension == ending)
+        {
             out.push(path);
         }
     }

@@ -8,7 +8,7 @@ fn pages() -> Vec<(String, String)> {
     let mut pages: Vec<(String, String)> = walkdir::WalkDir::new(&folder)
         .into_iter()
         .map(|entry| entry.unwrap().into_path())
-        .filter(|path| path.extension().is_some_and(|it| it == "md"))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "md"))
         .map(|path| {
             let name = path.strip_prefix(&folder).unwrap().to_str().unwrap();
             (name.to_owned(), std::fs::read_to_string(&path).unwrap())
@@ -46,7 +46,7 @@ fn relative_links_lead_to_files_of_the_manual() {
             let target = place.parent().unwrap().join(path);
             let is_ours = target
                 .canonicalize()
-                .is_ok_and(|it| it.starts_with(folder.canonicalize().unwrap()));
+                .is_ok_and(|path| path.starts_with(folder.canonicalize().unwrap()));
             if is_path && !is_ours {
                 dead.push(format!("{name}: {link}"));
             }

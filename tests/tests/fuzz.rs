@@ -9,7 +9,9 @@ use dotgen_tests::fuzz::mutate::{Random, mutated};
 
 fn number(name: &str, default: usize) -> usize {
     let value = std::env::var(name).ok();
-    value.and_then(|it| it.parse().ok()).unwrap_or(default)
+    value
+        .and_then(|variable| variable.parse().ok())
+        .unwrap_or(default)
 }
 
 fn fuzz(target: Target, inputs: usize) {
@@ -19,11 +21,11 @@ fn fuzz(target: Target, inputs: usize) {
         .into_iter()
         .flatten()
         .flatten();
-    let mut kept: Vec<_> = kept.map(|it| it.path()).collect();
+    let mut kept: Vec<_> = kept.map(|entry| entry.path()).collect();
     kept.sort();
     corpus.extend(
         kept.iter()
-            .map(|it| std::fs::read(it).expect("a kept input")),
+            .map(|path| std::fs::read(path).expect("a kept input")),
     );
     for input in &corpus {
         tried(target, input);

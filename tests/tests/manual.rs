@@ -70,7 +70,9 @@ fn fixture(code: &str) -> Option<(String, String)> {
     let path = workspace_root().join(format!("analysis/tests/data/codes/{code}.gen"));
     let text = std::fs::read_to_string(path).ok()?;
     let (bad, good) = text.split_once("// near miss\n")?;
-    let good = good.split_once("// corrected\n").map_or(good, |it| it.1);
+    let good = good
+        .split_once("// corrected\n")
+        .map_or(good, |pair| pair.1);
     let bad = bad
         .lines()
         .map(|line| format!("{}\n", line.replace("//!", "").trim_end()))

@@ -55,13 +55,13 @@ fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
 
 /// Whether a file is compiled for tests alone: its module says so, or that around it.
 fn is_test(path: &Path) -> bool {
-    let name = |it: &Path| {
-        it.file_stem()
+    let name = |path: &Path| {
+        path.file_stem()
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned()
     };
-    path.ancestors().any(|it| matches!(name(it).as_str(), "tests" | "fixture"))
+    path.ancestors().any(|ancestor| matches!(name(ancestor).as_str(), "tests" | "fixture"))
         // Writes the typed tree, in a test.
         || path.ends_with("ast/generator.rs")
 }
@@ -75,13 +75,13 @@ fn nothing_below_the_server_reaches_the_system() {
         for entry in walkdir::WalkDir::new(&source).into_iter().flatten() {
             let path = entry.path();
             let shown = path.strip_prefix(workspace_root()).unwrap_or(path);
-            if path.extension().is_none_or(|it| it != "rs") || is_test(shown) {
+            if path.extension().is_none_or(|extension| extension != "rs") || is_test(shown) {
                 continue;
             }
             files += 1;
             let text = std::fs::read_to_string(path).expect("a source");
             for (line, text) in code(&text) {
-                let word = SYSTEM_WORDS.iter().find(|it| text.contains(**it));
+                let word = SYSTEM_WORDS.iter().find(|word| text.contains(**word));
                 let allowed = shown == Path::new(ENVIRONMENT) && text.contains("env::");
                 if let Some(word) = word.filter(|_| !allowed) {
                     found.push(format!("{}:{}: {word}", shown.display(), line + 1));
@@ -105,17 +105,17 @@ const COLUMNS: usize = 110;
 #[test]
 fn lines_of_prose_have_at_most_110_columns() {
     let mut wide = Vec::new();
-    let of_project = |it: &walkdir::DirEntry| {
-        let name = it.file_name().to_string_lossy();
+    let of_project = |entry: &walkdir::DirEntry| {
+        let name = entry.file_name().to_string_lossy();
         // The extension's copy of the manual is made when it is packaged.
         !matches!(&*name, "target" | "node_modules" | "diagnostics")
-            && !it.path().ends_with("vscode-extension/docs")
-            && (it.depth() == 0 || !name.starts_with('.'))
+            && !entry.path().ends_with("vscode-extension/docs")
+            && (entry.depth() == 0 || !name.starts_with('.'))
     };
     let all = walkdir::WalkDir::new(workspace_root()).sort_by_file_name();
     for entry in all.into_iter().filter_entry(of_project).flatten() {
         let path = entry.path();
-        let is_prose = match path.extension().and_then(|it| it.to_str()) {
+        let is_prose = match path.extension().and_then(|extension| extension.to_str()) {
             Some("rs") => |line: &str| line.starts_with("//") && !line.starts_with("//! |"),
             Some("md") => |line: &str| !line.starts_with(['|', '!']),
             _ => continue,

@@ -22,7 +22,7 @@ fn load(path: &str) -> Option<(Scenario, UnitResult)> {
     let text = std::fs::read_to_string(&path).ok()?;
     let scenario = parse(&text).scenario;
     let folder = Utf8Path::from_path(path.parent()?)?.to_owned();
-    let inputs = scenario.items.iter().filter_map(|it| match it {
+    let inputs = scenario.items.iter().filter_map(|item| match item {
         Item::Use(file) => Some(Input::File(folder.join(&file.value))),
         _ => None,
     });

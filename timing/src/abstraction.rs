@@ -84,19 +84,22 @@ pub fn abstract_bounds(
         };
         let mut out: Vec<Result<Ticks, Refusal>> = left
             .iter()
-            .map(|it| Err(it.unwrap_or(Refusal::Cancelled)))
+            .map(|refusal| Err(refusal.unwrap_or(Refusal::Cancelled)))
             .collect();
         let mut leaves = false;
         for (tasks, model) in parts {
-            let servers = model.as_ref().is_ok_and(|it| it.queue);
-            match model.and_then(|it| bounds(&it, budget, cancel)) {
+            let servers = model.as_ref().is_ok_and(|model| model.queue);
+            match model.and_then(|model| bounds(&model, budget, cancel)) {
                 Ok(found) => tasks
                     .iter()
                     .zip(found)
-                    .for_each(|(&task, it)| out[task] = it),
+                    .for_each(|(&task, result)| out[task] = result),
                 Err(refusal) => {
                     tasks.iter().for_each(|&task| out[task] = Err(refusal));
-                    if let Some(task) = refusal.task().filter(|&it| servers && left[it].is_none()) {
+                    if let Some(task) = refusal
+                        .task()
+                        .filter(|&task| servers && left[task].is_none())
+                    {
                         left[task] = Some(refusal);
                         leaves = true;
                     }
@@ -129,7 +132,7 @@ fn bounds(
         None => search(None, budget.states),
         batches => match search(None, budget.before_batches) {
             Err(Refusal::States { .. }) => search(batches, budget.states),
-            it => it,
+            search => search,
         },
     }?;
     let bound = |(thread, found): (&Thread, i64)| match found {

@@ -77,8 +77,8 @@ pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
 /// Returns true if a bound on the response time of a task proves that the task meets its deadlines. A kept
 /// idle tick may be taken any time before the next tick, so that nothing follows for its task.
 pub fn meets_deadlines(system: &TimedSystem, task: usize, bound: Option<Ticks>) -> bool {
-    let it = &system.tasks[task];
-    bound.is_some_and(|bound| !it.keep_idle_tick && Some(bound) < it.period)
+    let task = &system.tasks[task];
+    bound.is_some_and(|bound| !task.keep_idle_tick && Some(bound) < task.period)
 }
 
 /// Rounds after which a task with a bound that still grows counts as late: a quick bound must be quick.
@@ -108,13 +108,16 @@ impl<'s> Analysis<'s> {
         let mut analysis = Analysis {
             system,
             turns: (0..system.automata.len())
-                .map(|it| turns_in_jobs(system, it))
+                .map(|automaton| turns_in_jobs(system, automaton))
                 .collect(),
             parties: instances::of_one_job(system),
             of_codel: Vec::new(),
             of_party: Vec::new(),
             started: Vec::new(),
-            late: tasks.clone().map(|it| may_be_late(system, it)).collect(),
+            late: tasks
+                .clone()
+                .map(|task| may_be_late(system, task))
+                .collect(),
             bounds: vec![Some(0); system.tasks.len()],
         };
         let excluded = excluded(system);
@@ -125,7 +128,7 @@ impl<'s> Analysis<'s> {
             }
         }
         analysis.of_codel = (excluded.iter().zip(owner))
-            .map(|(it, owner)| analysis.rivals(it, owner, &|_| true))
+            .map(|(codel_set, owner)| analysis.rivals(codel_set, owner, &|_| true))
             .collect();
         let of_party = |task: usize, party: &[usize]| {
             let mut all = CodelSet::default();
@@ -133,15 +136,17 @@ impl<'s> Analysis<'s> {
                 let machine = system.machine_of(automaton);
                 for state in analysis.turns[automaton].states() {
                     let codel = machine.states[state].codel;
-                    excluded[codel].iter().for_each(|it| all.insert(it));
+                    excluded[codel].iter().for_each(|index| all.insert(index));
                 }
             }
             analysis.rivals(&all, Some(task), &|_| true)
         };
         analysis.of_party = (analysis.parties.iter().enumerate())
-            .map(|(task, parties)| parties.iter().map(|it| of_party(task, it)).collect())
+            .map(|(task, parties)| parties.iter().map(|party| of_party(task, party)).collect())
             .collect();
-        analysis.started = tasks.map(|it| analysis.started(it, &excluded)).collect();
+        analysis.started = tasks
+            .map(|task| analysis.started(task, &excluded))
+            .collect();
         analysis
     }
 
@@ -149,30 +154,36 @@ impl<'s> Analysis<'s> {
     /// the component, and waits for other tasks in their start-up and in their first jobs.
     fn started(&self, task: usize, excluded: &[CodelSet]) -> Option<u64> {
         let system = self.system;
-        let it = &system.tasks[task];
+        let definition = &system.tasks[task];
         let mut work = 0u64;
         let mut all = CodelSet::default();
-        let mut add = |codel: usize| excluded[codel].iter().for_each(|it| all.insert(it));
-        let tasks = system.components[it.component].tasks.iter();
-        let before = tasks.take_while(|&&it| it != task);
-        for a in before.filter_map(|&it| system.tasks[it].permanent) {
+        let mut add = |codel: usize| {
+            excluded[codel]
+                .iter()
+                .for_each(|codel_set| all.insert(codel_set))
+        };
+        let tasks = system.components[definition.component].tasks.iter();
+        let before = tasks.take_while(|&&index| index != task);
+        for a in before.filter_map(|&task| system.tasks[task].permanent) {
             let machine = system.machine_of(a);
             let codel = machine.states[machine.start].codel;
             work = work.checked_add(self.upper(codel)?)?;
             add(codel);
         }
         let mut more = false;
-        if let Some(a) = it.permanent {
+        if let Some(a) = definition.permanent {
             let machine = system.machine_of(a);
-            let states: Vec<usize> = match it.period {
+            let states: Vec<usize> = match definition.period {
                 Some(_) => Ways::turns(machine, [machine.start]).states().collect(),
                 // An aperiodic task is past its start-up after the first codel.
                 None => vec![machine.start],
             };
-            more = states.iter().any(|&it| it != machine.start);
-            states.iter().for_each(|&it| add(machine.states[it].codel));
-            let own = match it.period {
-                Some(_) => self.start_up(a, &|it| self.upper(it)),
+            more = states.iter().any(|&state| state != machine.start);
+            states
+                .iter()
+                .for_each(|&state| add(machine.states[state].codel));
+            let own = match definition.period {
+                Some(_) => self.start_up(a, &|codel| self.upper(codel)),
                 None => self.upper(machine.states[machine.start].codel),
             };
             work = work.checked_add(own?)?;
@@ -180,8 +191,8 @@ impl<'s> Analysis<'s> {
         // Until the first codel ends, later tasks of the component wait, and there are no requests.
         let waits = |other: usize| {
             let component = system.tasks[other].component;
-            let own_cycles = other == task && it.period.is_none();
-            component == it.component && (own_cycles || (other >= task && !more))
+            let own_cycles = other == task && definition.period.is_none();
+            component == definition.component && (own_cycles || (other >= task && !more))
         };
         let rivals = self.rivals(&all, None, &|other| !waits(other));
         let mut demand = Demand {
@@ -189,18 +200,18 @@ impl<'s> Analysis<'s> {
             stretches: rivals.stretches.into_iter().collect::<Option<_>>()?,
             once: work.checked_add(rivals.control?)?,
         };
-        for it in rivals.jobs {
-            if it.task != task {
-                demand.once = demand.once.checked_add(it.start?)?;
+        for job in rivals.jobs {
+            if job.task != task {
+                demand.once = demand.once.checked_add(job.start?)?;
             }
             demand.jobs.push(Jobs {
-                period: system.tasks[it.task].period?,
-                work: it.job?,
-                kind: Kind::First(self.first_tick(it.task)),
+                period: system.tasks[job.task].period?,
+                work: job.job?,
+                kind: Kind::First(self.first_tick(job.task)),
                 released: Some(u64::MAX),
             });
         }
-        demand.jobs.retain(|it| it.work > 0);
+        demand.jobs.retain(|job| job.work > 0);
         demand.longest_busy(1)
     }
 
@@ -221,10 +232,12 @@ impl<'s> Analysis<'s> {
 
     fn next_bounds(&self) -> Vec<Option<Ticks>> {
         let tasks = 0..self.system.tasks.len();
-        let held: Vec<Option<u64>> = tasks.clone().map(|it| self.held(it)).collect();
+        let held: Vec<Option<u64>> = tasks.clone().map(|task| self.held(task)).collect();
         let response = |task: usize| {
             let response = held[task]?.checked_add(self.core_wait(task, &held)?)?;
-            u32::try_from(response).ok().filter(|&it| it < FOREVER)
+            u32::try_from(response)
+                .ok()
+                .filter(|&response| response < FOREVER)
         };
         tasks.map(response).collect()
     }
@@ -242,7 +255,7 @@ impl<'s> Analysis<'s> {
         let mut longest = 0;
         for (party, rivals) in self.parties[task].iter().zip(&self.of_party[task]) {
             let one_by_one = self.turns(party, &with_wait);
-            let together = (self.turns(party, &|it| self.upper(it)))
+            let together = (self.turns(party, &|codel| self.upper(codel)))
                 .and_then(|work| self.longest_busy(task, rivals, work, alone));
             longest = longest.max(one_by_one.into_iter().chain(together).min()?);
         }
@@ -275,19 +288,19 @@ impl<'s> Analysis<'s> {
             stretches: rivals.stretches.iter().copied().collect::<Option<_>>()?,
             once: rivals.control?.checked_add(work)?,
         };
-        for it in &rivals.jobs {
-            let started = self.started[it.task];
-            let starting = started.is_none_or(|it| it > self.first_tick(task));
-            let (mut work, mut over) = (it.job?, 0);
+        for job in &rivals.jobs {
+            let started = self.started[job.task];
+            let starting = started.is_none_or(|number| number > self.first_tick(task));
+            let (mut work, mut over) = (job.job?, 0);
             if starting {
-                match started.filter(|&over| over <= self.first_tick(it.task)) {
+                match started.filter(|&over| over <= self.first_tick(job.task)) {
                     // Its start-up counts like a job before the first one.
-                    Some(by) if !alone && work > 0 => (work, over) = (work.max(it.start?), by),
-                    _ => demand.once = demand.once.checked_add(it.start?)?,
+                    Some(by) if !alone && work > 0 => (work, over) = (work.max(job.start?), by),
+                    _ => demand.once = demand.once.checked_add(job.start?)?,
                 }
             }
             if !alone && work > 0 {
-                demand.jobs.push(self.jobs(it.task, work, over)?);
+                demand.jobs.push(self.jobs(job.task, work, over)?);
             }
         }
         demand.longest_busy(1)
@@ -297,9 +310,9 @@ impl<'s> Analysis<'s> {
     /// most its bound, or `over`.
     fn jobs(&self, task: usize, work: u64, over: u64) -> Option<Jobs> {
         let period = self.system.tasks[task].period?;
-        let bound = self.bounds[task].map(|it| over.max(work).max(u64::from(it)));
+        let bound = self.bounds[task].map(|bound| over.max(work).max(u64::from(bound)));
         let kind = match bound {
-            Some(it) if !self.late[task] && it < u64::from(period) => Kind::Punctual(it),
+            Some(bound) if !self.late[task] && bound < u64::from(period) => Kind::Punctual(bound),
             // A codel of a separate thread may still run during the next job.
             _ if self.system.runs_apart(task) => Kind::Late(3),
             _ => Kind::Late(2),
@@ -314,25 +327,25 @@ impl<'s> Analysis<'s> {
 
     /// Returns the time before which no job of a task begins.
     fn first_tick(&self, task: usize) -> u64 {
-        let it = &self.system.tasks[task];
-        u64::from(it.period.unwrap_or(0)) + u64::from(it.delay)
+        let task = &self.system.tasks[task];
+        u64::from(task.period.unwrap_or(0)) + u64::from(task.delay)
     }
 }
 
 fn turns_in_jobs(system: &TimedSystem, automaton: usize) -> Ways {
-    let it = &system.automata[automaton];
+    let entry = &system.automata[automaton];
     let machine = system.machine_of(automaton);
-    if system.tasks[it.task].period.is_none() || system.runs_apart(it.task) {
+    if system.tasks[entry.task].period.is_none() || system.runs_apart(entry.task) {
         return Ways::turns(machine, 0..machine.states.len());
     }
-    let anew = it.service.map(|_| machine.start);
-    let stop = it.service.and(machine.stop);
+    let anew = entry.service.map(|_| machine.start);
+    let stop = entry.service.and(machine.stop);
     let begins = anew.into_iter().chain(stop);
     Ways::turns(machine, begins.chain(resumed(machine)))
 }
 
 /// Returns true if more than one job of a task may be under way, whatever bound is known.
 fn may_be_late(system: &TimedSystem, task: usize) -> bool {
-    let it = &system.tasks[task];
-    it.keep_idle_tick || it.period.is_none() || system.runs_apart(task)
+    let definition = &system.tasks[task];
+    definition.keep_idle_tick || definition.period.is_none() || system.runs_apart(task)
 }

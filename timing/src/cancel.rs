@@ -86,7 +86,7 @@ impl Cancel {
             ask: self.ask.clone(),
             ..Cancel::default()
         };
-        let end = self.deadline.get().and_then(|it| it.at);
+        let end = self.deadline.get().and_then(|deadline| deadline.at);
         let left = end.map(|end| end.saturating_duration_since(Instant::now()));
         part.limit(left.map_or(time, |left| left.min(time)));
         part
@@ -108,7 +108,7 @@ impl Cancel {
 
     /// Returns the time limit.
     pub fn time_limit(&self) -> Option<Duration> {
-        self.deadline.get().map(|it| it.after)
+        self.deadline.get().map(|deadline| deadline.after)
     }
 
     /// Returns true if the search has to end.
@@ -121,20 +121,20 @@ impl Cancel {
         let interrupted = self.interrupt.0.get();
         let limit = self.time_limit().unwrap_or_default();
         self.is_abandoned()
-            || interrupted.is_some_and(|it| it.elapsed() >= MAX_RECONSTRUCTION_TIME)
+            || interrupted.is_some_and(|instant| instant.elapsed() >= MAX_RECONSTRUCTION_TIME)
             || self.is_after(MAX_RECONSTRUCTION_TIME.min(limit / 4))
     }
 
     /// Returns true if the time limit was reached at least `grace` ago.
     fn is_after(&self, grace: Duration) -> bool {
-        let at = self.deadline.get().and_then(|it| it.at);
-        let at = at.and_then(|it| it.checked_add(grace));
-        at.is_some_and(|it| Instant::now() >= it)
+        let at = self.deadline.get().and_then(|deadline| deadline.at);
+        let at = at.and_then(|deadline| deadline.checked_add(grace));
+        at.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
     /// Returns true if the result is no longer needed.
     pub fn is_abandoned(&self) -> bool {
-        self.abandoned.load(Ordering::Acquire) || self.ask.as_ref().is_some_and(|it| it())
+        self.abandoned.load(Ordering::Acquire) || self.ask.as_ref().is_some_and(|ask| ask())
     }
 
     /// Returns the progress of the verification.
@@ -144,9 +144,9 @@ impl Cancel {
             bytes: 0,
         };
         let now = self.now();
-        now.iter().fold(so_far, |sum, (_, it)| Effort {
-            states: sum.states + it.states,
-            bytes: sum.bytes + it.bytes,
+        now.iter().fold(so_far, |sum, (_, effort)| Effort {
+            states: sum.states + effort.states,
+            bytes: sum.bytes + effort.bytes,
         })
     }
 
@@ -154,8 +154,8 @@ impl Cancel {
     pub(crate) fn at_work(&self, states: usize, bytes: usize) {
         let (own, effort) = (std::thread::current().id(), Effort { states, bytes });
         let mut now = self.now();
-        match now.iter_mut().find(|it| it.0 == own) {
-            Some(it) => it.1 = effort,
+        match now.iter_mut().find(|entry| entry.0 == own) {
+            Some(pair) => pair.1 = effort,
             None => now.push((own, effort)),
         }
     }
@@ -163,7 +163,7 @@ impl Cancel {
     /// Records the states of an exploration that has ended.
     pub(crate) fn ended(&self, states: usize) {
         let own = std::thread::current().id();
-        self.now().retain(|it| it.0 != own);
+        self.now().retain(|entry| entry.0 != own);
         self.before.fetch_add(states, Ordering::Relaxed);
     }
 

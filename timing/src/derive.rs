@@ -201,18 +201,18 @@ impl<'a> DerivationContext<'a> {
 
     fn largest_wcet(&self, codel: &Path) -> Result<Extreme, Vec<Diagnostic>> {
         let mut variation = Variation::new(self)?;
-        let target = self.names.resolve(codel).map_err(|it| vec![it])?;
+        let target = self.names.resolve(codel).map_err(|error| vec![error])?;
         if !matches!(target, Target::State(..) | Target::Codel(..)) {
             return Err(vec![not_a("codel", codel)]);
         }
         let built = build(self.names, &variation.settings, &|_| true);
         let path = codel.text();
         let unit = built.system.unit;
-        let current = built.system.codels.iter().find(|it| {
-            *it.path == *path
-                || it
+        let current = built.system.codels.iter().find(|codel| {
+            *codel.path == *path
+                || codel
                     .site
-                    .is_some_and(|site| same_codel(&target, site, &it.path, &path))
+                    .is_some_and(|site| same_codel(&target, site, &codel.path, &path))
         });
         let Some(current) = current else {
             return Err(vec![not_a("codel that is executed", codel)]);
@@ -222,7 +222,7 @@ impl<'a> DerivationContext<'a> {
             .system
             .tasks
             .iter()
-            .filter_map(|it| it.period)
+            .filter_map(|task| task.period)
             .max()
             .unwrap_or(1);
         let of_ticks = |ticks: u32| unit * Ratio::from_integer(i128::from(ticks));
@@ -299,7 +299,7 @@ impl<'a> DerivationContext<'a> {
 
     fn smallest_period(&self, task: &Path) -> Result<Extreme, Vec<Diagnostic>> {
         let mut variation = Variation::new(self)?;
-        let key = resolve::task(self.names, task).map_err(|it| vec![it])?;
+        let key = resolve::task(self.names, task).map_err(|error| vec![error])?;
         let built = build(self.names, &variation.settings, &|_| true);
         let unit = built.system.unit;
         let Some(period) = built.system.tasks[built.tasks[&key]].period else {
@@ -377,13 +377,14 @@ pub(crate) fn bisect(
 
 fn same_codel(
     target: &Target,
-    (c, it): (usize, dotgen_analysis::model::CodelRef),
+    (c, codel): (usize, dotgen_analysis::model::CodelRef),
     path: &str,
     wanted: &str,
 ) -> bool {
     match target {
         Target::Codel(a, s, index) => {
-            (*a, *index) == (c, it.index) && it.owner == dotgen_analysis::model::Owner::Service(*s)
+            (*a, *index) == (c, codel.index)
+                && codel.owner == dotgen_analysis::model::Owner::Service(*s)
         }
         _ => path == wanted,
     }
@@ -401,12 +402,12 @@ impl<'v> Variation<'v> {
         let names = asked.names;
         let settings = settings(asked.scenario, asked.options);
         let mut errors: Vec<Diagnostic> = build(names, &settings, &|_| true).diagnostics;
-        errors.retain(|it| it.severity == Severity::Error);
+        errors.retain(|error| error.severity == Severity::Error);
         let mut tasks = Vec::new();
         let mut all = true;
         for check in &settings.checks {
             if let CheckKind::Schedulable(path) = &check.kind {
-                match path.as_ref().map(|it| resolve::task(names, it)) {
+                match path.as_ref().map(|path| resolve::task(names, path)) {
                     None => {
                         all = true;
                         tasks.clear();
@@ -423,7 +424,7 @@ impl<'v> Variation<'v> {
         if all {
             for (c, member) in names.components.iter().enumerate() {
                 let periodic = member.component.tasks.iter().enumerate();
-                let periodic = periodic.filter(|(_, it)| it.period.is_some());
+                let periodic = periodic.filter(|(_, task)| task.period.is_some());
                 tasks.extend(periodic.map(|(t, _)| (c, t as u32)));
             }
         }
@@ -446,13 +447,13 @@ impl<'v> Variation<'v> {
         if built.has_errors() {
             return Verdict::Unknown;
         }
-        let tasks: Vec<usize> = self.tasks.iter().map(|it| built.tasks[it]).collect();
+        let tasks: Vec<usize> = self.tasks.iter().map(|task| built.tasks[task]).collect();
         let bounds = response_bounds(&built.system);
         // A bound proves nothing of a task that may have no job.
         let released = tasks_with_jobs(&built.system);
         let proved =
             |task: usize| released[task] && meets_deadlines(&built.system, task, bounds[task]);
-        let open: Vec<usize> = tasks.into_iter().filter(|&it| !proved(it)).collect();
+        let open: Vec<usize> = tasks.into_iter().filter(|&task| !proved(task)).collect();
         let watch = Watch {
             schedulable: open.clone(),
             stop_at_first: true,
@@ -462,12 +463,13 @@ impl<'v> Variation<'v> {
             return Verdict::Proved;
         }
         let found = asked.explore(&built.system, &watch);
-        let never_starts = |task| (found.absent.job(task)).is_some_and(|it| it.start_up.is_some());
+        let never_starts =
+            |task| (found.absent.job(task)).is_some_and(|job| job.start_up.is_some());
         if found.missed.iter().any(Option::is_some) {
             Verdict::Refuted
-        } else if found.stopped.is_some_and(|it| it != Stop::Answered) {
+        } else if found.stopped.is_some_and(|stop| stop != Stop::Answered) {
             Verdict::Unknown
-        } else if open.iter().any(|&it| never_starts(it)) {
+        } else if open.iter().any(|&task| never_starts(task)) {
             // Deadlines are kept only because no job is ever released.
             Verdict::Refuted
         } else {

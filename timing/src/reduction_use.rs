@@ -31,22 +31,25 @@ impl ReductionUse {
     /// Adds an exploration.
     pub(crate) fn add(&mut self, activities: &[Activity]) {
         self.explorations += 1;
-        for it in activities {
-            let known = self.reductions.iter().position(|all| all.kind == it.kind);
+        for activity in activities {
+            let known = self
+                .reductions
+                .iter()
+                .position(|all| all.kind == activity.kind);
             let at = known.unwrap_or_else(|| {
                 self.reductions.push(UseOfReduction {
-                    kind: it.kind,
+                    kind: activity.kind,
                     used: 0,
                     off: Vec::new(),
                 });
                 self.reductions.len() - 1
             });
             let all = &mut self.reductions[at];
-            let Some(reason) = it.off else {
+            let Some(reason) = activity.off else {
                 all.used += 1;
                 continue;
             };
-            match all.off.iter_mut().find(|(it, _)| *it == reason) {
+            match all.off.iter_mut().find(|(known, _)| *known == reason) {
                 Some((_, count)) => *count += 1,
                 None => all.off.push((reason, 1)),
             }
@@ -55,14 +58,22 @@ impl ReductionUse {
 
     /// Adds a system that schedule abstraction treated or refused.
     pub(crate) fn add_abstraction(&mut self, off: Option<Refusal>) {
-        match self.abstractions.iter_mut().find(|it| it.0 == off) {
+        match self
+            .abstractions
+            .iter_mut()
+            .find(|abstraction| abstraction.0 == off)
+        {
             Some((_, count)) => *count += 1,
             None => self.abstractions.push((off, 1)),
         }
     }
 
     fn abstraction(&self) -> Option<(&'static str, String)> {
-        let all: usize = self.abstractions.iter().map(|it| it.1).sum();
+        let all: usize = self
+            .abstractions
+            .iter()
+            .map(|abstraction| abstraction.1)
+            .sum();
         let parts = self.abstractions.iter().map(|(off, count)| {
             let part = match count {
                 count if *count == all => String::new(),
@@ -81,20 +92,20 @@ impl ReductionUse {
 
     /// Returns one line for each reduction: its name, and how often it was used or why not.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
-        let line = |it: &UseOfReduction| {
+        let line = |reduction: &UseOfReduction| {
             let mut parts = Vec::new();
-            match it.used {
+            match reduction.used {
                 0 => {}
                 n if n == self.explorations => parts.push("used".to_owned()),
                 n => parts.push(format!("used in {n} of {} explorations", self.explorations)),
             }
-            for (reason, count) in &it.off {
+            for (reason, count) in &reduction.off {
                 parts.push(match *count == self.explorations {
                     true => format!("not used: {reason}"),
                     false => format!("not used in {count} of {}: {reason}", self.explorations),
                 });
             }
-            (it.kind.name(), parts.join("; "))
+            (reduction.kind.name(), parts.join("; "))
         };
         let lines = self.reductions.iter().map(line);
         self.abstraction().into_iter().chain(lines).collect()
@@ -107,17 +118,17 @@ mod tests {
 
     #[test]
     fn explorations_that_differ_are_counted() {
-        let it = |kind, off| Activity { kind, off };
+        let activity = |kind, off| Activity { kind, off };
         let mut all = ReductionUse::default();
         all.add(&[
-            it(Kind::SleepSets, Some(Reason::Clients)),
-            it(Kind::Symmetry, None),
-            it(Kind::Deferral, None),
+            activity(Kind::SleepSets, Some(Reason::Clients)),
+            activity(Kind::Symmetry, None),
+            activity(Kind::Deferral, None),
         ]);
         all.add(&[
-            it(Kind::SleepSets, Some(Reason::Clients)),
-            it(Kind::Symmetry, None),
-            it(Kind::Deferral, Some(Reason::SwitchedOff)),
+            activity(Kind::SleepSets, Some(Reason::Clients)),
+            activity(Kind::Symmetry, None),
+            activity(Kind::Deferral, Some(Reason::SwitchedOff)),
         ]);
         let lines = [
             ("sleep-sets", "not used: there are clients"),
@@ -127,6 +138,9 @@ mod tests {
                 "used in 1 of 2 explorations; not used in 1 of 2: switched off",
             ),
         ];
-        assert_eq!(all.lines(), lines.map(|(name, it)| (name, it.to_owned())));
+        assert_eq!(
+            all.lines(),
+            lines.map(|(name, line)| (name, line.to_owned()))
+        );
     }
 }

@@ -133,7 +133,7 @@ impl Limit {
     /// Returns the limit, in the unit of the report.
     pub fn time(self) -> f64 {
         match self {
-            Limit::Stated(it) | Limit::Period(it) => it,
+            Limit::Stated(number) | Limit::Period(number) => number,
         }
     }
 
@@ -316,7 +316,7 @@ fn clean(time: f64) -> f64 {
 impl Serialize for Value {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         match *self {
-            Value::Time(it) => serialize_time(&it, to),
+            Value::Time(time) => serialize_time(&time, to),
             Value::Unbounded => to.serialize_str("unbounded"),
         }
     }
@@ -325,7 +325,7 @@ impl Serialize for Value {
 impl std::fmt::Display for Value {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Value::Time(it) => write!(f, "{}", clean(*it)),
+            Value::Time(time) => write!(f, "{}", clean(*time)),
             Value::Unbounded => f.write_str("unbounded"),
         }
     }
@@ -439,7 +439,7 @@ impl Report {
 
     /// Returns the number of checks with an answer.
     pub fn answered(&self) -> usize {
-        let open = |it: &&CheckReport| it.verdict == Verdict::Open;
+        let open = |report: &&CheckReport| report.verdict == Verdict::Open;
         self.checks.len() - self.checks.iter().filter(open).count()
     }
 
@@ -457,30 +457,36 @@ impl Report {
         found
             .reductions
             .iter()
-            .for_each(|it| self.reductions.add(it));
+            .for_each(|reduction| self.reductions.add(reduction));
         self.memory = self.memory.max(found.bytes);
     }
 
     /// Returns true if some check failed.
     pub fn refuted(&self) -> bool {
-        self.checks.iter().any(|it| it.verdict == Verdict::Refuted)
+        self.checks
+            .iter()
+            .any(|check| check.verdict == Verdict::Refuted)
     }
 
     /// Returns true if some check was given up.
     pub fn unknown(&self) -> bool {
-        self.checks.iter().any(|it| it.verdict == Verdict::Unknown)
+        self.checks
+            .iter()
+            .any(|check| check.verdict == Verdict::Unknown)
     }
 
     /// Returns true if some check had nothing to verify.
     pub fn nothing(&self) -> bool {
-        self.checks.iter().any(|it| it.verdict == Verdict::Nothing)
+        self.checks
+            .iter()
+            .any(|check| check.verdict == Verdict::Nothing)
     }
 
     /// Returns true if the scenario or the model has errors.
     pub fn has_errors(&self) -> bool {
         self.diagnostics
             .iter()
-            .any(|it| it.severity == Severity::Error)
+            .any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 }
 
@@ -490,8 +496,8 @@ impl CheckReport {
     pub fn run(&self) -> &[Event] {
         let runs = [&self.counterexample, &self.possible_run, &self.witness];
         runs.into_iter()
-            .find(|it| !it.is_empty())
-            .map_or(&[], |it| it)
+            .find(|run| !run.is_empty())
+            .map_or(&[], |run| run)
     }
 
     /// Returns the part of the limit that is left, in percent of the limit; below 0 if the limit is exceeded.

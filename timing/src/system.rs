@@ -146,8 +146,8 @@ pub struct Machine {
 impl Machine {
     /// Returns true if the machine runs for ever, from state to state, without a pause.
     pub fn is_endless(&self) -> bool {
-        let mut yields = self.states.iter().flat_map(|it| &it.yields);
-        yields.all(|it| matches!(it, Yield::Next(_)))
+        let mut yields = self.states.iter().flat_map(|state| &state.yields);
+        yields.all(|state| matches!(state, Yield::Next(_)))
     }
 }
 
@@ -327,7 +327,7 @@ impl Client {
     /// Returns true if the client depends on whether the requests of a tracker succeed.
     pub(crate) fn asks_outcome(&self, tracker: usize) -> bool {
         let mut steps = self.steps.iter();
-        steps.any(|it| matches!(it.action, ClientAction::AwaitOutcome(t, _) if t == tracker))
+        steps.any(|step| matches!(step.action, ClientAction::AwaitOutcome(t, _) if t == tracker))
     }
 
     /// Returns true if the client can reach a step more than once.
@@ -435,13 +435,16 @@ impl TimedSystem {
     /// Returns the priority of every task, then of every control task; the lower number goes first. If no
     /// task states one, the task with the shorter period goes first, and tasks without a period go last.
     pub fn priorities(&self) -> Vec<u64> {
-        let stated = self.tasks.iter().any(|it| it.priority.is_some());
-        let of_task = |it: &Task| match stated {
-            true => u64::from(it.priority.unwrap_or(UNSTATED)),
-            false => it.period.map_or(u64::MAX, u64::from),
+        let stated = self.tasks.iter().any(|task| task.priority.is_some());
+        let of_task = |task: &Task| match stated {
+            true => u64::from(task.priority.unwrap_or(UNSTATED)),
+            false => task.period.map_or(u64::MAX, u64::from),
         };
-        let controls = self.components.iter().map(|it| {
-            let own = it.tasks.iter().map(|&task| of_task(&self.tasks[task]));
+        let controls = self.components.iter().map(|component| {
+            let own = component
+                .tasks
+                .iter()
+                .map(|&task| of_task(&self.tasks[task]));
             own.min().unwrap_or(0)
         });
         self.tasks.iter().map(of_task).chain(controls).collect()
@@ -449,16 +452,16 @@ impl TimedSystem {
 
     /// Returns true if a separate thread executes some codel of a task, possibly after the end of its job.
     pub(crate) fn runs_apart(&self, task: usize) -> bool {
-        let it = &self.tasks[task];
-        let mut automata = it.permanent.iter().chain(&it.slots);
+        let task = &self.tasks[task];
+        let mut automata = task.permanent.iter().chain(&task.slots);
         self.platform.async_free
-            && automata.any(|&a| self.machine_of(a).states.iter().any(|it| it.is_async))
+            && automata.any(|&a| self.machine_of(a).states.iter().any(|state| state.is_async))
     }
 
     /// Returns, by service, whether some client can request it. Other services never run.
     pub fn requested(&self) -> Vec<bool> {
         let mut out = vec![false; self.services.len()];
-        for step in self.clients.iter().flat_map(|it| &it.steps) {
+        for step in self.clients.iter().flat_map(|client| &client.steps) {
             if let ClientAction::Send { service, .. } = step.action {
                 out[service] = true;
             }
@@ -472,14 +475,14 @@ impl TimedSystem {
         let mut out = vec![false; self.codels.len()];
         let requested = self.requested();
         for automaton in &self.automata {
-            if automaton.service.is_none_or(|it| requested[it]) {
+            if automaton.service.is_none_or(|service| requested[service]) {
                 let states = &self.machines[automaton.machine].states;
-                states.iter().for_each(|it| out[it.codel] = true);
+                states.iter().for_each(|state| out[state.codel] = true);
             }
         }
-        for (service, _) in self.services.iter().zip(&requested).filter(|it| *it.1) {
+        for (service, _) in self.services.iter().zip(&requested).filter(|pair| *pair.1) {
             let own = service.validate.iter().chain(&service.simple);
-            own.for_each(|&it| out[it] = true);
+            own.for_each(|&validate| out[validate] = true);
         }
         out
     }
@@ -488,20 +491,24 @@ impl TimedSystem {
     pub(crate) fn has_builtin(&self, which: impl Fn(Builtin) -> bool) -> bool {
         self.services
             .iter()
-            .any(|it| it.builtin.is_some_and(&which))
+            .any(|service| service.builtin.is_some_and(&which))
     }
 
     /// Returns true if clients request activities. Slots of activities are limited, so that their requests
     /// can be refused.
     pub(crate) fn may_refuse(&self) -> bool {
         let mut services = self.services.iter().zip(self.requested());
-        services.any(|(it, requested)| requested && it.activity)
+        services.any(|(service, requested)| requested && service.activity)
     }
 
     /// Returns true if some activity of a task can run, given the [`requested`](Self::requested) services.
     pub(crate) fn has_activities(&self, task: usize, requested: &[bool]) -> bool {
         let mut slots = self.tasks[task].slots.iter();
-        slots.any(|&a| self.automata[a].service.is_some_and(|it| requested[it]))
+        slots.any(|&a| {
+            self.automata[a]
+                .service
+                .is_some_and(|service| requested[service])
+        })
     }
 
     /// Makes two codels exclude each other.
@@ -513,10 +520,10 @@ impl TimedSystem {
     /// Ends the mutual exclusion of the codels with these names.
     pub(crate) fn separate(&mut self, one: &CodelName, other: &CodelName) {
         for (from, to) in [(one, other), (other, one)] {
-            let to = (0..self.codels.len()).filter(|&it| self.codels[it].path == *to);
+            let to = (0..self.codels.len()).filter(|&codel| self.codels[codel].path == *to);
             let to: Vec<usize> = to.collect();
-            let from = self.codels.iter_mut().filter(|it| it.path == *from);
-            from.for_each(|it| to.iter().for_each(|&to| it.conflicts.remove(to)));
+            let from = self.codels.iter_mut().filter(|codel| codel.path == *from);
+            from.for_each(|codel| to.iter().for_each(|&to| codel.conflicts.remove(to)));
         }
     }
 }

@@ -148,7 +148,7 @@ pub(crate) fn verify_settings(
         cancel,
         tell: &tell,
     };
-    report.checks = checks.iter().map(|it| of_whole.open(it)).collect();
+    report.checks = checks.iter().map(|check| of_whole.open(check)).collect();
     let mut parts: Vec<(Built, Vec<usize>)> = Vec::new();
     let groups = groups(names, &whole, &checks);
     for group in &groups {
@@ -157,7 +157,7 @@ pub(crate) fn verify_settings(
                 checks[i]
                     .components
                     .first()
-                    .is_none_or(|it| group.contains(it))
+                    .is_none_or(|component| group.contains(component))
             })
             .collect();
         if of_group.is_empty() {
@@ -249,7 +249,7 @@ impl Group<'_> {
         report: &mut Report,
     ) {
         let open = |&&i: &&usize| report.is_open(i) && checks[i].is_of_task();
-        let wanted = of_group.iter().any(|it| open(&it));
+        let wanted = of_group.iter().any(|group| open(&group));
         if !wanted || self.limits.without.contains(Kind::ScheduleAbstraction) {
             return;
         }
@@ -314,12 +314,12 @@ impl Group<'_> {
     /// Notes the requests that can be refused, among those seen so far.
     fn refusals(&self, found: &Findings, report: &mut Report) {
         let system = &self.built.system;
-        let path = |&it: &usize| system.service_path(it);
+        let path = |&service: &usize| system.service_path(service);
         let refused = found.refused.iter().map(path);
         let restarts = found.restarts.iter().map(path);
         let seen = (refused.map(|service| Sighting::NoSlot { service }))
             .chain(restarts.map(|service| Sighting::RestartsEndBoth { service }));
-        seen.for_each(|it| report.note(it.to_string()));
+        seen.for_each(|no_slot| report.note(no_slot.to_string()));
         let early = found.stopped == Some(Stop::Answered);
         if early && found.refused.is_empty() && system.may_refuse() {
             report.note(NOT_EXAMINED.to_owned());
@@ -356,24 +356,24 @@ impl Group<'_> {
             report.effort(&found);
             self.refusals(&found, report);
             // An exploration that begins again may reach the answer by another run, so reported answers stay.
-            let open = places.into_iter().filter(|it| report.is_open(it.0));
+            let open = places.into_iter().filter(|place| report.is_open(place.0));
             for (i, place) in open.collect::<Vec<_>>() {
-                let mut it = self.one(&checks[i], place, &found);
-                seen.add_to(i, &mut it);
-                self.bound_unknown(&checks[i], analysed, &mut it);
-                self.bound_between_units(&checks[i], analysed, &mut it);
-                report.answer(i, it);
+                let mut entry = self.one(&checks[i], place, &found);
+                seen.add_to(i, &mut entry);
+                self.bound_unknown(&checks[i], analysed, &mut entry);
+                self.bound_between_units(&checks[i], analysed, &mut entry);
+                report.answer(i, entry);
             }
             (self.tell)(report);
         }
         for i in lasting {
-            let it = match checks[i].what {
+            let check = match checks[i].what {
                 What::LeadsTo(p, q) => self.live(&checks[i], Some(p), q, report),
                 What::Eventually(p) => self.live(&checks[i], None, p, report),
                 What::Chain(of) => self.chain(&checks[i], of, report),
                 _ => continue,
             };
-            report.answer(i, it);
+            report.answer(i, check);
             (self.tell)(report);
         }
     }

@@ -10,14 +10,14 @@ use rustc_hash::FxHashMap;
 static PAGES: LazyLock<FxHashMap<String, PathBuf>> = LazyLock::new(|| {
     let directory = || -> Option<PathBuf> {
         let program = std::env::current_exe().ok()?.canonicalize().ok()?;
-        let places = |it: &Path| {
+        let places = |path: &Path| {
             [
-                it.join("docs/diagnostics"),
-                it.join("share/doc/dotgen/diagnostics"),
+                path.join("docs/diagnostics"),
+                path.join("share/doc/dotgen/diagnostics"),
             ]
         };
         let around = program.ancestors().skip(1).take(4);
-        around.flat_map(places).find(|it| it.is_dir())
+        around.flat_map(places).find(|place| place.is_dir())
     };
     let Some(directory) = directory() else {
         return FxHashMap::default();
@@ -43,11 +43,11 @@ static TEXTS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/pages.rs"));
 
 /// All codes that have a page.
 pub fn codes() -> impl Iterator<Item = &'static str> {
-    TEXTS.iter().map(|it| it.0)
+    TEXTS.iter().map(|text| text.0)
 }
 
 /// The text of the page of a diagnostic code, in Markdown.
 pub fn text(code: &str) -> Option<&'static str> {
-    let found = TEXTS.binary_search_by_key(&code, |it| it.0);
-    found.ok().map(|it| TEXTS[it].1)
+    let found = TEXTS.binary_search_by_key(&code, |text| text.0);
+    found.ok().map(|index| TEXTS[index].1)
 }

@@ -147,7 +147,9 @@ pub fn draw(units: &[UnitResult], around: &SystemContext, wish: &PictureRequest)
     for (unit, component) in components(units, wish.component.as_deref()) {
         match (wish.kind, &wish.owner) {
             (Kind::Locks, owner) => {
-                let named = owner.as_ref().and_then(|it| find_owner(component, it));
+                let named = owner
+                    .as_ref()
+                    .and_then(|owner| find_owner(component, owner));
                 if owner.is_some() && named.is_none() {
                     continue;
                 }
@@ -155,8 +157,8 @@ pub fn draw(units: &[UnitResult], around: &SystemContext, wish: &PictureRequest)
                 out.push(picture(graph, Some(component), owner.clone()));
             }
             (_, owner) => {
-                for it in fsm::owners(component) {
-                    let name = fsm::owner_name(component, it);
+                for found in fsm::owners(component) {
+                    let name = fsm::owner_name(component, found);
                     if owner.as_ref().is_some_and(|owner| owner != name) {
                         continue;
                     }
@@ -167,9 +169,9 @@ pub fn draw(units: &[UnitResult], around: &SystemContext, wish: &PictureRequest)
                         locks: wish.locks,
                         way: wish.way.clone(),
                     };
-                    let graph = fsm::graph(&unit.spec, component, it, options);
+                    let graph = fsm::graph(&unit.spec, component, found, options);
                     let name = Some(name.to_owned());
-                    out.extend(graph.map(|it| picture(it, Some(component), name)));
+                    out.extend(graph.map(|graph| picture(graph, Some(component), name)));
                 }
             }
         }
@@ -181,7 +183,7 @@ fn picture(graph: Graph, component: Option<&Component>, owner: Option<String>) -
     Picture {
         layout: layout(&graph),
         graph,
-        component: component.map(|it| it.name.to_string()),
+        component: component.map(|component| component.name.to_string()),
         owner,
     }
 }
@@ -191,7 +193,7 @@ fn system_picture(
     around: &SystemContext,
     wish: &PictureRequest,
 ) -> Option<Picture> {
-    let parts = parts(units.iter().map(|it| &*it.spec));
+    let parts = parts(units.iter().map(|unit| &*unit.spec));
     if parts.is_empty() {
         return None;
     }
@@ -223,9 +225,9 @@ fn system_picture(
     let by = |id: &str| wish.moved.get(id).copied().unwrap_or_default();
     let nodes = drawn.graph.nodes.iter();
     let moves: Vec<Point> = nodes
-        .map(|it| {
-            let own = by(&it.id);
-            let with = it.id.split_once('.').map_or((0, 0), |(of, _)| by(of));
+        .map(|node| {
+            let own = by(&node.id);
+            let with = node.id.split_once('.').map_or((0, 0), |(of, _)| by(of));
             Point {
                 x: f64::from(own.0) + f64::from(with.0),
                 y: f64::from(own.1) + f64::from(with.1),
@@ -244,20 +246,26 @@ fn components<'u>(
     units.iter().flat_map(move |unit| {
         let components = unit.spec.components.iter();
         components
-            .filter(move |it| {
-                it.kind == ComponentKind::Component && name.is_none_or(|name| it.name == name)
+            .filter(move |component| {
+                component.kind == ComponentKind::Component
+                    && name.is_none_or(|name| component.name == name)
             })
-            .map(move |it| (unit, it))
+            .map(move |component| (unit, component))
     })
 }
 
 /// The task or service of a name.
 fn find_owner(component: &Component, name: &str) -> Option<Owner> {
-    let tasks = component.tasks.iter().position(|it| it.name == name);
-    let services = || component.services.iter().position(|it| it.name == name);
+    let tasks = component.tasks.iter().position(|task| task.name == name);
+    let services = || {
+        component
+            .services
+            .iter()
+            .position(|service| service.name == name)
+    };
     match tasks {
         Some(task) => Some(Owner::Task(task as u32)),
-        None => services().map(|it| Owner::Service(it as u32)),
+        None => services().map(|service| Owner::Service(service as u32)),
     }
 }
 
@@ -277,9 +285,9 @@ pub fn data(
         .nodes
         .iter()
         .map(|node| {
-            let lines: Vec<&str> = node.lines.iter().map(|it| it.text.as_str()).collect();
+            let lines: Vec<&str> = node.lines.iter().map(|line| line.text.as_str()).collect();
             let parts: Vec<Option<Value>> =
-                node.lines.iter().map(|it| located(it.origin)).collect();
+                node.lines.iter().map(|line| located(line.origin)).collect();
             let detail = node.origin.and_then(|origin| {
                 let unit = units.get(origin.part)?;
                 codel_details(&unit.spec, picture.component.as_deref(), origin.src)
@@ -320,38 +328,42 @@ fn codel_details(spec: &Spec, component: Option<&str>, src: Src) -> Option<Value
     let component = spec
         .components
         .iter()
-        .find(|it| Some(it.name.as_str()) == component)?;
+        .find(|candidate| Some(candidate.name.as_str()) == component)?;
     let found = component
         .all_codels()
-        .find(|it| component.codel(*it).src == src)?;
+        .find(|codel| component.codel(*codel).src == src)?;
     let codel = component.codel(found);
     let params: Vec<String> = codel
         .params
         .iter()
-        .map(|it| {
-            let direction = match it.dir {
+        .map(|param| {
+            let direction = match param.dir {
                 ParamDir::Local => "local",
                 ParamDir::In => "in",
                 ParamDir::Out => "out",
                 ParamDir::Inout => "inout",
             };
-            let source = match it.source {
+            let source = match param.source {
                 ParamSource::Ids => "ids",
                 ParamSource::Local(_) => "local",
                 ParamSource::Port(_) => "port",
                 ParamSource::Remote(_) => "remote",
                 ParamSource::Opaque => "unknown",
             };
-            format!("{direction} {source} {}", it.name)
+            format!("{direction} {source} {}", param.name)
         })
         .collect();
-    let states: Vec<&str> = codel.triggers.iter().map(|it| it.name.as_str()).collect();
+    let states: Vec<&str> = codel
+        .triggers
+        .iter()
+        .map(|trigger| trigger.name.as_str())
+        .collect();
     Some(json!({
         "name": codel.name,
         "states": states,
         "async": codel.is_async,
         "params": params,
-        "wcet": codel.wcet.as_ref().map(|it| quantity::time(it.value)),
+        "wcet": codel.wcet.as_ref().map(|wcet| quantity::time(wcet.value)),
         "excludes": excluded(spec, component, found),
     }))
 }
@@ -360,13 +372,13 @@ fn codel_details(spec: &Spec, component: Option<&str>, src: Src) -> Option<Value
 fn excluded(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String> {
     let exclusions = mutex::exclusions(spec, component, codel).into_iter();
     exclusions
-        .map(|it| {
-            let name = match it.with {
-                Excluded::Codel(it) => &component.codel(it).name,
-                Excluded::Service(it) => &component.services[it as usize].name,
+        .map(|exclusion| {
+            let name = match exclusion.with {
+                Excluded::Codel(codel) => &component.codel(codel).name,
+                Excluded::Service(service) => &component.services[service as usize].name,
             };
             let mut through: Vec<String> = Vec::new();
-            for one in &it.through {
+            for one in &exclusion.through {
                 let text = one.shared.describe(component).replace('`', "");
                 if !through.contains(&text) {
                     through.push(text);
@@ -384,11 +396,11 @@ pub fn machine(spec: &Spec, component: &str, owner: &str, form: &str) -> Result<
     let found = spec
         .components
         .iter()
-        .find(|it| it.name.as_str() == component);
+        .find(|candidate| candidate.name.as_str() == component);
     let graph = found.and_then(|component| {
         let owner = component
             .machines()
-            .find(|it| component.owner_name(*it).as_str() == owner)?;
+            .find(|machine| component.owner_name(*machine).as_str() == owner)?;
         fsm::graph(spec, component, owner, fsm::Options::default())
     });
     Ok(graph.map_or_else(String::new, |graph| match form {

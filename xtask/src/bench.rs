@@ -100,7 +100,7 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
         bail!("--runs 0 measures nothing; give at least 1");
     }
     let dotgen = match &options.dotgen {
-        Some(it) => std::path::absolute(it)?,
+        Some(dotgen) => std::path::absolute(dotgen)?,
         None => build()?,
     };
     let runs = |default| options.runs.unwrap_or(default);
@@ -151,9 +151,9 @@ fn show(seconds: f64, megabytes: f64, states: u64) -> String {
 /// A duration in a suitable unit.
 fn show_time(seconds: f64) -> String {
     match seconds {
-        it if it < 0.1 => format!("{:.1} ms", it * 1e3),
-        it if it < 1.0 => format!("{:.0} ms", it * 1e3),
-        it => format!("{it:.1} s"),
+        number if number < 0.1 => format!("{:.1} ms", number * 1e3),
+        number if number < 1.0 => format!("{:.0} ms", number * 1e3),
+        number => format!("{number:.1} s"),
     }
 }
 
@@ -179,7 +179,7 @@ fn processes(dotgen: &Path, runs: usize) -> Result<()> {
             times.push(started.elapsed());
         }
     }
-    let mut medians = times.iter_mut().map(|it| median(it));
+    let mut medians = times.iter_mut().map(|time| median(time));
     let base = medians.next().unwrap_or_default();
     println!("{:<42} {:>7.2} ms", commands[0].0, milliseconds(base));
     for ((name, ..), median) in std::iter::zip(&commands[1..], medians) {

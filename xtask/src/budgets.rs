@@ -64,7 +64,7 @@ pub(crate) fn budgets(options: &Options) -> Result<bool> {
         return Ok(true);
     }
     let wrong = differences(&read()?, &measured);
-    wrong.iter().for_each(|it| println!("{it}"));
+    wrong.iter().for_each(|wrong| println!("{wrong}"));
     if !wrong.is_empty() {
         println!("If this is meant: `cargo xtask budgets --write`, with the reason in the commit.");
     }
@@ -81,8 +81,9 @@ fn measured(names: &[String]) -> Result<BTreeMap<String, Figures>> {
     let built = extension::build_server(extension::Profile::Dev)?;
     let (built, stripped) = (built.to_string_lossy(), dotgen.to_string_lossy());
     run::run(run::command(&folder, "strip", &["-o", &stripped, &built]))?;
-    let wanted =
-        |it: &&Operation| names.is_empty() || names.iter().any(|name| it.name.contains(name));
+    let wanted = |operation: &&Operation| {
+        names.is_empty() || names.iter().any(|name| operation.name.contains(name))
+    };
     let wanted: Vec<&Operation> = OPERATIONS.iter().filter(wanted).collect();
     step(&format!(
         "Instructions and memory of {} operations",
@@ -98,7 +99,7 @@ fn measured(names: &[String]) -> Result<BTreeMap<String, Figures>> {
                 operation.name,
                 started.elapsed().as_secs_f32()
             );
-            let mut results = results.lock().unwrap_or_else(|it| it.into_inner());
+            let mut results = results.lock().unwrap_or_else(|error| error.into_inner());
             results.push((operation.name.to_owned(), figures));
         }
     };
@@ -106,7 +107,9 @@ fn measured(names: &[String]) -> Result<BTreeMap<String, Figures>> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         (0..cores).for_each(|_| drop(scope.spawn(work)));
     });
-    let results = results.into_inner().unwrap_or_else(|it| it.into_inner());
+    let results = results
+        .into_inner()
+        .unwrap_or_else(|error| error.into_inner());
     let result = |(name, figures): (String, Result<Figures>)| {
         let figures = figures.with_context(|| name.clone())?;
         Ok((name, figures))
@@ -144,13 +147,16 @@ fn instructions(dotgen: &Path, folder: &Path, arguments: &[String]) -> Result<u6
     let mut command = run::command(folder, "valgrind", &["--tool=callgrind", &output, &dotgen]);
     let output = command.args(arguments).stdout(Stdio::null()).output()?;
     // 1 is the status of what has errors.
-    if output.status.code().is_none_or(|it| it > 1) {
+    if output.status.code().is_none_or(|code| code > 1) {
         let said = String::from_utf8_lossy(&output.stderr);
         bail!("{arguments:?} failed:\n{said}");
     }
     let text = std::fs::read_to_string(&out).context("valgrind wrote no counts")?;
     let mut lines = text.lines();
-    let total = lines.find_map(|it| it.strip_prefix("summary: ").or(it.strip_prefix("totals: ")));
+    let total = lines.find_map(|line| {
+        line.strip_prefix("summary: ")
+            .or(line.strip_prefix("totals: "))
+    });
     Ok(total
         .context("no total in what valgrind wrote")?
         .trim()
@@ -174,8 +180,8 @@ fn differences(
     measured: &BTreeMap<String, Figures>,
 ) -> Vec<String> {
     let mut out = Vec::new();
-    for (name, it) in measured {
-        let [small, middle, large] = it.instructions;
+    for (name, figures) in measured {
+        let [small, middle, large] = figures.instructions;
         let fixed = (2.0 * small - middle).max(0.0);
         let growth = (large - fixed) / (middle - fixed).max(0.1);
         if growth > DOUBLE {
@@ -188,7 +194,7 @@ fn differences(
             out.push(format!("{name}: no budget"));
             continue;
         };
-        for (now, then) in std::iter::zip(it.instructions, budget.instructions) {
+        for (now, then) in std::iter::zip(figures.instructions, budget.instructions) {
             if (now - then).abs() > SLACK * then {
                 let percent = 100.0 * (now / then - 1.0);
                 out.push(format!(
@@ -196,8 +202,8 @@ fn differences(
                 ));
             }
         }
-        if it.megabytes > budget.megabytes * (1.0 + MEMORY_TOLERANCE) {
-            let (now, then) = (it.megabytes, budget.megabytes);
+        if figures.megabytes > budget.megabytes * (1.0 + MEMORY_TOLERANCE) {
+            let (now, then) = (figures.megabytes, budget.megabytes);
             out.push(format!(
                 "{name}: {now:.0} MB at the peak, the budget is {then:.0} MB"
             ));
@@ -217,12 +223,12 @@ const HEAD: &str = "\
 
 fn written(all: &BTreeMap<String, Figures>) -> String {
     let mut out = HEAD.to_owned();
-    for (name, it) in all {
-        let [a, b, c] = it.instructions;
+    for (name, figures) in all {
+        let [a, b, c] = figures.instructions;
         _ = writeln!(
             out,
             "{name:<24} {a:>9.1} {b:>9.1} {c:>9.1} {:>6.0}",
-            it.megabytes
+            figures.megabytes
         );
     }
     out
@@ -231,7 +237,7 @@ fn written(all: &BTreeMap<String, Figures>) -> String {
 fn read() -> Result<BTreeMap<String, Figures>> {
     let text = std::fs::read_to_string(path()).context("xtask/budgets.txt")?;
     let mut out = BTreeMap::new();
-    for line in text.lines().filter(|it| !it.starts_with('#')) {
+    for line in text.lines().filter(|line| !line.starts_with('#')) {
         let (name, figures) = line.split_at_checked(24).context("a line is too short")?;
         let figures: Vec<f64> = figures
             .split_whitespace()

@@ -58,7 +58,7 @@ enum What {
 /// Measures and prints a table. Returns false if an edit makes something worse or a finding is contradicted.
 pub(crate) fn campaign(options: &Options) -> Result<bool> {
     let dotgen = match &options.dotgen {
-        Some(it) => std::path::absolute(it)?,
+        Some(dotgen) => std::path::absolute(dotgen)?,
         None => extension::build_server(Profile::Dev)?,
     };
     let report = measure(options, &dotgen)?;

@@ -72,7 +72,11 @@ impl Chart<'_> {
                 y + 4.0
             );
         }
-        let sizes = self.lines.iter().flat_map(|it| &it.points).map(|it| it.0);
+        let sizes = self
+            .lines
+            .iter()
+            .flat_map(|line| &line.points)
+            .map(|point| point.0);
         for size in sizes.collect::<BTreeSet<usize>>() {
             let _ = writeln!(
                 out,
@@ -104,7 +108,7 @@ impl Chart<'_> {
                     self.y(value)
                 );
             }
-            let end = line.points.last().map_or(LEFT, |it| self.x(it.0));
+            let end = line.points.last().map_or(LEFT, |point| self.x(point.0));
             let _ = writeln!(
                 out,
                 "<text class=\"name\" x=\"{:.1}\" y=\"{:.1}\">{}</text></g>",
@@ -119,7 +123,7 @@ impl Chart<'_> {
 
     /// Heights of the names: at the ends of their lines, moved apart.
     fn names(&self) -> Vec<f64> {
-        let end = |line: &Line| line.points.last().map_or(BOTTOM, |it| self.y(it.1));
+        let end = |line: &Line| line.points.last().map_or(BOTTOM, |point| self.y(point.1));
         let mut heights: Vec<f64> = self.lines.iter().map(end).collect();
         let mut order: Vec<usize> = (0..heights.len()).collect();
         order.sort_by(|&a, &b| heights[a].total_cmp(&heights[b]));
@@ -130,7 +134,11 @@ impl Chart<'_> {
     }
 
     fn range(&self) -> (usize, usize) {
-        let sizes = self.lines.iter().flat_map(|it| &it.points).map(|it| it.0);
+        let sizes = self
+            .lines
+            .iter()
+            .flat_map(|line| &line.points)
+            .map(|point| point.0);
         let last = sizes.clone().max().unwrap_or(1);
         (sizes.min().unwrap_or(0), last)
     }

@@ -108,7 +108,7 @@ impl Tools {
         let tools = Tools { directory };
         let stamp = tools.directory.join("installed");
         let wanted = format!("{PIP_TOOLS:?} {CARGO_TOOLS:?}");
-        if std::fs::read_to_string(&stamp).is_ok_and(|it| it == wanted) {
+        if std::fs::read_to_string(&stamp).is_ok_and(|text| text == wanted) {
             return Ok(tools);
         }
         step("Installing the tools that make packages");
@@ -234,9 +234,11 @@ impl Tools {
         let out = out.to_string_lossy();
         in_project("wheel", &["pack", &place, "--dest-dir", &out])?;
         // The name that `pack` gives is that of the system on which the wheel was made.
-        let packed = std::fs::read_dir(&*out)?.flatten().map(|it| it.path());
+        let packed = std::fs::read_dir(&*out)?
+            .flatten()
+            .map(|entry| entry.path());
         let packed: Vec<PathBuf> = packed
-            .filter(|it| it.extension().is_some_and(|it| it == "whl"))
+            .filter(|path| path.extension().is_some_and(|extension| extension == "whl"))
             .collect();
         let [packed] = &packed[..] else {
             bail!("not one wheel in {out}");

@@ -11,7 +11,7 @@ pub(crate) fn docs() -> Result<()> {
     let directory = crate::root().join("docs/pictures");
     let list = std::fs::read_to_string(directory.join("list.txt"))?;
     let mut count = 0;
-    for line in list.lines().filter(|it| !it.starts_with('#')) {
+    for line in list.lines().filter(|line| !line.starts_with('#')) {
         let (file, how) = line
             .split_once(": ")
             .with_context(|| format!("docs/pictures/list.txt: no `: ` in `{line}`"))?;

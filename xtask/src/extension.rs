@@ -72,7 +72,12 @@ pub(crate) fn server_program(profile: Profile) -> PathBuf {
 /// Installs the npm packages of `directory`, unless they already agree with its lock file.
 pub(crate) fn install_packages(directory: &Path) -> Result<()> {
     tools::ensure_node()?;
-    let modified = |path: &str| directory.join(path).metadata().and_then(|it| it.modified());
+    let modified = |path: &str| {
+        directory
+            .join(path)
+            .metadata()
+            .and_then(|metadata| metadata.modified())
+    };
     if let (Ok(installed), Ok(wanted)) = (
         modified("node_modules/.package-lock.json"),
         modified("package-lock.json"),
@@ -125,8 +130,8 @@ fn pack(server: Option<&Path>, options: &[&str], name: &str) -> Result<PathBuf> 
         std::fs::copy(server, inside.join(name))
             .with_context(|| format!("cannot copy {}", server.display()))?;
     }
-    for it in ["LICENSE", NOTICES] {
-        std::fs::copy(crate::root().join(it), directory.join(it))?;
+    for text in ["LICENSE", NOTICES] {
+        std::fs::copy(crate::root().join(text), directory.join(text))?;
     }
     copy(
         &crate::root().join("docs"),
@@ -154,7 +159,7 @@ pub(crate) fn copy(from: &Path, to: &Path, endings: &[&str]) -> Result<()> {
             if path.is_dir() {
                 folders.push(path);
             } else if let Some(ending) = path.extension()
-                && endings.iter().any(|it| ending == *it)
+                && endings.iter().any(|known| ending == *known)
             {
                 let copy = to.join(path.strip_prefix(from)?);
                 std::fs::create_dir_all(copy.parent().context("it is below a folder")?)?;

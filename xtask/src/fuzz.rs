@@ -38,14 +38,14 @@ const FLAGS: &str = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer
 
 /// Fuzzes. Returns false if an input caused a failure.
 pub(crate) fn fuzz(options: &Options) -> Result<bool> {
-    let known = |it: &&String| !TARGETS.contains(&it.as_str());
+    let known = |text: &&String| !TARGETS.contains(&text.as_str());
     if let Some(unknown) = options.targets.iter().find(known) {
         bail!("no target `{unknown}`; there are: {}", TARGETS.join(", "));
     }
     let program = build()?;
     let mut fine = true;
     for target in TARGETS {
-        if options.targets.is_empty() || options.targets.iter().any(|it| it == target) {
+        if options.targets.is_empty() || options.targets.iter().any(|chosen| chosen == target) {
             fine &= one(&program, target, options)?;
         }
     }
@@ -77,9 +77,9 @@ fn build() -> Result<PathBuf> {
 /// The triple of this machine.
 fn host() -> Result<String> {
     let version = run::capture(run::command(crate::root(), "rustc", &["-vV"]))?;
-    let host = version.lines().find_map(|it| it.strip_prefix("host: "));
+    let host = version.lines().find_map(|line| line.strip_prefix("host: "));
     match host {
-        Some(it) => Ok(it.to_owned()),
+        Some(host) => Ok(host.to_owned()),
         None => bail!("`rustc -vV` names no host"),
     }
 }
@@ -142,10 +142,10 @@ fn seeded(folder: &Path, name: &str, into: &Path) -> Result<bool> {
     std::fs::create_dir_all(into)?;
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
-        let extension = path.extension().and_then(|it| it.to_str());
+        let extension = path.extension().and_then(|extension| extension.to_str());
         if path.is_dir() {
             seeded(&path, name, into)?;
-        } else if extension.is_some_and(|it| extensions.contains(&it))
+        } else if extension.is_some_and(|extension| extensions.contains(&extension))
             && let Some(file) = path.file_name()
         {
             std::fs::copy(&path, into.join(file))?;

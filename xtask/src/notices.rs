@@ -46,7 +46,7 @@ pub(crate) fn notices(options: &Options) -> Result<bool> {
     let mut parts = crates()?;
     parts.extend(npm_packages()?);
     let allowed = allowed()?;
-    let refused = parts.iter().filter_map(|it| refusal(it, &allowed));
+    let refused = parts.iter().filter_map(|part| refusal(part, &allowed));
     let refused: Vec<String> = refused.collect();
     if !refused.is_empty() {
         bail!(
@@ -61,7 +61,7 @@ pub(crate) fn notices(options: &Options) -> Result<bool> {
         println!("{}: {} packages", path.display(), parts.len());
         return Ok(true);
     }
-    let same = std::fs::read_to_string(&path).is_ok_and(|it| it == text);
+    let same = std::fs::read_to_string(&path).is_ok_and(|content| content == text);
     if !same {
         eprintln!("{NOTICES} is out of date: run `cargo xtask notices` and commit it");
     }
@@ -89,12 +89,12 @@ fn allowed() -> Result<Vec<String>> {
 /// The line of a package that cannot be distributed, because its licence is not allowed.
 fn refusal(part: &Part, allowed: &[String]) -> Option<String> {
     let accepted = |licence: &LicenseItem| match licence {
-        LicenseItem::Spdx { id, .. } => allowed.iter().any(|it| it == id.name),
+        LicenseItem::Spdx { id, .. } => allowed.iter().any(|name| name == id.name),
         LicenseItem::Other { .. } => false,
     };
     let lax = spdx::ParseMode::LAX;
     let fine = Expression::parse_mode(&part.licence, lax)
-        .is_ok_and(|it| it.evaluate(|requirement| accepted(&requirement.license)));
+        .is_ok_and(|mode| mode.evaluate(|requirement| accepted(&requirement.license)));
     (!fine).then(|| format!("  {} {}: {}", part.name, part.version, part.licence))
 }
 
@@ -108,25 +108,25 @@ fn crates() -> Result<Vec<Part>> {
     let program = metadata
         .workspace_packages()
         .into_iter()
-        .find(|it| it.name.as_str() == PROGRAM)
+        .find(|package| package.name.as_str() == PROGRAM)
         .context("the workspace has the program")?;
     let reached = reached(&metadata, &program.id)?;
     let ours: BTreeSet<&PackageId> = metadata.workspace_members.iter().collect();
     let mut parts = Vec::new();
-    for it in metadata
+    for package in metadata
         .packages
         .iter()
-        .filter(|it| reached.contains(&it.id))
+        .filter(|package| reached.contains(&package.id))
     {
-        if ours.contains(&it.id) {
+        if ours.contains(&package.id) {
             continue;
         }
         parts.push(Part {
-            name: it.name.to_string(),
-            version: it.version.to_string(),
-            licence: it.license.clone().unwrap_or_default(),
-            home: it.repository.clone().or(it.homepage.clone()),
-            directory: it
+            name: package.name.to_string(),
+            version: package.version.to_string(),
+            licence: package.license.clone().unwrap_or_default(),
+            home: package.repository.clone().or(package.homepage.clone()),
+            directory: package
                 .manifest_path
                 .parent()
                 .context("a manifest lies in a folder")?
@@ -143,18 +143,19 @@ fn reached<'a>(metadata: &'a Metadata, from: &'a PackageId) -> Result<BTreeSet<&
         .resolve
         .as_ref()
         .context("cargo resolves dependencies")?;
-    let nodes: BTreeMap<&PackageId, _> = resolve.nodes.iter().map(|it| (&it.id, it)).collect();
+    let nodes: BTreeMap<&PackageId, _> =
+        resolve.nodes.iter().map(|node| (&node.id, node)).collect();
     let mut reached = BTreeSet::new();
     let mut open = vec![from];
     while let Some(id) = open.pop() {
         if !reached.insert(id) {
             continue;
         }
-        let normal = nodes[id].deps.iter().filter(|it| {
-            let kinds = &it.dep_kinds;
+        let normal = nodes[id].deps.iter().filter(|dependency| {
+            let kinds = &dependency.dep_kinds;
             kinds.iter().any(|kind| kind.kind == DependencyKind::Normal)
         });
-        open.extend(normal.map(|it| &it.pkg));
+        open.extend(normal.map(|dependency| &dependency.pkg));
     }
     Ok(reached)
 }
@@ -170,7 +171,7 @@ fn npm_packages() -> Result<Vec<Part>> {
     let mut reached = BTreeSet::new();
     let mut open: Vec<String> = BUNDLED
         .iter()
-        .map(|it| format!("node_modules/{it}"))
+        .map(|text| format!("node_modules/{text}"))
         .collect();
     while let Some(place) = open.pop() {
         let Some(package) = packages.get(&place) else {
@@ -256,7 +257,7 @@ fn licence_texts(directory: &Path) -> Result<BTreeSet<String>> {
             let entry = entry?;
             let name = entry.file_name().to_string_lossy().to_lowercase();
             let source = name.ends_with(".rs") || name.ends_with(".js");
-            let named = WORDS.iter().any(|it| name.contains(it)) || FONTS.contains(&&*name);
+            let named = WORDS.iter().any(|word| name.contains(word)) || FONTS.contains(&&*name);
             if entry.file_type()?.is_file() && named && !source {
                 let text = String::from_utf8_lossy(&std::fs::read(entry.path())?).into_owned();
                 let lines: Vec<&str> = text.trim().lines().map(str::trim_end).collect();

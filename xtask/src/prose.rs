@@ -57,14 +57,14 @@ pub(crate) fn prose() -> Result<bool> {
 /// The places with a pattern, with the words to write instead.
 fn places(root: &Path) -> Result<Vec<String>> {
     let mut files = Vec::new();
-    let mut folders: Vec<_> = TEXTS.iter().map(|it| root.join(it)).collect();
+    let mut folders: Vec<_> = TEXTS.iter().map(|text| root.join(text)).collect();
     while let Some(path) = folders.pop() {
         if path.is_dir() {
             for entry in std::fs::read_dir(&path)? {
                 folders.push(entry?.path());
             }
         } else if matches!(
-            path.extension().and_then(|it| it.to_str()),
+            path.extension().and_then(|extension| extension.to_str()),
             Some("md" | "snap")
         ) {
             files.push(path);
@@ -105,7 +105,7 @@ fn patterns(text: &str) -> Vec<(usize, &'static str, &'static str)> {
         let prose = prose.join("X").to_lowercase();
         let words: Vec<&str> = prose
             .split(|c: char| !c.is_alphanumeric())
-            .filter(|it| !it.is_empty())
+            .filter(|part| !part.is_empty())
             .collect();
         for (pattern, better) in PATTERNS {
             if occurs(&words, pattern) {

@@ -125,10 +125,13 @@ fn current(root: &Path) -> Result<String> {
 }
 
 fn parsed(version: &str) -> Option<[u32; 3]> {
-    if !version.bytes().all(|it| it == b'.' || it.is_ascii_digit()) {
+    if !version
+        .bytes()
+        .all(|byte| byte == b'.' || byte.is_ascii_digit())
+    {
         return None;
     }
-    let numbers: Option<Vec<u32>> = version.split('.').map(|it| it.parse().ok()).collect();
+    let numbers: Option<Vec<u32>> = version.split('.').map(|part| part.parse().ok()).collect();
     numbers?.try_into().ok()
 }
 

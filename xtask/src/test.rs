@@ -544,7 +544,7 @@ fn files(directory: &Path, extension: &str) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(directory)? {
         let path = entry?.path();
-        if path.is_file() && path.extension().is_some_and(|it| it == extension) {
+        if path.is_file() && path.extension().is_some_and(|name| name == extension) {
             files.push(path);
         }
     }
@@ -578,7 +578,7 @@ mod tests {
             "# fail 2",
             "# suites 0",
         ];
-        lines.iter().for_each(|it| super::tap(it, &mut outcome));
+        lines.iter().for_each(|line| super::tap(line, &mut outcome));
         assert_eq!((outcome.passed, outcome.failed), (10, 2));
     }
 

@@ -84,5 +84,5 @@ fn runs_meanwhile(component: &Component, codel: CodelRef) -> bool {
     let machine = Machine::new(&component.tasks[task as usize].codels);
     let reached = machine.reachable("start");
     let mut states = component.codel(codel).triggers.iter();
-    states.any(|it| it.name != "start" && reached.contains(it.name.as_str()))
+    states.any(|state| state.name != "start" && reached.contains(state.name.as_str()))
 }

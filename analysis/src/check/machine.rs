@@ -64,7 +64,10 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
         return;
     }
     // Without its yields, which is a syntax error, the reachable states are unknown.
-    let complete = machine.codels.iter().all(|(_, it)| !it.yields.is_empty());
+    let complete = machine
+        .codels
+        .iter()
+        .all(|(_, codel)| !codel.yields.is_empty());
     let mut reached = machine.reachable("start");
     let from_stop = machine.reachable("stop");
     // With a codel of its own, `ether` is a state like any other, and the machine has no end.
@@ -94,16 +97,16 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
             .near(Some(Near::new(src, used))),
         );
     }
-    let is_misnamed = |it: &Codel| {
-        let mut triggers = it.triggers.iter();
-        triggers.any(|it| misnamed.contains_key(&(&it.name, it.src)))
+    let is_misnamed = |codel: &Codel| {
+        let mut triggers = codel.triggers.iter();
+        triggers.any(|trigger| misnamed.contains_key(&(&trigger.name, trigger.src)))
     };
-    let before = std::iter::once(None).chain(machine.codels.iter().map(|it| Some(it.1)));
+    let before = std::iter::once(None).chain(machine.codels.iter().map(|codel| Some(codel.1)));
     for ((_, codel), before) in machine.codels.iter().zip(before) {
         let is_reached = codel
             .triggers
             .iter()
-            .any(|it| reached.contains(it.name.as_str()));
+            .any(|trigger| reached.contains(trigger.name.as_str()));
         if !is_reached {
             if complete
                 && !is_misnamed(codel)
@@ -111,7 +114,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
             {
                 // The codel before is the first candidate for a transition to this one.
                 let in_cycle = before.is_some_and(|before| {
-                    let is_before = |it: &str| before.triggers.iter().any(|s| s.name == it);
+                    let is_before = |name: &str| before.triggers.iter().any(|s| s.name == name);
                     machine.reaches_without_pause(&state.name, is_before)
                 });
                 found.push(
@@ -128,14 +131,18 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
             }
             continue;
         }
-        if let Some(ether) = codel.triggers.iter().find(|it| it.name == "ether") {
+        if let Some(ether) = codel
+            .triggers
+            .iter()
+            .find(|trigger| trigger.name == "ether")
+        {
             found.push(Finding::new(CodelProblem::EtherCodel, ether.src));
         }
         let mut missing: Vec<&Name> = Vec::new();
         for state in &codel.yields {
             if state.name == "ether"
                 || machine.codel(&state.name).is_some()
-                || misnamed.values().any(|it| **it == state.name)
+                || misnamed.values().any(|name| **name == state.name)
                 || missing.contains(&&state.name)
             {
                 continue;
@@ -158,7 +165,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
                 );
                 continue;
             }
-            let states = machine.states().map(|it| it.as_str());
+            let states = machine.states().map(|state| state.as_str());
             let near = dotgen_syntax::suggestion::nearest(&state.name, states.chain(["ether"]));
             let near = near.map(|name| {
                 let pause = if state.paused { "pause::" } else { "" };
@@ -193,13 +200,13 @@ fn misnamed<'m>(machine: &Machine<'m>) -> BTreeMap<(&'m Name, Src), &'m Name> {
     let used: Vec<&Name> = machine
         .codels
         .iter()
-        .flat_map(|(_, codel)| codel.yields.iter().map(|it| &it.name))
+        .flat_map(|(_, codel)| codel.yields.iter().map(|state| &state.name))
         .collect();
     let given = |name: &str| matches!(name, "start" | "stop" | "ether");
-    let is_often_used = |it: &&Name| used.iter().filter(|other| *other == it).count() > 1;
+    let is_often_used = |name: &&Name| used.iter().filter(|other| *other == name).count() > 1;
     let undefined = || {
         let used = used.iter().copied();
-        used.filter(|it| !given(it) && machine.codel(it).is_none())
+        used.filter(|name| !given(name) && machine.codel(name).is_none())
             .filter(is_often_used)
     };
     let mut out = BTreeMap::new();
@@ -208,7 +215,7 @@ fn misnamed<'m>(machine: &Machine<'m>) -> BTreeMap<(&'m Name, Src), &'m Name> {
             continue;
         }
         let near = dotgen_syntax::suggestion::nearest(&state.name, undefined().map(Name::as_str));
-        if let Some(meant) = undefined().find(|it| Some(it.as_str()) == near) {
+        if let Some(meant) = undefined().find(|text| Some(text.as_str()) == near) {
             out.insert((&state.name, state.src), meant);
         }
     }
@@ -219,9 +226,13 @@ fn misnamed<'m>(machine: &Machine<'m>) -> BTreeMap<(&'m Name, Src), &'m Name> {
 fn thrown_elsewhere(spec: &Spec, owner: &Owner<'_>, name: &str) -> Option<TypeId> {
     let is_it = |ty: &Type| {
         matches!(ty.kind, TypeKind::Exception { .. })
-            && ty.name.as_ref().is_some_and(|it| it.as_str() == name)
+            && ty.name.as_ref().is_some_and(|text| text.as_str() == name)
     };
-    if owner.throws.iter().any(|&it| is_it(spec.ty(it))) {
+    if owner
+        .throws
+        .iter()
+        .any(|&exception| is_it(spec.ty(exception)))
+    {
         return None;
     }
     let index = spec.types.iter().position(is_it)?;

@@ -10,8 +10,11 @@ pub(super) fn check(component: &Component, found: &mut Vec<Finding>) {
         return;
     }
     for (index, task) in (0..).zip(&component.tasks) {
-        let runs =
-            !task.codels.is_empty() || component.services.iter().any(|it| it.task == Some(index));
+        let runs = !task.codels.is_empty()
+            || component
+                .services
+                .iter()
+                .any(|service| service.task == Some(index));
         if !runs && task.imported_from.is_none() {
             found.push(Finding::new(
                 CodelProblem::IdleTask {

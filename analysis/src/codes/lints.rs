@@ -31,7 +31,7 @@ pub struct LintCode {
 
 /// The entry of a code.
 pub fn find(id: &str) -> Option<&'static LintCode> {
-    CODES.iter().find(|it| it.id == id)
+    CODES.iter().find(|code| code.id == id)
 }
 
 /// A comment that allows a code that is not reported.

@@ -47,23 +47,31 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
     let missing: Vec<&Include> = needs
         .includes
         .iter()
-        .filter(|it| it.found.is_none())
+        .filter(|include| include.found.is_none())
         .collect();
     let mut trees: Vec<Module> = missing.iter().map(|_| Module::default()).collect();
     if trees.is_empty() {
         return Vec::new();
     }
     let home = |name: &str| {
-        let best =
-            (0..missing.len()).filter_map(|it| Some((likeness(name, &missing[it].path)?, it)));
-        best.max_by_key(|(likeness, it)| (*likeness, usize::MAX - it))
-            .map_or(0, |(_, it)| it)
+        let best = (0..missing.len())
+            .filter_map(|include| Some((likeness(name, &missing[include].path)?, include)));
+        best.max_by_key(|(likeness, index)| (*likeness, usize::MAX - index))
+            .map_or(0, |(_, index)| index)
     };
-    for interface in needs.interfaces.iter().filter(|it| it.found.is_none()) {
+    for interface in needs
+        .interfaces
+        .iter()
+        .filter(|interface| interface.found.is_none())
+    {
         trees[home(&interface.name)].interface(&interface.name);
     }
     for name in &needs.unknown {
-        let path: Vec<&str> = name.name.split("::").filter(|it| !it.is_empty()).collect();
+        let path: Vec<&str> = name
+            .name
+            .split("::")
+            .filter(|part| !part.is_empty())
+            .collect();
         let Some((last, scopes)) = path.split_last() else {
             continue;
         };
@@ -79,7 +87,7 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
     for gap in &spec.gaps {
         match &gap.missing {
             Missing::Member { of, path } => {
-                let names: Vec<&str> = of.split("::").filter(|it| !it.is_empty()).collect();
+                let names: Vec<&str> = of.split("::").filter(|part| !part.is_empty()).collect();
                 if let Some((last, scopes)) = names.split_last() {
                     trees[home(of)].within(scopes).member(last, path);
                 }
@@ -90,11 +98,11 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
                 service: Some(service),
                 ..
             } => {
-                let service = gap.component.and_then(|it| {
-                    let services = &spec.components[it as usize].services;
+                let service = gap.component.and_then(|component| {
+                    let services = &spec.components[component as usize].services;
                     services.get(*service as usize)
                 });
-                let params = service.and_then(|it| params(spec, it));
+                let params = service.and_then(|service| params(spec, service));
                 if let (Some(service), Some(params), Some(interface)) =
                     (service, params, unknown_interface(spec, gap, false))
                 {
@@ -105,8 +113,9 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
             Missing::Source {
                 name, kind, dir, ..
             } => {
-                let provided = unknown_interface(spec, gap, false).map(|it| (it, false));
-                let used = unknown_interface(spec, gap, true).map(|it| (it, true));
+                let provided =
+                    unknown_interface(spec, gap, false).map(|interface| (interface, false));
+                let used = unknown_interface(spec, gap, true).map(|interface| (interface, true));
                 // Remote services are derived from the used interfaces.
                 let from = match kind {
                     Some(SourceKind::Remote) => used.or(provided),
@@ -135,9 +144,9 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
     let folder = folder(root);
     let files = missing.iter().zip(&trees).filter_map(|(include, tree)| {
         let below = Utf8Path::new(&include.path);
-        let climbs = below.components().any(|it| {
+        let climbs = below.components().any(|component| {
             !matches!(
-                it,
+                component,
                 camino::Utf8Component::Normal(_) | camino::Utf8Component::CurDir
             )
         });
@@ -161,15 +170,15 @@ fn first_of<'s>(spec: &'s Spec, gap: &Gap) -> Option<(&'s Name, bool)> {
 /// provides or extends.
 fn unknown_interface<'s>(spec: &'s Spec, gap: &Gap, used: bool) -> Option<&'s Name> {
     imports(spec, gap)
-        .find(|it| it.1 == used)
+        .find(|import| import.1 == used)
         .map(|(name, _)| name)
 }
 
 fn imports<'s>(spec: &'s Spec, gap: &Gap) -> impl Iterator<Item = (&'s Name, bool)> {
     let component = gap.component;
-    let of = spec.gaps.iter().filter(move |it| it.component.is_some());
-    of.filter_map(move |it| match &it.missing {
-        Missing::Interface { name, used } if it.component == component => Some((name, *used)),
+    let of = spec.gaps.iter().filter(move |gap| gap.component.is_some());
+    of.filter_map(move |gap| match &gap.missing {
+        Missing::Interface { name, used } if gap.component == component => Some((name, *used)),
         _ => None,
     })
 }
@@ -177,11 +186,14 @@ fn imports<'s>(spec: &'s Spec, gap: &Gap) -> impl Iterator<Item = (&'s Name, boo
 /// The parameters of a service as a stand-in can declare them: a repeated declaration must have the same
 /// parameters. `None` if one has a type that the stand-in cannot name.
 fn params(spec: &Spec, service: &Service) -> Option<Vec<String>> {
-    let declared = service.params.iter().filter(|it| it.dir != ParamDir::Local);
-    let one = |it: &Param| {
-        let ty = spec.ty(it.ty);
+    let declared = service
+        .params
+        .iter()
+        .filter(|param| param.dir != ParamDir::Local);
+    let one = |param: &Param| {
+        let ty = spec.ty(param.ty);
         let named = match ty.kind {
-            TypeKind::Unknown => spec.full_name(it.ty)?,
+            TypeKind::Unknown => spec.full_name(param.ty)?,
             TypeKind::Boolean
             | TypeKind::Octet
             | TypeKind::Char
@@ -200,12 +212,12 @@ fn params(spec: &Spec, service: &Service) -> Option<Vec<String>> {
             }
             _ => return None,
         };
-        let dir = match it.dir {
+        let dir = match param.dir {
             ParamDir::In => "in",
             ParamDir::Out => "out",
             _ => "inout",
         };
-        Some(format!("{dir} {named} {}", it.name))
+        Some(format!("{dir} {named} {}", param.name))
     };
     declared.map(one).collect()
 }
@@ -223,16 +235,16 @@ fn likeness(name: &str, path: &str) -> Option<usize> {
     let words = path.with_extension("");
     let words = words
         .components()
-        .filter(|it| flat.contains(&format!("_{it}_")));
+        .filter(|component| flat.contains(&format!("_{component}_")));
     Some(words.count() + stem.len())
 }
 
 fn file(include: &str, tree: &Module) -> String {
     let guard: String = include
         .chars()
-        .map(|it| {
-            if it.is_ascii_alphanumeric() {
-                it.to_ascii_uppercase()
+        .map(|character| {
+            if character.is_ascii_alphanumeric() {
+                character.to_ascii_uppercase()
             } else {
                 '_'
             }
@@ -284,7 +296,7 @@ struct RedeclaredService {
 
 impl Module {
     fn module(&mut self, name: &str) -> &mut Module {
-        let at = match self.modules.iter().position(|it| it.0 == name) {
+        let at = match self.modules.iter().position(|module| module.0 == name) {
             Some(at) => at,
             None => {
                 self.modules.push((name.to_owned(), Module::default()));
@@ -307,7 +319,7 @@ impl Module {
     }
 
     fn declare(&mut self, name: &str, declared: StandInDeclaration) {
-        if !self.declared.iter().any(|it| it.0 == name) {
+        if !self.declared.iter().any(|entry| entry.0 == name) {
             self.declared.push((name.to_owned(), declared));
         }
     }
@@ -315,13 +327,13 @@ impl Module {
     /// Adds a member of a type, and the members below it.
     fn member(&mut self, ty: &str, path: &[PathElement]) {
         self.declare(ty, StandInDeclaration::Type(Vec::new()));
-        let found = self.declared.iter_mut().find(|it| it.0 == ty);
+        let found = self.declared.iter_mut().find(|entry| entry.0 == ty);
         let (Some((_, StandInDeclaration::Type(members))), Some((PathElement::Member(name), rest))) =
             (found, path.split_first())
         else {
             return;
         };
-        match members.iter_mut().find(|it| it.0 == *name) {
+        match members.iter_mut().find(|member| member.0 == *name) {
             Some((_, known)) => known.push(rest.to_vec()),
             None => members.push((name.clone(), vec![rest.to_vec()])),
         }
@@ -335,7 +347,7 @@ impl Module {
         };
         let kind = kind.unwrap_or(SourceKind::Port);
         let out = (dir != ParamDir::In) != used;
-        if kind != SourceKind::Local && !sources.iter().any(|it| it.0 == *name) {
+        if kind != SourceKind::Local && !sources.iter().any(|source| source.0 == *name) {
             sources.push((name.clone(), kind, out));
         }
     }
@@ -343,7 +355,7 @@ impl Module {
     /// Adds a local variable of a service.
     fn local(&mut self, service: &Service, params: Vec<String>, name: &Name) {
         let all = &mut self.declared_again;
-        let at = match all.iter().position(|it| it.name == service.name) {
+        let at = match all.iter().position(|other| other.name == service.name) {
             Some(at) => at,
             None => {
                 all.push(RedeclaredService {
@@ -391,27 +403,31 @@ impl Module {
         for name in &self.tasks {
             let _ = writeln!(out, "{indent}task {name} {{}};");
         }
-        let again = |name: &Name| self.declared_again.iter().any(|it| it.name == *name);
-        for name in self.services.iter().filter(|it| !again(it)) {
+        let again = |name: &Name| {
+            self.declared_again
+                .iter()
+                .any(|service| service.name == *name)
+        };
+        for name in self.services.iter().filter(|service| !again(service)) {
             let _ = writeln!(out, "{indent}function {name}() {{}};");
         }
         let mut typed: Vec<&Name> = Vec::new();
-        for it in &self.declared_again {
-            for local in &it.locals {
+        for service in &self.declared_again {
+            for local in &service.locals {
                 if !typed.contains(&local) {
                     let _ = writeln!(out, "{indent}struct {local}_data {{ octet opaque; }};");
                     typed.push(local);
                 }
             }
-            let word = match it.kind {
+            let word = match service.kind {
                 ServiceKind::Function => "function",
                 ServiceKind::Activity => "activity",
                 // Attributes have no local variables.
                 ServiceKind::Attribute => continue,
             };
-            let (name, params) = (&it.name, it.params.join(", "));
+            let (name, params) = (&service.name, service.params.join(", "));
             let _ = writeln!(out, "{indent}{word} {name}({params}) {{");
-            for local in &it.locals {
+            for local in &service.locals {
                 let _ = writeln!(out, "{indent}  local {local}_data {local};");
             }
             let _ = writeln!(out, "{indent}}};");
@@ -458,11 +474,11 @@ fn write_member(out: &mut String, name: &str, paths: &[Vec<PathElement>], depth:
     for path in paths {
         let indexes = path
             .iter()
-            .take_while(|it| matches!(it, PathElement::Index(_)));
+            .take_while(|element| matches!(element, PathElement::Index(_)));
         let indexes = indexes.count();
         dimensions = dimensions.max(indexes);
         if let Some((PathElement::Member(member), rest)) = path[indexes..].split_first() {
-            match inner.iter_mut().find(|it| it.0 == *member) {
+            match inner.iter_mut().find(|entry| entry.0 == *member) {
                 Some((_, known)) => known.push(rest.to_vec()),
                 None => inner.push((member.clone(), vec![rest.to_vec()])),
             }

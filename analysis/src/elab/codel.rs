@@ -32,7 +32,7 @@ pub(super) enum TimePlace {
 impl<'a> Elaborator<'a> {
     /// The definition of a codel.
     pub(super) fn codel_def(&self, name: &Text) -> Option<DefId> {
-        self.codels.get(name).map(|it| it.def)
+        self.codels.get(name).map(|codel| codel.def)
     }
 
     /// Adds a codel written in the current body.
@@ -69,7 +69,7 @@ impl<'a> Elaborator<'a> {
         let known = self.spec.components[index as usize]
             .codels_of(owner)
             .iter()
-            .find(|it| it.name == name.text);
+            .find(|codel| codel.name == name.text);
         if let Some(first) = known {
             let diagnostic = Finding::new(
                 CodelProblem::CodelTwice {
@@ -83,9 +83,9 @@ impl<'a> Elaborator<'a> {
         }
         let (params, complete) = self.codel_params(index, owner, decl, source.kind);
         if source.kind != CodelKind::Fsm {
-            let stateful = params
-                .iter()
-                .find(|it| matches!(it.source, ParamSource::Port(_) | ParamSource::Remote(_)));
+            let stateful = params.iter().find(|param| {
+                matches!(param.source, ParamSource::Port(_) | ParamSource::Remote(_))
+            });
             if let Some(param) = stateful {
                 let what = match param.source {
                     ParamSource::Port(_) => "port",
@@ -171,7 +171,8 @@ impl<'a> Elaborator<'a> {
                 params.extend(self.opaque_param(index, service, decl));
                 continue;
             };
-            let known = |it: &&Param| it.name == param.name && it.source != ParamSource::Opaque;
+            let known =
+                |other: &&Param| other.name == param.name && other.source != ParamSource::Opaque;
             if let Some(first) = params.iter().find(known) {
                 let diagnostic = Finding::new(
                     CodelProblem::ParamTwice {
@@ -193,7 +194,7 @@ impl<'a> Elaborator<'a> {
     fn register_codel(&mut self, name: &Name, decl: &CodelDecl, params: &[Param], complete: bool) {
         let at = self.src(name.ptr);
         let signature: Option<Vec<_>> =
-            complete.then(|| params.iter().map(|it| (it.dir, it.ty)).collect());
+            complete.then(|| params.iter().map(|param| (param.dir, param.ty)).collect());
         let Some(known) = self.codels.get_mut(&name.text) else {
             let node = self.src(decl.ptr);
             let container = self.container.take();
@@ -297,7 +298,7 @@ impl<'a> Elaborator<'a> {
             let paused = state.paused && codel.is_none() && name != "ether";
             if let Some(first) = states
                 .iter()
-                .find(|it| it.name == *name && it.paused == paused)
+                .find(|state| state.name == *name && state.paused == paused)
             {
                 let pause = if paused { "pause::" } else { "" };
 
@@ -365,10 +366,12 @@ impl<'a> Elaborator<'a> {
         let mut clashes: Vec<(Text, Text, Src)> = Vec::new();
         let component = &self.spec.components[index as usize];
         for state in triggers {
-            let first = component
-                .codels_of(owner)
-                .iter()
-                .find(|it| it.triggers.iter().any(|it| it.name == state.name));
+            let first = component.codels_of(owner).iter().find(|codel| {
+                codel
+                    .triggers
+                    .iter()
+                    .any(|trigger| trigger.name == state.name)
+            });
             if let Some(first) = first {
                 clashes.push((state.name.clone(), first.name.clone(), first.src));
             }

@@ -166,7 +166,9 @@ impl<'a> Elaborator<'a> {
         if value == Const::Unknown {
             return None;
         }
-        let integer = value.integral().and_then(|it| u64::try_from(it).ok());
+        let integer = value
+            .integral()
+            .and_then(|integral| u64::try_from(integral).ok());
         if integer.is_none() {
             let at = self.src(expr.ptr);
 
@@ -185,14 +187,14 @@ impl<'a> Elaborator<'a> {
 /// The value of an integer literal, and true if it is octal with decimal digits.
 fn parse_integer(text: &str) -> Option<(i128, bool)> {
     let digits = text.trim_end_matches(['u', 'U', 'l', 'L']);
-    let fits = |it: u64| i128::from(it);
+    let fits = |number: u64| i128::from(number);
     if let Some(hex) = digits.strip_prefix("0x").or(digits.strip_prefix("0X")) {
         return u64::from_str_radix(hex, 16)
             .ok()
-            .map(|it| (fits(it), false));
+            .map(|number| (fits(number), false));
     }
     match digits.strip_prefix('0') {
-        None | Some("") => digits.parse().ok().map(|it| (fits(it), false)),
+        None | Some("") => digits.parse().ok().map(|number| (fits(number), false)),
         Some(octal) => {
             let end = octal.find(['8', '9']);
             let valid = &octal[..end.unwrap_or(octal.len())];
@@ -213,9 +215,12 @@ fn is_one_character(content: &str) -> bool {
             let rest = chars.as_str();
             match kind {
                 'x' => {
-                    (1..=2).contains(&rest.len()) && rest.chars().all(|it| it.is_ascii_hexdigit())
+                    (1..=2).contains(&rest.len())
+                        && rest.chars().all(|character| character.is_ascii_hexdigit())
                 }
-                '0'..='7' => rest.len() <= 2 && rest.chars().all(|it| matches!(it, '0'..='7')),
+                '0'..='7' => {
+                    rest.len() <= 2 && rest.chars().all(|character| matches!(character, '0'..='7'))
+                }
                 _ => rest.is_empty(),
             }
         }
@@ -226,16 +231,16 @@ fn is_one_character(content: &str) -> bool {
 
 pub(super) fn from_value(value: &Value) -> Const {
     match value {
-        Value::Bool(it) => Const::Bool(*it),
-        Value::Uint(it) => Const::unsigned(i128::from(*it)),
-        Value::Int(it) => Const::Int {
-            value: i128::from(*it),
+        Value::Bool(flag) => Const::Bool(*flag),
+        Value::Uint(number) => Const::unsigned(i128::from(*number)),
+        Value::Int(number) => Const::Int {
+            value: i128::from(*number),
             signed: true,
         },
-        Value::Float(it) => Const::Float(*it),
-        Value::Char(it) => Const::Char(it.clone()),
-        Value::String(it) => Const::Str(it.clone()),
-        Value::Enum(it) => Const::Enum(*it),
+        Value::Float(number) => Const::Float(*number),
+        Value::Char(character) => Const::Char(character.clone()),
+        Value::String(text) => Const::Str(text.clone()),
+        Value::Enum(enumeration) => Const::Enum(*enumeration),
     }
 }
 

@@ -168,7 +168,7 @@ impl<'a> Elaborator<'a> {
                 continue;
             };
             let here = self.visits.get(self.visit as usize);
-            let target = here.and_then(|it| *it.includes.get(*ordinal as usize)?);
+            let target = here.and_then(|visit| *visit.includes.get(*ordinal as usize)?);
             let Some(target) = target else { continue };
             let Some(included) = self.visits.get(target as usize) else {
                 continue;
@@ -193,7 +193,9 @@ impl<'a> Elaborator<'a> {
 
     /// The file being read.
     pub(super) fn file(&self) -> u32 {
-        self.visits.get(self.visit as usize).map_or(0, |it| it.file)
+        self.visits
+            .get(self.visit as usize)
+            .map_or(0, |visit| visit.file)
     }
 
     /// A node of the visit being read.
@@ -239,7 +241,11 @@ impl<'a> Elaborator<'a> {
 
     /// Removes the last finding if it has this code: a worse error is reported for the same text.
     pub(super) fn retract(&mut self, code: &str) {
-        if self.diagnostics.last().is_some_and(|it| it.code() == code) {
+        if self
+            .diagnostics
+            .last()
+            .is_some_and(|diagnostic| diagnostic.code() == code)
+        {
             self.diagnostics.pop();
         }
     }
@@ -253,7 +259,7 @@ impl<'a> Elaborator<'a> {
     ) -> Option<Near> {
         let left = self.hints.get().checked_sub(1)?;
         self.hints.set(left);
-        dotgen_syntax::suggestion::nearest(name, candidates).map(|it| Near::new(at, it))
+        dotgen_syntax::suggestion::nearest(name, candidates).map(|near| Near::new(at, near))
     }
 
     /// Reports a problem that has only one place.
@@ -405,7 +411,8 @@ impl<'a> Elaborator<'a> {
             }
             Clash::Scope(child) => {
                 let def = self.scopes.get(child).def;
-                let what = match def.map(|it| self.definitions[it.0 as usize].kind) {
+                let what = match def.map(|definition| self.definitions[definition.0 as usize].kind)
+                {
                     Some(DefKind::Component) => "a component",
                     Some(DefKind::Interface) => "an interface",
                     Some(DefKind::Module) => "a module",
@@ -446,7 +453,9 @@ impl<'a> Elaborator<'a> {
     /// The forward declaration of a type, if it is one.
     pub(super) fn forward_of(&mut self, ty: TypeId) -> Option<&mut ForwardDeclaration> {
         // In order of creation.
-        let found = self.forwards.binary_search_by_key(&ty, |it| it.ty);
+        let found = self
+            .forwards
+            .binary_search_by_key(&ty, |declaration| declaration.ty);
         self.forwards.get_mut(found.ok()?)
     }
 

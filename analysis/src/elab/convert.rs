@@ -53,7 +53,7 @@ pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, C
     };
     match kind {
         TypeKind::Boolean => match value {
-            Const::Bool(it) => Ok(Value::Bool(*it)),
+            Const::Bool(flag) => Ok(Value::Bool(*flag)),
             _ => Err(ConversionError::Kind),
         },
         TypeKind::Octet => integer(0, u8::MAX.into(), false),
@@ -68,18 +68,18 @@ pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, C
             .map(Value::Float)
             .ok_or(ConversionError::Kind),
         TypeKind::Char => match value {
-            Const::Char(it) => Ok(Value::Char(it.clone())),
-            Const::Str(it) => Ok(Value::String(it.clone())),
+            Const::Char(character) => Ok(Value::Char(character.clone())),
+            Const::Str(text) => Ok(Value::String(text.clone())),
             _ => Err(ConversionError::Kind),
         },
         TypeKind::String { .. } => match value {
-            Const::Str(it) => Ok(Value::String(it.clone())),
+            Const::Str(text) => Ok(Value::String(text.clone())),
             _ => Err(ConversionError::Kind),
         },
         TypeKind::Enum { .. } => match value {
-            Const::Enum(it) => match spec.ty(*it).kind {
+            Const::Enum(ty) => match spec.ty(*ty).kind {
                 TypeKind::Enumerator { enumeration, .. } if enumeration == last => {
-                    Ok(Value::Enum(*it))
+                    Ok(Value::Enum(*ty))
                 }
                 _ => Err(ConversionError::Kind),
             },
@@ -101,15 +101,15 @@ pub(super) fn explain_misfit(
     match misfit {
         ConversionError::Type => ValueProblem::NoConstants { of, ty },
         ConversionError::Kind => match value {
-            Const::Enum(it) => ValueProblem::OtherEnum {
+            Const::Enum(enumeration) => ValueProblem::OtherEnum {
                 of,
-                name: spec.ty(*it).name.clone().unwrap_or_default(),
+                name: spec.ty(*enumeration).name.clone().unwrap_or_default(),
                 ty,
             },
             _ => ValueProblem::OtherKind {
                 of,
                 value: match value {
-                    Const::Float(it) => format_smolstr!("{it}"),
+                    Const::Float(number) => format_smolstr!("{number}"),
                     Const::Int { value, .. } => format_smolstr!("{value}"),
                     _ => value.describe().into(),
                 },

@@ -305,7 +305,7 @@ impl<'a> Elaborator<'a> {
         if let Some(clash) = clash {
             self.report_clash(self.scope, &name.text, at, clash);
         }
-        let known = completes.and_then(|it| self.type_defs[it.0 as usize]);
+        let known = completes.and_then(|ty| self.type_defs[ty.0 as usize]);
         let def = match known {
             Some(def) => {
                 let definition = &mut self.definitions[def.0 as usize];

@@ -28,7 +28,7 @@ impl Elaborator<'_> {
         let visits = self.visits;
         let is_standin: Vec<bool> = visits
             .iter()
-            .map(|it| is_standin(it.path.as_ref()))
+            .map(|visit| is_standin(visit.path.as_ref()))
             .collect();
         if !is_standin.contains(&true) {
             return;
@@ -37,7 +37,7 @@ impl Elaborator<'_> {
         let open = ids.filter(|(_, ty)| {
             ty.name.is_some() && is_standin.get(ty.src.visit as usize) == Some(&true)
         });
-        self.spec.open = open.map(|it| it.0).collect();
+        self.spec.open = open.map(|pair| pair.0).collect();
     }
 
     fn settle(&mut self) {
@@ -70,7 +70,11 @@ impl Elaborator<'_> {
 
     /// The lints of a component, as far as its declarations were resolved.
     fn lint(&mut self, index: usize) {
-        if !self.components[index].tasks.iter().any(|it| it.incomplete) {
+        if !self.components[index]
+            .tasks
+            .iter()
+            .any(|task| task.incomplete)
+        {
             for lint in crate::check::lints(&self.spec.components[index]) {
                 self.report(lint);
             }
@@ -97,7 +101,7 @@ impl Elaborator<'_> {
     fn apply_wcet_pragmas(&mut self) {
         for pragma in std::mem::take(&mut self.pragma_wcet) {
             let Some(def) = self.codel_def(&pragma.codel) else {
-                let names = self.codels.keys().map(|it| it.as_str());
+                let names = self.codels.keys().map(|key| key.as_str());
                 let near = self.near(pragma.name, &pragma.codel, names);
 
                 self.unresolved(
@@ -113,8 +117,11 @@ impl Elaborator<'_> {
             let quantity = self.seconds(pragma.number, pragma.unit, pragma.at);
             let mut clause = None;
             for component in &mut self.spec.components {
-                let tasks = component.tasks.iter_mut().map(|it| &mut it.codels);
-                let services = component.services.iter_mut().map(|it| &mut it.codels);
+                let tasks = component.tasks.iter_mut().map(|task| &mut task.codels);
+                let services = component
+                    .services
+                    .iter_mut()
+                    .map(|service| &mut service.codels);
                 for codel in tasks.chain(services).flatten() {
                     if codel.name != pragma.codel {
                         continue;
@@ -177,13 +184,13 @@ impl Elaborator<'_> {
 
     fn default_clock_rate(&mut self, index: usize) {
         let component = &self.spec.components[index];
-        if component.tasks.iter().all(|it| it.period.is_none()) {
+        if component.tasks.iter().all(|task| task.period.is_none()) {
             return;
         }
         let times = component
             .tasks
             .iter()
-            .flat_map(|it| [&it.period, &it.delay])
+            .flat_map(|task| [&task.period, &task.delay])
             .flatten();
         let rate = times.fold(1_000_000, |rate, time| gcd(rate, microseconds(time)));
         let src = component.src;
@@ -227,7 +234,7 @@ fn order_types(result: &mut Elaborated, order: &[u32]) {
         return;
     }
     let mut by_order: Vec<u32> = (0..order.len() as u32).collect();
-    by_order.sort_by_key(|it| order[*it as usize]);
+    by_order.sort_by_key(|index| order[*index as usize]);
     let mut new_ids = vec![TypeId(0); order.len()];
     for (new, old) in (0..).zip(&by_order) {
         new_ids[*old as usize] = TypeId(new);
@@ -258,6 +265,6 @@ fn reorder(spec: &mut Spec, by_order: &[u32]) {
         .collect();
     spec.types = by_order
         .iter()
-        .filter_map(|it| old.get_mut(*it as usize)?.take())
+        .filter_map(|order| old.get_mut(*order as usize)?.take())
         .collect();
 }

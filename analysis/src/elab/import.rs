@@ -39,7 +39,7 @@ impl<'a> Elaborator<'a> {
         let mut list: Vec<(u32, Src)> = Vec::with_capacity(names.len());
         for name in names {
             let at = self.src(name.ptr);
-            if let Some((_, first)) = seen.iter().find(|(it, _)| *it == &name.text) {
+            if let Some((_, first)) = seen.iter().find(|(text, _)| *text == &name.text) {
                 let diagnostic = Finding::new(
                     NameProblem::ImportedTwice {
                         name: name.text.clone(),
@@ -74,13 +74,13 @@ impl<'a> Elaborator<'a> {
         let which = list_of(word);
         let lists = &mut self.components[index as usize].lists;
         let first = lists[which].is_empty();
-        union(&mut lists[which], list.iter().map(|(it, _)| *it));
+        union(&mut lists[which], list.iter().map(|(number, _)| *number));
         let named = list.len();
         let mut next = 0;
         while let Some(&(interface, at)) = list.get(next) {
             if first {
                 for &theirs in &self.components[interface as usize].lists[which] {
-                    if !list.iter().any(|(it, _)| *it == theirs) {
+                    if !list.iter().any(|(number, _)| *number == theirs) {
                         list.push((theirs, at));
                     }
                 }
@@ -103,8 +103,8 @@ impl<'a> Elaborator<'a> {
                 .spec
                 .components
                 .iter()
-                .filter(|it| it.kind == ComponentKind::Interface)
-                .map(|it| it.name.as_str());
+                .filter(|component| component.kind == ComponentKind::Interface)
+                .map(|component| component.name.as_str());
             let near = self.near(at, name, interfaces);
 
             self.unresolved(at, unknown(name.clone()), near);
@@ -250,9 +250,9 @@ impl<'a> Elaborator<'a> {
         }
         let mut once =
             |word: &'static str, value: &str| self.import_once(index, interface, word, value, at);
-        let version = version.filter(|it| once("version", it));
-        let lang = lang.filter(|it| once("lang", it));
-        let email = email.filter(|it| once("email", it));
+        let version = version.filter(|version| once("version", version));
+        let lang = lang.filter(|language| once("lang", language));
+        let email = email.filter(|email| once("email", email));
         let clock_rate = clock_rate.filter(|_| once("clock-rate", ""));
         let stack = stack.filter(|_| once("stack", ""));
         let to = &mut self.spec.components[index as usize];

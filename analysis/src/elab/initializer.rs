@@ -126,8 +126,8 @@ impl<'a> Elaborator<'a> {
         at: Src,
     ) -> Option<Vec<Initializer>> {
         let last = types::resolve_aliases(&self.spec, ty);
-        let mut said = parts.iter().filter(|it| !says_nothing(it));
-        let first = said.next().map_or(at, |it| self.src(it.ptr));
+        let mut said = parts.iter().filter(|part| !says_nothing(part));
+        let first = said.next().map_or(at, |part| self.src(part.ptr));
         match &self.spec.ty(last).kind {
             TypeKind::Array { element, length } => {
                 let (element, length) = (*element, Some(*length));
@@ -166,7 +166,7 @@ impl<'a> Elaborator<'a> {
         let mut fitted = Vec::with_capacity(parts.len());
         let mut complete = true;
         let mut position = 0u64;
-        for part in parts.iter().filter(|it| !says_nothing(it)) {
+        for part in parts.iter().filter(|part| !says_nothing(part)) {
             let here = self.src(part.ptr);
             match &part.designator {
                 Some(Designator::Index(expr)) => match self.non_negative_integer(expr, "index") {
@@ -186,7 +186,7 @@ impl<'a> Elaborator<'a> {
                 }
                 None => {}
             }
-            if let Some(length) = length.filter(|it| position >= *it) {
+            if let Some(length) = length.filter(|length| position >= *length) {
                 self.report_part(
                     ValueProblem::NoElement { position, length },
                     None,
@@ -215,15 +215,15 @@ impl<'a> Elaborator<'a> {
         let mut fitted = Vec::with_capacity(parts.len());
         let mut complete = true;
         let mut position = 0;
-        for part in parts.iter().filter(|it| !says_nothing(it)) {
+        for part in parts.iter().filter(|part| !says_nothing(part)) {
             let here = self.src(part.ptr);
             match &part.designator {
                 Some(Designator::Member(name)) => {
-                    let named = |it: &TypeId| self.spec.ty(*it).name.as_ref() == Some(&name.text);
+                    let named = |ty: &TypeId| self.spec.ty(*ty).name.as_ref() == Some(&name.text);
                     let Some(found) = members.iter().position(named) else {
                         let names = members
                             .iter()
-                            .filter_map(|it| self.spec.ty(*it).name.as_deref());
+                            .filter_map(|member| self.spec.ty(*member).name.as_deref());
                         let near = self.near(self.src(name.ptr), &name.text, names);
 
                         self.report_part(

@@ -18,7 +18,7 @@ impl<'a> Elaborator<'a> {
             .newer
             .uses
             .iter()
-            .any(|it| it.0 == change && it.2 == at);
+            .any(|usage| usage.0 == change && usage.2 == at);
         if !known {
             self.newer.uses.push((change, what, at));
         }
@@ -41,7 +41,7 @@ impl<'a> Elaborator<'a> {
     /// Records the releases in a `requires`.
     pub(super) fn note_requirements(&mut self, list: &'a [Expr]) {
         for expr in list {
-            let bound = super::property::text(expr).and_then(|it| Release::lower_bound(&it));
+            let bound = super::property::text(expr).and_then(|text| Release::lower_bound(&text));
             if let Some(bound) = bound {
                 let at = self.src(expr.ptr);
                 self.newer.requirements.push((bound, at));
@@ -52,10 +52,19 @@ impl<'a> Elaborator<'a> {
     /// Reports features that not all releases claimed by the specifications accept.
     pub(super) fn report_newer(&mut self) {
         let NewerReleases { uses, requirements } = std::mem::take(&mut self.newer);
-        let all = self.spec.components.iter().flat_map(|it| &it.requires);
+        let all = self
+            .spec
+            .components
+            .iter()
+            .flat_map(|component| &component.requires);
         let all = all.chain(&self.spec.pragma_requires);
-        let bound = all.filter_map(|it| Release::lower_bound(it)).max();
-        let greatest = requirements.iter().max_by_key(|it| it.0).copied();
+        let bound = all
+            .filter_map(|requirement| Release::lower_bound(requirement))
+            .max();
+        let greatest = requirements
+            .iter()
+            .max_by_key(|requirement| requirement.0)
+            .copied();
         for (change, what, at) in uses {
             let since = change.since();
             if bound >= Some(since) {

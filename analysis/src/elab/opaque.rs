@@ -32,9 +32,9 @@ impl<'a> Elaborator<'a> {
     pub(super) fn opaque_type(&mut self, path: &Path, at: Src) -> TypeId {
         let id = self.unknown(at);
         if let Some((last, scopes)) = path.segments.split_last() {
-            let module = |it: &Name| Scope {
+            let module = |name: &Name| Scope {
                 kind: ScopeKind::Module,
-                name: it.text.clone(),
+                name: name.text.clone(),
             };
             let ty = &mut self.spec.types[id.0 as usize];
             ty.name = Some(last.text.clone());
@@ -70,8 +70,8 @@ impl<'a> Elaborator<'a> {
             path.iter().rev().find_map(member),
         );
         // Members of the ids are named by their last name, everything else by the first.
-        let whole = matches!(source, Some((it, _)) if *it != Source::Ids)
-            || first.is_some_and(|it| self.local_named(index, service, &it.text).is_some());
+        let whole = matches!(source, Some((known, _)) if *known != Source::Ids)
+            || first.is_some_and(|name| self.local_named(index, service, &name.text).is_some());
         let own = if whole { first } else { last };
         let name = rename.as_deref().or(own)?.text.clone();
         let src = self.src(decl.ptr);
@@ -79,7 +79,7 @@ impl<'a> Elaborator<'a> {
             && let Some(first) = first
             && !self.is_source(index, service, &first.text)
         {
-            let kind = source.as_ref().map(|it| match it.0 {
+            let kind = source.as_ref().map(|source| match source.0 {
                 Source::Ids => SourceKind::Ids,
                 Source::Local => SourceKind::Local,
                 Source::Port => SourceKind::Port,
@@ -93,7 +93,7 @@ impl<'a> Elaborator<'a> {
             });
         }
         let scope = self.components[index as usize].scope;
-        let named = first.map_or_else(|| name.clone(), |it| it.text.clone());
+        let named = first.map_or_else(|| name.clone(), |name| name.text.clone());
         let ty = self.named(TypeKind::Unknown, scope, named, src);
         if let Some((name, scope)) = self.inside_unknown() {
             let ty = &mut self.spec.types[ty.0 as usize];
@@ -125,7 +125,7 @@ impl<'a> Elaborator<'a> {
     pub(super) fn is_from_stand_in(&self, ty: TypeId) -> bool {
         let last = resolve_aliases(&self.spec, ty);
         let visit = self.visits.get(self.spec.ty(last).src.visit as usize);
-        visit.is_some_and(|it| is_standin(it.path.as_ref()))
+        visit.is_some_and(|visit| is_standin(visit.path.as_ref()))
     }
 
     /// Records the use of a member of an unknown type.
@@ -133,7 +133,7 @@ impl<'a> Elaborator<'a> {
         let Some(of) = self.spec.full_name(ty) else {
             return;
         };
-        let path = rest.iter().map(|it| match it {
+        let path = rest.iter().map(|step| match step {
             PathStep::Member(name) => PathElement::Member(name.text.clone()),
             PathStep::Index(_) => PathElement::Index(0),
         });
@@ -146,7 +146,8 @@ impl<'a> Elaborator<'a> {
 
     /// Name and scope for a type inside of an unknown one, if the last recorded gap was such a type.
     fn inside_unknown(&self) -> Option<(Text, Vec<Scope>)> {
-        let Some(Missing::Member { of, path }) = self.spec.gaps.last().map(|it| &it.missing) else {
+        let Some(Missing::Member { of, path }) = self.spec.gaps.last().map(|gap| &gap.missing)
+        else {
             return None;
         };
         let (outer, own) = of.rsplit_once("::").unwrap_or(("", of));
@@ -157,10 +158,10 @@ impl<'a> Elaborator<'a> {
                 PathElement::Index(_) => name.push_str("_element"),
             }
         }
-        let scopes = outer.split("::").filter(|it| !it.is_empty());
-        let scopes = scopes.map(|it| Scope {
+        let scopes = outer.split("::").filter(|part| !part.is_empty());
+        let scopes = scopes.map(|scope| Scope {
             kind: ScopeKind::Module,
-            name: it.into(),
+            name: scope.into(),
         });
         Some((name.into(), scopes.collect()))
     }

@@ -32,12 +32,12 @@ fn binary_text(op: BinaryOp) -> &'static str {
 pub(super) fn unary(op: UnaryOp, value: &Const) -> Option<Const> {
     Some(match (op, value) {
         (_, Const::Unknown) => Const::Unknown,
-        (UnaryOp::Not, Const::Bool(it)) => Const::Bool(!it),
+        (UnaryOp::Not, Const::Bool(flag)) => Const::Bool(!flag),
         (UnaryOp::Not, Const::Int { value, signed }) => Const::Int {
             value: !value,
             signed: *signed,
         },
-        (UnaryOp::Minus, Const::Float(it)) => Const::Float(-it),
+        (UnaryOp::Minus, Const::Float(number)) => Const::Float(-number),
         (UnaryOp::Minus, Const::Int { .. }) => Const::Int {
             value: -value.integer()?,
             signed: true,
@@ -72,7 +72,12 @@ impl BinaryProblem {
 
 pub(super) fn binary(op: BinaryOp, left: &Const, right: &Const) -> Result<Const, BinaryProblem> {
     use BinaryOp as Op;
-    let known = |it: &Const| matches!(it, Const::Unknown | Const::Int { .. } | Const::Float(_));
+    let known = |constant: &Const| {
+        matches!(
+            constant,
+            Const::Unknown | Const::Int { .. } | Const::Float(_)
+        )
+    };
     if !known(left) || !known(right) {
         return Err(BinaryProblem::Kinds);
     }
@@ -139,7 +144,9 @@ fn shift(op: BinaryOp, left: &Const, right: &Const) -> Result<Const, BinaryProbl
     let Const::Int { signed, .. } = left else {
         return Err(BinaryProblem::Kinds);
     };
-    let amount = right.integral().and_then(|it| u32::try_from(it).ok());
+    let amount = right
+        .integral()
+        .and_then(|integral| u32::try_from(integral).ok());
     let (Some(value), Some(amount)) = (left.integer(), amount) else {
         return Err(BinaryProblem::Kinds);
     };

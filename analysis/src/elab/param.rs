@@ -182,7 +182,7 @@ impl<'a> Elaborator<'a> {
 
     pub(super) fn local_named(&self, index: u32, service: Option<u32>, name: &str) -> Option<u32> {
         let service = &self.spec.components[index as usize].services[service? as usize];
-        let found = service.params.iter().position(|it| it.name == name)?;
+        let found = service.params.iter().position(|param| param.name == name)?;
         Some(found as u32)
     }
 
@@ -222,7 +222,7 @@ impl<'a> Elaborator<'a> {
         };
         if found.is_none() && !self.is_excused(index, &name) {
             let candidates = self.sources(index, service, Some(source));
-            let candidates = candidates.iter().map(|it| it.as_str());
+            let candidates = candidates.iter().map(|candidate| candidate.as_str());
             let near = self.near(self.src(written.first.ptr), &name, candidates);
 
             self.unresolved(written.at, kind, near);
@@ -259,14 +259,14 @@ impl<'a> Elaborator<'a> {
                     },
                     written.at,
                 );
-                let places = [a, b].map(|it| self.target_def(index, service, it));
+                let places = [a, b].map(|target| self.target_def(index, service, target));
                 let diagnostic = places
                     .into_iter()
                     .zip([a, b])
-                    .filter_map(|(def, it)| Some((def?, it)))
-                    .fold(diagnostic, |diagnostic, (def, it)| {
+                    .filter_map(|(def, target)| Some((def?, target)))
+                    .fold(diagnostic, |diagnostic, (def, target)| {
                         let place = self.definitions[def.0 as usize].src;
-                        diagnostic.related(place, Role::Meaning(it.describe()))
+                        diagnostic.related(place, Role::Meaning(target.describe()))
                     });
                 self.report(diagnostic);
                 None
@@ -274,7 +274,7 @@ impl<'a> Elaborator<'a> {
             (None, _) if self.is_excused(index, name) => None,
             (None, _) => {
                 let candidates = self.sources(index, service, None);
-                let candidates = candidates.iter().map(|it| it.as_str());
+                let candidates = candidates.iter().map(|candidate| candidate.as_str());
                 let near = self.near(self.src(written.first.ptr), name, candidates);
                 let places = match service {
                     Some(_) => {
@@ -300,14 +300,14 @@ impl<'a> Elaborator<'a> {
     /// Every name that a parameter could use.
     fn sources(&self, index: u32, service: Option<u32>, only: Option<Source>) -> Vec<Text> {
         let state = &self.components[index as usize];
-        let wanted = |source| only.is_none_or(|it| it == source);
+        let wanted = |source| only.is_none_or(|other| other == source);
         let mut names: Vec<Text> = Vec::new();
         if let Some(scope) = state.ids.filter(|_| wanted(Source::Ids)) {
             names.extend(self.scopes.get(scope).names.keys().cloned());
         }
         if let Some(service) = service.filter(|_| wanted(Source::Local)) {
             let service = &self.spec.components[index as usize].services[service as usize];
-            names.extend(service.params.iter().map(|it| it.name.clone()));
+            names.extend(service.params.iter().map(|param| param.name.clone()));
         }
         if wanted(Source::Port) {
             names.extend(state.port_by_name.keys().cloned());
@@ -379,7 +379,7 @@ impl<'a> Elaborator<'a> {
         self.refer_target(index, None, Target::Ids(member), written);
         let mut path = vec![PathElement::Member(written.first.text.clone())];
         let ty = self.walk(self.value_type(member), written, &mut path)?;
-        let last = written.rest.iter().rev().find_map(|it| match it {
+        let last = written.rest.iter().rev().find_map(|step| match step {
             PathStep::Member(name) => Some(name),
             PathStep::Index(_) => None,
         });
@@ -614,7 +614,7 @@ impl<'a> Elaborator<'a> {
             TypeKind::Enum { enumerators } => enumerators
                 .iter()
                 .copied()
-                .find(|it| self.spec.ty(*it).name.as_ref() == Some(&name.text)),
+                .find(|enumerator| self.spec.ty(*enumerator).name.as_ref() == Some(&name.text)),
             _ => types::member_named(&self.spec, ty, &name.text),
         }
     }
@@ -626,7 +626,7 @@ impl<'a> Elaborator<'a> {
             Some(members) => {
                 let names = members
                     .iter()
-                    .filter_map(|it| self.spec.ty(*it).name.as_deref());
+                    .filter_map(|member| self.spec.ty(*member).name.as_deref());
                 let near = self.near(self.src(name.ptr), &name.text, names);
                 let name = name.text.clone();
                 (CodelProblem::NoMember { ty, name }, near)

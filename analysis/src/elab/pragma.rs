@@ -13,7 +13,7 @@ impl<'a> Elaborator<'a> {
     pub(super) fn pragma(&mut self, pragma: &'a Pragma) {
         match pragma {
             Pragma::Requires { arguments, .. } => {
-                let added = arguments.iter().map(|(it, _)| it.to_string());
+                let added = arguments.iter().map(|(text, _)| text.to_string());
                 union(&mut self.spec.pragma_requires, added);
             }
             Pragma::Provides { arguments, .. } => {
@@ -58,12 +58,12 @@ impl<'a> Elaborator<'a> {
             );
             return;
         };
-        let Some(ty) = ty.and_then(|it| self.resolve_path(it)) else {
+        let Some(ty) = ty.and_then(|ty| self.resolve_path(ty)) else {
             self.error(at, NameProblem::MasqueradeUnknown { name: name.clone() });
             return;
         };
         let known = &mut self.spec.types[ty.0 as usize].masquerade;
-        if known.iter().any(|(it, _)| it == template.as_str()) {
+        if known.iter().any(|(name, _)| name == template.as_str()) {
             self.error(
                 at,
                 NameProblem::MasqueradeTwice {
@@ -89,7 +89,10 @@ impl<'a> Elaborator<'a> {
         let Some((number, unit)) = self.execution_time(duration, TimePlace::Pragma, at) else {
             return;
         };
-        let first = self.pragma_wcet.iter().find(|it| it.codel == codel.text);
+        let first = self
+            .pragma_wcet
+            .iter()
+            .find(|wcet| wcet.codel == codel.text);
         if let Some(first) = first {
             let diagnostic = Finding::new(
                 ValueProblem::PragmaTwice {

@@ -78,7 +78,12 @@ pub(super) fn home(kind: &PropertyKind) -> &'static str {
 /// The text of a string expression. The grammar allows only strings here.
 pub(super) fn text(expr: &Expr) -> Option<String> {
     match &expr.kind {
-        ExprKind::Str(parts) => Some(parts.iter().map(|(it, _)| string_content(it)).collect()),
+        ExprKind::Str(parts) => Some(
+            parts
+                .iter()
+                .map(|(literal, _)| string_content(literal))
+                .collect(),
+        ),
         ExprKind::Paren(inner) => text(inner),
         _ => None,
     }
@@ -489,9 +494,9 @@ pub(super) fn join_doc(docs: &mut Option<String>, doc: &str) {
 
 /// Appends the elements that the list does not have yet.
 pub(super) fn union<T: PartialEq>(list: &mut Vec<T>, added: impl IntoIterator<Item = T>) {
-    for it in added {
-        if !list.contains(&it) {
-            list.push(it);
+    for element in added {
+        if !list.contains(&element) {
+            list.push(element);
         }
     }
 }

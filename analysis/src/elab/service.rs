@@ -113,7 +113,7 @@ impl<'a> Elaborator<'a> {
             Some(("a port", component.ports[*port as usize].src))
         } else {
             let remote = state.remote_by_name.get(name);
-            remote.map(|it| ("a remote service", component.remotes[*it as usize].src))
+            remote.map(|remote| ("a remote service", component.remotes[*remote as usize].src))
         };
         let Some((what, place)) = taken else {
             return false;
@@ -241,7 +241,7 @@ impl<'a> Elaborator<'a> {
                 let names = self.name_list(list, word);
                 let known = &mut self.components[c].services[s].lists[INTERRUPTS];
                 for (name, src) in names {
-                    if !known.names.iter().any(|(it, _)| *it == name) {
+                    if !known.names.iter().any(|(text, _)| *text == name) {
                         known.names.push((name, src));
                     }
                 }
@@ -250,12 +250,12 @@ impl<'a> Elaborator<'a> {
                 let names = self.name_list(list, word);
                 if self.once_in_service(index, service, word, at) {
                     let which = if word == "before" { BEFORE } else { AFTER };
-                    for (it, src) in &names {
-                        if *it == name.text {
+                    for (text, src) in &names {
+                        if *text == name.text {
                             self.error(
                                 *src,
                                 DeclarationProblem::ListsItself {
-                                    name: it.clone(),
+                                    name: text.clone(),
                                     word,
                                 },
                             );
@@ -369,7 +369,10 @@ impl<'a> Elaborator<'a> {
         kind: DeclarationProblem,
     ) {
         let compiler_at = self.src(service.ptr);
-        let at = codel.name.as_ref().map_or(property, |it| self.src(it.ptr));
+        let at = codel
+            .name
+            .as_ref()
+            .map_or(property, |name| self.src(name.ptr));
         self.report(
             // The reference compiler reports it at the service.
             Finding::new(kind, compiler_at).related(at, Role::ThisCodel),
@@ -393,7 +396,7 @@ impl<'a> Elaborator<'a> {
                 self.lack_of(index, Missing::Task { name });
                 return None;
             }
-            let names = state.task_by_name.keys().map(|it| it.as_str());
+            let names = state.task_by_name.keys().map(|key| key.as_str());
             let near = self.near(self.src(task.ptr), &task.text, names);
 
             self.unresolved(
@@ -415,7 +418,7 @@ impl<'a> Elaborator<'a> {
         let mut names: Vec<(Text, Src)> = Vec::with_capacity(list.len());
         for name in list {
             let at = self.src(name.ptr);
-            if let Some((_, first)) = names.iter().find(|(it, _)| *it == name.text) {
+            if let Some((_, first)) = names.iter().find(|(text, _)| *text == name.text) {
                 let diagnostic = Finding::new(
                     DeclarationProblem::NamedTwice {
                         name: name.text.clone(),
@@ -439,7 +442,9 @@ impl<'a> Elaborator<'a> {
         let c = index as usize;
         for s in 0..self.spec.components[c].services.len() {
             let lists = self.components[c].services[s].lists.clone();
-            let mut resolved = lists.iter().map(|it| self.resolve_list(index, it));
+            let mut resolved = lists
+                .iter()
+                .map(|name_list| self.resolve_list(index, name_list));
             let (interrupts, before, after) = (resolved.next(), resolved.next(), resolved.next());
             drop(resolved);
             let service = &mut self.spec.components[c].services[s];
@@ -473,7 +478,7 @@ impl<'a> Elaborator<'a> {
                     self.lack_of(index, Missing::Service { name });
                 }
                 None => {
-                    let candidates = state.service_by_name.keys().map(|it| it.as_str());
+                    let candidates = state.service_by_name.keys().map(|key| key.as_str());
                     let near = self.near(*at, name, candidates);
                     let remote = state.remote_by_name.contains_key(name);
                     let name = name.clone();
@@ -508,7 +513,7 @@ impl<'a> Elaborator<'a> {
         let starts = activity
             .codels
             .iter()
-            .any(|it| it.triggers.iter().any(|it| it.name == "start"));
+            .any(|codel| codel.triggers.iter().any(|trigger| trigger.name == "start"));
         let name = activity.name.clone();
         if no_task {
             let (name, by) = (name.clone(), by.clone());

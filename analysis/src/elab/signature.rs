@@ -32,7 +32,10 @@ impl<'a> Elaborator<'a> {
             if native.is_none() && types::has_native(&self.spec, new.param.ty) {
                 native = Some((new.param.name.clone(), new.param.src));
             }
-            if let Some(first) = params.iter().find(|it| it.param.name == new.param.name) {
+            if let Some(first) = params
+                .iter()
+                .find(|param| param.param.name == new.param.name)
+            {
                 let diagnostic = Finding::new(
                     DeclarationProblem::ParamTwice {
                         what: "parameter",
@@ -85,12 +88,12 @@ impl<'a> Elaborator<'a> {
             ParamSpec::Path { path, rename, .. } => {
                 let param = self.attribute_param(index, decl)?;
                 let name = rename.as_deref().or_else(|| {
-                    path.iter().rev().find_map(|it| match it {
+                    path.iter().rev().find_map(|step| match step {
                         PathStep::Member(name) => Some(name),
                         PathStep::Index(_) => None,
                     })
                 });
-                let name_src = name.map_or(src, |it| self.src(it.ptr));
+                let name_src = name.map_or(src, |name| self.src(name.ptr));
                 (param, name_src)
             }
         };
@@ -157,14 +160,14 @@ impl<'a> Elaborator<'a> {
         let (c, s) = (index as usize, service as usize);
         for (position, new) in params.iter().enumerate() {
             let known = self.spec.components[c].services[s].params.get(position);
-            let known = known.filter(|it| it.dir != ParamDir::Local);
-            if known.is_some_and(|it| it.name == new.param.name)
+            let known = known.filter(|param| param.dir != ParamDir::Local);
+            if known.is_some_and(|param| param.name == new.param.name)
                 && let Some(&def) = self.components[c].services[s].params.get(position)
             {
                 self.refer_as(new.name_src, def, Access::None, true);
             }
         }
-        let params: Vec<&Param> = params.iter().map(|it| &it.param).collect();
+        let params: Vec<&Param> = params.iter().map(|param| &param.param).collect();
         self.compare_params(index, service, &params, at, None);
     }
 
@@ -182,7 +185,7 @@ impl<'a> Elaborator<'a> {
         let expected: Vec<&Param> = known
             .params
             .iter()
-            .filter(|it| it.dir != ParamDir::Local)
+            .filter(|param| param.dir != ParamDir::Local)
             .collect();
         let mut problems: Vec<Finding> = Vec::new();
         for (old, new) in expected.iter().zip(params) {
@@ -284,7 +287,10 @@ impl<'a> Elaborator<'a> {
     fn add_local(&mut self, index: u32, service: u32, local: Param, src: Src, again: bool) {
         let state = &self.components[index as usize].services[service as usize];
         let known = &self.spec.components[index as usize].services[service as usize];
-        let position = known.params.iter().position(|it| it.name == local.name);
+        let position = known
+            .params
+            .iter()
+            .position(|param| param.name == local.name);
         let Some(position) = position else {
             self.add_param(index, service, local, src, src, DefKind::Local);
             return;

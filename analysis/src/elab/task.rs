@@ -111,7 +111,7 @@ impl<'a> Elaborator<'a> {
                 if word == "period"
                     && value
                         .as_ref()
-                        .is_some_and(|it| it.value == Ratio::from_integer(0))
+                        .is_some_and(|time| time.value == Ratio::from_integer(0))
                 {
                     self.error(at, ValueProblem::PeriodZero);
                 }
@@ -147,7 +147,7 @@ impl<'a> Elaborator<'a> {
                 self.components[c].tasks[t].incomplete = true;
                 let compiler_at = self.src(name.ptr);
                 let (at, codel) = match &decl.name {
-                    Some(it) => (self.src(it.ptr), it.text.clone()),
+                    Some(name) => (self.src(name.ptr), name.text.clone()),
                     None => (self.src(decl.ptr), Text::default()),
                 };
                 let kind = DeclarationProblem::TaskCodelWithoutState {

@@ -34,12 +34,12 @@ impl<'a> Elaborator<'a> {
         match &ty.kind {
             TypeRefKind::Base(base) => self.anonymous(base_kind(*base), at),
             TypeRefKind::String { bound } => {
-                let bound = bound.as_ref().map(|it| self.size(it, "bound"));
+                let bound = bound.as_ref().map(|bound| self.size(bound, "bound"));
                 self.sized(bound, at, |bound| TypeKind::String { bound })
             }
             TypeRefKind::Sequence { element, bound } => {
                 let element = self.type_ref_for(element, TypeUse::Element);
-                let bound = bound.as_ref().map(|it| self.size(it, "bound"));
+                let bound = bound.as_ref().map(|bound| self.size(bound, "bound"));
                 self.sized(bound, at, |bound| TypeKind::Sequence { element, bound })
             }
             TypeRefKind::Optional { element } => {
@@ -121,7 +121,7 @@ impl<'a> Elaborator<'a> {
 
     /// The type object that a path names, with its references recorded.
     pub(super) fn resolve_path(&mut self, path: &'a Path) -> Option<TypeId> {
-        let names: Vec<_> = path.segments.iter().map(|it| &it.text).collect();
+        let names: Vec<_> = path.segments.iter().map(|segment| &segment.text).collect();
         // Members are found only by paths into values, and hide no other name.
         let wanted = |ty: TypeId| {
             !matches!(
@@ -145,7 +145,7 @@ impl<'a> Elaborator<'a> {
 
     /// Reports a path that names nothing. `types`: a type is expected, not a constant.
     pub(super) fn report_unresolved(&mut self, path: &Path, types: bool) {
-        let names: Vec<_> = path.segments.iter().map(|it| &it.text).collect();
+        let names: Vec<_> = path.segments.iter().map(|segment| &segment.text).collect();
         let Some(last) = path.segments.last() else {
             return;
         };
@@ -161,7 +161,11 @@ impl<'a> Elaborator<'a> {
         };
         let noun = if types { Noun::Type } else { Noun::Constant };
         let (scope, followed) = self.scopes.follow(self.scope, path.absolute, &names);
-        let token = |it: usize| path.segments.get(it).map_or(path.ptr, |it| it.ptr);
+        let token = |index: usize| {
+            path.segments
+                .get(index)
+                .map_or(path.ptr, |segment| segment.ptr)
+        };
         let path_text = words::path_text(path);
         let standard = foreign::standard_type(path_text.trim_start_matches("::"));
         let (kind, near) = if let Some(ty) = standard.filter(|_| types) {
@@ -170,7 +174,7 @@ impl<'a> Elaborator<'a> {
         } else if followed + 1 < names.len() {
             let missing = names[followed];
             let inner = self.scopes.get(scope);
-            let candidates = inner.children.keys().map(|it| it.as_str());
+            let candidates = inner.children.keys().map(|key| key.as_str());
             let near = self.near(self.src(token(followed)), missing, candidates);
             let inside = match followed {
                 0 => SearchedScope::Here,
@@ -228,7 +232,7 @@ impl<'a> Elaborator<'a> {
         let lengths: Vec<Option<u64>> = declarator
             .dimensions
             .iter()
-            .map(|it| self.size(it, "array size"))
+            .map(|dimension| self.size(dimension, "array size"))
             .collect();
         let mut element = base;
         for length in lengths.into_iter().rev() {
@@ -316,7 +320,7 @@ pub(crate) fn member_named(spec: &Spec, ty: TypeId, name: &str) -> Option<TypeId
     found
         .iter()
         .copied()
-        .find(|it| spec.ty(*it).name.as_deref() == Some(name))
+        .find(|member| spec.ty(*member).name.as_deref() == Some(name))
 }
 
 /// Returns true if two types are equal: aliases do not count, structs compare by their members. An unknown
@@ -450,7 +454,7 @@ pub(crate) fn has_native(spec: &Spec, ty: TypeId) -> bool {
                 if !seen.insert(ty) {
                     return false;
                 }
-                members.iter().any(|it| search(spec, *it, seen))
+                members.iter().any(|member| search(spec, *member, seen))
             }
             _ => false,
         }

@@ -32,7 +32,9 @@ impl<'a> Elaborator<'a> {
             let ty = this.type_ref(switch);
             let ty = this.check_switch(ty, switch, name);
             let clashing = match &switch.kind {
-                TypeRefKind::Named(path) => path.segments.last().map(|it| it.text.clone()),
+                TypeRefKind::Named(path) => {
+                    path.segments.last().map(|segment| segment.text.clone())
+                }
                 _ => None,
             };
             let mut members: Vec<TypeId> = Vec::new();
@@ -217,11 +219,11 @@ impl LabelKey {
         match label {
             Label::Default => LabelKey::Default,
             Label::Case(Value::Char(text) | Value::String(text)) => LabelKey::Text(text.clone()),
-            Label::Case(Value::Bool(it)) => LabelKey::Bool(*it),
-            Label::Case(Value::Uint(it)) => LabelKey::Uint(*it),
-            Label::Case(Value::Int(it)) => LabelKey::Int(*it),
-            Label::Case(Value::Float(it)) => LabelKey::Float(it.to_bits()),
-            Label::Case(Value::Enum(it)) => LabelKey::Enum(*it),
+            Label::Case(Value::Bool(flag)) => LabelKey::Bool(*flag),
+            Label::Case(Value::Uint(number)) => LabelKey::Uint(*number),
+            Label::Case(Value::Int(number)) => LabelKey::Int(*number),
+            Label::Case(Value::Float(number)) => LabelKey::Float(number.to_bits()),
+            Label::Case(Value::Enum(enumeration)) => LabelKey::Enum(*enumeration),
         }
     }
 }

@@ -60,7 +60,7 @@ impl Const {
     pub(super) fn number(&self) -> Option<f64> {
         match self {
             Self::Float(value) => Some(*value),
-            _ => self.integer().map(|it| it as f64),
+            _ => self.integer().map(|integer| integer as f64),
         }
     }
 
@@ -81,7 +81,7 @@ impl Const {
             Self::Float(value) => Some(exact(*value)),
             _ => self
                 .integer()
-                .map(|it| Ratio::from_integer(it.clamp(-LIMIT, LIMIT))),
+                .map(|integer| Ratio::from_integer(integer.clamp(-LIMIT, LIMIT))),
         }
     }
 }
@@ -103,8 +103,11 @@ pub(super) fn exact(value: f64) -> Seconds {
     let exponent: i32 = exponent.parse().unwrap_or(0);
     let decimals = mantissa
         .split_once('.')
-        .map_or(0, |(_, it)| it.len() as i32);
-    let digits: String = mantissa.chars().filter(|it| *it != '.').collect();
+        .map_or(0, |(_, text)| text.len() as i32);
+    let digits: String = mantissa
+        .chars()
+        .filter(|character| *character != '.')
+        .collect();
     let Ok(digits) = digits.parse::<i128>() else {
         return Ratio::from_integer(0);
     };

@@ -22,9 +22,9 @@ impl OwnerName {
     /// The name of a task or service of a component.
     pub fn of(component: &Component, owner: Owner) -> OwnerName {
         let (kind, name) = match owner {
-            Owner::Task(it) => ("task", &component.tasks[it as usize].name),
-            Owner::Service(it) => {
-                let service = &component.services[it as usize];
+            Owner::Task(task) => ("task", &component.tasks[task as usize].name),
+            Owner::Service(index) => {
+                let service = &component.services[index as usize];
                 let kind = match service.kind {
                     ServiceKind::Attribute => "attribute",
                     ServiceKind::Function => "function",

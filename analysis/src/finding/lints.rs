@@ -109,7 +109,7 @@ impl fmt::Display for CyclePath {
         for name in &self.0 {
             write!(f, "{name} → ")?;
         }
-        f.write_str(self.0.first().map_or("", |it| it.as_str()))
+        f.write_str(self.0.first().map_or("", |text| text.as_str()))
     }
 }
 

@@ -129,24 +129,26 @@ impl fmt::Display for Role {
             Role::OldValue => "the old value, from the ids",
             Role::Interrupting => "interrupted by this service",
             Role::NoTime => "no execution time either",
-            Role::Meaning(it) => it,
-            Role::InCircle(it) => return write!(f, "`{it}` is part of the circle"),
-            Role::WrittenBy(it) => return write!(f, "written by {it}"),
-            Role::SetBy(it) => return write!(f, "set by {it}"),
+            Role::Meaning(meaning) => meaning,
+            Role::InCircle(text) => return write!(f, "`{text}` is part of the circle"),
+            Role::WrittenBy(name) => return write!(f, "written by {name}"),
+            Role::SetBy(owner_name) => return write!(f, "set by {owner_name}"),
             Role::Yields { codel, state } => {
                 return write!(f, "`{codel}` yields `{state}` without pause");
             }
-            Role::PauseToo(it) => return write!(f, "`pause::{it}` waits for no tick either"),
-            Role::WaitsFor(it) => return write!(f, "waits for {it}"),
-            Role::AlsoUses(it) => return write!(f, "also uses {it}"),
-            Role::Too(it) => return write!(f, "`{it}` too"),
-            Role::PeriodOf(it) => return write!(f, "period of task `{it}`"),
-            Role::Then(it) => return write!(f, "then `{it}`"),
+            Role::PauseToo(pause_too) => {
+                return write!(f, "`pause::{pause_too}` waits for no tick either");
+            }
+            Role::WaitsFor(wait) => return write!(f, "waits for {wait}"),
+            Role::AlsoUses(usage) => return write!(f, "also uses {usage}"),
+            Role::Too(text) => return write!(f, "`{text}` too"),
+            Role::PeriodOf(period) => return write!(f, "period of task `{period}`"),
+            Role::Then(text) => return write!(f, "then `{text}`"),
             Role::Load { task, share } => return write!(f, "task `{task}` needs {share}"),
             Role::Sharing { codel, owner } => return write!(f, "codel `{codel}` of {owner}"),
-            Role::Attribute(it) => return write!(f, "attribute `{it}`"),
-            Role::Owner(it) => return write!(f, "the {it}"),
-            Role::Is(it) => return write!(f, "this is `{it}`"),
+            Role::Attribute(attribute) => return write!(f, "attribute `{attribute}`"),
+            Role::Owner(owner) => return write!(f, "the {owner}"),
+            Role::Is(text) => return write!(f, "this is `{text}`"),
         };
         f.write_str(words)
     }

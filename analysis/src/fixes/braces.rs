@@ -33,19 +33,19 @@ pub(crate) fn missing_brace(root: &SyntaxNode, error: &SyntaxError) -> Option<Te
 /// The last token before a place that is not a blank or comment.
 pub(super) fn token_before(root: &SyntaxNode, at: TextSize) -> Option<SyntaxToken> {
     let mut token = root.token_at_offset(at).left_biased();
-    while let Some(it) = token {
-        let range = it.text_range();
-        if !it.kind().is_trivia() && !range.is_empty() && range.end() <= at {
-            return Some(it);
+    while let Some(before) = token {
+        let range = before.text_range();
+        if !before.kind().is_trivia() && !range.is_empty() && range.end() <= at {
+            return Some(before);
         }
-        token = it.prev_token();
+        token = before.prev_token();
     }
     None
 }
 
 fn starts_name(root: &SyntaxNode, at: TextSize) -> bool {
     let token = root.token_at_offset(at).right_biased();
-    token.is_some_and(|it| it.kind() == SyntaxKind::IDENT)
+    token.is_some_and(|token| token.kind() == SyntaxKind::IDENT)
 }
 
 /// `};` on a line of its own, at the indentation of the declaration, behind the comment of the line before;
@@ -60,8 +60,8 @@ fn end_of_body(
     let opening = root.token_at_offset(opening.start()).right_biased()?;
     let indent = indent_of(&opening.parent()?.parent()?);
     let behind = std::iter::successors(before.next_token(), SyntaxToken::next_token);
-    let mut behind = behind.take_while(|it| it.text_range().start() < here);
-    match behind.find(|it| it.kind() == SyntaxKind::NEWLINE) {
+    let mut behind = behind.take_while(|token| token.text_range().start() < here);
+    match behind.find(|token| token.kind() == SyntaxKind::NEWLINE) {
         Some(end) => Some((
             end.text_range().start(),
             format!("{}{indent}}};", end.text()),

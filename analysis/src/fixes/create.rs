@@ -41,15 +41,15 @@ impl FixSite<'_> {
         }
         let component = param.syntax().ancestors().find_map(ast::Component::cast)?;
         // A codel that only reads it may read an output as well.
-        let same = |it: &ast::PathParam| {
-            let first = it.path().and_then(|it| it.syntax().first_token());
-            first.is_some_and(|it| it.text() == name)
+        let same = |param: &ast::PathParam| {
+            let first = param.path().and_then(|path| path.syntax().first_token());
+            first.is_some_and(|token| token.text() == name)
         };
         let mut uses = component
             .syntax()
             .descendants()
             .filter_map(ast::PathParam::cast);
-        let direction = match uses.any(|it| it.in_token().is_none() && same(&it)) {
+        let direction = match uses.any(|usage| usage.in_token().is_none() && same(&usage)) {
             true => "out",
             false => "in",
         };
@@ -70,7 +70,9 @@ impl FixSite<'_> {
     pub(crate) fn declare_service(&self, name: &str) -> Option<TextFix> {
         let item = self.item_of_component()?;
         let mut before = std::iter::successors(item.prev_sibling(), SyntaxNode::prev_sibling);
-        let task = before.find_map(ast::Task::cast).and_then(|it| it.name());
+        let task = before
+            .find_map(ast::Task::cast)
+            .and_then(|task| task.name());
         self.declare(name, SyntaxKind::SERVICE, |name| match &task {
             Some(task) => (
                 format!(
@@ -96,31 +98,37 @@ impl FixSite<'_> {
         // The type of a numeric default value is not a struct.
         let param = self.node::<ast::TypedParam>(self.range);
         if param
-            .and_then(|it| it.initializer())
-            .is_some_and(|it| it.initializer_list().is_none())
+            .and_then(|param| param.initializer())
+            .is_some_and(|initializer| initializer.initializer_list().is_none())
         {
             return None;
         }
         // A partial path has another meaning.
         let next = std::iter::successors(token.next_token(), SyntaxToken::next_token);
-        let next = next.into_iter().find(|it| !it.kind().is_trivia());
-        if next.is_some_and(|it| it.text().starts_with(':')) {
+        let next = next.into_iter().find(|token| !token.kind().is_trivia());
+        if next.is_some_and(|token| token.text().starts_with(':')) {
             return None;
         }
         // Types that several components share are declared outside of them; types in a module stay there.
-        let item = token.parent_ancestors().find(|it| {
-            let around = it.parent().filter(|it| ast::Body::can_cast(it.kind()));
-            let owner = around.and_then(|it| it.parent());
-            let is_inside = owner.map(|it| ast::Module::can_cast(it.kind()));
-            let is_outermost = it.parent().is_some_and(|it| it.parent().is_none());
-            ast::Item::can_cast(it.kind()) && is_inside.unwrap_or(is_outermost)
+        let item = token.parent_ancestors().find(|ancestor| {
+            let around = ancestor
+                .parent()
+                .filter(|parent| ast::Body::can_cast(parent.kind()));
+            let owner = around.and_then(|parent| parent.parent());
+            let is_inside = owner.map(|owner| ast::Module::can_cast(owner.kind()));
+            let is_outermost = ancestor
+                .parent()
+                .is_some_and(|parent| parent.parent().is_none());
+            ast::Item::can_cast(ancestor.kind()) && is_inside.unwrap_or(is_outermost)
         })?;
         let mut members = members_of(&item, name);
         if members.is_empty() {
             members.push("value".to_owned());
         }
         let indent = indent_of(&item);
-        let members = members.iter().map(|it| format!("{indent}  double {it};\n"));
+        let members = members
+            .iter()
+            .map(|member| format!("{indent}  double {member};\n"));
         let members: String = members.collect();
         let text = format!("struct {name} {{\n{members}{indent}}};");
         let at = before_comments(&item)?;
@@ -138,7 +146,7 @@ impl FixSite<'_> {
             return None;
         }
         let mut before = std::iter::successors(item.prev_sibling(), SyntaxNode::prev_sibling);
-        let ids = before.find(|it| ast::Ids::can_cast(it.kind()))?;
+        let ids = before.find(|sibling| ast::Ids::can_cast(sibling.kind()))?;
         self.add_property(
             &ids,
             &format!("long {name};"),
@@ -162,7 +170,7 @@ impl FixSite<'_> {
         let (text, title) = text(name);
         let text = self.as_written(&text);
         let mut before = std::iter::successors(item.prev_sibling(), SyntaxNode::prev_sibling);
-        let edit = match before.find(|it| it.kind() == kind && starts_line(it)) {
+        let edit = match before.find(|sibling| sibling.kind() == kind && starts_line(sibling)) {
             Some(last) => {
                 let indent = indent_of(&last);
                 (TextRange::empty(end_of(&last)), format!("\n{indent}{text}"))
@@ -170,8 +178,8 @@ impl FixSite<'_> {
             None => {
                 let first = item
                     .descendants_with_tokens()
-                    .filter_map(|it| it.into_token())
-                    .find(|it| !it.kind().is_trivia())?;
+                    .filter_map(|element| element.into_token())
+                    .find(|token| !token.kind().is_trivia())?;
                 let at = TextRange::empty(first.text_range().start());
                 match starts_line(&item) {
                     true => (at, format!("{text}\n\n{}", indent_of(&item))),
@@ -189,36 +197,48 @@ impl FixSite<'_> {
     /// The declaration around, directly in the body of a component or interface.
     fn item_of_component(&self) -> Option<SyntaxNode> {
         let token = self.token_at(self.range)?;
-        token.parent_ancestors().find(|it| {
-            let body = it.parent().filter(|it| ast::Body::can_cast(it.kind()));
-            let owner = body.and_then(|it| it.parent());
-            ast::Item::can_cast(it.kind())
-                && owner.is_some_and(|it| ast::Component::can_cast(it.kind()))
+        token.parent_ancestors().find(|ancestor| {
+            let body = ancestor
+                .parent()
+                .filter(|parent| ast::Body::can_cast(parent.kind()));
+            let owner = body.and_then(|body| body.parent());
+            ast::Item::can_cast(ancestor.kind())
+                && owner.is_some_and(|owner| ast::Component::can_cast(owner.kind()))
         })
     }
 }
 
 /// Members of a type that an item uses, in order, for all data declared with that type in it.
 fn members_of(item: &SyntaxNode, ty: &str) -> Vec<String> {
-    let text = |it: &SyntaxNode| it.text().to_string().trim().to_owned();
-    let is_ty = |it: &Option<ast::TypeSpec>| it.as_ref().is_some_and(|it| text(it.syntax()) == ty);
+    let text = |node: &SyntaxNode| node.text().to_string().trim().to_owned();
+    let is_ty = |known_type: &Option<ast::TypeSpec>| {
+        known_type
+            .as_ref()
+            .is_some_and(|known_type| text(known_type.syntax()) == ty)
+    };
     let mut names: Vec<String> = Vec::new();
     for node in item.descendants() {
-        if let Some(port) = ast::Port::cast(node.clone()).filter(|it| is_ty(&it.type_spec())) {
-            names.extend(port.name().map(|it| text(it.syntax())));
-        } else if let Some(member) = ast::Member::cast(node).filter(|it| is_ty(&it.type_spec())) {
-            let all = member.declarators().filter_map(|it| it.name());
-            names.extend(all.map(|it| text(it.syntax())));
+        if let Some(port) = ast::Port::cast(node.clone()).filter(|port| is_ty(&port.type_spec())) {
+            names.extend(port.name().map(|name| text(name.syntax())));
+        } else if let Some(member) =
+            ast::Member::cast(node).filter(|member| is_ty(&member.type_spec()))
+        {
+            let all = member
+                .declarators()
+                .filter_map(|declarator| declarator.name());
+            names.extend(all.map(|name| text(name.syntax())));
         }
     }
     let mut out: Vec<String> = Vec::new();
     for path in item.descendants().filter_map(ast::ParamPath::cast) {
-        let mut steps = path.steps().filter_map(|it| match it {
-            ast::PathStep::MemberStep(it) => it.name_ref().map(|it| text(it.syntax())),
+        let mut steps = path.steps().filter_map(|step| match step {
+            ast::PathStep::MemberStep(member_step) => {
+                member_step.name_ref().map(|name| text(name.syntax()))
+            }
             ast::PathStep::IndexStep(_) => None,
         });
-        if steps.next().is_some_and(|it| names.contains(&it))
-            && let Some(member) = steps.next().filter(|it| !out.contains(it))
+        if steps.next().is_some_and(|step| names.contains(&step))
+            && let Some(member) = steps.next().filter(|step| !out.contains(step))
         {
             out.push(member);
         }
@@ -229,34 +249,36 @@ fn members_of(item: &SyntaxNode, ty: &str) -> Vec<String> {
 /// The start of an item, including the comments right before it.
 fn before_comments(item: &SyntaxNode) -> Option<TextSize> {
     let tokens = item.descendants_with_tokens();
-    let mut tokens = tokens.filter_map(|it| it.into_token());
-    let first = tokens.find(|it| !it.kind().is_trivia())?;
+    let mut tokens = tokens.filter_map(|token| token.into_token());
+    let first = tokens.find(|token| !token.kind().is_trivia())?;
     let mut at = first.text_range().start();
     let mut ends = 0;
     let mut before = first.prev_token();
-    while let Some(it) = before.filter(|it| it.kind().is_trivia()) {
-        match it.kind() {
+    while let Some(token) = before.filter(|token| token.kind().is_trivia()) {
+        match token.kind() {
             SyntaxKind::WHITESPACE | SyntaxKind::NEWLINE => {
-                ends += it.text().matches('\n').count();
+                ends += token.text().matches('\n').count();
                 if ends > 1 {
                     break;
                 }
             }
-            _ => (at, ends) = (it.text_range().start(), 0),
+            _ => (at, ends) = (token.text_range().start(), 0),
         }
-        before = it.prev_token();
+        before = token.prev_token();
     }
     Some(at)
 }
 
 /// Returns true for a word of the language.
 fn is_word(text: &str) -> bool {
-    SyntaxKind::spellings().iter().any(|it| it.1 == text)
+    SyntaxKind::spellings()
+        .iter()
+        .any(|spelling| spelling.1 == text)
 }
 
 fn is_name(text: &str) -> bool {
     let mut chars = text.chars();
     let first = chars.next();
-    first.is_some_and(|it| it.is_ascii_alphabetic() || it == '_')
-        && chars.all(|it| it.is_ascii_alphanumeric() || it == '_')
+    first.is_some_and(|character| character.is_ascii_alphabetic() || character == '_')
+        && chars.all(|character| character.is_ascii_alphanumeric() || character == '_')
 }

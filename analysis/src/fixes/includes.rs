@@ -16,8 +16,8 @@ pub(crate) fn near_include<'d>(
 ) -> Option<String> {
     directories
         .into_iter()
-        .find_map(|it| below(loader, it, path))
-        .filter(|it| it != path)
+        .find_map(|directory| below(loader, directory, path))
+        .filter(|directory| directory != path)
 }
 
 /// A path below a directory, with missing parts replaced by the nearest existing ones.
@@ -32,9 +32,9 @@ fn below(loader: &dyn Loader, directory: &Utf8Path, path: &str) -> Option<String
                 let is_last = index + 1 == parts.len();
                 let mut entries = loader.list_dir(&here);
                 entries.truncate(MOST_ENTRIES);
-                entries.retain(|it| it.is_dir != is_last);
-                let names = || entries.iter().map(|it| it.name.as_str());
-                let exact = names().find(|it| *it == part);
+                entries.retain(|entry| entry.is_dir != is_last);
+                let names = || entries.iter().map(|entry| entry.name.as_str());
+                let exact = names().find(|name| *name == part);
                 exact.or_else(|| nearest(part, names()))?.to_owned()
             }
         };

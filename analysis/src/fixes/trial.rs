@@ -70,8 +70,8 @@ pub(crate) fn repairs(text: &str, at: TextRange) -> Vec<TextFix> {
         }
     }
     kept.sort_by_key(|(left, trial)| (*left, trial.cost));
-    let best = kept.first().map(|it| it.0);
-    kept.retain(|it| Some(it.0) == best);
+    let best = kept.first().map(|pair| pair.0);
+    kept.retain(|pair| Some(pair.0) == best);
     kept.truncate(MOST_KEPT);
     let fix = |(_, trial): (usize, CandidateFix)| TextFix {
         kind: FixKind::Guess,
@@ -89,7 +89,7 @@ pub(crate) fn repairs(text: &str, at: TextRange) -> Vec<TextFix> {
 fn errors_in(text: &str) -> usize {
     let raw = lex(text);
     let read = preprocess(&"".into(), text, &raw, MacroEnv::default(), &mut NoIncludes);
-    let missing = |it: &&PpError| is_environment(it.kind.code());
+    let missing = |error: &&PpError| is_environment(error.kind.code());
     let missing = read.errors.iter().filter(missing).count();
     let parse = parse(text, &raw, &read, Fragment::Specification);
     read.errors.len() - missing + parse.errors.len() + usize::from(parse.inside_out.is_some())
@@ -139,18 +139,18 @@ impl Window<'_> {
     }
 
     fn is_mark(&self, number: usize) -> bool {
-        !self
-            .token(number)
-            .starts_with(|it: char| it.is_alphanumeric() || matches!(it, '_' | '"' | '\''))
+        !self.token(number).starts_with(|character: char| {
+            character.is_alphanumeric() || matches!(character, '_' | '"' | '\'')
+        })
     }
 }
 
 fn trials(text: &str, at: TextRange) -> Vec<CandidateFix> {
     let raw = lex(text);
-    let is_code = |it: &usize| !raw.kind(*it).is_trivia();
+    let is_code = |index: &usize| !raw.kind(*index).is_trivia();
     let tokens: Vec<usize> = (0..raw.len()).filter(is_code).collect();
     let start = usize::from(at.start());
-    let error = tokens.partition_point(|it| raw.range(*it).end <= start);
+    let error = tokens.partition_point(|token| raw.range(*token).end <= start);
     let window = Window {
         text,
         raw,
@@ -222,12 +222,12 @@ fn replacements(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
             SyntaxKind::HASH | SyntaxKind::STRAY if token.starts_with('#') => {
                 let before = window.text[..range.start].rsplit('\n').next();
                 // A directive begins a line.
-                if before.is_some_and(|it| !it.trim().is_empty()) {
+                if before.is_some_and(|part| !part.trim().is_empty()) {
                     replace("//", 2);
                 }
             }
             _ if window.is_mark(number) => {
-                for mark in MARKS.into_iter().filter(|it| *it != token) {
+                for mark in MARKS.into_iter().filter(|mark| *mark != token) {
                     replace(mark, if is_similar(token, mark) { 3 } else { 14 });
                 }
             }
@@ -273,7 +273,7 @@ fn insertions(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
 /// the name.
 fn exchanges(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
     for first in window.around() {
-        let Some(second) = Some(first + 1).filter(|it| *it < window.tokens.len()) else {
+        let Some(second) = Some(first + 1).filter(|index| *index < window.tokens.len()) else {
             break;
         };
         let (a, b) = (window.range(first), window.range(second));
@@ -298,7 +298,8 @@ fn exchanges(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
             });
         }
         // `octet[4] code`
-        let close = (first..window.tokens.len().min(first + 8)).find(|it| window.token(*it) == "]");
+        let close =
+            (first..window.tokens.len().min(first + 8)).find(|index| window.token(*index) == "]");
         if one == "["
             && let Some(close) = close
             && close + 1 < window.tokens.len()
@@ -324,7 +325,8 @@ fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
             && window.token(second) == "*"
         {
             let range = window.range(number).start..window.range(second).end;
-            let glued = window.text[range.end..].starts_with(|it: char| !it.is_whitespace());
+            let glued =
+                window.text[range.end..].starts_with(|character: char| !character.is_whitespace());
             out.push(CandidateFix {
                 title: "Change `char *` to `string`".to_owned(),
                 edits: vec![(range, if glued { "string " } else { "string" }.to_owned())],
@@ -334,7 +336,7 @@ fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
     }
     let word = (0..window.at.min(window.tokens.len()))
         .rev()
-        .find(|it| window.token(*it) == "typedef");
+        .find(|index| window.token(*index) == "typedef");
     if let Some(word) = word {
         let range = with_blank(window.text, window.range(word));
         out.push(CandidateFix {

@@ -38,7 +38,7 @@ impl FixSite<'_> {
     /// Inserts a blank between a number and its unit.
     pub(crate) fn part_unit(&self) -> Option<TextFix> {
         let text = self.text(self.range);
-        let number = text.find(|it: char| it.is_ascii_alphabetic());
+        let number = text.find(|character: char| character.is_ascii_alphabetic());
         let number = number.unwrap_or(text.len());
         let unit = self.range.start() + TextSize::try_from(number).ok()?;
         Some(TextFix {
@@ -106,8 +106,9 @@ impl FixSite<'_> {
     /// The outermost node that covers exactly a range.
     fn part(&self, range: TextRange) -> Option<SyntaxNode> {
         let around = self.token_at(range)?.parent_ancestors();
-        let same =
-            |it: &SyntaxNode| it.text_range().start() == range.start() && end_of(it) == range.end();
+        let same = |node: &SyntaxNode| {
+            node.text_range().start() == range.start() && end_of(node) == range.end()
+        };
         around.take_while(same).last()
     }
 }

@@ -54,7 +54,7 @@ impl Analysis {
         offsets: &[usize],
     ) -> Cancellable<Vec<Vec<Range<usize>>>> {
         self.list(path, |view| {
-            let ranges = |&it| ide::selection_ranges::selection_ranges(view, it);
+            let ranges = |&index| ide::selection_ranges::selection_ranges(view, index);
             offsets.iter().map(ranges).collect()
         })
     }
@@ -88,7 +88,11 @@ impl Analysis {
     /// Regions excluded by conditionals.
     pub fn inactive_regions(&self, path: &Utf8Path) -> Cancellable<Vec<Range<usize>>> {
         self.list(path, |view| {
-            view.pre().inactive.iter().map(|&it| bytes(it)).collect()
+            view.pre()
+                .inactive
+                .iter()
+                .map(|&range| bytes(range))
+                .collect()
         })
     }
 

@@ -103,9 +103,9 @@ impl Cx<'_, '_> {
         if !root.text_range().contains_range(range) {
             return None;
         }
-        let from = |it: SyntaxElement| match it {
-            SyntaxElement::Node(it) => Some(it),
-            SyntaxElement::Token(it) => it.parent(),
+        let from = |element: SyntaxElement| match element {
+            SyntaxElement::Node(node) => Some(node),
+            SyntaxElement::Token(token) => token.parent(),
         };
         if !range.is_empty() {
             return from(root.covering_element(range))?
@@ -114,10 +114,13 @@ impl Cx<'_, '_> {
         }
         // The cursor may be right behind the node.
         let tokens = root.token_at_offset(offset(self.range.start));
-        let right = tokens.clone().right_biased().and_then(|it| it.parent());
-        let left = tokens.left_biased().and_then(|it| it.parent());
+        let right = tokens
+            .clone()
+            .right_biased()
+            .and_then(|token| token.parent());
+        let left = tokens.left_biased().and_then(|token| token.parent());
         let mut around = right.into_iter().chain(left);
-        around.find_map(|it| it.ancestors().find_map(N::cast))
+        around.find_map(|parent| parent.ancestors().find_map(N::cast))
     }
 
     /// Returns true if a node touches the selection.
@@ -142,9 +145,9 @@ impl Cx<'_, '_> {
     /// Returns true if a node is written out: without macros, directives and excluded text.
     fn is_plain(&self, node: &SyntaxNode) -> bool {
         node.text_range().len() > 0.into()
-            && !node.descendants().any(|it| {
+            && !node.descendants().any(|node| {
                 matches!(
-                    it.kind(),
+                    node.kind(),
                     SyntaxKind::DIRECTIVE | SyntaxKind::INACTIVE | SyntaxKind::MACRO_CALL
                 )
             })
@@ -161,7 +164,7 @@ impl Cx<'_, '_> {
     /// The blanks at the start of the line of an offset.
     fn indent(&self, at: usize) -> &str {
         let text = self.view.text();
-        let line = text[..at].rfind('\n').map_or(0, |it| it + 1);
+        let line = text[..at].rfind('\n').map_or(0, |index| index + 1);
         let rest = &text[line..at];
         &rest[..rest.len() - rest.trim_start_matches([' ', '\t']).len()]
     }
@@ -169,10 +172,10 @@ impl Cx<'_, '_> {
     /// A range with its line, if nothing else is on the line.
     fn whole_lines(&self, range: Range<usize>) -> Range<usize> {
         let text = self.view.text();
-        let start = text[..range.start].rfind('\n').map_or(0, |it| it + 1);
+        let start = text[..range.start].rfind('\n').map_or(0, |index| index + 1);
         let end = text[range.end..]
             .find('\n')
-            .map_or(text.len(), |it| range.end + it + 1);
+            .map_or(text.len(), |index| range.end + index + 1);
         let alone =
             text[start..range.start].trim().is_empty() && text[range.end..end].trim().is_empty();
         if alone { start..end } else { range }
@@ -182,16 +185,22 @@ impl Cx<'_, '_> {
     fn unused_name(&self, base: &str) -> SmolStr {
         let elaborated = self.view.elaborated();
         let used = |name: &str| {
-            elaborated.definitions.iter().any(|it| it.name == name)
-                || elaborated.spec.components.iter().any(|it| {
-                    it.services.iter().any(|it| it.name == name)
-                        || it.ports.iter().any(|it| it.name == name)
+            elaborated
+                .definitions
+                .iter()
+                .any(|definition| definition.name == name)
+                || elaborated.spec.components.iter().any(|component| {
+                    component
+                        .services
+                        .iter()
+                        .any(|service| service.name == name)
+                        || component.ports.iter().any(|port| port.name == name)
                 })
         };
-        let numbered = (2..).map(|it| format!("{base}_{it}"));
+        let numbered = (2..).map(|number| format!("{base}_{number}"));
         let mut candidates = std::iter::once(base.to_owned()).chain(numbered);
         candidates
-            .find(|it| !used(it))
+            .find(|candidate| !used(candidate))
             .map_or_else(|| base.into(), SmolStr::from)
     }
 
@@ -201,7 +210,7 @@ impl Cx<'_, '_> {
         let mut all = all.flat_map(|component| {
             component
                 .all_codels()
-                .map(move |it| (component, it.owner, component.codel(it)))
+                .map(move |codel| (component, codel.owner, component.codel(codel)))
         });
         all.find(|(_, _, codel)| {
             self.view
@@ -239,11 +248,11 @@ mod tests {
     #[track_caller]
     pub(super) fn check(id: &str, before: &str, after: &str) {
         let (mut fixture, assists) = offered(before);
-        let assist = assists.iter().find(|it| it.id == id);
+        let assist = assists.iter().find(|assist| assist.id == id);
         let assist = assist.unwrap_or_else(|| panic!("no {id} in {assists:#?}"));
         let errors = |fixture: &Fixture| {
             let all = fixture.all_diagnostics();
-            all.lines().filter(|it| it.contains(" error ")).count()
+            all.lines().filter(|line| line.contains(" error ")).count()
         };
         let known = errors(&fixture);
         let path = fixture.at().path.clone();
@@ -257,6 +266,6 @@ mod tests {
     #[track_caller]
     pub(super) fn assert_not_offered(id: &str, text: &str) {
         let (_, assists) = offered(text);
-        assert!(assists.iter().all(|it| it.id != id), "{assists:#?}");
+        assert!(assists.iter().all(|assist| assist.id != id), "{assists:#?}");
     }
 }

@@ -67,18 +67,21 @@ pub(crate) fn prepare(view: &FileView<'_>, at: usize) -> Option<Vec<CallItem>> {
         let super::resolve::Target::Definition(id) = target else {
             continue;
         };
-        let it = elaborated.definition(*id);
+        let definition = elaborated.definition(*id);
         for component in &elaborated.spec.components {
             for owner in component.owners() {
                 for codel in component.codels_of(owner) {
                     let mentioned = codel.triggers.iter().chain(&codel.yields);
-                    let states: Vec<&SmolStr> = match it.kind {
+                    let states: Vec<&SmolStr> = match definition.kind {
                         DefKind::State => {
-                            let named = mentioned.filter(|state| state.name == it.name);
-                            named.filter(|it| here(it.src)).map(|it| &it.name).collect()
+                            let named = mentioned.filter(|state| state.name == definition.name);
+                            named
+                                .filter(|trigger| here(trigger.src))
+                                .map(|trigger| &trigger.name)
+                                .collect()
                         }
                         DefKind::Codel if here(codel.src) => {
-                            codel.triggers.iter().map(|it| &it.name).collect()
+                            codel.triggers.iter().map(|trigger| &trigger.name).collect()
                         }
                         _ => Vec::new(),
                     };
@@ -87,17 +90,19 @@ pub(crate) fn prepare(view: &FileView<'_>, at: usize) -> Option<Vec<CallItem>> {
                     }
                 }
             }
-            if let DefKind::Attribute | DefKind::Function | DefKind::Activity = it.kind {
+            if let DefKind::Attribute | DefKind::Function | DefKind::Activity = definition.kind {
                 let own = (0..).zip(&component.services);
-                let found = own.filter(|(_, service)| service.name == it.name);
-                let of_it = it.container.is_some_and(|container| {
+                let found = own.filter(|(_, service)| service.name == definition.name);
+                let of_it = definition.container.is_some_and(|container| {
                     let container = &elaborated.definition(container).name;
                     *container == component.name
                         || component
                             .provides
                             .iter()
                             .chain(&component.extends)
-                            .any(|it| elaborated.spec.components[*it as usize].name == *container)
+                            .any(|provided| {
+                                elaborated.spec.components[*provided as usize].name == *container
+                            })
                 });
                 for (index, _) in found.filter(|_| of_it) {
                     out.extend(item(view, component, Owner::Service(index), None));
@@ -106,7 +111,7 @@ pub(crate) fn prepare(view: &FileView<'_>, at: usize) -> Option<Vec<CallItem>> {
         }
     }
     let mut seen = rustc_hash::FxHashSet::default();
-    out.retain(|it| seen.insert(it.key.clone()));
+    out.retain(|call_item| seen.insert(call_item.key.clone()));
     (!out.is_empty()).then_some(out)
 }
 
@@ -122,7 +127,11 @@ pub(crate) fn outgoing(view: &FileView<'_>, key: &CallKey) -> Vec<Call> {
 
 fn calls(view: &FileView<'_>, key: &CallKey, incoming: bool) -> Vec<Call> {
     let spec = &view.elaborated().spec;
-    let Some(component) = spec.components.iter().find(|it| it.name == key.component) else {
+    let Some(component) = spec
+        .components
+        .iter()
+        .find(|component| component.name == key.component)
+    else {
         return Vec::new();
     };
     let Some(owner) = find_owner(component, key) else {
@@ -131,8 +140,10 @@ fn calls(view: &FileView<'_>, key: &CallKey, incoming: bool) -> Vec<Call> {
     let mut out: Vec<Call> = Vec::new();
     let mut add = |item: Option<CallItem>, mention: Option<Src>| {
         let Some(item) = item else { return };
-        let range = mention.and_then(|it| view.place(it)).map(|it| bytes(it.1));
-        match out.iter_mut().find(|it| it.item.key == item.key) {
+        let range = mention
+            .and_then(|mention| view.place(mention))
+            .map(|place| bytes(place.1));
+        match out.iter_mut().find(|call| call.item.key == item.key) {
             Some(known) => known.ranges.extend(range),
             None => out.push(Call {
                 item,
@@ -143,9 +154,14 @@ fn calls(view: &FileView<'_>, key: &CallKey, incoming: bool) -> Vec<Call> {
     match &key.state {
         Some(state) => {
             for codel in component.codels_of(owner) {
-                let bound = |it: &Codel| it.triggers.iter().any(|it| it.name == *state);
+                let bound =
+                    |codel: &Codel| codel.triggers.iter().any(|trigger| trigger.name == *state);
                 if incoming {
-                    for to in codel.yields.iter().filter(|it| it.name == *state) {
+                    for to in codel
+                        .yields
+                        .iter()
+                        .filter(|candidate| candidate.name == *state)
+                    {
                         for from in &codel.triggers {
                             let item = item(view, component, owner, Some(&from.name));
                             add(item, Some(to.src));
@@ -184,21 +200,21 @@ fn mention(view: &FileView<'_>, component: &Component, from: u32, to: &str) -> O
     let node = elaborated
         .definitions
         .iter()
-        .find(|it| it.src == from.src)?
+        .find(|definition| definition.src == from.src)?
         .node;
     let (file, range) = view.place(node)?;
-    let mut inside = elaborated.references.iter().filter(|it| {
-        !it.declaration
-            && elaborated.definition(it.target).name == to
+    let mut inside = elaborated.references.iter().filter(|reference| {
+        !reference.declaration
+            && elaborated.definition(reference.target).name == to
             && view
-                .place(it.at)
+                .place(reference.at)
                 .is_some_and(|(in_file, at)| in_file == file && range.contains_range(at))
     });
-    inside.next().map(|it| it.at)
+    inside.next().map(|reference| reference.at)
 }
 
 fn find_owner(component: &Component, key: &CallKey) -> Option<Owner> {
-    component.owners().find(|it| match it {
+    component.owners().find(|owner| match owner {
         Owner::Task(i) => key.task && component.tasks[*i as usize].name == key.owner,
         Owner::Service(i) => !key.task && component.services[*i as usize].name == key.owner,
     })
@@ -212,12 +228,17 @@ fn item(
 ) -> Option<CallItem> {
     let (name, task, src, kind) = match owner {
         Owner::Task(i) => {
-            let it = &component.tasks[i as usize];
-            (&it.name, true, it.src, SymbolKind::Task)
+            let task = &component.tasks[i as usize];
+            (&task.name, true, task.src, SymbolKind::Task)
         }
         Owner::Service(i) => {
-            let it = &component.services[i as usize];
-            (&it.name, false, it.src, SymbolKind::from(it.kind))
+            let service = &component.services[i as usize];
+            (
+                &service.name,
+                false,
+                service.src,
+                SymbolKind::from(service.kind),
+            )
         }
     };
     let key = CallKey {
@@ -239,12 +260,15 @@ fn item(
     };
     let codels = component.codels_of(owner);
     let trigger = codels.iter().find_map(|codel| {
-        let found = codel.triggers.iter().find(|it| it.name == *state)?;
+        let found = codel
+            .triggers
+            .iter()
+            .find(|trigger| trigger.name == *state)?;
         Some((found.src, Some(&codel.name)))
     });
     let mention = || {
-        let mut all = codels.iter().flat_map(|it| &it.yields);
-        Some((all.find(|it| it.name == *state)?.src, None))
+        let mut all = codels.iter().flat_map(|codel| &codel.yields);
+        Some((all.find(|codel| codel.name == *state)?.src, None))
     };
     let (src, codel) = trigger.or_else(mention)?;
     let (file, range) = view.place(src)?;
@@ -277,7 +301,7 @@ mod tests {
 ";
 
     fn show(calls: &[Call]) -> Vec<String> {
-        let show = |it: &Call| format!("{} ({})", it.item.name, it.ranges.len());
+        let show = |call: &Call| format!("{} ({})", call.item.name, call.ranges.len());
         calls.iter().map(show).collect()
     }
 

@@ -86,30 +86,33 @@ pub struct LensText {
 pub(crate) fn code_lenses(view: &FileView<'_>, config: &LensConfig) -> Vec<CodeLens> {
     let elaborated = view.elaborated();
     let mut out = Vec::new();
-    for it in &elaborated.definitions {
+    for definition in &elaborated.definitions {
         use DefKind::*;
-        if !matches!(it.kind, Task | Activity | Port | IdsMember) {
+        if !matches!(definition.kind, Task | Activity | Port | IdsMember) {
             continue;
         }
-        let Some((file, place)) = view.place(it.src) else {
+        let Some((file, place)) = view.place(definition.src) else {
             continue;
         };
         let range = bytes(place);
         // Names that come out of macros have no line of their own.
-        if file != view.file || view.text().get(range.clone()) != Some(&it.name) {
+        if file != view.file || view.text().get(range.clone()) != Some(&definition.name) {
             continue;
         }
-        let kind = match it.entity {
+        let kind = match definition.entity {
             Some(Entity::Task(component, task)) => {
-                machine(elaborated, component, Owner::Task(task), &it.name)
+                machine(elaborated, component, Owner::Task(task), &definition.name)
                     .filter(|_| config.machines)
             }
-            Some(Entity::Service(component, service)) => {
-                machine(elaborated, component, Owner::Service(service), &it.name)
-                    .filter(|_| config.machines)
-            }
+            Some(Entity::Service(component, service)) => machine(
+                elaborated,
+                component,
+                Owner::Service(service),
+                &definition.name,
+            )
+            .filter(|_| config.machines),
             // Unused declarations are reported as findings.
-            _ => (config.accesses && !accesses(elaborated, it).is_empty()).then_some(
+            _ => (config.accesses && !accesses(elaborated, definition).is_empty()).then_some(
                 LensKind::Accesses {
                     offset: range.start,
                 },
@@ -117,7 +120,7 @@ pub(crate) fn code_lenses(view: &FileView<'_>, config: &LensConfig) -> Vec<CodeL
         };
         out.extend(kind.map(|kind| CodeLens { range, kind }));
     }
-    out.sort_by_key(|it| it.range.start);
+    out.sort_by_key(|lens| lens.range.start);
     out
 }
 
@@ -152,7 +155,7 @@ impl Accesses {
     /// `written by a, b · read by c`
     fn text(&self) -> String {
         let part = |word: &str, all: &[SmolStr]| {
-            let names: Vec<String> = all.iter().map(|it| it.to_string()).collect();
+            let names: Vec<String> = all.iter().map(|name| name.to_string()).collect();
             (!names.is_empty()).then(|| format!("{word} {}", listed(&names, MANY)))
         };
         let parts = [
@@ -167,21 +170,22 @@ impl Accesses {
 const MANY: usize = 3;
 
 /// The users of a port or a member of the ids, in the component that declares it.
-fn accesses(elaborated: &Elaborated, it: &Definition) -> Accesses {
+fn accesses(elaborated: &Elaborated, definition: &Definition) -> Accesses {
     let mut out = Accesses::default();
-    let component = match it.entity {
+    let component = match definition.entity {
         Some(Entity::Port(component, _)) => Some(component),
-        _ => home(elaborated, it),
+        _ => home(elaborated, definition),
     };
-    let component = component.and_then(|it| elaborated.spec.components.get(it as usize));
+    let component =
+        component.and_then(|component| elaborated.spec.components.get(component as usize));
     let Some(component) = component else {
         return out;
     };
-    let concerns = |param: &Param| match (&param.source, it.entity) {
+    let concerns = |param: &Param| match (&param.source, definition.entity) {
         (ParamSource::Port(port), Some(Entity::Port(_, own))) => *port == own,
         // A path without a member is the whole ids.
         (ParamSource::Ids, None) => match param.path.first() {
-            Some(PathElement::Member(name)) => *name == it.name,
+            Some(PathElement::Member(name)) => *name == definition.name,
             _ => true,
         },
         _ => false,
@@ -191,15 +195,20 @@ fn accesses(elaborated: &Elaborated, it: &Definition) -> Accesses {
             Owner::Task(task) => &component.tasks[task as usize].name,
             Owner::Service(service) => &component.services[service as usize].name,
         };
-        for param in component.codel(at).params.iter().filter(|it| concerns(it)) {
+        for param in component
+            .codel(at)
+            .params
+            .iter()
+            .filter(|param| concerns(param))
+        {
             let (reads, writes) = directions(param.dir);
             out.add(name, writes, reads);
         }
     }
     // A client sends the inputs of an attribute and receives its outputs.
     let services = component.services.iter();
-    for service in services.filter(|it| it.kind == ServiceKind::Attribute) {
-        for param in service.params.iter().filter(|it| concerns(it)) {
+    for service in services.filter(|service| service.kind == ServiceKind::Attribute) {
+        for param in service.params.iter().filter(|param| concerns(param)) {
             let (given, returned) = directions(param.dir);
             out.add(&service.name, given, returned);
         }
@@ -217,8 +226,8 @@ fn directions(dir: ParamDir) -> (bool, bool) {
 }
 
 /// The component around a definition.
-fn home(elaborated: &Elaborated, it: &Definition) -> Option<u32> {
-    let mut container = it.container;
+fn home(elaborated: &Elaborated, definition: &Definition) -> Option<u32> {
+    let mut container = definition.container;
     while let Some(id) = container {
         let around = elaborated.definition(id);
         if let Some(Entity::Component(component)) = around.entity {
@@ -235,17 +244,17 @@ pub(crate) fn resolve(view: &FileView<'_>, kind: &LensKind) -> Option<LensText> 
         LensKind::Accesses { offset } => {
             let elaborated = view.elaborated();
             let mut all = elaborated.definitions.iter();
-            let it = all.find(|it| {
-                matches!(it.kind, DefKind::Port | DefKind::IdsMember)
-                    && view.place(it.src).is_some_and(|(file, place)| {
+            let definition = all.find(|definition| {
+                matches!(definition.kind, DefKind::Port | DefKind::IdsMember)
+                    && view.place(definition.src).is_some_and(|(file, place)| {
                         file == view.file && bytes(place).start == *offset
                     })
             })?;
             let mut found = references(view, *offset, true)?;
-            found.retain(|it| it.access != AccessKind::Declaration);
+            found.retain(|reference| reference.access != AccessKind::Declaration);
             Some(LensText {
-                title: accesses(elaborated, it).text(),
-                references: found.into_iter().map(|it| it.place).collect(),
+                title: accesses(elaborated, definition).text(),
+                references: found.into_iter().map(|reference| reference.place).collect(),
             })
         }
         LensKind::StateMachine { .. } => Some(LensText {
@@ -283,13 +292,13 @@ component c {
         let analysis = fixture.analysis();
         let text = fixture.text("/main.gen");
         let mut out = String::new();
-        for it in analysis.code_lenses(path, &LensConfig::all(true)).unwrap() {
+        for lens in analysis.code_lenses(path, &LensConfig::all(true)).unwrap() {
             let title = analysis
-                .resolve_lens(path, &it.kind)
+                .resolve_lens(path, &lens.kind)
                 .unwrap()
                 .unwrap()
                 .title;
-            out += &format!("{}: {title}\n", &text[it.range]);
+            out += &format!("{}: {title}\n", &text[lens.range]);
         }
         expect![[r#"
             p: read by t

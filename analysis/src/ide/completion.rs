@@ -92,8 +92,8 @@ pub fn plain_snippet(snippet: &str) -> String {
     let mut known: Vec<(String, String)> = Vec::new();
     // Open placeholders: number, and start of the text.
     let mut open: Vec<(String, usize)> = Vec::new();
-    while let Some(it) = chars.next() {
-        match it {
+    while let Some(character) = chars.next() {
+        match character {
             '\\' => out.extend(chars.next()),
             '$' => {
                 let braced = chars.next_if_eq(&'{').is_some();
@@ -103,7 +103,10 @@ pub fn plain_snippet(snippet: &str) -> String {
                 }
                 if braced && chars.next_if_eq(&'|').is_some() {
                     // For a choice, the first one.
-                    let all: String = chars.by_ref().take_while(|it| *it != '|').collect();
+                    let all: String = chars
+                        .by_ref()
+                        .take_while(|character| *character != '|')
+                        .collect();
                     let first = all.split(',').next().unwrap_or_default();
                     out.push_str(first);
                     known.push((number, first.to_owned()));
@@ -111,7 +114,7 @@ pub fn plain_snippet(snippet: &str) -> String {
                 } else if braced && chars.next_if_eq(&':').is_some() {
                     open.push((number, out.len()));
                 } else {
-                    if let Some((_, text)) = known.iter().find(|it| it.0 == number) {
+                    if let Some((_, text)) = known.iter().find(|entry| entry.0 == number) {
                         out.push_str(text);
                     }
                     if braced {
@@ -124,7 +127,7 @@ pub fn plain_snippet(snippet: &str) -> String {
                     known.push((number, out[start..].to_owned()));
                 }
             }
-            _ => out.push(it),
+            _ => out.push(character),
         }
     }
     out
@@ -183,12 +186,14 @@ fn code(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
     propose(names, context, out);
     // No value is proposed before another one.
     use dotgen_syntax::SyntaxKind::*;
-    let value = |it: &Word| matches!(it.kind, INT | FLOAT | STRING | CHAR);
+    let value = |word: &Word| matches!(word.kind, INT | FLOAT | STRING | CHAR);
     if context.after.next().is_some_and(value) {
-        out.items.retain(|it| {
+        out.items.retain(|completion_item| {
             use SymbolKind::*;
-            !matches!(it.kind, CompletionKind::Symbol(Const | Enumerator | Macro))
-                && !["TRUE", "FALSE"].contains(&it.label.as_str())
+            !matches!(
+                completion_item.kind,
+                CompletionKind::Symbol(Const | Enumerator | Macro)
+            ) && !["TRUE", "FALSE"].contains(&completion_item.label.as_str())
         });
     }
     // A path that continues after the cursor is replaced as a whole; in parameters `::` renames.
@@ -196,9 +201,9 @@ fn code(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
         let rest = &context.after.rest;
         let path = rest
             .iter()
-            .take_while(|it| it.is("::") || it.kind == dotgen_syntax::SyntaxKind::IDENT);
+            .take_while(|word| word.is("::") || word.kind == dotgen_syntax::SyntaxKind::IDENT);
         let path = path.count();
-        if rest.first().is_some_and(|it| it.is("::")) {
+        if rest.first().is_some_and(|word| word.is("::")) {
             out.replaces_too(&rest[..path]);
         }
     }
@@ -230,11 +235,11 @@ impl Completions {
     /// Extends the replaced range over text after the cursor that belongs to the item, such as the rest of a
     /// path.
     fn replaces_too(&mut self, words: &[Word]) {
-        for it in words {
-            if it.range.start != self.replace.end {
+        for word in words {
+            if word.range.start != self.replace.end {
                 break;
             }
-            self.replace.end = it.range.end;
+            self.replace.end = word.range.end;
         }
         for item in &mut self.items {
             item.replace = self.replace.clone();
@@ -243,9 +248,11 @@ impl Completions {
 
     /// If another element follows without a comma: adds a comma to items that are whole elements.
     fn with_comma(&mut self) {
-        for it in &mut self.items {
-            if !it.insert.ends_with("::") && !matches!(it.kind, CompletionKind::Keyword) {
-                it.insert.push_str(", ");
+        for completion_item in &mut self.items {
+            if !completion_item.insert.ends_with("::")
+                && !matches!(completion_item.kind, CompletionKind::Keyword)
+            {
+                completion_item.insert.push_str(", ");
             }
         }
     }
@@ -288,8 +295,8 @@ impl Completions {
     }
 
     fn keywords(&mut self, words: &[&str], rank: u8) {
-        for it in words {
-            self.add(*it, CompletionKind::Keyword, rank);
+        for word in words {
+            self.add(*word, CompletionKind::Keyword, rank);
         }
     }
 
@@ -297,7 +304,7 @@ impl Completions {
     fn wcet(&mut self, context: &Context) {
         use dotgen_syntax::SyntaxKind::{FLOAT, INT};
         let next = context.after.next();
-        match next.is_some_and(|it| matches!(it.kind, INT | FLOAT)) {
+        match next.is_some_and(|word| matches!(word.kind, INT | FLOAT)) {
             true => self.keywords(&["wcet"], 1),
             false => {
                 self.snippet("wcet", "wcet ${1:1} ms", 1);
@@ -307,17 +314,22 @@ impl Completions {
 
     pub(super) fn finish(mut self) -> Vec<CompletionItem> {
         // A stable sort: items of equal rank stay in order of declaration.
-        self.items.sort_by_key(|it| it.rank);
-        for it in self
+        self.items
+            .sort_by_key(|completion_item| completion_item.rank);
+        for completion_item in self
             .items
             .iter_mut()
-            .filter(|it| it.kind == CompletionKind::Keyword)
+            .filter(|completion_item| completion_item.kind == CompletionKind::Keyword)
         {
-            it.filter = longer_spelling(&it.label);
+            completion_item.filter = longer_spelling(&completion_item.label);
         }
         let mut seen = FxHashSet::default();
-        self.items
-            .retain(|it| seen.insert((it.label.clone(), it.insert.clone())));
+        self.items.retain(|completion_item| {
+            seen.insert((
+                completion_item.label.clone(),
+                completion_item.insert.clone(),
+            ))
+        });
         self.items
     }
 }

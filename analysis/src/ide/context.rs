@@ -104,8 +104,9 @@ pub(crate) fn surroundings(view: &FileView<'_>, at: usize) -> Surroundings {
     let (raw, pre) = (view.raw(), view.pre());
     // The tokens that touch the cursor from the left decide, since they are being typed.
     let touching = (0..raw.len()).filter(|&i| raw.range(i).start < at && at <= raw.range(i).end);
-    let directive = pre.directives.iter().position(|it| {
-        usize::from(it.range.start()) < at && at <= line_end(view.text(), it.range.end().into())
+    let directive = pre.directives.iter().position(|directive| {
+        usize::from(directive.range.start()) < at
+            && at <= line_end(view.text(), directive.range.end().into())
     });
     for i in touching {
         let range = raw.range(i);
@@ -124,8 +125,9 @@ pub(crate) fn surroundings(view: &FileView<'_>, at: usize) -> Surroundings {
     {
         return Surroundings::Directive(directive as u32);
     }
-    let dead =
-        |it: &dotgen_syntax::TextRange| usize::from(it.start()) <= at && at < usize::from(it.end());
+    let dead = |range: &dotgen_syntax::TextRange| {
+        usize::from(range.start()) <= at && at < usize::from(range.end())
+    };
     if pre.inactive.iter().any(dead) {
         return Surroundings::Dead;
     }
@@ -174,7 +176,7 @@ impl Context {
     /// The innermost open bracket.
     pub(crate) fn top(&self) -> &Frame {
         match self.frames.last() {
-            Some(it) => it,
+            Some(frame) => frame,
             None => unreachable!("the file is a frame"),
         }
     }
@@ -188,8 +190,9 @@ impl Context {
     /// cursor is before another element.
     pub(crate) fn elements_behind(&self) -> impl Iterator<Item = &[Word]> {
         let next = self.after.next();
-        let in_front = self.word.is_empty() && next.is_some_and(|it| it.kind == SyntaxKind::IDENT);
-        let all = self.after.list().split(|it| it.is(","));
+        let in_front =
+            self.word.is_empty() && next.is_some_and(|word| word.kind == SyntaxKind::IDENT);
+        let all = self.after.list().split(|word| word.is(","));
         all.skip(usize::from(!in_front))
     }
 
@@ -201,12 +204,12 @@ impl Context {
     /// The innermost body.
     pub(crate) fn body(&self) -> (BodyKind, &Frame) {
         let bodies = self.frames.iter().rev();
-        let mut bodies = bodies.filter_map(|it| match it.kind {
-            FrameKind::Body(kind) => Some((kind, it)),
+        let mut bodies = bodies.filter_map(|body| match body.kind {
+            FrameKind::Body(kind) => Some((kind, body)),
             _ => None,
         });
         match bodies.next() {
-            Some(it) => it,
+            Some(body) => body,
             None => unreachable!("the file is a body"),
         }
     }
@@ -221,14 +224,14 @@ impl Context {
             BodyKind::Ids => Some("ids".into()),
             BodyKind::Members | BodyKind::Enum => Some(head.last()?.text.clone()),
             BodyKind::Cases => {
-                let union = head.iter().rposition(|it| it.is("union"))?;
+                let union = head.iter().rposition(|word| word.is("union"))?;
                 Some(head.get(union + 1)?.text.clone())
             }
             BodyKind::Attribute | BodyKind::Function | BodyKind::Activity => {
                 Some(head.get(1)?.text.clone())
             }
             BodyKind::Specification | BodyKind::Unknown => None,
-            _ => head.get(1).map(|it| it.text.clone()),
+            _ => head.get(1).map(|head| head.text.clone()),
         }
     }
 }
@@ -284,16 +287,16 @@ fn tokens_before(view: &FileView<'_>, end: usize) -> Vec<Word> {
             break;
         }
         let token = match element {
-            SyntaxElement::Node(it) => {
+            SyntaxElement::Node(node) => {
                 if matches!(
-                    it.kind(),
+                    node.kind(),
                     SyntaxKind::DIRECTIVE | SyntaxKind::INACTIVE | SyntaxKind::MACRO_CALL
                 ) {
                     preorder.skip_subtree();
                 }
                 continue;
             }
-            SyntaxElement::Token(it) => it,
+            SyntaxElement::Token(token) => token,
         };
         let range = bytes(map.range(&token));
         if token.kind().is_trivia() || range.end > end {
@@ -305,8 +308,8 @@ fn tokens_before(view: &FileView<'_>, end: usize) -> Vec<Word> {
         }
         out.push(Word {
             kind: match token.kind() {
-                it if it.is_keyword() => SyntaxKind::IDENT,
-                it => it,
+                kind if kind.is_keyword() => SyntaxKind::IDENT,
+                kind => kind,
             },
             text,
             range,
@@ -349,8 +352,8 @@ impl Reader<'_> {
             }
             L_PAREN => self.open(FrameKind::Paren, i),
             L_BRACK => self.open(FrameKind::Bracket, i),
-            R_PAREN => self.close(|it| it == FrameKind::Paren),
-            R_BRACK => self.close(|it| it == FrameKind::Bracket),
+            R_PAREN => self.close(|kind| kind == FrameKind::Paren),
+            R_BRACK => self.close(|kind| kind == FrameKind::Bracket),
             R_CURLY => self.close_brace(i),
             SEMICOLON => {
                 while !matches!(self.top().kind, FrameKind::Body(_)) && self.frames.len() > 1 {
@@ -377,9 +380,10 @@ impl Reader<'_> {
     fn is_in_type(&mut self, i: usize) -> bool {
         let start = self.top().start.min(i);
         let mut depth = 0_i32;
-        for it in start..i {
-            let opens = it > 0 && self.tokens[it - 1].is_any(&["sequence", "optional", "string"]);
-            match self.tokens[it].text.as_str() {
+        for token in start..i {
+            let opens =
+                token > 0 && self.tokens[token - 1].is_any(&["sequence", "optional", "string"]);
+            match self.tokens[token].text.as_str() {
                 "<" if opens => depth += 1,
                 ">" if depth > 0 => depth -= 1,
                 ">>" => depth = (depth - 2).max(0),
@@ -397,23 +401,22 @@ impl Reader<'_> {
         if !STATEMENTS.contains(&word.text.as_str()) || self.frames.len() < 2 && i == 0 {
             return;
         }
-        let before = i.checked_sub(1).map(|it| &self.tokens[it]);
+        let before = i.checked_sub(1).map(|difference| &self.tokens[difference]);
         let line = self.text.get(..word.range.start).unwrap_or_default();
         let begins_line = line
             .rsplit('\n')
             .next()
-            .is_some_and(|it| it.trim().is_empty());
-        let continues = before.is_some_and(|it| {
+            .is_some_and(|part| part.trim().is_empty());
+        let continues = before.is_some_and(|token| {
             use SyntaxKind::*;
-            it.text == "async" || matches!(it.kind, COLON2 | DOT | EQ | SEMICOLON)
+            token.text == "async" || matches!(token.kind, COLON2 | DOT | EQ | SEMICOLON)
         });
         if !begins_line || continues {
             return;
         }
-        let body = self
-            .frames
-            .iter()
-            .rposition(|it| matches!(it.kind, FrameKind::Body(it) if it != BodyKind::Enum));
+        let body = self.frames.iter().rposition(
+            |frame| matches!(frame.kind, FrameKind::Body(body) if body != BodyKind::Enum),
+        );
         self.frames.truncate(body.unwrap_or(0) + 1);
         if word.is_any(&["component", "interface"]) {
             self.frames.truncate(1);
@@ -434,7 +437,7 @@ impl Reader<'_> {
 
     fn top(&mut self) -> &mut Frame {
         match self.frames.last_mut() {
-            Some(it) => it,
+            Some(frame) => frame,
             None => unreachable!("the file is never closed"),
         }
     }
@@ -445,17 +448,26 @@ impl Reader<'_> {
     }
 
     fn close(&mut self, wanted: impl Fn(FrameKind) -> bool) {
-        let brace = |it: &Frame| matches!(it.kind, FrameKind::Body(_) | FrameKind::Initializers);
+        let brace =
+            |frame: &Frame| matches!(frame.kind, FrameKind::Body(_) | FrameKind::Initializers);
         let within = self.frames.iter().rposition(brace).unwrap_or(0) + 1;
-        let found = self.frames[within..].iter().rposition(|it| wanted(it.kind));
+        let found = self.frames[within..]
+            .iter()
+            .rposition(|frame| wanted(frame.kind));
         if let Some(found) = found {
             self.frames.truncate(within + found);
         }
     }
 
     fn close_brace(&mut self, i: usize) {
-        let brace = |it: &Frame| matches!(it.kind, FrameKind::Body(_) | FrameKind::Initializers);
-        let Some(at) = self.frames.iter().rposition(brace).filter(|it| *it > 0) else {
+        let brace =
+            |frame: &Frame| matches!(frame.kind, FrameKind::Body(_) | FrameKind::Initializers);
+        let Some(at) = self
+            .frames
+            .iter()
+            .rposition(brace)
+            .filter(|index| *index > 0)
+        else {
             // A superfluous bracket: a new statement follows.
             self.end_statement(i + 1);
             return;
@@ -475,9 +487,9 @@ impl Reader<'_> {
     fn end_statement(&mut self, next: usize) {
         let start = self.top().start;
         let first = self.tokens.get(start).filter(|_| start < next);
-        let first = first.map(|it| it.text.clone());
+        let first = first.map(|token| token.text.clone());
         let top = self.top();
-        top.given.extend(first.filter(|it| it != ";"));
+        top.given.extend(first.filter(|text| text != ";"));
         top.start = next;
         top.commas = 0;
     }
@@ -487,7 +499,10 @@ impl Reader<'_> {
         let top = self.top();
         let (kind, start) = (top.kind, top.start);
         let statement = &self.tokens[start.min(i)..i];
-        let before = statement.len().checked_sub(2).map(|it| &statement[it]);
+        let before = statement
+            .len()
+            .checked_sub(2)
+            .map(|difference| &statement[difference]);
         if let Some(before) = before {
             if before.is("struct") {
                 return FrameKind::Body(BodyKind::Members);
@@ -496,25 +511,33 @@ impl Reader<'_> {
                 return FrameKind::Body(BodyKind::Enum);
             }
         }
-        let is = |it: &str| statement.iter().any(|word| word.is(it));
-        if is("union") && is("switch") && statement.last().is_some_and(|it| it.is(")")) {
+        let is = |text: &str| statement.iter().any(|word| word.is(text));
+        if is("union")
+            && is("switch")
+            && statement.last().is_some_and(|statement| statement.is(")"))
+        {
             return FrameKind::Body(BodyKind::Cases);
         }
         if !matches!(kind, FrameKind::Body(_)) {
             return FrameKind::Initializers;
         }
-        FrameKind::Body(match statement.first().map_or("", |it| it.text.as_str()) {
-            "module" => BodyKind::Module,
-            "component" => BodyKind::Component,
-            "interface" => BodyKind::Interface,
-            "exception" => BodyKind::Members,
-            "ids" => BodyKind::Ids,
-            "task" => BodyKind::Task,
-            "port" => BodyKind::Port,
-            "attribute" => BodyKind::Attribute,
-            "function" => BodyKind::Function,
-            "activity" => BodyKind::Activity,
-            _ => BodyKind::Unknown,
-        })
+        FrameKind::Body(
+            match statement
+                .first()
+                .map_or("", |statement| statement.text.as_str())
+            {
+                "module" => BodyKind::Module,
+                "component" => BodyKind::Component,
+                "interface" => BodyKind::Interface,
+                "exception" => BodyKind::Members,
+                "ids" => BodyKind::Ids,
+                "task" => BodyKind::Task,
+                "port" => BodyKind::Port,
+                "attribute" => BodyKind::Attribute,
+                "function" => BodyKind::Function,
+                "activity" => BodyKind::Activity,
+                _ => BodyKind::Unknown,
+            },
+        )
     }
 }

@@ -14,8 +14,8 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
     if at > end || *first == view.file {
         return None;
     }
-    let name = |it: &crate::base::SourceFile| {
-        let path = it.path(view.db);
+    let name = |file: &crate::base::SourceFile| {
+        let path = file.path(view.db);
         crate::markdown::code(path.file_name().unwrap_or(path.as_str()))
     };
     let mut markdown = format!("Analysed as included by {}.", name(first));
@@ -53,7 +53,7 @@ mod tests {
         };
         let markdown = |fixture: &Fixture, offset| {
             let hover = fixture.analysis().hover(&at(offset)).unwrap();
-            hover.map_or_else(String::new, |it| it.info.markdown)
+            hover.map_or_else(String::new, |hover| hover.info.markdown)
         };
         let first = markdown(&fixture, 0);
         assert!(

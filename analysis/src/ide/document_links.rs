@@ -52,11 +52,11 @@ pub(crate) fn missing_packages(view: &FileView<'_>) -> Vec<MissingPackages> {
         _ => None,
     };
     let errors = view.pre().errors.iter();
-    let found = errors.filter_map(|it| {
-        let required = unmet(&it.kind)?;
-        let names = required.iter().flat_map(|it| packages::names(it));
+    let found = errors.filter_map(|error| {
+        let required = unmet(&error.kind)?;
+        let names = required.iter().flat_map(|text| packages::names(text));
         Some(MissingPackages {
-            range: bytes(it.range),
+            range: bytes(error.range),
             names: names.map(str::to_owned).collect(),
         })
     });
@@ -67,7 +67,7 @@ pub(crate) fn missing_packages(view: &FileView<'_>) -> Vec<MissingPackages> {
 /// that serves the file.
 pub(crate) fn searched(view: &FileView<'_>, ordinal: usize) -> Vec<Utf8PathBuf> {
     let include = view.pre().includes.get(ordinal);
-    let Some(request) = include.and_then(|it| it.request.as_ref()) else {
+    let Some(request) = include.and_then(|include| include.request.as_ref()) else {
         return Vec::new();
     };
     let Some((visit, _)) = serving_visit(view.db, view.unit, view.file) else {
@@ -97,8 +97,8 @@ pub(crate) fn missing_includes(view: &FileView<'_>) -> Vec<MissingInclude> {
 /// The target of an active include.
 pub(super) fn include_target(view: &FileView<'_>, ordinal: usize) -> Option<SourceFile> {
     let visits = &visits(view.db, view.unit).visits;
-    let own = visits.iter().filter(|it| it.key == view.key);
-    let mut targets = own.filter_map(|it| it.includes.get(ordinal).copied().flatten());
+    let own = visits.iter().filter(|visit| visit.key == view.key);
+    let mut targets = own.filter_map(|visit| visit.includes.get(ordinal).copied().flatten());
     Some(visits.get(targets.next()? as usize)?.key.file(view.db))
 }
 
@@ -141,11 +141,15 @@ mod tests {
         let missing = missing.unwrap();
         let searched: Vec<Vec<&str>> = missing
             .iter()
-            .map(|it| it.searched.iter().map(|it| it.as_str()).collect())
+            .map(|include| include.searched.iter().map(|path| path.as_str()).collect())
             .collect();
         assert_eq!(searched, [vec![], vec!["/sub", "/pose"], vec!["/"]]);
         let packages = fixture.analysis().missing_packages("/sub/main.gen".into());
-        let names: Vec<_> = packages.unwrap().into_iter().map(|it| it.names).collect();
+        let names: Vec<_> = packages
+            .unwrap()
+            .into_iter()
+            .map(|package| package.names)
+            .collect();
         assert_eq!(names, [["other-idl", "far"]]);
     }
 
@@ -173,7 +177,7 @@ mod tests {
         let text = fixture.text("/main.gen");
         let links: Vec<(&str, &str)> = links
             .iter()
-            .map(|it| (&text[it.range.clone()], it.target.as_str()))
+            .map(|link| (&text[link.range.clone()], link.target.as_str()))
             .collect();
         assert_eq!(links, [("a.idl", "/a.idl"), ("HERE", "/b.idl")]);
     }

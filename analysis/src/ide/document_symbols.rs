@@ -27,55 +27,71 @@ fn items(
 fn item_symbols(view: &FileView<'_>, item: &ast::Item, out: &mut Vec<DocumentSymbol>) {
     let node = item.syntax();
     match item {
-        ast::Item::Directive(it) => {
-            if it.kind() == ast::DirectiveKind::Define {
-                let params = it.params().map(|it| it.syntax().text().to_string());
-                out.extend(symbol(view, node, it.name(), SymbolKind::Macro, params));
+        ast::Item::Directive(directive) => {
+            if directive.kind() == ast::DirectiveKind::Define {
+                let params = directive
+                    .params()
+                    .map(|param| param.syntax().text().to_string());
+                out.extend(symbol(
+                    view,
+                    node,
+                    directive.name(),
+                    SymbolKind::Macro,
+                    params,
+                ));
             }
         }
-        ast::Item::Module(it) => out.extend(with_body(view, it, it.name(), SymbolKind::Module)),
-        ast::Item::Component(it) => {
-            let kind = match it.is_interface() {
+        ast::Item::Module(module) => {
+            out.extend(with_body(view, module, module.name(), SymbolKind::Module))
+        }
+        ast::Item::Component(component) => {
+            let kind = match component.is_interface() {
                 true => SymbolKind::Interface,
                 false => SymbolKind::Component,
             };
-            out.extend(with_body(view, it, it.name(), kind));
+            out.extend(with_body(view, component, component.name(), kind));
         }
-        ast::Item::ConstDecl(it) => {
-            let ty = text(view, it.type_spec());
-            out.extend(symbol(view, node, it.name(), SymbolKind::Const, ty));
+        ast::Item::ConstDecl(constant) => {
+            let ty = text(view, constant.type_spec());
+            out.extend(symbol(view, node, constant.name(), SymbolKind::Const, ty));
         }
-        ast::Item::TypedefDecl(it) => {
-            let nested = type_symbols(view, it.type_spec());
-            let detail = type_detail(view, it.type_spec());
+        ast::Item::TypedefDecl(typedef) => {
+            let nested = type_symbols(view, typedef.type_spec());
+            let detail = type_detail(view, typedef.type_spec());
             out.extend(nested);
-            for it in it.declarators() {
-                out.extend(declarator(view, node, &it, SymbolKind::Typedef, &detail));
+            for declared in typedef.declarators() {
+                out.extend(declarator(
+                    view,
+                    node,
+                    &declared,
+                    SymbolKind::Typedef,
+                    &detail,
+                ));
             }
         }
-        ast::Item::NativeDecl(it) => {
-            out.extend(symbol(view, node, it.name(), SymbolKind::Native, None));
+        ast::Item::NativeDecl(native) => {
+            out.extend(symbol(view, node, native.name(), SymbolKind::Native, None));
         }
-        ast::Item::ExceptionDecl(it) => {
-            for it in it.exceptions() {
-                out.extend(with_body(view, &it, it.name(), SymbolKind::Exception));
+        ast::Item::ExceptionDecl(exception) => {
+            for node in exception.exceptions() {
+                out.extend(with_body(view, &node, node.name(), SymbolKind::Exception));
             }
         }
-        ast::Item::TypeDecl(it) => out.extend(type_symbols(view, it.type_spec())),
-        ast::Item::ForwardDecl(it) => {
-            let kind = match it.union_token() {
+        ast::Item::TypeDecl(ty) => out.extend(type_symbols(view, ty.type_spec())),
+        ast::Item::ForwardDecl(declaration) => {
+            let kind = match declaration.union_token() {
                 Some(_) => SymbolKind::Union,
                 None => SymbolKind::Struct,
             };
             let detail = Some("forward declaration".to_owned());
-            out.extend(symbol(view, node, it.name(), kind, detail));
+            out.extend(symbol(view, node, declaration.name(), kind, detail));
         }
-        ast::Item::Ids(it) => {
+        ast::Item::Ids(id) => {
             let range = bytes(view.node_range(node));
-            let keyword = it.ids_token().map(|it| bytes(view.token_range(&it)));
+            let keyword = id.ids_token().map(|token| bytes(view.token_range(&token)));
             let selection_range = keyword.unwrap_or(range.clone());
             let mut children = Vec::new();
-            items(view, it.items(), &mut children);
+            items(view, id.items(), &mut children);
             out.push(DocumentSymbol {
                 name: "ids".into(),
                 detail: None,
@@ -85,79 +101,99 @@ fn item_symbols(view: &FileView<'_>, item: &ast::Item, out: &mut Vec<DocumentSym
                 children,
             });
         }
-        ast::Item::Task(it) => {
-            let mut found = with_body(view, it, it.name(), SymbolKind::Task);
+        ast::Item::Task(task) => {
+            let mut found = with_body(view, task, task.name(), SymbolKind::Task);
             if let Some(found) = &mut found {
-                found.detail = period(view, it.items());
+                found.detail = period(view, task.items());
             }
             out.extend(found);
         }
-        ast::Item::Port(it) => {
-            out.extend(type_symbols(view, it.type_spec()));
-            let dir = match (it.in_token(), it.out_token()) {
+        ast::Item::Port(port) => {
+            out.extend(type_symbols(view, port.type_spec()));
+            let dir = match (port.in_token(), port.out_token()) {
                 (Some(_), _) => "in ",
                 (_, Some(_)) => "out ",
                 _ => "",
             };
-            let multiple = if it.multiple_token().is_some() {
+            let multiple = if port.multiple_token().is_some() {
                 "multiple "
             } else {
                 ""
             };
-            let ty = type_detail(view, it.type_spec()).unwrap_or_default();
+            let ty = type_detail(view, port.type_spec()).unwrap_or_default();
             let detail = Some(format!("{multiple}{dir}{ty}"));
-            out.extend(symbol(view, node, it.name(), SymbolKind::Port, detail));
+            out.extend(symbol(view, node, port.name(), SymbolKind::Port, detail));
         }
-        ast::Item::Service(it) => {
-            let kind = if it.attribute_token().is_some() {
+        ast::Item::Service(service) => {
+            let kind = if service.attribute_token().is_some() {
                 SymbolKind::Attribute
-            } else if it.function_token().is_some() {
+            } else if service.function_token().is_some() {
                 SymbolKind::Function
             } else {
                 SymbolKind::Activity
             };
-            let mut found = with_body(view, it, it.name(), kind);
+            let mut found = with_body(view, service, service.name(), kind);
             if let Some(found) = &mut found {
-                found.detail = it.param_list().map(|it| one_line(view, it.syntax()));
+                found.detail = service
+                    .param_list()
+                    .map(|param| one_line(view, param.syntax()));
             }
             out.extend(found);
         }
-        ast::Item::Member(it) => {
-            out.extend(type_symbols(view, it.type_spec()));
-            let detail = type_detail(view, it.type_spec());
-            for it in it.declarators() {
-                out.extend(declarator(view, node, &it, SymbolKind::Member, &detail));
+        ast::Item::Member(member) => {
+            out.extend(type_symbols(view, member.type_spec()));
+            let detail = type_detail(view, member.type_spec());
+            for declared in member.declarators() {
+                out.extend(declarator(
+                    view,
+                    node,
+                    &declared,
+                    SymbolKind::Member,
+                    &detail,
+                ));
             }
         }
-        ast::Item::Case(it) => {
-            out.extend(type_symbols(view, it.type_spec()));
-            let detail = type_detail(view, it.type_spec());
-            if let Some(it) = it.declarator() {
-                out.extend(declarator(view, node, &it, SymbolKind::Member, &detail));
+        ast::Item::Case(case) => {
+            out.extend(type_symbols(view, case.type_spec()));
+            let detail = type_detail(view, case.type_spec());
+            if let Some(declared) = case.declarator() {
+                out.extend(declarator(
+                    view,
+                    node,
+                    &declared,
+                    SymbolKind::Member,
+                    &detail,
+                ));
             }
         }
-        ast::Item::Property(it) => property(view, it, out),
+        ast::Item::Property(node) => property(view, node, out),
     }
 }
 
-fn property(view: &FileView<'_>, it: &ast::Property, out: &mut Vec<DocumentSymbol>) {
-    let node = it.syntax();
-    let codel = match it {
-        ast::Property::CodelProperty(it) => it.codel(),
-        ast::Property::ValidateProperty(it) => it.codel(),
-        ast::Property::LocalProperty(it) => {
-            let detail = type_detail(view, it.type_spec());
-            for it in it.declarators() {
-                out.extend(declarator(view, node, &it, SymbolKind::Local, &detail));
+fn property(view: &FileView<'_>, property: &ast::Property, out: &mut Vec<DocumentSymbol>) {
+    let node = property.syntax();
+    let codel = match property {
+        ast::Property::CodelProperty(property) => property.codel(),
+        ast::Property::ValidateProperty(property) => property.codel(),
+        ast::Property::LocalProperty(property) => {
+            let detail = type_detail(view, property.type_spec());
+            for declared in property.declarators() {
+                out.extend(declarator(
+                    view,
+                    node,
+                    &declared,
+                    SymbolKind::Local,
+                    &detail,
+                ));
             }
             None
         }
         _ => None,
     };
     if let Some(codel) = codel {
-        let states = |it: Option<SyntaxNode>| it.map(|it| one_line(view, &it));
-        let triggers = states(codel.triggers().map(|it| it.syntax().clone()));
-        let yields = states(codel.yields().map(|it| it.syntax().clone()));
+        let states = |node: Option<SyntaxNode>| node.map(|node| one_line(view, &node));
+        let triggers = states(codel.triggers().map(|trigger| trigger.syntax().clone()));
+        let yields = states(codel.yields().map(|yields| yields.syntax().clone()));
         let detail: Vec<String> = triggers.into_iter().chain(yields).collect();
         let detail = (!detail.is_empty()).then(|| detail.join(" "));
         out.extend(symbol(view, node, codel.name(), SymbolKind::Codel, detail));
@@ -167,24 +203,40 @@ fn property(view: &FileView<'_>, it: &ast::Property, out: &mut Vec<DocumentSymbo
 /// A struct, union or enum declared in the place of a type.
 fn type_symbols(view: &FileView<'_>, ty: Option<ast::TypeSpec>) -> Option<DocumentSymbol> {
     match ty? {
-        ast::TypeSpec::Struct(it) => with_body(view, &it, it.name(), SymbolKind::Struct),
-        ast::TypeSpec::Union(it) => {
-            let mut found = with_body(view, &it, it.name(), SymbolKind::Union)?;
-            found.detail = text(view, it.switch_type());
+        ast::TypeSpec::Struct(structure) => {
+            with_body(view, &structure, structure.name(), SymbolKind::Struct)
+        }
+        ast::TypeSpec::Union(union) => {
+            let mut found = with_body(view, &union, union.name(), SymbolKind::Union)?;
+            found.detail = text(view, union.switch_type());
             // An enum declared as the switch type is part of the union.
             found
                 .children
-                .splice(0..0, type_symbols(view, it.switch_type()));
+                .splice(0..0, type_symbols(view, union.switch_type()));
             Some(found)
         }
-        ast::TypeSpec::Enum(it) => {
-            let mut found = symbol(view, it.syntax(), it.name(), SymbolKind::Enum, None)?;
-            let enumerators = it
+        ast::TypeSpec::Enum(enumeration) => {
+            let mut found = symbol(
+                view,
+                enumeration.syntax(),
+                enumeration.name(),
+                SymbolKind::Enum,
+                None,
+            )?;
+            let enumerators = enumeration
                 .enumerator_list()
                 .into_iter()
-                .flat_map(|it| it.enumerators());
+                .flat_map(|enumerator| enumerator.enumerators());
             found.children = enumerators
-                .filter_map(|it| symbol(view, it.syntax(), it.name(), SymbolKind::Enumerator, None))
+                .filter_map(|enumerator| {
+                    symbol(
+                        view,
+                        enumerator.syntax(),
+                        enumerator.name(),
+                        SymbolKind::Enumerator,
+                        None,
+                    )
+                })
                 .collect();
             Some(found)
         }
@@ -195,9 +247,9 @@ fn type_symbols(view: &FileView<'_>, ty: Option<ast::TypeSpec>) -> Option<Docume
 /// The type as written, without the body of one declared in place.
 fn type_detail(view: &FileView<'_>, ty: Option<ast::TypeSpec>) -> Option<String> {
     let name = match ty.as_ref()? {
-        ast::TypeSpec::Struct(it) => it.name(),
-        ast::TypeSpec::Union(it) => it.name(),
-        ast::TypeSpec::Enum(it) => it.name(),
+        ast::TypeSpec::Struct(structure) => structure.name(),
+        ast::TypeSpec::Union(union) => union.name(),
+        ast::TypeSpec::Enum(enumeration) => enumeration.name(),
         _ => return text(view, ty),
     };
     Some(name?.text(view.map()).to_string())
@@ -206,31 +258,33 @@ fn type_detail(view: &FileView<'_>, ty: Option<ast::TypeSpec>) -> Option<String>
 fn declarator(
     view: &FileView<'_>,
     owner: &SyntaxNode,
-    it: &ast::Declarator,
+    declarator: &ast::Declarator,
     kind: SymbolKind,
     detail: &Option<String>,
 ) -> Option<DocumentSymbol> {
-    let dimensions: String = it
+    let dimensions: String = declarator
         .dimensions()
-        .map(|it| one_line(view, it.syntax()))
+        .map(|dimension| one_line(view, dimension.syntax()))
         .collect();
-    let detail = detail.as_ref().map(|it| format!("{it}{dimensions}"));
-    symbol(view, owner, it.name(), kind, detail)
+    let detail = detail
+        .as_ref()
+        .map(|detail| format!("{detail}{dimensions}"));
+    symbol(view, owner, declarator.name(), kind, detail)
 }
 
 fn with_body(
     view: &FileView<'_>,
-    it: &impl HasBody,
+    body: &impl HasBody,
     name: Option<ast::Name>,
     kind: SymbolKind,
 ) -> Option<DocumentSymbol> {
     let mut children = Vec::new();
-    items(view, it.items(), &mut children);
-    let mut found = match symbol(view, it.syntax(), name, kind, None) {
+    items(view, body.items(), &mut children);
+    let mut found = match symbol(view, body.syntax(), name, kind, None) {
         Some(found) => found,
         // While the name is being typed, the nested declarations keep their place.
         None if children.is_empty() => return None,
-        None => unnamed(view, it.syntax(), kind)?,
+        None => unnamed(view, body.syntax(), kind)?,
     };
     found.children = children;
     Some(found)
@@ -239,7 +293,7 @@ fn with_body(
 fn unnamed(view: &FileView<'_>, node: &SyntaxNode, kind: SymbolKind) -> Option<DocumentSymbol> {
     let keyword = node
         .children_with_tokens()
-        .find(|it| it.kind().is_keyword())?
+        .find(|element| element.kind().is_keyword())?
         .into_token()?;
     let selection_range = bytes(view.token_range(&keyword));
     Some(DocumentSymbol {
@@ -284,9 +338,11 @@ fn text(view: &FileView<'_>, node: Option<impl AstNode>) -> Option<String> {
 }
 
 fn period(view: &FileView<'_>, items: impl Iterator<Item = ast::Item>) -> Option<String> {
-    items.into_iter().find_map(|it| match it {
-        ast::Item::Property(ast::Property::DurationProperty(it)) if it.period_token().is_some() => {
-            Some(format!("period {}", text(view, it.quantity())?))
+    items.into_iter().find_map(|item| match item {
+        ast::Item::Property(ast::Property::DurationProperty(property))
+            if property.period_token().is_some() =>
+        {
+            Some(format!("period {}", text(view, property.quantity())?))
         }
         _ => None,
     })
@@ -301,23 +357,26 @@ mod tests {
     use crate::{ide::DocumentSymbol, test_support::Fixture};
 
     fn dump(text: &str, symbols: &[DocumentSymbol], depth: usize, out: &mut String) {
-        for it in symbols {
-            assert!(it.range.start <= it.selection_range.start, "{it:?}");
-            assert!(it.selection_range.end <= it.range.end, "{it:?}");
-            let detail = it.detail.as_deref().unwrap_or_default();
-            let selected = &text[it.selection_range.clone()];
+        for symbol in symbols {
+            assert!(
+                symbol.range.start <= symbol.selection_range.start,
+                "{symbol:?}"
+            );
+            assert!(symbol.selection_range.end <= symbol.range.end, "{symbol:?}");
+            let detail = symbol.detail.as_deref().unwrap_or_default();
+            let selected = &text[symbol.selection_range.clone()];
             let indent = "  ".repeat(depth);
             writeln!(
                 out,
                 "{indent}{:?} {} [{selected}] {detail}",
-                it.kind, it.name
+                symbol.kind, symbol.name
             )
             .unwrap();
-            for child in &it.children {
-                assert!(it.range.start <= child.range.start, "{child:?}");
-                assert!(child.range.end <= it.range.end, "{child:?}");
+            for child in &symbol.children {
+                assert!(symbol.range.start <= child.range.start, "{child:?}");
+                assert!(child.range.end <= symbol.range.end, "{child:?}");
             }
-            dump(text, &it.children, depth + 1, out);
+            dump(text, &symbol.children, depth + 1, out);
         }
     }
 

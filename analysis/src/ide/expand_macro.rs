@@ -15,7 +15,7 @@ pub(crate) fn expand_macro(view: &FileView<'_>, at: usize) -> Option<RangeInfo<M
     let around = |token: dotgen_syntax::SyntaxToken| {
         token
             .parent_ancestors()
-            .find(|it| it.kind() == SyntaxKind::MACRO_CALL)
+            .find(|ancestor| ancestor.kind() == SyntaxKind::MACRO_CALL)
     };
     // The cursor may be right after the call.
     let call = tokens
@@ -25,8 +25,8 @@ pub(crate) fn expand_macro(view: &FileView<'_>, at: usize) -> Option<RangeInfo<M
         .or_else(|| tokens.left_biased().and_then(around))?;
     let name = call
         .descendants_with_tokens()
-        .filter_map(|it| it.into_token())
-        .find(|it| !it.kind().is_trivia())?;
+        .filter_map(|element| element.into_token())
+        .find(|token| !token.kind().is_trivia())?;
     Some(RangeInfo {
         range: call.text_range().into(),
         info: MacroExpansion {

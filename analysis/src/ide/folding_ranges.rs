@@ -21,7 +21,7 @@ pub(crate) fn folding_ranges(view: &FileView<'_>) -> Vec<FoldingRange> {
     }
     folds.end_runs();
     let mut out = folds.out;
-    out.sort_by_key(|it| (it.range.start, std::cmp::Reverse(it.range.end)));
+    out.sort_by_key(|range| (range.range.start, std::cmp::Reverse(range.range.end)));
     out.dedup();
     out
 }
@@ -71,7 +71,7 @@ impl Folds<'_> {
             _ => {
                 let in_directive = element
                     .ancestors()
-                    .any(|it| it.kind() == SyntaxKind::DIRECTIVE);
+                    .any(|ancestor| ancestor.kind() == SyntaxKind::DIRECTIVE);
                 if !in_directive {
                     self.end_runs();
                 }
@@ -178,12 +178,12 @@ mod tests {
         let lines = |at: usize| text[..at].matches('\n').count() + 1;
         let lines: Vec<String> = folds
             .iter()
-            .map(|it| {
+            .map(|range| {
                 format!(
                     "{}-{} {:?}\n",
-                    lines(it.range.start),
-                    lines(it.range.end),
-                    it.kind
+                    lines(range.range.start),
+                    lines(range.range.end),
+                    range.kind
                 )
             })
             .collect();

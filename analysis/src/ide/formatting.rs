@@ -20,15 +20,15 @@ pub(crate) fn format(
     within: Option<Range<usize>>,
     options: &Options,
 ) -> Vec<FileEdit> {
-    edits(view, within.map(|it| text_range(&it)), options)
+    edits(view, within.map(|range| text_range(&range)), options)
 }
 
 fn edits(view: &FileView<'_>, within: Option<TextRange>, options: &Options) -> Vec<FileEdit> {
     let edits = format::format(&view.root(), &view.parse().broken(), within, options);
-    let edits = edits.into_iter().map(|it| FileEdit {
+    let edits = edits.into_iter().map(|edit| FileEdit {
         path: view.file.path(view.db).clone(),
-        range: bytes(it.range),
-        new_text: it.new_text,
+        range: bytes(edit.range),
+        new_text: edit.new_text,
     });
     edits.collect()
 }
@@ -53,33 +53,33 @@ pub(crate) fn on_type(
 fn statement(view: &FileView<'_>, at: usize, typed: char, options: &Options) -> Vec<FileEdit> {
     let root = view.root();
     let token = root.token_at_offset(offset(at)).left_biased();
-    let closes = |it: &dotgen_syntax::SyntaxToken| {
+    let closes = |token: &dotgen_syntax::SyntaxToken| {
         let kind = if typed == '}' {
             SyntaxKind::R_CURLY
         } else {
             SyntaxKind::SEMICOLON
         };
-        it.kind() == kind && usize::from(it.text_range().end()) == at
+        token.kind() == kind && usize::from(token.text_range().end()) == at
     };
     let Some(token) = token.filter(closes) else {
         return Vec::new();
     };
     let mut node = token.parent();
-    if let Some(body) = node.clone().filter(|it| it.kind() == SyntaxKind::BODY) {
+    if let Some(body) = node.clone().filter(|node| node.kind() == SyntaxKind::BODY) {
         node = body.parent();
     }
-    let Some(node) = node.filter(|it| it.parent().is_some()) else {
+    let Some(node) = node.filter(|node| node.parent().is_some()) else {
         return Vec::new();
     };
     let range = bytes(view.node_range(&node));
     // With the indentation of its first line.
     let line = view.text()[..range.start]
         .rfind('\n')
-        .map_or(0, |it| it + 1);
+        .map_or(0, |index| index + 1);
     let blank = view.text()[line..range.start].trim().is_empty();
     let start = if blank { line } else { range.start };
     let mut out = edits(view, Some(text_range(&(start..at))), options);
-    out.retain(|it| line <= it.range.end && it.range.end <= at);
+    out.retain(|edit| line <= edit.range.end && edit.range.end <= at);
     out
 }
 
@@ -89,7 +89,7 @@ fn indentation(view: &FileView<'_>, at: usize, options: &Options) -> Option<File
     if surroundings(view, at) != Surroundings::Code {
         return None;
     }
-    let line = text[..at].rfind('\n').map_or(0, |it| it + 1);
+    let line = text[..at].rfind('\n').map_or(0, |index| index + 1);
     let rest = &text[line..];
     let blanks = rest.len() - rest.trim_start_matches([' ', '\t']).len();
     let content = rest[blanks..].chars().next();
@@ -107,8 +107,8 @@ fn indentation(view: &FileView<'_>, at: usize, options: &Options) -> Option<File
         }
         _ => {
             let bodies = context.frames.iter().skip(1);
-            let bodies =
-                bodies.filter(|it| matches!(it.kind, FrameKind::Body(_) | FrameKind::Initializers));
+            let bodies = bodies
+                .filter(|body| matches!(body.kind, FrameKind::Body(_) | FrameKind::Initializers));
             let mut depth = bodies.count();
             if content == Some('}') {
                 depth = depth.saturating_sub(1);
@@ -134,13 +134,15 @@ fn continuation(text: &str, open: usize, line: usize, unit: Unit) -> usize {
         let blanks = rest.len() - rest.trim_start_matches([' ', '\t']).len();
         unit.column_of(&rest[..blanks])
     };
-    let start_of = |at: usize| text[..at].rfind('\n').map_or(0, |it| it + 1);
+    let start_of = |at: usize| text[..at].rfind('\n').map_or(0, |index| index + 1);
     let opens_on = start_of(open);
     let before = start_of(line.saturating_sub(1));
     if before > opens_on {
         return indentation(before);
     }
-    let goes_on = text[open..line].chars().any(|it| !it.is_whitespace());
+    let goes_on = text[open..line]
+        .chars()
+        .any(|character| !character.is_whitespace());
     let units = if goes_on { 2 } else { 1 };
     indentation(opens_on) + units * unit.columns()
 }

@@ -20,7 +20,7 @@ pub(crate) fn definition(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Vec
     if !states.is_empty() {
         return answer(range, states);
     }
-    let found = targets.iter().filter_map(|it| nav_target(view, it));
+    let found = targets.iter().filter_map(|target| nav_target(view, target));
     answer(range, found.collect())
 }
 
@@ -79,10 +79,10 @@ pub(crate) fn type_definition(view: &FileView<'_>, at: usize) -> Option<RangeInf
 
 fn answer(range: TextRange, mut info: Vec<NavTarget>) -> Option<RangeInfo<Vec<NavTarget>>> {
     let mut kept: Vec<NavTarget> = Vec::new();
-    info.retain(|it| {
-        let new = !kept.contains(it);
+    info.retain(|target| {
+        let new = !kept.contains(target);
         if new {
-            kept.push(it.clone());
+            kept.push(target.clone());
         }
         new
     });
@@ -97,10 +97,10 @@ fn first_declaration(view: &FileView<'_>, id: DefId) -> Option<NavTarget> {
     let definition = view.elaborated().definition(id);
     let declarations = view.elaborated().references.iter();
     let first = declarations
-        .filter(|it| it.declaration && it.target == id)
-        .map(|it| it.at)
+        .filter(|declaration| declaration.declaration && declaration.target == id)
+        .map(|declaration| declaration.at)
         .chain(std::iter::once(definition.src))
-        .min_by_key(|it| (it.visit, it.item, it.node))?;
+        .min_by_key(|declaration| (declaration.visit, declaration.item, declaration.node))?;
     if first == definition.src {
         return Some(target);
     }
@@ -157,12 +157,12 @@ fn type_target(view: &FileView<'_>, ty: TypeId) -> Option<NavTarget> {
     let src = elaborated.spec.types.get(ty.0 as usize)?.src;
     let mut candidates = elaborated.definitions.iter();
     let definition = candidates
-        .find(|it| it.ty == Some(ty) && it.src == src)
+        .find(|candidate| candidate.ty == Some(ty) && candidate.src == src)
         .or_else(|| {
             elaborated
                 .definitions
                 .iter()
-                .find(|it| it.ty == Some(ty) && is_type(it.kind))
+                .find(|definition| definition.ty == Some(ty) && is_type(definition.kind))
         })?;
     definition_target(view.db, view.unit, definition.id)
 }
@@ -196,12 +196,18 @@ mod tests {
         let fixture = Fixture::new(text);
         let found = goto(&fixture.analysis(), &fixture.at()).unwrap();
         let mut found: Vec<String> = found
-            .map_or_else(Vec::new, |it| it.info)
+            .map_or_else(Vec::new, |range_info| range_info.info)
             .iter()
-            .map(|it| {
-                assert!(it.full_range.start <= it.focus_range.start, "{it:?}");
-                assert!(it.focus_range.end <= it.full_range.end, "{it:?}");
-                format!("{}:{:?}", it.path, it.focus_range)
+            .map(|target| {
+                assert!(
+                    target.full_range.start <= target.focus_range.start,
+                    "{target:?}"
+                );
+                assert!(
+                    target.focus_range.end <= target.full_range.end,
+                    "{target:?}"
+                );
+                format!("{}:{:?}", target.path, target.focus_range)
             })
             .collect();
         found.sort();
@@ -316,9 +322,14 @@ component c {
         let found = found.unwrap_or_else(|| panic!("nothing at `{use_}`"));
         let text = fixture.text("/main.gen");
         let start = text.find(declaration).expect("the declaration is there");
-        let places: Vec<_> = found.info.iter().map(|it| it.focus_range.clone()).collect();
-        let inside =
-            |it: &std::ops::Range<usize>| start <= it.start && it.end <= start + declaration.len();
+        let places: Vec<_> = found
+            .info
+            .iter()
+            .map(|target| target.focus_range.clone())
+            .collect();
+        let inside = |range: &std::ops::Range<usize>| {
+            start <= range.start && range.end <= start + declaration.len()
+        };
         assert!(places.iter().any(inside), "`{use_}`: {:?}", found.info);
     }
 

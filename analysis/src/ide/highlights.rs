@@ -20,27 +20,30 @@ pub(crate) fn highlights(view: &FileView<'_>, at: usize) -> Vec<Highlight> {
         match target {
             Target::Definition(id) => {
                 let all = occurrences(view.db, view.unit, view.file).iter();
-                let same = all.filter(|it| it.target == *id);
-                found.extend(same.map(|it| (it.range, it.access)));
+                let same = all.filter(|occurrence| occurrence.target == *id);
+                found.extend(same.map(|occurrence| (occurrence.range, occurrence.access)));
             }
             Target::Macro(name, site) => {
                 let uses = view.pre().macro_uses.iter();
-                let same = uses.filter(|it| it.name == *name && it.site == *site);
-                found.extend(same.map(|it| (it.range, AccessKind::Mention)));
+                let same = uses.filter(|usage| usage.name == *name && usage.site == *site);
+                found.extend(same.map(|usage| (usage.range, AccessKind::Mention)));
                 let definition = nav_target(view, target);
-                let here = definition.filter(|it| it.path == *view.file.path(view.db));
-                found.extend(here.map(|it| (text_range(&it.focus_range), AccessKind::Declaration)));
+                let here =
+                    definition.filter(|definition| definition.path == *view.file.path(view.db));
+                found.extend(here.map(|definition| {
+                    (text_range(&definition.focus_range), AccessKind::Declaration)
+                }));
             }
             Target::File(file) => {
                 let includes = view.pre().includes.iter().enumerate();
                 let same = includes.filter(|(i, _)| include_target(view, *i) == Some(*file));
-                found.extend(same.map(|(_, it)| (it.range, AccessKind::Mention)));
+                found.extend(same.map(|(_, include)| (include.range, AccessKind::Mention)));
             }
         }
     }
     // For a name that is both declared and used, the use is more informative.
     found.sort_by_key(|&(range, access)| (range.start(), range.end(), Reverse(access)));
-    found.dedup_by_key(|it| it.0);
+    found.dedup_by_key(|pair| pair.0);
     found
         .into_iter()
         .map(|(range, access)| Highlight {
@@ -61,10 +64,10 @@ mod tests {
         let found = fixture.analysis().highlights(&fixture.at()).unwrap();
         let found: Vec<_> = found
             .into_iter()
-            .map(|it| (it.range, format!("{:?}", it.access)))
+            .map(|highlight| (highlight.range, format!("{:?}", highlight.access)))
             .collect();
         let mut wanted = annotations(&fixture.text(path.as_str()));
-        wanted.sort_by_key(|it| it.0.start);
+        wanted.sort_by_key(|annotation| annotation.0.start);
         assert_eq!(found, wanted, "{}", fixture.all_diagnostics());
     }
 

@@ -38,14 +38,14 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
             Target::Macro(name, site) => macro_hover(view, range, name, site.as_ref()),
             Target::File(file) => Some(markdown::code(file.path(view.db).as_str())),
         };
-        parts.extend(part.filter(|it| !parts.contains(it)));
+        parts.extend(part.filter(|part| !parts.contains(part)));
     }
     if parts.is_empty() {
         return None;
     }
     let mut text = parts.join("\n\n---\n\n");
     let unit = crate::unit::roots_of(view.db, view.file);
-    if let Some(root) = unit.first().filter(|it| **it != view.file) {
+    if let Some(root) = unit.first().filter(|unit| **unit != view.file) {
         let name = root.path(view.db).file_name().unwrap_or_default();
         text += &format!("\n\n*as included by {}*", markdown::code(name));
     }
@@ -61,18 +61,18 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
 /// The searched directories of an included file that is not found.
 fn missing_include(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> {
     let mut all = missing_includes(view).into_iter();
-    let it = all.find(|it| it.range.contains(&at))?;
+    let include = all.find(|include| include.range.contains(&at))?;
     // A file that is not read was not searched.
-    if it.searched.is_empty() {
+    if include.searched.is_empty() {
         return None;
     }
-    let path = markdown::code(&it.path);
+    let path = markdown::code(&include.path);
     let mut text = format!("{path} is not found. Looked for in, in order:\n");
-    for directory in &it.searched {
+    for directory in &include.searched {
         text += &format!("\n- {}", markdown::code(directory.as_str()));
     }
     Some(RangeInfo {
-        range: it.range,
+        range: include.range,
         info: Hover {
             markdown: text,
             codels: Vec::new(),
@@ -82,10 +82,10 @@ fn missing_include(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> {
 
 /// The names of component and codel, if the definition is a codel.
 fn codel(elaborated: &Elaborated, id: DefId) -> Option<(String, String)> {
-    let it = elaborated.definitions.get(id.0 as usize)?;
-    let component = facts::component_of(elaborated, it)?;
-    let found = || (component.name.to_string(), it.name.to_string());
-    (it.kind == DefKind::Codel).then(found)
+    let definition = elaborated.definitions.get(id.0 as usize)?;
+    let component = facts::component_of(elaborated, definition)?;
+    let found = || (component.name.to_string(), definition.name.to_string());
+    (definition.kind == DefKind::Codel).then(found)
 }
 
 pub(crate) fn definition(view: &FileView<'_>, id: DefId) -> Option<String> {
@@ -95,27 +95,27 @@ pub(crate) fn definition(view: &FileView<'_>, id: DefId) -> Option<String> {
 /// The text of a definition, shown at a mention of it.
 fn mentioned(view: &FileView<'_>, id: DefId, mention: Option<TextRange>) -> Option<String> {
     let elaborated = view.elaborated();
-    let it = elaborated.definitions.get(id.0 as usize)?;
-    let mut out = code(&declaration_text(view, it)?);
+    let definition = elaborated.definitions.get(id.0 as usize)?;
+    let mut out = code(&declaration_text(view, definition)?);
     let mut facts: Vec<String> = Vec::new();
-    if let Some(container) = container_name(&elaborated.definitions, it) {
+    if let Some(container) = container_name(&elaborated.definitions, definition) {
         facts.push(format!("in `{container}`"));
     }
-    facts.extend(type_facts(elaborated, it));
-    if let Some(file) = elsewhere(view, it) {
+    facts.extend(type_facts(elaborated, definition));
+    if let Some(file) = elsewhere(view, definition) {
         facts.push(format!("from {}", markdown::code(&file)));
     }
     if !facts.is_empty() {
         out += &format!("\n\n{}", facts.join(" · "));
     }
-    if let Some(doc) = doc(elaborated, it) {
+    if let Some(doc) = doc(elaborated, definition) {
         out += &format!("\n\n{}", markdown::text(&doc));
     }
-    let owner = mention.and_then(|it| owner_around(view, it));
+    let owner = mention.and_then(|mention| owner_around(view, mention));
     if let Some(facts) = facts::facts(
         elaborated,
-        it,
-        owner.as_ref().map(|it| (it.0, it.1.as_str())),
+        definition,
+        owner.as_ref().map(|owner| (owner.0, owner.1.as_str())),
     ) {
         out += &format!("\n\n{facts}");
     }
@@ -130,46 +130,49 @@ fn owner_around(view: &FileView<'_>, place: TextRange) -> Option<(bool, String)>
         .contains_range(place)
         .then(|| root.covering_element(place))?;
     let mut around = inner.ancestors();
-    let owner = around.find(|it| matches!(it.kind(), SyntaxKind::TASK | SyntaxKind::SERVICE))?;
-    let name = owner.children().find(|it| it.kind() == SyntaxKind::NAME)?;
+    let owner = around
+        .find(|ancestor| matches!(ancestor.kind(), SyntaxKind::TASK | SyntaxKind::SERVICE))?;
+    let name = owner
+        .children()
+        .find(|child| child.kind() == SyntaxKind::NAME)?;
     Some((owner.kind() == SyntaxKind::TASK, name.text().to_string()))
 }
 
 /// The declaration in a standard layout.
-fn declaration_text(view: &FileView<'_>, it: &Definition) -> Option<String> {
-    let (file, range) = view.place(it.node)?;
+fn declaration_text(view: &FileView<'_>, definition: &Definition) -> Option<String> {
+    let (file, range) = view.place(definition.node)?;
     let there = &view_of(view, file)?;
-    let kind = SymbolKind::from(it.kind);
+    let kind = SymbolKind::from(definition.kind);
     let node = node_at(there, range);
     let text = match (kind, node) {
-        (SymbolKind::Component, _) => format!("component {} {{ … }};", it.name),
-        (SymbolKind::Interface, _) => format!("interface {} {{ … }};", it.name),
-        (SymbolKind::Module, _) => format!("module {} {{ … }};", it.name),
-        (SymbolKind::State, _) => format!("state {}", it.name),
-        (SymbolKind::Enumerator, _) => it.name.to_string(),
+        (SymbolKind::Component, _) => format!("component {} {{ … }};", definition.name),
+        (SymbolKind::Interface, _) => format!("interface {} {{ … }};", definition.name),
+        (SymbolKind::Module, _) => format!("module {} {{ … }};", definition.name),
+        (SymbolKind::State, _) => format!("state {}", definition.name),
+        (SymbolKind::Enumerator, _) => definition.name.to_string(),
         (SymbolKind::Parameter, Some(node)) if node.kind() == SyntaxKind::NAME => {
             let param = node
                 .ancestors()
-                .find(|it| it.kind() == SyntaxKind::PATH_PARAM);
+                .find(|ancestor| ancestor.kind() == SyntaxKind::PATH_PARAM);
             one_line(there, &param.unwrap_or(node))
         }
         (SymbolKind::Local, Some(node)) => {
             let local = node.ancestors();
-            let mut local = local.filter(|it| it.kind() == SyntaxKind::LOCAL_PROPERTY);
+            let mut local = local.filter(|local| local.kind() == SyntaxKind::LOCAL_PROPERTY);
             normalized(there, &local.next().unwrap_or(node))
         }
         (SymbolKind::Codel, Some(node)) => {
             // With the word before it.
-            let property = node.parent().filter(|it| {
+            let property = node.parent().filter(|parent| {
                 matches!(
-                    it.kind(),
+                    parent.kind(),
                     SyntaxKind::CODEL_PROPERTY | SyntaxKind::VALIDATE_PROPERTY
                 )
             });
             normalized(there, &property.unwrap_or(node))
         }
         (_, Some(node)) => normalized(there, &node),
-        (_, None) => it.name.to_string(),
+        (_, None) => definition.name.to_string(),
     };
     Some(text)
 }
@@ -196,25 +199,25 @@ fn node_at(view: &FileView<'_>, range: TextRange) -> Option<SyntaxNode> {
     }
     let inner = root.covering_element(range);
     let inner = match inner {
-        dotgen_syntax::SyntaxElement::Node(it) => it,
-        dotgen_syntax::SyntaxElement::Token(it) => it.parent()?,
+        dotgen_syntax::SyntaxElement::Node(node) => node,
+        dotgen_syntax::SyntaxElement::Token(token) => token.parent()?,
     };
     let same = inner
         .ancestors()
-        .take_while(|it| it.parent().is_some() && view.node_range(it) == range);
+        .take_while(|ancestor| ancestor.parent().is_some() && view.node_range(ancestor) == range);
     same.last().or_else(|| {
         // If the tree has an enclosing node (such as a body), that node is shown.
-        Some(inner).filter(|it| it.parent().is_some() && it.kind() != SyntaxKind::BODY)
+        Some(inner).filter(|node| node.parent().is_some() && node.kind() != SyntaxKind::BODY)
     })
 }
 
-fn type_facts(elaborated: &Elaborated, it: &Definition) -> Vec<String> {
+fn type_facts(elaborated: &Elaborated, definition: &Definition) -> Vec<String> {
     let spec = &elaborated.spec;
-    let Some(ty) = it.ty else {
+    let Some(ty) = definition.ty else {
         return Vec::new();
     };
     let mut out = Vec::new();
-    let value_of = match it.kind {
+    let value_of = match definition.kind {
         DefKind::Parameter | DefKind::CodelParameter | DefKind::Local => Some(ty),
         DefKind::Member
         | DefKind::IdsMember
@@ -227,24 +230,26 @@ fn type_facts(elaborated: &Elaborated, it: &Definition) -> Vec<String> {
     if let Some(value) = value_of {
         let resolved = render::resolved_type_text(spec, value);
         let declares = matches!(
-            it.kind,
+            definition.kind,
             DefKind::Struct | DefKind::Union | DefKind::Exception
         );
         if let Some(resolved) = resolved.filter(|_| !declares) {
             out.push(format!("type `{resolved}`"));
         }
-        if let Some(size) = render::packed_size(spec, value).filter(|_| it.kind != DefKind::Const) {
+        if let Some(size) =
+            render::packed_size(spec, value).filter(|_| definition.kind != DefKind::Const)
+        {
             out.push(format!(
                 "{size} byte{} packed",
                 if size == 1 { "" } else { "s" }
             ));
         }
     }
-    match spec.types.get(ty.0 as usize).map(|it| &it.kind) {
+    match spec.types.get(ty.0 as usize).map(|ty| &ty.kind) {
         Some(TypeKind::Const { value, .. }) => {
             let hexadecimal = match value {
-                Value::Uint(it) if *it > 9 => format!(" (`{it:#x}`)"),
-                Value::Int(it) if *it > 9 => format!(" (`{it:#x}`)"),
+                Value::Uint(number) if *number > 9 => format!(" (`{number:#x}`)"),
+                Value::Int(number) if *number > 9 => format!(" (`{number:#x}`)"),
                 _ => String::new(),
             };
             out.push(format!(
@@ -261,10 +266,10 @@ fn type_facts(elaborated: &Elaborated, it: &Definition) -> Vec<String> {
     out
 }
 
-fn doc(elaborated: &Elaborated, it: &Definition) -> Option<String> {
+fn doc(elaborated: &Elaborated, definition: &Definition) -> Option<String> {
     let components = &elaborated.spec.components;
     let of = |c: u32| -> Option<&Component> { components.get(c as usize) };
-    let doc = match it.entity? {
+    let doc = match definition.entity? {
         Entity::Component(c) => of(c)?.doc.clone(),
         Entity::Task(c, i) => of(c)?.tasks.get(i as usize)?.doc.clone(),
         Entity::Port(c, i) => of(c)?.ports.get(i as usize)?.doc.clone(),
@@ -274,11 +279,11 @@ fn doc(elaborated: &Elaborated, it: &Definition) -> Option<String> {
             service.params.get(p as usize)?.init.as_ref()?.doc.clone()
         }
     };
-    doc.filter(|it| !it.is_empty())
+    doc.filter(|doc| !doc.is_empty())
 }
 
-fn elsewhere(view: &FileView<'_>, it: &Definition) -> Option<String> {
-    let (file, _) = view.place(it.src)?;
+fn elsewhere(view: &FileView<'_>, definition: &Definition) -> Option<String> {
+    let (file, _) = view.place(definition.src)?;
     if file == view.file {
         return None;
     }
@@ -291,7 +296,7 @@ fn macro_hover(
     name: &str,
     site: Option<&MacroSite>,
 ) -> Option<String> {
-    let mut out = match site.and_then(|it| define_text(view, it)) {
+    let mut out = match site.and_then(|site| define_text(view, site)) {
         Some(definition) => code(&definition),
         None if site.is_some() => format!("macro `{name}` (predefined or from the command line)"),
         None => format!("`{name}` is not a macro here"),
@@ -311,7 +316,7 @@ fn define_text(view: &FileView<'_>, site: &MacroSite) -> Option<String> {
     let raw = &lexed(view.db, file).raw;
     let mut out = format!("#define {}", definition.name?.text);
     if let Some(params) = &definition.params {
-        let mut names: Vec<&str> = params.names.iter().map(|it| it.text.as_str()).collect();
+        let mut names: Vec<&str> = params.names.iter().map(|name| name.text.as_str()).collect();
         if params.variadic {
             names.push("...");
         }
@@ -337,7 +342,7 @@ pub(crate) fn expansion(view: &FileView<'_>, name: TextRange) -> Option<String> 
     let token = root.token_at_offset(name.start()).right_biased()?;
     let call = token
         .parent_ancestors()
-        .find(|it| it.kind() == SyntaxKind::MACRO_CALL)?;
+        .find(|ancestor| ancestor.kind() == SyntaxKind::MACRO_CALL)?;
     if call.text_range().start() != name.start() {
         return None;
     }

@@ -31,8 +31,8 @@ pub(crate) fn implementations(view: &FileView<'_>, at: usize) -> Option<RangeInf
             for id in
                 find_identities(view.db, unit, elaborated, std::slice::from_ref(&wanted)).iter()
             {
-                let it = elaborated.definition(*id);
-                for (src, name) in completions(elaborated, it) {
+                let definition = elaborated.definition(*id);
+                for (src, name) in completions(elaborated, definition) {
                     let Some((file, found)) = place(view.db, unit, src) else {
                         continue;
                     };
@@ -41,8 +41,8 @@ pub(crate) fn implementations(view: &FileView<'_>, at: usize) -> Option<RangeInf
                         path: file.path(view.db).clone(),
                         full_range: bytes(found),
                         focus_range: bytes(found),
-                        name: it.name.clone(),
-                        kind: it.kind.into(),
+                        name: definition.name.clone(),
+                        kind: definition.kind.into(),
                         container: Some(name),
                     };
                     if !here && !out.contains(&target) {
@@ -68,26 +68,32 @@ pub(crate) fn implementations(view: &FileView<'_>, at: usize) -> Option<RangeInf
     })
 }
 
-fn in_interface(elaborated: &Elaborated, it: &Definition) -> bool {
-    let container = it.container.map(|it| elaborated.definition(it));
-    container.is_some_and(|it| it.kind == DefKind::Interface)
+fn in_interface(elaborated: &Elaborated, definition: &Definition) -> bool {
+    let container = definition
+        .container
+        .map(|container| elaborated.definition(container));
+    container.is_some_and(|container| container.kind == DefKind::Interface)
 }
 
 /// The places where components complete a declaration of an interface, with their names.
 fn completions(
     elaborated: &Elaborated,
-    it: &Definition,
+    definition: &Definition,
 ) -> Vec<(crate::model::Src, smol_str::SmolStr)> {
     let spec = &elaborated.spec;
-    let interface = match it.kind {
-        DefKind::Interface => it.name.clone(),
-        _ if in_interface(elaborated, it) => match it.container {
+    let interface = match definition.kind {
+        DefKind::Interface => definition.name.clone(),
+        _ if in_interface(elaborated, definition) => match definition.container {
             Some(container) => elaborated.definition(container).name.clone(),
             None => return Vec::new(),
         },
         _ => return Vec::new(),
     };
-    let Some(index) = spec.components.iter().position(|it| it.name == interface) else {
+    let Some(index) = spec
+        .components
+        .iter()
+        .position(|component| component.name == interface)
+    else {
         return Vec::new();
     };
     let index = index as u32;
@@ -98,13 +104,13 @@ fn completions(
             continue;
         }
         let declared = elaborated.references.iter().filter(|reference| {
-            reference.target == it.id
+            reference.target == definition.id
                 && reference.declaration
                 && reference.component == Some(number)
         });
         let before = out.len();
-        if it.kind != DefKind::Interface {
-            out.extend(declared.map(|it| (it.at, component.name.clone())));
+        if definition.kind != DefKind::Interface {
+            out.extend(declared.map(|reference| (reference.at, component.name.clone())));
         }
         // Not completed in the component: the property that imports it.
         if out.len() == before {
@@ -126,9 +132,9 @@ mod tests {
             .goto_implementation(&fixture.at())
             .unwrap();
         let mut found: Vec<String> = found
-            .map_or_else(Vec::new, |it| it.info)
+            .map_or_else(Vec::new, |implementation| implementation.info)
             .iter()
-            .map(|it| format!("{}:{:?}", it.path, it.focus_range))
+            .map(|target| format!("{}:{:?}", target.path, target.focus_range))
             .collect();
         found.sort();
         let mut wanted = Vec::new();

@@ -112,9 +112,9 @@ pub(crate) fn inlay_hints(
         }
     }
     let mut out = hints.out;
-    out.sort_by_key(|it| (it.at, it.kind));
+    out.sort_by_key(|hint| (hint.at, hint.kind));
     let mut seen = FxHashSet::default();
-    out.retain(|it| seen.insert((it.at, it.kind)));
+    out.retain(|hint| seen.insert((hint.at, hint.kind)));
     out
 }
 
@@ -137,12 +137,14 @@ impl Hints<'_, '_> {
     /// component. Hints there do not stand between the parts of a declaration.
     fn after_declaration(&self, at: usize) -> usize {
         let token = self.view.root().token_at_offset(offset(at)).right_biased();
-        let nodes = token.into_iter().flat_map(|it| it.parent_ancestors());
+        let nodes = token.into_iter().flat_map(|token| token.parent_ancestors());
         let mut ends = nodes.filter_map(|node| match node.kind() {
             SyntaxKind::CODEL_PROPERTY => Some(node.text_range().end()),
             SyntaxKind::BODY => Some(node.text_range().start() + TextSize::of('{')),
             SyntaxKind::TASK | SyntaxKind::COMPONENT => {
-                let body = node.children().find(|it| it.kind() == SyntaxKind::BODY)?;
+                let body = node
+                    .children()
+                    .find(|child| child.kind() == SyntaxKind::BODY)?;
                 Some(body.text_range().start() + TextSize::of('{'))
             }
             _ => None,
@@ -164,10 +166,10 @@ impl Hints<'_, '_> {
 
     fn types(&mut self, number: u32, component: &Component, all: bool) {
         let services = component.services.iter();
-        let attributes = services.filter(|it| it.kind == ServiceKind::Attribute);
-        let mut params: Vec<&Param> = attributes.flat_map(|it| &it.params).collect();
-        for it in component.all_codels() {
-            params.extend(&component.codel(it).params);
+        let attributes = services.filter(|service| service.kind == ServiceKind::Attribute);
+        let mut params: Vec<&Param> = attributes.flat_map(|attribute| &attribute.params).collect();
+        for codel in component.all_codels() {
+            params.extend(&component.codel(codel).params);
         }
         let inherited = if all {
             Vec::new()
@@ -178,7 +180,7 @@ impl Hints<'_, '_> {
             let Some(place) = self.place(param.src) else {
                 continue;
             };
-            let within = |it: &usize| place.start <= *it && *it < place.end;
+            let within = |index: &usize| place.start <= *index && *index < place.end;
             if all || inherited.iter().any(within) {
                 let spec = &self.view.elaborated().spec;
                 let ty = render::type_text(spec, param.ty);
@@ -197,25 +199,25 @@ impl Hints<'_, '_> {
     fn inherited(&self, number: u32, component: &Component) -> Vec<usize> {
         let elaborated = self.view.elaborated();
         let references = elaborated.references.iter();
-        let foreign = references.filter(|it| {
-            let target = elaborated.definition(it.target);
+        let foreign = references.filter(|reference| {
+            let target = elaborated.definition(reference.target);
             let mut home = target.container;
-            while let Some(container) = home.map(|it| elaborated.definition(it)) {
+            while let Some(container) = home.map(|home| elaborated.definition(home)) {
                 if matches!(container.kind, DefKind::Component | DefKind::Interface) {
                     break;
                 }
                 home = container.container;
             }
-            let home = home.map(|it| &elaborated.definition(it).name);
-            it.component == Some(number)
+            let home = home.map(|home| &elaborated.definition(home).name);
+            reference.component == Some(number)
                 && matches!(
                     target.kind,
                     DefKind::IdsMember | DefKind::Port | DefKind::Parameter | DefKind::Local
                 )
-                && home.is_some_and(|it| *it != component.name)
+                && home.is_some_and(|home| *home != component.name)
         });
         foreign
-            .filter_map(|it| Some(self.place(it.at)?.start))
+            .filter_map(|reference| Some(self.place(reference.at)?.start))
             .collect()
     }
 
@@ -254,20 +256,23 @@ impl Hints<'_, '_> {
     /// Returns true if a component of this file has a property.
     fn has_property(&self, component: &Component, word: &str) -> bool {
         let items = self.view.parse().tree().items();
-        let components = items.filter_map(|it| match it {
-            ast::Item::Component(it) => Some(it),
+        let components = items.filter_map(|item| match item {
+            ast::Item::Component(component) => Some(component),
             _ => None,
         });
         let map = self.view.map();
-        let named =
-            components.filter(|it| it.name().is_some_and(|it| it.text(map) == component.name));
+        let named = components.filter(|other| {
+            other
+                .name()
+                .is_some_and(|name| name.text(map) == component.name)
+        });
         let mut properties = named
-            .flat_map(|it| it.items().collect::<Vec<_>>())
-            .filter_map(|it| match it {
-                ast::Item::Property(it) => it.keyword_token(),
+            .flat_map(|component| component.items().collect::<Vec<_>>())
+            .filter_map(|component| match component {
+                ast::Item::Property(property) => property.keyword_token(),
                 _ => None,
             });
-        properties.any(|it| map.text(&it) == word)
+        properties.any(|property| map.text(&property) == word)
     }
 
     fn machine(&mut self, component: &Component, owner: Owner, config: &InlayConfig) {
@@ -278,7 +283,7 @@ impl Hints<'_, '_> {
         if config.implicit_ether
             && machine.codel("stop").is_none()
             && let Some((_, last)) = machine.codels.last()
-            && let Some(end) = last.yields.last().and_then(|it| self.place(it.src))
+            && let Some(end) = last.yields.last().and_then(|state| self.place(state.src))
         {
             let at = self.after_declaration(end.start);
             self.push(
@@ -289,15 +294,15 @@ impl Hints<'_, '_> {
                     .to_owned(),
             );
         }
-        if !config.wcet || !machine.codels.iter().any(|it| it.1.wcet.is_some()) {
+        if !config.wcet || !machine.codels.iter().any(|codel| codel.1.wcet.is_some()) {
             return;
         }
         for state in machine.turn_starts() {
             let Some((_, codel)) = machine.codel(state) else {
                 continue;
             };
-            let trigger = codel.triggers.iter().find(|it| it.name == state);
-            let Some(place) = trigger.and_then(|it| self.place(it.src)) else {
+            let trigger = codel.triggers.iter().find(|trigger| trigger.name == state);
+            let Some(place) = trigger.and_then(|trigger| self.place(trigger.src)) else {
                 continue;
             };
             // An endless turn is a diagnostic.
@@ -316,7 +321,7 @@ impl Hints<'_, '_> {
             }
             let steps: Vec<&str> = chain
                 .iter()
-                .map(|&it| machine.at(it).name.as_str())
+                .map(|&chain| machine.at(chain).name.as_str())
                 .collect();
             let mut tooltip = format!("Longest way to the next pause: {}.", steps.join(" → "));
             let bound = match incomplete {
@@ -336,7 +341,7 @@ impl Hints<'_, '_> {
         for (index, task) in (0..).zip(&component.tasks) {
             let Some(share) = component
                 .utilisation(index)
-                .filter(|it| *it > Seconds::from_integer(0))
+                .filter(|utilisation| *utilisation > Seconds::from_integer(0))
             else {
                 continue;
             };
@@ -347,15 +352,18 @@ impl Hints<'_, '_> {
             for service in component
                 .services
                 .iter()
-                .filter(|it| it.task == Some(index))
+                .filter(|service| service.task == Some(index))
             {
                 let machine = Machine::new(&service.codels);
                 let turns = machine.turn_starts().into_iter();
-                let longest = turns.filter_map(|it| match machine.longest_turn(it)? {
+                let longest = turns.filter_map(|turn| match machine.longest_turn(turn)? {
                     Turn::Bounded { sum, .. } => Some(sum),
                     Turn::Unbounded { .. } => None,
                 });
-                if let Some(longest) = longest.max().filter(|it| *it > Seconds::from_integer(0)) {
+                if let Some(longest) = longest
+                    .max()
+                    .filter(|turn| *turn > Seconds::from_integer(0))
+                {
                     tooltip += &format!(
                         "\n- activity `{}` adds at most {} a turn",
                         service.name,
@@ -377,7 +385,7 @@ impl Hints<'_, '_> {
 /// Returns true if a codel is part of a machine.
 pub(crate) fn is_machine(component: &Component, owner: Owner) -> bool {
     let codels = component.codels_of(owner);
-    codels.iter().any(|it| it.kind == CodelKind::Fsm)
+    codels.iter().any(|codel| codel.kind == CodelKind::Fsm)
 }
 
 #[cfg(test)]
@@ -394,8 +402,8 @@ mod tests {
             .analysis()
             .inlay_hints(path, 0..out.len(), &config)
             .unwrap();
-        for it in hints.iter().rev() {
-            out.insert_str(it.at, &format!("[{}]", it.label));
+        for hint in hints.iter().rev() {
+            out.insert_str(hint.at, &format!("[{}]", hint.label));
         }
         out
     }

@@ -11,7 +11,7 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
     }
     let (token, text) = match view.root().token_at_offset(offset(at)) {
         TokenAtOffset::None => return None,
-        TokenAtOffset::Single(it) => keyword_with_meaning(it)?,
+        TokenAtOffset::Single(token) => keyword_with_meaning(token)?,
         TokenAtOffset::Between(left, right) => {
             keyword_with_meaning(right).or_else(|| keyword_with_meaning(left))?
         }

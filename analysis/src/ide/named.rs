@@ -16,7 +16,7 @@ use crate::{
 pub(crate) fn named(db: &dyn Db, names: &[&str]) -> Vec<NamedDeclaration> {
     let workspace = db.workspace();
     let paths = workspace.roots(db);
-    let roots: Vec<SourceFile> = paths.iter().map(|it| db.file(it)).collect();
+    let roots: Vec<SourceFile> = paths.iter().map(|path| db.file(path)).collect();
     let found = parallel::over(db, &roots, |db, &root| {
         // The declarations of a file that is included elsewhere are found there.
         match roots_of(db, root).first() == Some(&root) {
@@ -26,7 +26,13 @@ pub(crate) fn named(db: &dyn Db, names: &[&str]) -> Vec<NamedDeclaration> {
     });
     let mut found: Vec<NamedDeclaration> = found.into_iter().flatten().collect();
     let mut seen = FxHashSet::default();
-    found.retain(|it| seen.insert((it.path.clone(), it.range.start, it.names.clone())));
+    found.retain(|declaration| {
+        seen.insert((
+            declaration.path.clone(),
+            declaration.range.start,
+            declaration.names.clone(),
+        ))
+    });
     found.sort_by(|a, b| (&a.path, a.range.start).cmp(&(&b.path, b.range.start)));
     found
 }
@@ -36,7 +42,10 @@ fn of_unit(db: &dyn Db, root: SourceFile, names: &[&str], units: usize) -> Vec<N
     let elaborated = elaborated_of_many(db, unit, units);
     let all = &elaborated.definitions;
     let mut found = Vec::new();
-    for declaration in all.iter().filter(|it| has_name(all, it, names)) {
+    for declaration in all
+        .iter()
+        .filter(|definition| has_name(all, definition, names))
+    {
         let Some((file, range)) = place(db, unit, declaration.src) else {
             continue;
         };
@@ -59,7 +68,11 @@ fn has_name(all: &[Definition], declaration: &Definition, names: &[&str]) -> boo
     let mut declaration = Some(declaration);
     for name in names.iter().rev() {
         match declaration {
-            Some(it) if it.name == *name => declaration = it.container.and_then(|it| at(all, it)),
+            Some(definition) if definition.name == *name => {
+                declaration = definition
+                    .container
+                    .and_then(|container| at(all, container))
+            }
             _ => return false,
         }
     }
@@ -70,9 +83,9 @@ fn has_name(all: &[Definition], declaration: &Definition, names: &[&str]) -> boo
 fn names_of(all: &[Definition], declaration: &Definition) -> Vec<String> {
     let mut names = vec![declaration.name.to_string()];
     let mut container = declaration.container;
-    while let Some(it) = container.and_then(|it| at(all, it)) {
-        names.push(it.name.to_string());
-        container = it.container;
+    while let Some(definition) = container.and_then(|container| at(all, container)) {
+        names.push(definition.name.to_string());
+        container = definition.container;
     }
     names.reverse();
     names

@@ -28,15 +28,17 @@ pub(crate) fn references(
     let mut out = Vec::new();
     let identities: Vec<Identity> = targets
         .iter()
-        .filter_map(|it| match it {
+        .filter_map(|target| match target {
             Target::Definition(id) => identity(view.db, view.unit, *id),
             _ => None,
         })
         .collect();
     let mut roots: Vec<SourceFile> = view.unit.inputs(view.db).clone();
     let mut seen = FxHashSet::from_iter(roots.iter().copied());
-    let others = identities.iter().flat_map(|it| roots_of(view.db, it.file));
-    roots.extend(others.copied().filter(|it| seen.insert(*it)));
+    let others = identities
+        .iter()
+        .flat_map(|identity| roots_of(view.db, identity.file));
+    roots.extend(others.copied().filter(|root| seen.insert(*root)));
     let found = parallel::over(view.db, &roots, |db, &root| {
         named(db, unit_of_root(db, root), &identities, roots.len())
     });
@@ -44,14 +46,14 @@ pub(crate) fn references(
     for target in &targets {
         match target {
             Target::Macro(name, Some(site)) => {
-                let home = nav_target(view, target).map(|it| view.db.file(&it.path));
+                let home = nav_target(view, target).map(|target| view.db.file(&target.path));
                 for_each_unit(view, home, |unit| {
                     macro_uses(view.db, unit, name, site, &mut out)
                 });
-                out.extend(nav_target(view, target).map(|it| ReferenceAt {
+                out.extend(nav_target(view, target).map(|target| ReferenceAt {
                     place: FileRange {
-                        path: it.path,
-                        range: it.focus_range,
+                        path: target.path,
+                        range: target.focus_range,
                     },
                     access: AccessKind::Declaration,
                 }));
@@ -65,16 +67,16 @@ pub(crate) fn references(
         }
     }
     if !include_declaration {
-        out.retain(|it| it.access != AccessKind::Declaration);
+        out.retain(|reference| reference.access != AccessKind::Declaration);
     }
     // For a name that is both declared and used, the use is more informative.
-    let key = |it: &ReferenceAt| {
+    let key = |reference: &ReferenceAt| {
         let place = (
-            it.place.path.clone(),
-            it.place.range.start,
-            it.place.range.end,
+            reference.place.path.clone(),
+            reference.place.range.start,
+            reference.place.range.end,
         );
-        (place, std::cmp::Reverse(it.access))
+        (place, std::cmp::Reverse(reference.access))
     };
     out.sort_by_key(key);
     out.dedup_by(|a, b| a.place == b.place);
@@ -116,16 +118,16 @@ fn named(db: &dyn Db, unit: UnitKey<'_>, wanted: &[Identity], count: usize) -> V
         })
     };
     let declared = elaborated.definitions.iter();
-    let declared = declared.filter(|it| ids.contains(&it.id));
-    let declared = declared.filter_map(|it| at(it.src, AccessKind::Declaration));
+    let declared = declared.filter(|definition| ids.contains(&definition.id));
+    let declared = declared.filter_map(|definition| at(definition.src, AccessKind::Declaration));
     let used = elaborated.references.iter();
-    let used = used.filter(|it| ids.contains(&it.target));
-    let used = used.filter_map(|it| {
-        let access = match it.declaration {
+    let used = used.filter(|reference| ids.contains(&reference.target));
+    let used = used.filter_map(|reference| {
+        let access = match reference.declaration {
             true => AccessKind::Declaration,
-            false => it.access.into(),
+            false => reference.access.into(),
         };
-        at(it.at, access)
+        at(reference.at, access)
     });
     declared.chain(used).collect()
 }
@@ -138,10 +140,10 @@ fn macro_uses(
     out: &mut Vec<ReferenceAt>,
 ) {
     for visit in &visits(db, unit).visits {
-        for it in &preprocessed(db, visit.key).macro_uses {
-            if it.name == name && it.site.as_ref() == Some(site) {
+        for usage in &preprocessed(db, visit.key).macro_uses {
+            if usage.name == name && usage.site.as_ref() == Some(site) {
                 out.push(ReferenceAt {
-                    place: file_range(db, visit.key.file(db), it.range),
+                    place: file_range(db, visit.key.file(db), usage.range),
                     access: AccessKind::Mention,
                 });
             }
@@ -154,8 +156,8 @@ fn includes(db: &dyn Db, unit: UnitKey<'_>, target: SourceFile, out: &mut Vec<Re
     for visit in visits {
         let all = std::iter::zip(&preprocessed(db, visit.key).includes, &visit.includes);
         for (include, leads_to) in all {
-            let leads_to = leads_to.and_then(|it| visits.get(it as usize));
-            if leads_to.is_some_and(|it| it.key.file(db) == target) {
+            let leads_to = leads_to.and_then(|lead| visits.get(lead as usize));
+            if leads_to.is_some_and(|lead| lead.key.file(db) == target) {
                 out.push(ReferenceAt {
                     place: file_range(db, visit.key.file(db), include.range),
                     access: AccessKind::Mention,
@@ -184,7 +186,12 @@ mod tests {
         let mut found: Vec<String> = found
             .unwrap_or_default()
             .iter()
-            .map(|it| format!("{}:{:?} {:?}", it.place.path, it.place.range, it.access))
+            .map(|reference| {
+                format!(
+                    "{}:{:?} {:?}",
+                    reference.place.path, reference.place.range, reference.access
+                )
+            })
             .collect();
         found.sort();
         let mut wanted = Vec::new();

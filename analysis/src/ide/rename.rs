@@ -83,22 +83,24 @@ pub(crate) fn prepare(view: &FileView<'_>, at: usize) -> Result<RangeInfo<String
 
 fn definition_name(view: &FileView<'_>, id: DefId) -> Result<String, RenameError> {
     let all = &view.elaborated().definitions;
-    let Some(it) = all.get(id.0 as usize) else {
+    let Some(definition) = all.get(id.0 as usize) else {
         return refuse("There is no name here that can be changed");
     };
-    if it.kind == DefKind::Ids {
+    if definition.kind == DefKind::Ids {
         return refuse("`ids` is a word of the language");
     }
-    if it.kind == DefKind::State && matches!(it.name.as_str(), "start" | "stop" | "ether") {
+    if definition.kind == DefKind::State
+        && matches!(definition.name.as_str(), "start" | "stop" | "ether")
+    {
         return refuse(format!(
             "The state `{}` has its name from the language",
-            it.name
+            definition.name
         ));
     }
-    if view.place(it.src).is_none() {
-        return refuse(format!("`{}` is not defined in a file", it.name));
+    if view.place(definition.src).is_none() {
+        return refuse(format!("`{}` is not defined in a file", definition.name));
     }
-    Ok(it.name.to_string())
+    Ok(definition.name.to_string())
 }
 
 /// The edits that rename the entity under the cursor.
@@ -119,7 +121,9 @@ pub(crate) fn rename(
     let Some((_, targets)) = targets_at(view, at) else {
         return refuse("There is no name here that can be changed");
     };
-    let is_macro = targets.iter().any(|it| matches!(it, Target::Macro(..)));
+    let is_macro = targets
+        .iter()
+        .any(|target| matches!(target, Target::Macro(..)));
     let places = match is_macro {
         true => macro_places(view, at, &old),
         false => places_of(view, &targets, &old, new_name, progress)?,
@@ -146,7 +150,7 @@ pub(crate) fn rename(
     edits.sort_by(|a, b| (a.path.as_str(), a.range.start).cmp(&(b.path.as_str(), b.range.start)));
     edits.dedup();
     check_macros(view, &edits, new_name, is_macro)?;
-    let kind = targets.iter().find_map(|it| match it {
+    let kind = targets.iter().find_map(|target| match target {
         Target::Definition(id) => Some(view.elaborated().definition(*id).kind),
         _ => None,
     });
@@ -159,8 +163,9 @@ fn check_name(name: &str) -> Result<(), RenameError> {
     let mut characters = name.chars();
     let first = characters
         .next()
-        .is_some_and(|it| it.is_ascii_alphabetic() || it == '_');
-    let identifier = first && characters.all(|it| it.is_ascii_alphanumeric() || it == '_');
+        .is_some_and(|character| character.is_ascii_alphabetic() || character == '_');
+    let identifier =
+        first && characters.all(|character| character.is_ascii_alphanumeric() || character == '_');
     if !identifier {
         return refuse(format!(
             "`{name}` is not a name: use letters, digits and `_`, not beginning with a digit"
@@ -185,8 +190,8 @@ fn places_of(
 ) -> Result<Places, RenameError> {
     let db = view.db;
     let mut identities: Vec<Identity> = Vec::new();
-    for it in targets {
-        if let Target::Definition(id) = it {
+    for target in targets {
+        if let Target::Definition(id) = target {
             identities.extend(identity(db, view.unit, *id));
         }
     }
@@ -198,10 +203,10 @@ fn places_of(
         done = identities.len();
         let mut seen = FxHashSet::default();
         let mut roots: Vec<SourceFile> = view.unit.inputs(db).clone();
-        for it in &fresh {
-            roots.extend(roots_of(db, it.file));
+        for identity in &fresh {
+            roots.extend(roots_of(db, identity.file));
         }
-        roots.retain(|it| seen.insert(*it));
+        roots.retain(|root| seen.insert(*root));
         progress.expect(roots.len());
         let found = parallel::over(db, &roots, |db, &root| {
             let found = mentions(db, unit_of_root(db, root), &fresh, old, roots.len());
@@ -214,9 +219,9 @@ fn places_of(
                 identities.push(identity);
             }
         }
-        if identities.iter().any(|it| {
+        if identities.iter().any(|identity| {
             use super::SymbolKind::*;
-            new_name == "all" && matches!(it.kind, Attribute | Function | Activity)
+            new_name == "all" && matches!(identity.kind, Attribute | Function | Activity)
         }) {
             return refuse("`all` cannot be the name of a service");
         }
@@ -239,12 +244,18 @@ fn mentions(
         return Vec::new();
     }
     // Most names are different: their places are not looked up.
-    let is_named = |it: DefId| elaborated.definition(it).name == old;
-    let declared = elaborated.definitions.iter().map(|it| (it.src, it.id));
-    let used = elaborated.references.iter().map(|it| (it.at, it.target));
+    let is_named = |definition: DefId| elaborated.definition(definition).name == old;
+    let declared = elaborated
+        .definitions
+        .iter()
+        .map(|definition| (definition.src, definition.id));
+    let used = elaborated
+        .references
+        .iter()
+        .map(|reference| (reference.at, reference.target));
     let named: Vec<(FileSpan, DefId)> = declared
         .chain(used)
-        .filter(|it| is_named(it.1))
+        .filter(|pair| is_named(pair.1))
         .filter_map(|(src, id)| {
             let (file, range) = place(db, unit, src)?;
             Some(((file, bytes(range)), id))
@@ -252,16 +263,16 @@ fn mentions(
         .collect();
     let found: FxHashSet<&FileSpan> = named
         .iter()
-        .filter(|it| ids.contains(&it.1))
-        .map(|it| &it.0)
+        .filter(|pair| ids.contains(&pair.1))
+        .map(|pair| &pair.0)
         .collect();
     let mut identities: FxHashMap<DefId, Option<Identity>> = FxHashMap::default();
     let mut out = Vec::new();
-    for (place, id) in named.iter().filter(|it| found.contains(&it.0)) {
+    for (place, id) in named.iter().filter(|pair| found.contains(&pair.0)) {
         let identity = identities
             .entry(*id)
             .or_insert_with(|| identity_in(db, unit, &elaborated, *id));
-        out.extend(identity.clone().map(|it| (place.clone(), it)));
+        out.extend(identity.clone().map(|identity| (place.clone(), identity)));
     }
     out
 }
@@ -272,9 +283,9 @@ fn macro_places(view: &FileView<'_>, at: usize, old: &str) -> Places {
     let mut places = Places::default();
     let found = super::references::references(view, at, true).unwrap_or_default();
     let mut concerned: FxHashSet<SourceFile> = FxHashSet::default();
-    for it in found {
-        let file = db.file(&it.place.path);
-        places.insert((file, it.place.range));
+    for reference in found {
+        let file = db.file(&reference.place.path);
+        places.insert((file, reference.place.range));
         for &root in roots_of(db, file) {
             concerned.extend(files(db, unit_of_root(db, root)));
         }
@@ -291,12 +302,12 @@ fn macro_places(view: &FileView<'_>, at: usize, old: &str) -> Places {
         // An include guard is mentioned before it is defined.
         for visit in roots_of(db, file).iter().flat_map(|root| {
             let visits = &visits(db, unit_of_root(db, *root)).visits;
-            visits.iter().filter(|it| it.key.file(db) == file)
+            visits.iter().filter(|visit| visit.key.file(db) == file)
         }) {
-            for it in &preprocessed(db, visit.key).directives {
+            for directive in &preprocessed(db, visit.key).directives {
                 if let DirectiveKind::Ifdef(operand)
                 | DirectiveKind::Ifndef(operand)
-                | DirectiveKind::Undef(operand) = &it.kind
+                | DirectiveKind::Undef(operand) = &directive.kind
                     && let Some(name) = &operand.name
                     && name.text == old
                 {
@@ -329,9 +340,12 @@ fn check_macros(
                 if !crate::unit::mentioned(db, file).words.contains(new_name) {
                     continue;
                 }
-                let defined = defines(db, file)
-                    .iter()
-                    .any(|it| it.name.as_ref().is_some_and(|it| it.text == new_name));
+                let defined = defines(db, file).iter().any(|define| {
+                    define
+                        .name
+                        .as_ref()
+                        .is_some_and(|name| name.text == new_name)
+                });
                 if defined {
                     return refuse(format!("`{new_name}` is a macro, defined in {name}"));
                 }
@@ -354,18 +368,22 @@ fn check_meaning(
     (old, new_name): (&str, &str),
     progress: &Progress,
 ) -> Result<(), RenameError> {
-    let differs = |db: &dyn Db, it: &Comparison| {
-        let taken = || clash::taken(db, it, kind, new_name);
-        if let Some(error) = it.new_errors.first() {
+    let differs = |db: &dyn Db, comparison: &Comparison| {
+        let taken = || clash::taken(db, comparison, kind, new_name);
+        if let Some(error) = comparison.new_errors.first() {
             // The error is about a text that is not visible to the user: the clash is more informative.
             return Some(taken().unwrap_or_else(|| error.message.clone()));
         }
-        let same = it.before.references == it.after.references
-            && std::iter::zip(&it.before.definitions, &it.after.definitions).all(|(a, b)| {
+        let same = comparison.before.references == comparison.after.references
+            && std::iter::zip(
+                &comparison.before.definitions,
+                &comparison.after.definitions,
+            )
+            .all(|(a, b)| {
                 (a.id, a.kind, a.src, a.container, a.ty) == (b.id, b.kind, b.src, b.container, b.ty)
             })
-            && it.before.definitions.len() == it.after.definitions.len()
-            && shape(&it.before.spec) == shape(&it.after.spec);
+            && comparison.before.definitions.len() == comparison.after.definitions.len()
+            && shape(&comparison.before.spec) == shape(&comparison.after.spec);
         (!same).then(|| {
             taken().unwrap_or_else(|| {
                 "some names would then mean something else; choose another name".to_owned()
@@ -384,10 +402,20 @@ fn check_meaning(
 
 /// Number of parts of each component.
 fn shape(spec: &crate::model::Spec) -> Vec<[usize; 5]> {
-    let of = |it: &crate::model::Component| {
-        let codels = it.all_codels().count();
-        let parts = [it.tasks.len(), it.ports.len(), it.services.len()];
-        [parts[0], parts[1], parts[2], it.remotes.len(), codels]
+    let of = |component: &crate::model::Component| {
+        let codels = component.all_codels().count();
+        let parts = [
+            component.tasks.len(),
+            component.ports.len(),
+            component.services.len(),
+        ];
+        [
+            parts[0],
+            parts[1],
+            parts[2],
+            component.remotes.len(),
+            codels,
+        ]
     };
     spec.components.iter().map(of).collect()
 }
@@ -413,7 +441,7 @@ pub(crate) fn files_moved(db: &dyn Db, moves: &[(Utf8PathBuf, Utf8PathBuf)]) -> 
             let file = visit.key.file(db);
             let pre = preprocessed(db, visit.key);
             for (include, leads_to) in std::iter::zip(&pre.includes, &visit.includes) {
-                let target = leads_to.and_then(|it| all.get(it as usize));
+                let target = leads_to.and_then(|lead| all.get(lead as usize));
                 let (Some(target), Some(request)) = (target, &include.request) else {
                     continue;
                 };
@@ -437,7 +465,7 @@ pub(crate) fn files_moved(db: &dyn Db, moves: &[(Utf8PathBuf, Utf8PathBuf)]) -> 
                 );
                 // The name of a macro as an operand is not a path to change.
                 let path = (range != include.range).then_some(new).flatten();
-                if let Some(path) = path.filter(|it| it.as_str() != request.path) {
+                if let Some(path) = path.filter(|path| path.as_str() != request.path) {
                     edits.push(FileEdit {
                         path: from.clone(),
                         range: bytes(range),

@@ -52,10 +52,10 @@ pub(crate) fn one_line(view: &FileView<'_>, node: &SyntaxNode) -> String {
 fn is_hidden(token: &SyntaxToken, within: &SyntaxNode) -> bool {
     token
         .parent_ancestors()
-        .take_while(|it| it != within)
-        .any(|it| {
+        .take_while(|ancestor| ancestor != within)
+        .any(|ancestor| {
             matches!(
-                it.kind(),
+                ancestor.kind(),
                 SyntaxKind::DIRECTIVE | SyntaxKind::INACTIVE | SyntaxKind::MACRO_CALL
             )
         })
@@ -162,16 +162,16 @@ pub(crate) fn value(spec: &Spec, value: &Value) -> String {
     match value {
         Value::Bool(true) => "TRUE".into(),
         Value::Bool(false) => "FALSE".into(),
-        Value::Uint(it) => it.to_string(),
-        Value::Int(it) => it.to_string(),
-        Value::Float(it) => format!("{it:?}"),
-        Value::Char(it) => format!("'{it}'"),
-        Value::String(it) => format!("\"{it}\""),
+        Value::Uint(number) => number.to_string(),
+        Value::Int(number) => number.to_string(),
+        Value::Float(number) => format!("{number:?}"),
+        Value::Char(character) => format!("'{character}'"),
+        Value::String(text) => format!("\"{text}\""),
         Value::Enum(id) => spec
             .types
             .get(id.0 as usize)
-            .and_then(|it| it.name.as_ref())
-            .map_or_else(String::new, |it| it.to_string()),
+            .and_then(|ty| ty.name.as_ref())
+            .map_or_else(String::new, |name| name.to_string()),
     }
 }
 

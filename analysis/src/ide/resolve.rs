@@ -51,28 +51,35 @@ pub(crate) fn occurrences<'db>(
         (in_file == file).then_some(range)
     };
     let mut out = Vec::new();
-    for it in &elaborated.definitions {
-        if let Some(range) = here(it.src) {
+    for definition in &elaborated.definitions {
+        if let Some(range) = here(definition.src) {
             out.push(Occurrence {
                 range,
-                target: it.id,
+                target: definition.id,
                 access: AccessKind::Declaration,
             });
         }
     }
-    for it in &elaborated.references {
-        if let Some(range) = here(it.at) {
+    for reference in &elaborated.references {
+        if let Some(range) = here(reference.at) {
             out.push(Occurrence {
                 range,
-                target: it.target,
-                access: match it.declaration {
+                target: reference.target,
+                access: match reference.declaration {
                     true => AccessKind::Declaration,
-                    false => it.access.into(),
+                    false => reference.access.into(),
                 },
             });
         }
     }
-    out.sort_by_key(|it| (it.range.start(), it.range.end(), it.target, it.access));
+    out.sort_by_key(|occurrence| {
+        (
+            occurrence.range.start(),
+            occurrence.range.end(),
+            occurrence.target,
+            occurrence.access,
+        )
+    });
     out.dedup();
     out
 }
@@ -92,8 +99,8 @@ pub(crate) fn targets_at(view: &FileView<'_>, at: usize) -> Option<(TextRange, V
     let in_macros = macro_at(view, at);
     let all = occurrences(view.db, view.unit, view.file);
     // A name that contains or follows the cursor has precedence over one that ends there.
-    let names = all.iter().filter(|it| touches(it.range));
-    let best = names.min_by_key(|it| (it.range.end() == at, it.range.len()));
+    let names = all.iter().filter(|occurrence| touches(occurrence.range));
+    let best = names.min_by_key(|name| (name.range.end() == at, name.range.len()));
     match (in_macros, best) {
         (Some((range, target)), Some(best)) if best.range.len() < range.len() => {
             _ = target;
@@ -109,12 +116,16 @@ pub(crate) fn targets_at(view: &FileView<'_>, at: usize) -> Option<(TextRange, V
 /// parameter of an attribute is declared by naming a member of the ids.
 pub(crate) fn meanings_at(view: &FileView<'_>, at: usize) -> Option<(TextRange, Vec<Target>)> {
     let (range, targets) = targets_at(view, at)?;
-    let is_here = |it: &&Target| match it {
+    let is_here = |target: &&Target| match target {
         Target::Definition(id) => identity(view.db, view.unit, *id)
-            .is_some_and(|it| it.file == view.file && it.range == range),
+            .is_some_and(|identity| identity.file == view.file && identity.range == range),
         _ => false,
     };
-    let elsewhere: Vec<Target> = targets.iter().filter(|it| !is_here(it)).cloned().collect();
+    let elsewhere: Vec<Target> = targets
+        .iter()
+        .filter(|target| !is_here(target))
+        .cloned()
+        .collect();
     let found = if elsewhere.is_empty() {
         targets
     } else {
@@ -126,9 +137,9 @@ pub(crate) fn meanings_at(view: &FileView<'_>, at: usize) -> Option<(TextRange, 
 fn same_place(all: &[Occurrence], range: TextRange) -> Vec<Target> {
     let mut seen = FxHashSet::default();
     all.iter()
-        .filter(|it| it.range == range)
-        .filter(|it| seen.insert(it.target))
-        .map(|it| Target::Definition(it.target))
+        .filter(|occurrence| occurrence.range == range)
+        .filter(|occurrence| seen.insert(occurrence.target))
+        .map(|occurrence| Target::Definition(occurrence.target))
         .collect()
 }
 
@@ -138,24 +149,26 @@ fn macro_at(view: &FileView<'_>, at: dotgen_syntax::TextSize) -> Option<(TextRan
     let used = pre
         .macro_uses
         .iter()
-        .find(|it| it.range.contains_inclusive(at));
+        .find(|usage| usage.range.contains_inclusive(at));
     if let Some(used) = used {
         let target = Target::Macro(used.name.clone(), used.site.clone());
         return Some((used.range, target));
     }
-    pre.directives.iter().find_map(|it| match &it.kind {
-        DirectiveKind::Define(define) => {
-            let name = define.name.as_ref()?;
-            let site = MacroSite {
-                file: Some(view.file.path(view.db).as_str().into()),
-                ordinal: define.ordinal,
-            };
-            name.range
-                .contains_inclusive(at)
-                .then(|| (name.range, Target::Macro(name.text.clone(), Some(site))))
-        }
-        _ => None,
-    })
+    pre.directives
+        .iter()
+        .find_map(|directive| match &directive.kind {
+            DirectiveKind::Define(define) => {
+                let name = define.name.as_ref()?;
+                let site = MacroSite {
+                    file: Some(view.file.path(view.db).as_str().into()),
+                    ordinal: define.ordinal,
+                };
+                name.range
+                    .contains_inclusive(at)
+                    .then(|| (name.range, Target::Macro(name.text.clone(), Some(site))))
+            }
+            _ => None,
+        })
 }
 
 /// The definition of a target; `None` for predefined macros.
@@ -198,23 +211,23 @@ pub(crate) fn definition_target<'db>(
     id: DefId,
 ) -> Option<NavTarget> {
     let elaborated = elaborated(db, unit);
-    let it = elaborated.definitions.get(id.0 as usize)?;
-    let (file, focus) = place(db, unit, it.src)?;
-    let full = place(db, unit, it.node).filter(|(in_file, _)| *in_file == file);
+    let definition = elaborated.definitions.get(id.0 as usize)?;
+    let (file, focus) = place(db, unit, definition.src)?;
+    let full = place(db, unit, definition.node).filter(|(in_file, _)| *in_file == file);
     let full = full.map_or(focus, |(_, full)| full.cover(focus));
     Some(NavTarget {
         path: file.path(db).clone(),
         full_range: bytes(full),
         focus_range: bytes(focus),
-        name: it.name.clone(),
-        kind: it.kind.into(),
-        container: container_name(&elaborated.definitions, it),
+        name: definition.name.clone(),
+        kind: definition.kind.into(),
+        container: container_name(&elaborated.definitions, definition),
     })
 }
 
 /// Name of the declaration that contains a definition.
-pub(crate) fn container_name(all: &[Definition], it: &Definition) -> Option<SmolStr> {
-    Some(all.get(it.container?.0 as usize)?.name.clone())
+pub(crate) fn container_name(all: &[Definition], definition: &Definition) -> Option<SmolStr> {
+    Some(all.get(definition.container?.0 as usize)?.name.clone())
 }
 
 /// The identity of a definition, equal in every unit that contains it.
@@ -238,13 +251,13 @@ pub(crate) fn identity_in<'db>(
     elaborated: &Elaborated,
     id: DefId,
 ) -> Option<Identity> {
-    let it = elaborated.definitions.get(id.0 as usize)?;
-    let (file, range) = place(db, unit, it.src)?;
+    let definition = elaborated.definitions.get(id.0 as usize)?;
+    let (file, range) = place(db, unit, definition.src)?;
     Some(Identity {
         file,
         range,
-        name: it.name.clone(),
-        kind: it.kind.into(),
+        name: definition.name.clone(),
+        kind: definition.kind.into(),
     })
 }
 
@@ -258,12 +271,12 @@ pub(crate) fn find_identities<'db>(
     let found = elaborated
         .definitions
         .iter()
-        .filter(|it| wanted.iter().any(|wanted| wanted.name == it.name))
-        .filter(|it| {
-            let found = identity_in(db, unit, elaborated, it.id);
-            found.is_some_and(|it| wanted.contains(&it))
+        .filter(|definition| wanted.iter().any(|wanted| wanted.name == definition.name))
+        .filter(|definition| {
+            let found = identity_in(db, unit, elaborated, definition.id);
+            found.is_some_and(|identity| wanted.contains(&identity))
         });
-    found.map(|it| it.id).collect()
+    found.map(|definition| definition.id).collect()
 }
 
 /// Maximum number of units of a query whose results are cached. A query over more units caches none of them.

@@ -35,7 +35,7 @@ pub(crate) fn selection_ranges(view: &FileView<'_>, at: usize) -> Vec<Range<usiz
     }
     for node in token.parent_ancestors() {
         // The inside of brackets first, then with the brackets.
-        let open = node.first_child_or_token_by_kind(&|it| opens(it));
+        let open = node.first_child_or_token_by_kind(&|kind| opens(kind));
         let close = node.last_child_or_token();
         if let (Some(SyntaxElement::Token(open)), Some(SyntaxElement::Token(close))) = (open, close)
             && closes(close.kind())
@@ -87,7 +87,7 @@ mod tests {
             .selection_ranges(&at.path, &[at.offset])
             .unwrap();
         let text = fixture.text("/main.gen");
-        let found: Vec<&str> = ranges[0].iter().map(|it| &text[it.clone()]).collect();
+        let found: Vec<&str> = ranges[0].iter().map(|range| &text[range.clone()]).collect();
         assert_eq!(found, expected);
     }
 

@@ -19,18 +19,22 @@ pub(crate) fn semantic_tokens(
     let within = within.as_ref().map(text_range);
     let definitions = &view.elaborated().definitions;
     let mut names: FxHashMap<TextRange, (DefKind, AccessKind)> = FxHashMap::default();
-    for it in occurrences(view.db, view.unit, view.file) {
-        let Some(definition) = definitions.get(it.target.0 as usize) else {
+    for occurrence in occurrences(view.db, view.unit, view.file) {
+        let Some(definition) = definitions.get(occurrence.target.0 as usize) else {
             continue;
         };
         names
-            .entry(it.range)
-            .or_insert((definition.kind, it.access));
+            .entry(occurrence.range)
+            .or_insert((definition.kind, occurrence.access));
     }
-    let macros = view.pre().macro_uses.iter().filter(|it| it.site.is_some());
+    let macros = view
+        .pre()
+        .macro_uses
+        .iter()
+        .filter(|usage| usage.site.is_some());
     let mut tokens = Tokens {
         names,
-        macros: macros.map(|it| it.range.start()).collect(),
+        macros: macros.map(|definition| definition.range.start()).collect(),
         out: Vec::new(),
     };
     let mut events = view.root().preorder_with_tokens();
@@ -38,7 +42,7 @@ pub(crate) fn semantic_tokens(
         let WalkEvent::Enter(element) = event else {
             continue;
         };
-        let outside = within.is_some_and(|it| it.intersect(element.text_range()).is_none());
+        let outside = within.is_some_and(|range| range.intersect(element.text_range()).is_none());
         match element {
             SyntaxElement::Node(node) if outside => {
                 _ = node;
@@ -85,7 +89,7 @@ impl Tokens {
         use SyntaxKind as K;
         const NONE: TokenModifiers = TokenModifiers::NONE;
         let kind = token.kind();
-        let parent = token.parent().map_or(K::ERROR, |it| it.kind());
+        let parent = token.parent().map_or(K::ERROR, |parent| parent.kind());
         if kind.is_comment() {
             return Some((TokenType::Comment, NONE));
         }
@@ -141,7 +145,7 @@ fn directive_token(
     const NONE: TokenModifiers = TokenModifiers::NONE;
     let directive = token
         .parent_ancestors()
-        .find(|it| it.kind() == K::DIRECTIVE)?;
+        .find(|ancestor| ancestor.kind() == K::DIRECTIVE)?;
     let kind = token.kind();
     Some(match parent {
         K::DIRECTIVE => Some((TokenType::Directive, NONE)),
@@ -151,10 +155,10 @@ fn directive_token(
             let word = directive.first_child();
             let in_params = token
                 .parent_ancestors()
-                .any(|it| it.kind() == K::MACRO_PARAMS);
-            let is_word = word.is_some_and(|it| it.text_range() == token.text_range());
+                .any(|ancestor| ancestor.kind() == K::MACRO_PARAMS);
+            let is_word = word.is_some_and(|word| word.text_range() == token.text_range());
             let pragma = dotgen_syntax::ast::AstNode::cast(directive)
-                .map(|it: dotgen_syntax::ast::Directive| it.kind());
+                .map(|node: dotgen_syntax::ast::Directive| node.kind());
             Some(match pragma {
                 _ if in_params => (TokenType::Parameter, TokenModifiers::DECLARATION),
                 Some(dotgen_syntax::ast::DirectiveKind::Pragma) if is_word => {
@@ -226,7 +230,7 @@ fn unresolved(token: &SyntaxToken, parent: SyntaxKind) -> Option<(TokenType, Tok
         K::STATE => TokenType::Event,
         K::MACRO_CALL => TokenType::Macro,
         K::NATIVE_DECL => TokenType::Type,
-        K::PATH => match owner.parent().map(|it| it.kind()) {
+        K::PATH => match owner.parent().map(|parent| parent.kind()) {
             Some(K::NAMED_TYPE | K::THROWS_PROPERTY) => TokenType::Type,
             _ => TokenType::Variable,
         },
@@ -239,10 +243,12 @@ fn string_modifiers(token: &SyntaxToken) -> TokenModifiers {
     use SyntaxKind as K;
     let owner = token
         .parent_ancestors()
-        .find(|it| !matches!(it.kind(), K::LITERAL));
-    let is_doc = owner.is_some_and(|it| match it.kind() {
+        .find(|ancestor| !matches!(ancestor.kind(), K::LITERAL));
+    let is_doc = owner.is_some_and(|owner| match owner.kind() {
         K::INITIALIZER_DOC => true,
-        K::STRING_PROPERTY => it.first_token().is_some_and(|it| it.kind() == K::DOC_KW),
+        K::STRING_PROPERTY => owner
+            .first_token()
+            .is_some_and(|token| token.kind() == K::DOC_KW),
         _ => false,
     });
     if is_doc {
@@ -291,12 +297,12 @@ mod tests {
         ];
         let mut out = String::new();
         let mut end = 0;
-        for it in tokens {
-            assert!(end <= it.range.start, "{it:?}");
-            end = it.range.end;
-            write!(out, "{:?} {:?}", &text[it.range.clone()], it.ty).unwrap();
+        for token in tokens {
+            assert!(end <= token.range.start, "{token:?}");
+            end = token.range.end;
+            write!(out, "{:?} {:?}", &text[token.range.clone()], token.ty).unwrap();
             for (modifier, name) in NAMES {
-                if it.modifiers.contains(*modifier) {
+                if token.modifiers.contains(*modifier) {
                     write!(out, " {name}").unwrap();
                 }
             }
@@ -462,6 +468,6 @@ const long n = N;
         let all = tokens(None);
         let some = tokens(Some(18..35));
         assert_eq!(some.len(), all.len() / 3);
-        assert!(some.iter().all(|it| all.contains(it)));
+        assert!(some.iter().all(|token| all.contains(token)));
     }
 }

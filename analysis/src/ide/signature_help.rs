@@ -52,8 +52,8 @@ pub(crate) fn signature_help(view: &FileView<'_>, at: usize) -> Option<Signature
 fn members(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<SignatureHelp> {
     let ty = initializer::compound_type(names, context, frame)?;
     let spec = names.spec();
-    let it = &context.frames[frame];
-    let words = &context.tokens[it.start.min(context.tokens.len())..];
+    let place = &context.frames[frame];
+    let words = &context.tokens[place.start.min(context.tokens.len())..];
     let mut out = Builder::new(format!("{} {{ ", render::type_text(spec, ty)));
     if let Some(element) = names.element(ty) {
         out.parameter(&format!("{}…", render::type_text(spec, element)));
@@ -64,8 +64,8 @@ fn members(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<Sig
         out.parameter(&format!("{} {name}", render::type_text(spec, *member)));
     }
     let active = match words {
-        [dot, name, ..] if dot.is(".") => members.iter().position(|it| it.0 == name.text),
-        _ => Some(position(context, it.open, it.start, &members)),
+        [dot, name, ..] if dot.is(".") => members.iter().position(|member| member.0 == name.text),
+        _ => Some(position(context, place.open, place.start, &members)),
     };
     (!members.is_empty()).then(|| out.finish(" }", active))
 }
@@ -83,7 +83,7 @@ fn position(
     let mut fresh = true;
     for pair in before.windows(2) {
         if fresh && depth == 0 && pair[0].is(".") {
-            let named = members.iter().position(|it| it.0 == pair[1].text);
+            let named = members.iter().position(|member| member.0 == pair[1].text);
             next = named.unwrap_or(next);
         }
         fresh = false;
@@ -97,16 +97,16 @@ fn position(
             _ => {}
         }
     }
-    next + usize::from(before.last().is_some_and(|it| it.is(",")))
+    next + usize::from(before.last().is_some_and(|token| token.is(",")))
 }
 
 fn list(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<SignatureHelp> {
-    let it = &context.frames[frame];
-    let head = context.head(it);
-    let name = head.last().filter(|it| !it.is(">"))?;
+    let place = &context.frames[frame];
+    let head = context.head(place);
+    let name = head.last().filter(|head| !head.is(">"))?;
     let kind = parameter_list::list_kind(context, frame)?;
     let spec = names.spec();
-    let active = Some(it.commas);
+    let active = Some(place.commas);
     match kind {
         parameter_list::List::Codel { .. } => {
             let codel = known_codel(spec, name)?;
@@ -115,7 +115,7 @@ fn list(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<Signat
                 out.parameter(&parameter(spec, param, true));
             }
             let mut help = out.finish(")", active);
-            let states = codel.yields.iter().map(|it| it.name.as_str());
+            let states = codel.yields.iter().map(|state| state.name.as_str());
             let states: Vec<&str> = states.collect();
             if !states.is_empty() {
                 help.documentation = Some(format!("yields {}", states.join(", ")));
@@ -125,11 +125,14 @@ fn list(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<Signat
         parameter_list::List::Attribute | parameter_list::List::Service => {
             // Declared before, here or in an interface: the parameters must be the same.
             let component = names.component()?;
-            let service = component.services.iter().find(|it| it.name == name.text)?;
+            let service = component
+                .services
+                .iter()
+                .find(|service| service.name == name.text)?;
             let params: Vec<&Param> = service
                 .params
                 .iter()
-                .filter(|it| it.dir != ParamDir::Local)
+                .filter(|param| param.dir != ParamDir::Local)
                 .collect();
             if params.is_empty() {
                 return None;
@@ -149,20 +152,20 @@ fn list(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<Signat
 fn known_codel<'s>(spec: &'s Spec, name: &Word) -> Option<&'s Codel> {
     let all = spec.components.iter().flat_map(|component| {
         let codels = component.all_codels();
-        codels.map(move |it| component.codel(it))
+        codels.map(move |codel| component.codel(codel))
     });
-    all.filter(|it| it.name == name.text && !it.params.is_empty())
-        .max_by_key(|it| it.params.len())
+    all.filter(|codel| codel.name == name.text && !codel.params.is_empty())
+        .max_by_key(|codel| codel.params.len())
 }
 
-fn parameter(spec: &Spec, it: &Param, source: bool) -> String {
-    let dir = match it.dir {
+fn parameter(spec: &Spec, param: &Param, source: bool) -> String {
+    let dir = match param.dir {
         ParamDir::Local => "local",
         ParamDir::In => "in",
         ParamDir::Out => "out",
         ParamDir::Inout => "inout",
     };
-    let source = match it.source {
+    let source = match param.source {
         _ if !source => "",
         ParamSource::Ids => "ids ",
         ParamSource::Local(_) => "local ",
@@ -170,11 +173,11 @@ fn parameter(spec: &Spec, it: &Param, source: bool) -> String {
         ParamSource::Remote(_) => "remote ",
         ParamSource::Opaque => "",
     };
-    let ty = match it.source {
+    let ty = match param.source {
         ParamSource::Remote(_) => String::new(),
-        _ => format!("{} ", render::type_text(spec, it.ty)),
+        _ => format!("{} ", render::type_text(spec, param.ty)),
     };
-    format!("{source}{dir} {ty}{}", it.name)
+    format!("{source}{dir} {ty}{}", param.name)
 }
 
 struct Builder {
@@ -202,7 +205,7 @@ impl Builder {
     fn finish(mut self, end: &str, active: Option<usize>) -> SignatureHelp {
         self.label += end;
         SignatureHelp {
-            active: active.filter(|it| *it < self.parameters.len()),
+            active: active.filter(|index| *index < self.parameters.len()),
             label: self.label,
             parameters: self.parameters,
             documentation: None,
@@ -219,12 +222,12 @@ mod tests {
     fn check(text: &str, expected: &str) {
         let fixture = Fixture::new(text);
         let help = fixture.analysis().signature_help(&fixture.at()).unwrap();
-        let found = help.map_or_else(String::new, |mut it| {
-            if let Some(range) = it.active.map(|active| it.parameters[active].clone()) {
-                it.label.insert(range.end, ']');
-                it.label.insert(range.start, '[');
+        let found = help.map_or_else(String::new, |mut help| {
+            if let Some(range) = help.active.map(|active| help.parameters[active].clone()) {
+                help.label.insert(range.end, ']');
+                help.label.insert(range.start, '[');
             }
-            it.label
+            help.label
         });
         assert_eq!(found, expected);
     }

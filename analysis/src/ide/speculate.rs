@@ -36,13 +36,13 @@ pub(crate) struct Comparison {
 /// A text with edits applied; they do not overlap.
 pub(crate) fn apply<'e>(text: &str, edits: impl IntoIterator<Item = &'e FileEdit>) -> String {
     let mut edits: Vec<&FileEdit> = edits.into_iter().collect();
-    edits.sort_by_key(|it| (it.range.start, it.range.end));
+    edits.sort_by_key(|edit| (edit.range.start, edit.range.end));
     let mut out = String::with_capacity(text.len());
     let mut at = 0;
-    for it in edits {
-        out.push_str(text.get(at..it.range.start).unwrap_or_default());
-        out.push_str(&it.new_text);
-        at = it.range.end.max(at);
+    for edit in edits {
+        out.push_str(text.get(at..edit.range.start).unwrap_or_default());
+        out.push_str(&edit.new_text);
+        at = edit.range.end.max(at);
     }
     out.push_str(text.get(at..).unwrap_or_default());
     out
@@ -70,8 +70,8 @@ pub(crate) fn compare_some<R: Send>(
     progress: &Progress,
 ) -> Vec<R> {
     let mut by_file: FxHashMap<SourceFile, Vec<&FileEdit>> = FxHashMap::default();
-    for it in edits {
-        by_file.entry(db.file(&it.path)).or_default().push(it);
+    for edit in edits {
+        by_file.entry(db.file(&edit.path)).or_default().push(edit);
     }
     let roots: FxHashSet<SourceFile> = by_file
         .keys()
@@ -80,7 +80,7 @@ pub(crate) fn compare_some<R: Send>(
     let roots: Vec<SourceFile> = roots.into_iter().collect();
     let roots = parallel::over(db, &roots, |db, &root| tried(db, root).then_some(root));
     let mut roots: Vec<SourceFile> = roots.into_iter().flatten().collect();
-    roots.sort_by_key(|it| it.path(db).clone());
+    roots.sort_by_key(|root| root.path(db).clone());
     let batches: Vec<&[SourceFile]> = roots.chunks(BATCH).collect();
     progress.expect(roots.len());
     let found = parallel::over(db, &batches, |db, batch| {
@@ -123,7 +123,7 @@ pub(crate) fn edited_unit(db: &dyn Db, root: SourceFile, edits: &[FileEdit]) -> 
     let mut texts: FxHashMap<Utf8PathBuf, String> = FxHashMap::default();
     for file in files(db, unit_of_root(db, root)) {
         let path = file.path(db);
-        let here = edits.iter().filter(|it| it.path == *path);
+        let here = edits.iter().filter(|edit| edit.path == *path);
         texts.insert(path.clone(), apply(file.text(db), here));
     }
     let overlay = Overlay {
@@ -143,14 +143,14 @@ fn new_errors(
     there: UnitKey<'_>,
 ) -> Vec<Diagnostic> {
     let mut known: FxHashMap<&str, usize> = FxHashMap::default();
-    for it in unit_report(db, unit).iter() {
-        *known.entry(it.code).or_default() += 1;
+    for report in unit_report(db, unit).iter() {
+        *known.entry(report.code).or_default() += 1;
     }
     let mut out = Vec::new();
-    for it in unit_report(other, there).iter() {
-        match known.get_mut(it.code).filter(|it| **it > 0) {
+    for report in unit_report(other, there).iter() {
+        match known.get_mut(report.code).filter(|index| **index > 0) {
             Some(left) => *left -= 1,
-            None if it.severity == Severity::Error => out.push(it.clone()),
+            None if report.severity == Severity::Error => out.push(report.clone()),
             None => {}
         }
     }

@@ -25,7 +25,7 @@ type Ranked = (Reverse<u8>, SmolStr, WorkspaceSymbol);
 pub(crate) fn workspace_symbols(db: &dyn Db, query: &str, limit: usize) -> Vec<WorkspaceSymbol> {
     let workspace = db.workspace();
     let paths = workspace.roots(db);
-    let roots: Vec<SourceFile> = paths.iter().map(|it| db.file(it)).collect();
+    let roots: Vec<SourceFile> = paths.iter().map(|path| db.file(path)).collect();
     let found = parallel::over(db, &roots, |db, &root| {
         // A file that is included elsewhere is listed there.
         match roots_of(db, root).first() == Some(&root) {
@@ -39,17 +39,17 @@ pub(crate) fn workspace_symbols(db: &dyn Db, query: &str, limit: usize) -> Vec<W
     });
     let mut seen = FxHashSet::default();
     let mut found: Vec<Ranked> = found.into_iter().flatten().collect();
-    found.retain(|(.., it)| {
-        let place = &it.target;
-        seen.insert((place.path.clone(), place.range.clone(), it.name.clone()))
+    found.retain(|(.., symbol)| {
+        let place = &symbol.target;
+        seen.insert((place.path.clone(), place.range.clone(), symbol.name.clone()))
     });
     best(&mut found, limit);
-    found.into_iter().map(|(.., it)| it).collect()
+    found.into_iter().map(|(.., symbol)| symbol).collect()
 }
 
 /// Keeps the first `limit` of the sorted list.
 fn best(found: &mut Vec<Ranked>, limit: usize) {
-    let place = |it: &WorkspaceSymbol| (it.target.path.clone(), it.target.range.start);
+    let place = |symbol: &WorkspaceSymbol| (symbol.target.path.clone(), symbol.target.range.start);
     found.sort_by(|a, b| (a.0, &a.1, place(&a.2)).cmp(&(b.0, &b.1, place(&b.2))));
     found.truncate(limit);
 }
@@ -60,27 +60,27 @@ fn of_unit(db: &dyn Db, root: SourceFile, query: &str, count: usize) -> Vec<Rank
     let unit = unit_of_root(db, root);
     let elaborated = elaborated_of_many(db, unit, count);
     let mut found = Vec::new();
-    for it in elaborated
+    for definition in elaborated
         .definitions
         .iter()
-        .filter(|it| is_listed(it.kind))
+        .filter(|definition| is_listed(definition.kind))
     {
-        let Some(rank) = rank(&it.name, query) else {
+        let Some(rank) = rank(&definition.name, query) else {
             continue;
         };
-        let Some((file, range)) = place(db, unit, it.src) else {
+        let Some((file, range)) = place(db, unit, definition.src) else {
             continue;
         };
         let symbol = WorkspaceSymbol {
-            name: it.name.clone(),
-            kind: it.kind.into(),
-            container: container_name(&elaborated.definitions, it),
+            name: definition.name.clone(),
+            kind: definition.kind.into(),
+            container: container_name(&elaborated.definitions, definition),
             target: FileRange {
                 path: file.path(db).clone(),
                 range: bytes(range),
             },
         };
-        found.push((Reverse(rank), it.name.clone(), symbol));
+        found.push((Reverse(rank), definition.name.clone(), symbol));
     }
     found
 }
@@ -109,7 +109,7 @@ fn rank(name: &str, query: &str) -> Option<u8> {
     let mut letters = lower.chars();
     query
         .chars()
-        .all(|wanted| letters.any(|it| it == wanted))
+        .all(|wanted| letters.any(|letter| letter == wanted))
         .then_some(1)
 }
 

@@ -54,7 +54,7 @@ impl PtrRanges {
             Some(&end) => end,
             None => self.ranges.len() as u32,
         };
-        let index = start.checked_add(ptr.node).filter(|&it| it < end)?;
+        let index = start.checked_add(ptr.node).filter(|&number| number < end)?;
         self.ranges.get(index as usize).copied()
     }
 }
@@ -123,7 +123,7 @@ fn directives<'a>(
     root: &SyntaxNode,
     pre: &'a Preprocessed,
 ) -> Vec<(SyntaxNode, &'a Directive, u32)> {
-    let elements = pre.elements.iter().filter_map(|it| match it {
+    let elements = pre.elements.iter().filter_map(|element| match element {
         &Element::Directive { first, end, index } => Some((first < end, index)),
         _ => None,
     });
@@ -138,7 +138,7 @@ fn directives<'a>(
                 .right_biased()?;
             let node = token
                 .parent_ancestors()
-                .find(|it| it.kind() == SyntaxKind::DIRECTIVE)?;
+                .find(|ancestor| ancestor.kind() == SyntaxKind::DIRECTIVE)?;
             Some((node, directive, index))
         });
         return at.collect();
@@ -146,7 +146,7 @@ fn directives<'a>(
     // A directive from a macro has no place of its own, and many are found in one walk. The tree builder
     // makes one node for each directive element, in order.
     root.descendants()
-        .filter(|it| it.kind() == SyntaxKind::DIRECTIVE)
+        .filter(|node| node.kind() == SyntaxKind::DIRECTIVE)
         .zip(elements)
         .filter_map(|(node, (_, index))| {
             let (directive, index) = directive(index)?;
@@ -213,7 +213,7 @@ impl Lowering<'_> {
 
     fn names(&mut self, names: AstChildren<ast::NameRef>) -> Vec<Name> {
         names
-            .filter_map(|it| self.name_ref(Some(it)))
+            .filter_map(|name| self.name_ref(Some(name)))
             .collect_exact()
     }
 
@@ -237,10 +237,10 @@ impl Lowering<'_> {
                     let at = self.next_directive + skipped;
                     self.stray_pragmas(at, top, out);
                     self.next_directive = at + 1;
-                    self.emit(top, out, |it| it.directive(at, fragment));
+                    self.emit(top, out, |lowering| lowering.directive(at, fragment));
                 }
             } else {
-                self.emit(top, out, |it| it.item(item));
+                self.emit(top, out, |lowering| lowering.item(item));
             }
         }
     }
@@ -260,7 +260,7 @@ impl Lowering<'_> {
     fn stray_pragmas(&mut self, end: usize, top: bool, out: &mut Vec<Item>) {
         for at in self.next_directive..end {
             if matches!(self.directives[at].1.kind, DirectiveKind::Pragma(_)) {
-                self.emit(top, out, |it| it.directive(at, None));
+                self.emit(top, out, |lowering| lowering.directive(at, None));
             }
         }
         self.next_directive = end;
@@ -291,106 +291,108 @@ impl Lowering<'_> {
         let node = item.syntax().clone();
         Some(match item {
             ast::Item::Directive(_) => return None,
-            ast::Item::Module(it) => Item::Module {
+            ast::Item::Module(module) => Item::Module {
                 ptr: self.node(&node),
-                name: self.name(it.name()),
-                items: self.body(&it),
+                name: self.name(module.name()),
+                items: self.body(&module),
             },
-            ast::Item::ConstDecl(it) => Item::Const(super::ConstDecl {
+            ast::Item::ConstDecl(constant) => Item::Const(super::ConstDecl {
                 ptr: self.node(&node),
-                ty: self.type_ref(it.type_spec(), &node),
-                name: self.name(it.name()),
-                value: self.expr(it.expr(), &node),
+                ty: self.type_ref(constant.type_spec(), &node),
+                name: self.name(constant.name()),
+                value: self.expr(constant.expr(), &node),
             }),
-            ast::Item::TypedefDecl(it) => Item::Typedef {
+            ast::Item::TypedefDecl(typedef) => Item::Typedef {
                 ptr: self.node(&node),
-                ty: self.type_ref(it.type_spec(), &node),
-                declarators: self.declarators(it.declarators()),
+                ty: self.type_ref(typedef.type_spec(), &node),
+                declarators: self.declarators(typedef.declarators()),
             },
-            ast::Item::NativeDecl(it) => Item::Native {
+            ast::Item::NativeDecl(native) => Item::Native {
                 ptr: self.node(&node),
-                name: self.name(it.name()),
+                name: self.name(native.name()),
             },
-            ast::Item::ExceptionDecl(it) => Item::Exceptions {
+            ast::Item::ExceptionDecl(exception) => Item::Exceptions {
                 ptr: self.node(&node),
-                exceptions: it
+                exceptions: exception
                     .exceptions()
-                    .filter_map(|it| self.exception(&it))
+                    .filter_map(|exception| self.exception(&exception))
                     .collect_exact(),
             },
-            ast::Item::TypeDecl(it) => {
-                let ty = self.type_ref(it.type_spec(), &node);
+            ast::Item::TypeDecl(known_type) => {
+                let ty = self.type_ref(known_type.type_spec(), &node);
                 match ty.kind {
                     TypeRefKind::Inline(declaration) => Item::Type(declaration),
                     _ => return None,
                 }
             }
-            ast::Item::ForwardDecl(it) => {
+            ast::Item::ForwardDecl(declaration) => {
                 let ptr = self.node(&node);
-                let name = self.name(it.name());
-                match it.union_token() {
+                let name = self.name(declaration.name());
+                match declaration.union_token() {
                     Some(_) => Item::ForwardUnion { name, ptr },
                     None => Item::ForwardStruct { name, ptr },
                 }
             }
-            ast::Item::Component(it) => Item::Component {
+            ast::Item::Component(component) => Item::Component {
                 ptr: self.node(&node),
-                interface: it.is_interface(),
-                name: self.name(it.name()),
-                body: it.body().is_some().then(|| self.body(&it)),
+                interface: component.is_interface(),
+                name: self.name(component.name()),
+                body: component.body().is_some().then(|| self.body(&component)),
             },
-            ast::Item::Ids(it) => Item::Ids {
+            ast::Item::Ids(id) => Item::Ids {
                 ptr: self.node(&node),
-                keyword: self.keyword(it.ids_token(), &node),
-                members: self.body(&it),
+                keyword: self.keyword(id.ids_token(), &node),
+                members: self.body(&id),
             },
-            ast::Item::Task(it) => Item::Task {
+            ast::Item::Task(task) => Item::Task {
                 ptr: self.node(&node),
-                name: self.name(it.name()),
-                properties: self.body(&it),
+                name: self.name(task.name()),
+                properties: self.body(&task),
             },
-            ast::Item::Port(it) => Item::Port(PortDecl {
+            ast::Item::Port(port) => Item::Port(PortDecl {
                 ptr: self.node(&node),
-                keyword: self.keyword(it.port_token(), &node),
-                multiple: it.multiple_token().is_some(),
-                out: match (it.in_token(), it.out_token()) {
+                keyword: self.keyword(port.port_token(), &node),
+                multiple: port.multiple_token().is_some(),
+                out: match (port.in_token(), port.out_token()) {
                     (Some(_), _) => Some(false),
                     (_, Some(_)) => Some(true),
                     _ => None,
                 },
-                ty: self.type_ref(it.type_spec(), &node),
-                name: self.name(it.name()),
-                properties: self.body(&it),
+                ty: self.type_ref(port.type_spec(), &node),
+                name: self.name(port.name()),
+                properties: self.body(&port),
             }),
-            ast::Item::Service(it) => Item::Service(self.service(&it)),
-            ast::Item::Member(it) => Item::Member {
+            ast::Item::Service(service) => Item::Service(self.service(&service)),
+            ast::Item::Member(member) => Item::Member {
                 ptr: self.node(&node),
-                ty: self.type_ref(it.type_spec(), &node),
-                declarators: self.declarators(it.declarators()),
+                ty: self.type_ref(member.type_spec(), &node),
+                declarators: self.declarators(member.declarators()),
             },
-            ast::Item::Case(it) => Item::Case {
+            ast::Item::Case(case) => Item::Case {
                 ptr: self.node(&node),
-                labels: it
+                labels: case
                     .case_labels()
-                    .map(|it| CaseLabel {
-                        ptr: self.node(it.syntax()),
-                        value: it
+                    .map(|label| CaseLabel {
+                        ptr: self.node(label.syntax()),
+                        value: label
                             .default_token()
                             .is_none()
-                            .then(|| self.expr(it.expr(), it.syntax())),
+                            .then(|| self.expr(label.expr(), label.syntax())),
                     })
                     .collect_exact(),
-                ty: self.type_ref(it.type_spec(), &node),
-                declarator: it.declarator().and_then(|it| self.declarator(&it)),
+                ty: self.type_ref(case.type_spec(), &node),
+                declarator: case
+                    .declarator()
+                    .and_then(|declarator| self.declarator(&declarator)),
             },
-            ast::Item::Property(it) => Item::Property(self.property(&it)?),
+            ast::Item::Property(property) => Item::Property(self.property(&property)?),
         })
     }
 
-    fn exception(&mut self, it: &ast::Exception) -> Option<ExceptionDecl> {
+    fn exception(&mut self, exception: &ast::Exception) -> Option<ExceptionDecl> {
         Some(ExceptionDecl {
-            name: self.name(it.name())?,
-            members: self.body(it),
+            name: self.name(exception.name())?,
+            members: self.body(exception),
         })
     }
 
@@ -411,11 +413,11 @@ impl Lowering<'_> {
             DirectiveKind::Pragma(pragma) => {
                 let word = pragma.name.as_ref()?.text.clone();
                 let ptr = self.ptr(directive.range);
-                let arguments = |it: &mut Self| -> Vec<(SmolStr, Ptr)> {
+                let arguments = |lowering: &mut Self| -> Vec<(SmolStr, Ptr)> {
                     pragma
                         .args
                         .iter()
-                        .map(|arg| (arg.text.clone(), it.ptr(arg.range)))
+                        .map(|arg| (arg.text.clone(), lowering.ptr(arg.range)))
                         .collect_exact()
                 };
                 Some(Item::Pragma(match word.as_str() {
@@ -429,7 +431,10 @@ impl Lowering<'_> {
                     },
                     "masquerade" => Pragma::Masquerade {
                         arguments: arguments(self),
-                        ty: pragma.args.get(1).and_then(|it| self.path_in(&node, it)),
+                        ty: pragma
+                            .args
+                            .get(1)
+                            .and_then(|argument| self.path_in(&node, argument)),
                         ptr,
                     },
                     "wcet" => {
@@ -439,7 +444,9 @@ impl Lowering<'_> {
                             directive.syntax().children().filter_map(ast::NameRef::cast);
                         Pragma::Wcet {
                             codel: self.name_ref(names.nth(1)),
-                            duration: directive.quantity().map(|it| self.duration(&it)),
+                            duration: directive
+                                .quantity()
+                                .map(|quantity| self.duration(&quantity)),
                             ptr,
                         }
                     }
@@ -462,7 +469,7 @@ impl Lowering<'_> {
                 let within = argument.range - directive.text_range().start();
                 directive.text().slice(within).to_string()
             });
-        let inside = spelled.and_then(|it| it.find(argument.text.as_str()));
+        let inside = spelled.and_then(|slice| slice.find(argument.text.as_str()));
         let mut offset = 0;
         let mut segments = Vec::new();
         for part in argument.text.split("::") {
@@ -497,8 +504,8 @@ impl Lowering<'_> {
         let keyword = self.keyword(keyword, node);
         use PropertyKind as P;
         let kind = match property {
-            ast::Property::StringProperty(it) => {
-                let value = self.literal(it.value(), node);
+            ast::Property::StringProperty(property) => {
+                let value = self.literal(property.value(), node);
                 match word? {
                     SyntaxKind::DOC_KW => P::Doc(value),
                     SyntaxKind::VERSION_KW => P::Version(value),
@@ -507,59 +514,64 @@ impl Lowering<'_> {
                     _ => return None,
                 }
             }
-            ast::Property::RequiresProperty(it) => {
-                let values = it
+            ast::Property::RequiresProperty(property) => {
+                let values = property
                     .values()
-                    .map(|it| self.literal(Some(it), node))
+                    .map(|literal| self.literal(Some(literal), node))
                     .collect_exact();
                 match word? {
                     SyntaxKind::REQUIRES_KW => P::Requires(values),
                     _ => P::CodelsRequires(values),
                 }
             }
-            ast::Property::DurationProperty(it) => {
-                let duration = self.duration_or_missing(it.quantity(), node);
+            ast::Property::DurationProperty(property) => {
+                let duration = self.duration_or_missing(property.quantity(), node);
                 match word? {
                     SyntaxKind::CLOCK_RATE_KW => P::ClockRate(duration),
                     SyntaxKind::PERIOD_KW => P::Period(duration),
                     _ => P::Delay(duration),
                 }
             }
-            ast::Property::InterfacesProperty(it) => {
-                let names = self.names(it.name_refs());
+            ast::Property::InterfacesProperty(property) => {
+                let names = self.names(property.name_refs());
                 match word? {
                     SyntaxKind::PROVIDES_KW => P::Provides(names),
                     SyntaxKind::USES_KW => P::Uses(names),
                     _ => P::Extends(names),
                 }
             }
-            ast::Property::ThrowsProperty(it) => {
-                P::Throws(it.paths().filter_map(|it| self.path(&it)).collect_exact())
+            ast::Property::ThrowsProperty(property) => P::Throws(
+                property
+                    .paths()
+                    .filter_map(|path| self.path(&path))
+                    .collect_exact(),
+            ),
+            ast::Property::PriorityProperty(property) => {
+                P::Priority(self.expr(property.expr(), node))
             }
-            ast::Property::PriorityProperty(it) => P::Priority(self.expr(it.expr(), node)),
             ast::Property::SchedulingProperty(_) => P::Scheduling,
-            ast::Property::StackProperty(it) => {
-                P::Stack(self.duration_or_missing(it.quantity(), node))
+            ast::Property::StackProperty(property) => {
+                P::Stack(self.duration_or_missing(property.quantity(), node))
             }
-            ast::Property::TaskProperty(it) => P::Task(self.name_ref(it.name_ref())),
-            ast::Property::ServicesProperty(it) => {
-                let names = self.names(it.name_refs());
+            ast::Property::TaskProperty(property) => P::Task(self.name_ref(property.name_ref())),
+            ast::Property::ServicesProperty(property) => {
+                let names = self.names(property.name_refs());
                 match word? {
                     SyntaxKind::INTERRUPTS_KW => P::Interrupts(names),
                     SyntaxKind::BEFORE_KW => P::Before(names),
                     _ => P::After(names),
                 }
             }
-            ast::Property::ValidateProperty(it) => {
-                P::Validate(Box::new(self.codel(&it.codel()?, false)))
+            ast::Property::ValidateProperty(property) => {
+                P::Validate(Box::new(self.codel(&property.codel()?, false)))
             }
-            ast::Property::LocalProperty(it) => P::Local {
-                ty: self.type_ref(it.type_spec(), node),
-                declarators: self.declarators(it.declarators()),
+            ast::Property::LocalProperty(property) => P::Local {
+                ty: self.type_ref(property.type_spec(), node),
+                declarators: self.declarators(property.declarators()),
             },
-            ast::Property::CodelProperty(it) => {
-                P::Codel(Box::new(self.codel(&it.codel()?, it.is_async())))
-            }
+            ast::Property::CodelProperty(property) => P::Codel(Box::new(
+                self.codel(&property.codel()?, property.is_async()),
+            )),
         };
         Some(Property { kind, ptr, keyword })
     }
@@ -584,10 +596,10 @@ pub(crate) fn node_range(node: &SyntaxNode, map: &ExpansionMap, raw: &RawTokens)
         };
         return TextRange::new(start + skip, start + length);
     }
-    let inside = |it: &SyntaxToken| node.text_range().contains_range(it.text_range());
-    let is_text = |it: &SyntaxToken| {
-        let parent = it.parent().map(|it| it.kind());
-        !it.kind().is_trivia() && !parent.is_some_and(is_aside)
+    let inside = |token: &SyntaxToken| node.text_range().contains_range(token.text_range());
+    let is_text = |token: &SyntaxToken| {
+        let parent = token.parent().map(|parent| parent.kind());
+        !token.kind().is_trivia() && !parent.is_some_and(is_aside)
     };
     let first = std::iter::successors(node.first_token(), SyntaxToken::next_token)
         .take_while(inside)
@@ -614,17 +626,17 @@ fn text_start(node: &GreenNodeData) -> Option<TextSize> {
     let mut offset = TextSize::new(0);
     for child in node.children() {
         let found = match child {
-            NodeOrToken::Token(it) if SyntaxKind::from_raw(it.kind().0).is_trivia() => None,
+            NodeOrToken::Token(token) if SyntaxKind::from_raw(token.kind().0).is_trivia() => None,
             NodeOrToken::Token(_) => Some(TextSize::new(0)),
-            NodeOrToken::Node(it) if is_aside(SyntaxKind::from_raw(it.kind().0)) => None,
-            NodeOrToken::Node(it) => text_start(it),
+            NodeOrToken::Node(node) if is_aside(SyntaxKind::from_raw(node.kind().0)) => None,
+            NodeOrToken::Node(node) => text_start(node),
         };
         if let Some(found) = found {
             return Some(offset + found);
         }
         offset += match child {
-            NodeOrToken::Token(it) => it.text_len(),
-            NodeOrToken::Node(it) => it.text_len(),
+            NodeOrToken::Token(token) => token.text_len(),
+            NodeOrToken::Node(node) => node.text_len(),
         };
     }
     None
@@ -635,14 +647,14 @@ fn text_end(node: &GreenNodeData) -> Option<TextSize> {
     let mut offset = node.text_len();
     for child in node.children().rev() {
         let (found, length) = match child {
-            NodeOrToken::Token(it) if SyntaxKind::from_raw(it.kind().0).is_trivia() => {
-                (None, it.text_len())
+            NodeOrToken::Token(token) if SyntaxKind::from_raw(token.kind().0).is_trivia() => {
+                (None, token.text_len())
             }
-            NodeOrToken::Token(it) => (Some(it.text_len()), it.text_len()),
-            NodeOrToken::Node(it) if is_aside(SyntaxKind::from_raw(it.kind().0)) => {
-                (None, it.text_len())
+            NodeOrToken::Token(token) => (Some(token.text_len()), token.text_len()),
+            NodeOrToken::Node(node) if is_aside(SyntaxKind::from_raw(node.kind().0)) => {
+                (None, node.text_len())
             }
-            NodeOrToken::Node(it) => (text_end(it), it.text_len()),
+            NodeOrToken::Node(node) => (text_end(node), node.text_len()),
         };
         offset -= length;
         if let Some(found) = found {

@@ -45,8 +45,8 @@ pub(super) fn check(lint: &mut Lint) {
 fn uses(lint: &Lint) -> Vec<DataAccess> {
     let mut out = Vec::new();
     let component = lint.component;
-    for it in component.all_codels() {
-        for param in &component.codel(it).params {
+    for codel in component.all_codels() {
+        for param in &component.codel(codel).params {
             let what = match param.source {
                 ParamSource::Ids => AccessedData::Ids(member(&param.path)),
                 ParamSource::Port(port) => AccessedData::Port(port),
@@ -59,7 +59,7 @@ fn uses(lint: &Lint) -> Vec<DataAccess> {
                 reads,
                 writes,
                 at: param.src,
-                by: Accessor::Codel(it),
+                by: Accessor::Codel(codel),
             });
         }
     }
@@ -120,7 +120,7 @@ fn ports(lint: &mut Lint, uses: &[DataAccess]) {
         let mut tasks: Vec<u32> = writers
             .iter()
             .filter_map(|u| match u.by {
-                Accessor::Codel(it) => lint.component.task_of(it),
+                Accessor::Codel(codel) => lint.component.task_of(codel),
                 Accessor::Attribute(_) => None,
             })
             .collect();
@@ -130,13 +130,13 @@ fn ports(lint: &mut Lint, uses: &[DataAccess]) {
             // The `start` and `stop` codels of tasks run before and after everything else.
             let steady: Vec<&&&DataAccess> = writers
                 .iter()
-                .filter(|u| !matches!(u.by, Accessor::Codel(it) if only_starts_or_stops(lint, it)))
+                .filter(|u| !matches!(u.by, Accessor::Codel(codel) if only_starts_or_stops(lint, codel)))
                 .collect();
             let mut racing: Vec<u32> = steady
                 .iter()
                 .filter_map(|u| {
-                    if let Accessor::Codel(it) = u.by {
-                        lint.component.task_of(it)
+                    if let Accessor::Codel(codel) = u.by {
+                        lint.component.task_of(codel)
                     } else {
                         None
                     }
@@ -154,7 +154,7 @@ fn ports(lint: &mut Lint, uses: &[DataAccess]) {
             let related: Vec<(Src, Role)> = steady
                 .iter()
                 .filter_map(|u| match u.by {
-                    Accessor::Codel(it) => Some((u.at, Role::WrittenBy(lint.codel_name(it)))),
+                    Accessor::Codel(codel) => Some((u.at, Role::WrittenBy(lint.codel_name(codel)))),
                     Accessor::Attribute(_) => None,
                 })
                 .collect();
@@ -211,11 +211,11 @@ fn ids(lint: &mut Lint, uses: &[DataAccess]) {
 fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&DataAccess]) {
     let starts = |by: Accessor| match by {
         Accessor::Codel(
-            it @ CodelRef {
+            codel @ CodelRef {
                 owner: Owner::Task(_),
                 ..
             },
-        ) => lint.codel(it).triggers.iter().any(|s| s.name == "start"),
+        ) => lint.codel(codel).triggers.iter().any(|s| s.name == "start"),
         _ => false,
     };
     if uses.iter().any(|u| u.writes && starts(u.by)) {
@@ -247,19 +247,19 @@ fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&DataAccess]) {
     if permanent_writer {
         return;
     }
-    let Some((reader, Accessor::Codel(it))) = reader.map(|r| (r, r.by)) else {
+    let Some((reader, Accessor::Codel(names))) = reader.map(|r| (r, r.by)) else {
         return;
     };
     let writers: Vec<(Src, Role)> = uses
         .iter()
         .filter(|u| u.writes)
         .map(|u| match u.by {
-            Accessor::Codel(it) => (u.at, Role::WrittenBy(lint.codel_name(it))),
+            Accessor::Codel(codel) => (u.at, Role::WrittenBy(lint.codel_name(codel))),
             Accessor::Attribute(i) => (u.at, Role::SetBy(lint.owner_name(Owner::Service(i)))),
         })
         .collect();
-    debug_assert!(lint.codel(it).kind == CodelKind::Fsm);
-    let codel = lint.codel_name(it);
+    debug_assert!(lint.codel(names).kind == CodelKind::Fsm);
+    let codel = lint.codel_name(names);
     let found = lint.report(
         reader.at,
         LintWarning::ReadBeforeWrite {

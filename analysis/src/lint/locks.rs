@@ -11,16 +11,16 @@ use crate::model::{CodelRef, Owner};
 use super::Lint;
 
 pub(super) fn check(lint: &mut Lint) {
-    for it in lint.component.all_codels().collect::<Vec<_>>() {
-        let exclusions = mutex::exclusions(lint.spec, lint.component, it);
-        long_hold(lint, it, &exclusions);
-        self_blocking(lint, it);
+    for codel in lint.component.all_codels().collect::<Vec<_>>() {
+        let exclusions = mutex::exclusions(lint.spec, lint.component, codel);
+        long_hold(lint, codel, &exclusions);
+        self_blocking(lint, codel);
     }
 }
 
 /// `lock/long-hold`: a codel that holds data longer than the period of a task that needs it.
-fn long_hold(lint: &mut Lint, it: CodelRef, exclusions: &[mutex::Exclusion]) {
-    let Some(wcet) = lint.codel(it).wcet.as_ref().map(|q| (q.value, q.src)) else {
+fn long_hold(lint: &mut Lint, codel: CodelRef, exclusions: &[mutex::Exclusion]) {
+    let Some(wcet) = lint.codel(codel).wcet.as_ref().map(|q| (q.value, q.src)) else {
         return;
     };
     let mut seen: Vec<u32> = Vec::new();
@@ -47,7 +47,7 @@ fn long_hold(lint: &mut Lint, it: CodelRef, exclusions: &[mutex::Exclusion]) {
         let found = lint.report(
             wcet.1,
             LintWarning::LongHold {
-                codel: lint.codel_name(it),
+                codel: lint.codel_name(codel),
                 through: through.as_str().into(),
                 time: Time(wcet.0),
                 task: name.clone(),
@@ -65,33 +65,33 @@ fn long_hold(lint: &mut Lint, it: CodelRef, exclusions: &[mutex::Exclusion]) {
 
 /// `lock/self-blocking`: an asynchronous codel and another codel of its own task use the same data, so the
 /// task waits for its own activity.
-fn self_blocking(lint: &mut Lint, it: CodelRef) {
-    if !lint.codel(it).is_async {
+fn self_blocking(lint: &mut Lint, codel: CodelRef) {
+    if !lint.codel(codel).is_async {
         return;
     }
-    let Some(task) = lint.component.task_of(it) else {
+    let Some(task) = lint.component.task_of(codel) else {
         return;
     };
     for other in lint.component.all_codels().collect::<Vec<_>>() {
         // One instance runs its own codels one after the other.
-        if other.owner == it.owner || lint.component.task_of(other) != Some(task) {
+        if other.owner == codel.owner || lint.component.task_of(other) != Some(task) {
             continue;
         }
         if only_starts_or_stops(lint, other) {
             continue;
         }
         let other_codel = lint.codel(other);
-        let through = mutex::collisions(lint.spec, lint.codel(it), lint.codel(other));
+        let through = mutex::collisions(lint.spec, lint.codel(codel), lint.codel(other));
         if through.is_empty() {
             continue;
         }
         let through = describe(lint, &through);
         let task_name = lint.component.tasks[task as usize].name.clone();
-        let at = lint.codel(it).src;
+        let at = lint.codel(codel).src;
         let found = lint.report(
             at,
             LintWarning::SelfBlocking {
-                codel: lint.codel_name(it),
+                codel: lint.codel_name(codel),
                 through: through.as_str().into(),
                 other: lint.codel_name(other),
                 task: task_name,
@@ -108,8 +108,8 @@ fn self_blocking(lint: &mut Lint, it: CodelRef) {
 /// The data two codels share: `trajectory` of the ids.
 fn describe(lint: &Lint, through: &[SharedParameters]) -> String {
     let mut names: Vec<String> = Vec::new();
-    for it in through {
-        let name = it.shared.describe(lint.component);
+    for parameter in through {
+        let name = parameter.shared.describe(lint.component);
         if !names.contains(&name) {
             names.push(name);
         }
@@ -119,14 +119,14 @@ fn describe(lint: &Lint, through: &[SharedParameters]) -> String {
 
 /// Returns true for a codel of a task that is bound only to `start` or `stop` and has no incoming transition:
 /// it runs before or after all others.
-pub(super) fn only_starts_or_stops(lint: &Lint, it: CodelRef) -> bool {
+pub(super) fn only_starts_or_stops(lint: &Lint, codel: CodelRef) -> bool {
     let ends = |name: &str| name == "start" || name == "stop";
     let mut yields = lint
         .component
-        .codels_of(it.owner)
+        .codels_of(codel.owner)
         .iter()
         .flat_map(|c| &c.yields);
-    matches!(it.owner, Owner::Task(_))
-        && lint.codel(it).triggers.iter().all(|s| ends(&s.name))
+    matches!(codel.owner, Owner::Task(_))
+        && lint.codel(codel).triggers.iter().all(|s| ends(&s.name))
         && yields.all(|s| s.name != "start")
 }

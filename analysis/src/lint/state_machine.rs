@@ -32,12 +32,16 @@ pub(super) fn check(lint: &mut Lint) {
 /// function can have that name. In C++ they are in the component's namespace.
 fn names_of_events(lint: &mut Lint) {
     let component = lint.component;
-    if component.lang.as_deref().is_some_and(|it| it != "c") {
+    if component
+        .lang
+        .as_deref()
+        .is_some_and(|language| language != "c")
+    {
         return;
     }
     let prefix = format!("{}_", component.name);
-    let codels = || component.all_codels().map(|it| component.codel(it));
-    let states = || codels().flat_map(|it| it.triggers.iter().chain(&it.yields));
+    let codels = || component.all_codels().map(|codel| component.codel(codel));
+    let states = || codels().flat_map(|codel| codel.triggers.iter().chain(&codel.yields));
     let mut found: Vec<(Src, Name, Name)> = Vec::new();
     for codel in codels() {
         let Some(rest) = codel.name.strip_prefix(&prefix) else {
@@ -47,11 +51,12 @@ fn names_of_events(lint: &mut Lint) {
             Some(state) => (true, state),
             None => (false, rest),
         };
-        let same =
-            |it: &State| it.name == rest && !it.paused || paused && it.paused && it.name == state;
+        let same = |other: &State| {
+            other.name == rest && !other.paused || paused && other.paused && other.name == state
+        };
         // Every machine ends in `ether`, even if it is not written.
-        if let Some(it) = states().find(|it| same(it)) {
-            found.push((codel.src, codel.name.clone(), it.name.clone()));
+        if let Some(state) = states().find(|state| same(state)) {
+            found.push((codel.src, codel.name.clone(), state.name.clone()));
         } else if rest == "ether" {
             found.push((codel.src, codel.name.clone(), rest.into()));
         }
@@ -136,7 +141,7 @@ fn loops(lint: &mut Lint, owner: Owner, machine: &Machine) {
 /// an internal event: a request for a service, or a transition of another task.
 fn pause_in_aperiodic_task(lint: &mut Lint) {
     let with_codels = lint.component.tasks.iter();
-    let with_codels = with_codels.filter(|it| !it.codels.is_empty()).count();
+    let with_codels = with_codels.filter(|codel| !codel.codels.is_empty()).count();
     if !lint.component.services.is_empty() || with_codels > 1 {
         return;
     }
@@ -187,12 +192,12 @@ fn dead_ends(lint: &mut Lint, machine: &Machine) {
 /// For each service, the first one that interrupts it.
 fn interrupters(component: &Component) -> Vec<Option<u32>> {
     let services = &component.services;
-    let of_all = (0..).zip(services).find(|it| it.1.interrupts.all);
-    let mut first = vec![of_all.map(|it| it.0); services.len()];
+    let of_all = (0..).zip(services).find(|pair| pair.1.interrupts.all);
+    let mut first = vec![of_all.map(|pair| pair.0); services.len()];
     for (by, service) in (0..).zip(services) {
-        for &it in &service.interrupts.services {
-            if let Some(first) = first.get_mut(it as usize) {
-                *first = Some(first.map_or(by, |it| it.min(by)));
+        for &service in &service.interrupts.services {
+            if let Some(first) = first.get_mut(service as usize) {
+                *first = Some(first.map_or(by, |number| number.min(by)));
             }
         }
     }

@@ -38,7 +38,7 @@ fn missing_wcet(lint: &mut Lint) {
         };
         let names = missing
             .iter()
-            .map(|(it, _)| lint.codel(*it).name.clone())
+            .map(|(codel, _)| lint.codel(*codel).name.clone())
             .collect();
         let found = lint.report(
             at,
@@ -197,8 +197,8 @@ fn overutilised(lint: &mut Lint) {
 fn suspicious_units(lint: &mut Lint) {
     let long = Ratio::from_integer(10);
     let short = Ratio::new(10, 1_000_000);
-    for it in lint.component.all_codels().collect::<Vec<_>>() {
-        let codel = lint.codel(it);
+    for reference in lint.component.all_codels().collect::<Vec<_>>() {
+        let codel = lint.codel(reference);
         if let Some(wcet) = codel.wcet.as_ref().filter(|w| w.value > long) {
             lint.report(
                 wcet.src,

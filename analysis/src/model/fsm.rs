@@ -19,7 +19,7 @@ impl<'m> Machine<'m> {
     pub fn new(codels: &'m [Codel]) -> Self {
         let codels: Vec<(u32, &Codel)> = (0..)
             .zip(codels)
-            .filter(|(_, it)| it.kind == CodelKind::Fsm)
+            .filter(|(_, number)| number.kind == CodelKind::Fsm)
             .collect();
         let mut by_state = FxHashMap::default();
         for (position, (_, codel)) in codels.iter().enumerate() {
@@ -39,12 +39,12 @@ impl<'m> Machine<'m> {
     pub fn states(&self) -> impl Iterator<Item = &'m Name> + '_ {
         self.codels
             .iter()
-            .flat_map(|(_, it)| it.triggers.iter().map(|it| &it.name))
+            .flat_map(|(_, codel)| codel.triggers.iter().map(|trigger| &trigger.name))
     }
 
     /// The codel of a state, with its index among all codels of the owner.
     pub fn codel(&self, state: &str) -> Option<(u32, &'m Codel)> {
-        self.by_state.get(state).map(|it| self.codels[*it])
+        self.by_state.get(state).map(|state| self.codels[*state])
     }
 
     /// The codel of a state, as its position in [`Machine::codels`].
@@ -65,7 +65,7 @@ impl<'m> Machine<'m> {
                 continue;
             }
             if let Some((_, codel)) = self.codel(state) {
-                pending.extend(codel.yields.iter().map(|it| it.name.as_str()));
+                pending.extend(codel.yields.iter().map(|state| state.name.as_str()));
             }
         }
         reached

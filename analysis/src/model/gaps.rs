@@ -90,8 +90,12 @@ pub enum SourceKind {
 impl Spec {
     /// The gaps of a component, those of the interfaces that it imports included.
     pub fn gaps_of(&self, component: u32) -> impl Iterator<Item = &Missing> {
-        let it = &self.components[component as usize];
-        let lists = [&it.provides, &it.uses, &it.extends];
+        let declaration = &self.components[component as usize];
+        let lists = [
+            &declaration.provides,
+            &declaration.uses,
+            &declaration.extends,
+        ];
         self.gaps
             .iter()
             .filter(move |gap| {
@@ -104,8 +108,8 @@ impl Spec {
     /// Unknown interfaces that a component imports, each once.
     pub fn missing_interfaces(&self, component: u32) -> Vec<&Name> {
         let mut out = Vec::new();
-        for it in self.gaps_of(component) {
-            if let Missing::Interface { name, .. } = it
+        for gap in self.gaps_of(component) {
+            if let Missing::Interface { name, .. } = gap
                 && !out.contains(&name)
             {
                 out.push(name);
@@ -117,17 +121,17 @@ impl Spec {
     /// Returns true if tasks, services, codels or properties of a component may come from an unknown
     /// interface.
     pub fn lacks_declarations(&self, component: u32) -> bool {
-        let brings = |it: &Missing| matches!(it, Missing::Interface { used: false, .. });
+        let brings = |missing: &Missing| matches!(missing, Missing::Interface { used: false, .. });
         self.gaps_of(component).any(brings)
     }
 
     /// Returns true if a component, or one of its tasks and services, may throw unknown exceptions.
     pub fn lacks_exceptions(&self, component: u32, owner: Owner) -> bool {
-        self.gaps_of(component).any(|it| match it {
+        self.gaps_of(component).any(|gap| match gap {
             Missing::Interface { .. } => true,
             Missing::Exception { owner: None, .. } => true,
             Missing::Exception {
-                owner: Some(it), ..
+                owner: Some(of), ..
             } => {
                 let task = match owner {
                     Owner::Service(service) => self.components[component as usize].services
@@ -136,7 +140,7 @@ impl Spec {
                         .map(Owner::Task),
                     Owner::Task(_) => None,
                 };
-                *it == owner || Some(*it) == task
+                *of == owner || Some(*of) == task
             }
             _ => false,
         })
@@ -195,7 +199,7 @@ impl Spec {
                 continue;
             };
             let ty = self.ty(ty);
-            let is_source = |it: &Missing| matches!(it, Missing::Source { name, .. } if ty.name.as_ref() == Some(name));
+            let is_source = |missing: &Missing| matches!(missing, Missing::Source { name, .. } if ty.name.as_ref() == Some(name));
             let interfaces = self.missing_interfaces(component);
             if param.source == ParamSource::Opaque
                 && !interfaces.is_empty()
@@ -203,13 +207,13 @@ impl Spec {
             {
                 interfaces
                     .into_iter()
-                    .for_each(|it| add(&mut out.interfaces, it));
+                    .for_each(|interface| add(&mut out.interfaces, interface));
                 continue;
             }
             let own = &self.components[component as usize].name;
-            let outermost = ty.scope.first().map(|it| &it.name);
-            let name = outermost.filter(|it| *it != own).or(ty.name.as_ref());
-            name.into_iter().for_each(|it| add(&mut out.types, it));
+            let outermost = ty.scope.first().map(|scope| &scope.name);
+            let name = outermost.filter(|name| *name != own).or(ty.name.as_ref());
+            name.into_iter().for_each(|name| add(&mut out.types, name));
         }
         out
     }

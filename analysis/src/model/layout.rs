@@ -27,8 +27,8 @@ fn measure(spec: &Spec, ty: TypeId, known: &mut Known) -> Option<u64> {
             return *size;
         }
         known.insert(ty, None);
-        let mut sizes = members.iter().map(|it| measure(spec, *it, known));
-        let size = sizes.try_fold(0u64, |total, it| Some(add(total, it?)));
+        let mut sizes = members.iter().map(|member| measure(spec, *member, known));
+        let size = sizes.try_fold(0u64, |total, size| Some(add(total, size?)));
         known.insert(ty, size);
         size
     };

@@ -80,7 +80,7 @@ pub fn path_text(path: &[PathElement]) -> String {
 /// Everything that a codel excludes: codels of tasks, codels of services in order, then attributes.
 pub fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<Exclusion> {
     let own = component.codel(codel);
-    let is_shared = |it: &Param| matches!(it.source, ParamSource::Port(_) | ParamSource::Ids);
+    let is_shared = |param: &Param| matches!(param.source, ParamSource::Port(_) | ParamSource::Ids);
     if !own.params.iter().any(is_shared) {
         return Vec::new();
     }
@@ -96,25 +96,25 @@ pub fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<Ex
         if task == Some(number as u32) {
             continue;
         }
-        for (index, it) in (0..).zip(&other.codels) {
-            let through = collisions(spec, own, it);
+        for (index, codel) in (0..).zip(&other.codels) {
+            let through = collisions(spec, own, codel);
             add(Excluded::Codel(CodelRef { owner, index }), through);
         }
     }
     for (number, service) in component.services.iter().enumerate() {
         let owner = Owner::Service(number as u32);
-        for (index, it) in (0..).zip(&service.codels) {
-            if task.is_some() && it.kind != CodelKind::Fsm {
-                let through = collisions(spec, own, it);
+        for (index, codel) in (0..).zip(&service.codels) {
+            if task.is_some() && codel.kind != CodelKind::Fsm {
+                let through = collisions(spec, own, codel);
                 add(Excluded::Codel(CodelRef { owner, index }), through);
             }
         }
         if service.task == task || (task.is_some() && interrupts(service, codel)) {
             continue;
         }
-        for (index, it) in (0..).zip(&service.codels) {
-            if it.kind == CodelKind::Fsm {
-                let through = collisions(spec, own, it);
+        for (index, codel) in (0..).zip(&service.codels) {
+            if codel.kind == CodelKind::Fsm {
+                let through = collisions(spec, own, codel);
                 add(Excluded::Codel(CodelRef { owner, index }), through);
             }
         }
@@ -135,8 +135,8 @@ pub fn excluded_names(spec: &Spec, component: &Component, codel: CodelRef) -> Ve
     let mut names: Vec<String> = Vec::new();
     for exclusion in exclusions(spec, component, codel) {
         let name = match exclusion.with {
-            Excluded::Codel(it) => component.codel(it).name.to_string(),
-            Excluded::Service(it) => component.services[it as usize].name.to_string(),
+            Excluded::Codel(codel) => component.codel(codel).name.to_string(),
+            Excluded::Service(service) => component.services[service as usize].name.to_string(),
         };
         if !names.contains(&name) {
             names.push(name);
@@ -152,8 +152,8 @@ pub fn service_exclusions(spec: &Spec, component: &Component, service: u32) -> V
         return Vec::new();
     };
     let mut found = Vec::new();
-    let others = component.all_codels().filter(|it| {
-        component.codel(*it).kind == CodelKind::Fsm && component.task_of(*it) != own.task
+    let others = component.all_codels().filter(|codel| {
+        component.codel(*codel).kind == CodelKind::Fsm && component.task_of(*codel) != own.task
     });
     for other in others {
         let codel = component.codel(other);
@@ -167,9 +167,9 @@ pub fn service_exclusions(spec: &Spec, component: &Component, service: u32) -> V
 /// For messages: ``task `t` ``, ``activity `a` ``.
 pub fn describe_owner(component: &Component, owner: Owner) -> String {
     match owner {
-        Owner::Task(it) => format!("task `{}`", component.tasks[it as usize].name),
-        Owner::Service(it) => {
-            let service = &component.services[it as usize];
+        Owner::Task(task) => format!("task `{}`", component.tasks[task as usize].name),
+        Owner::Service(index) => {
+            let service = &component.services[index as usize];
             let word = match service.kind {
                 ServiceKind::Attribute => "attribute",
                 ServiceKind::Function => "function",

@@ -64,8 +64,8 @@ impl Machine<'_> {
         for &to in rest {
             match self.leg(from, to) {
                 Ok(Some(leg)) => {
-                    pauses += leg.iter().filter(|it| it.1).count();
-                    all.extend(leg.into_iter().map(|it| it.0));
+                    pauses += leg.iter().filter(|leg| leg.1).count();
+                    all.extend(leg.into_iter().map(|leg| leg.0));
                 }
                 Ok(None) => {
                     let (from, to) = (from.to_owned(), to.to_owned());
@@ -77,7 +77,7 @@ impl Machine<'_> {
         }
         let mut time: Seconds = Ratio::from_integer(0);
         let mut incomplete = false;
-        for (_, codel) in all.iter().filter_map(|it| self.codel(it)) {
+        for (_, codel) in all.iter().filter_map(|text| self.codel(text)) {
             match &codel.wcet {
                 Some(wcet) => time += wcet.value,
                 None => incomplete = true,
@@ -94,10 +94,13 @@ impl Machine<'_> {
     /// The transition from one state to another, or the longest path if there is none; see
     /// [`Machine::longest_between`].
     fn leg(&self, from: &str, to: &str) -> Result<Option<PathTail>, Vec<String>> {
-        let yields = self.codel(from).map(|it| it.1.yields.iter());
-        let direct = yields.into_iter().flatten().filter(|it| it.name == to);
-        match direct.min_by_key(|it| it.paused) {
-            Some(it) => Ok(Some(vec![(to.to_owned(), it.paused)])),
+        let yields = self.codel(from).map(|codel| codel.1.yields.iter());
+        let direct = yields
+            .into_iter()
+            .flatten()
+            .filter(|codel| codel.name == to);
+        match direct.min_by_key(|codel| codel.paused) {
+            Some(codel) => Ok(Some(vec![(to.to_owned(), codel.paused)])),
             None => self.longest_between(from, to),
         }
     }
@@ -122,7 +125,7 @@ impl Machine<'_> {
             };
             if done {
                 let zero = Ratio::from_integer(0);
-                let own = codel.wcet.as_ref().map_or(zero, |it| it.value);
+                let own = codel.wcet.as_ref().map_or(zero, |wcet| wcet.value);
                 let mut found = BestPath::Never;
                 for next in &codel.yields {
                     let beyond = match best.get(next.name.as_str()) {
@@ -155,8 +158,12 @@ impl Machine<'_> {
                 match best.get(name) {
                     // An open state is on the current path.
                     Some(BestPath::Open) => {
-                        let open = stack.iter().filter(|it| it.1).map(|it| it.0.clone());
-                        let mut cycle: Vec<String> = open.skip_while(|it| it != name).collect();
+                        let open = stack
+                            .iter()
+                            .filter(|stack| stack.1)
+                            .map(|stack| stack.0.clone());
+                        let mut cycle: Vec<String> =
+                            open.skip_while(|stack| stack != name).collect();
                         cycle.push(name.to_owned());
                         return Err(cycle);
                     }
@@ -182,16 +189,16 @@ impl Machine<'_> {
         let mut before: FxHashMap<&str, Vec<&str>> = FxHashMap::default();
         for (_, codel) in &self.codels {
             for next in &codel.yields {
-                let states = codel.triggers.iter().map(|it| it.name.as_str());
+                let states = codel.triggers.iter().map(|trigger| trigger.name.as_str());
                 before.entry(&next.name).or_default().extend(states);
             }
         }
         let mut found = FxHashSet::default();
         let mut pending = vec![to];
         while let Some(state) = pending.pop() {
-            for &it in before.get(state).into_iter().flatten() {
-                if found.insert(it.to_owned()) && it != from {
-                    pending.push(it);
+            for &text in before.get(state).into_iter().flatten() {
+                if found.insert(text.to_owned()) && text != from {
+                    pending.push(text);
                 }
             }
         }

@@ -77,7 +77,7 @@ impl<'a> System<'a> {
     ) -> System<'a> {
         let parts = parts.into_iter();
         let parts: Vec<Part<'_>> = parts
-            .filter(|it| it.component.kind == ComponentKind::Component)
+            .filter(|part| part.component.kind == ComponentKind::Component)
             .collect();
         let mut outputs: FxHashMap<String, Vec<PortRef>> = FxHashMap::default();
         for (number, part) in parts.iter().enumerate() {
@@ -103,19 +103,22 @@ impl<'a> System<'a> {
         let configured: Vec<PortRef> = self
             .connections
             .iter()
-            .filter(|it| it.to.0 == reader.component.name.as_str() && it.to.1 == port.name.as_str())
-            .filter_map(|it| self.output(&it.from.0, &it.from.1))
+            .filter(|connection| {
+                connection.to.0 == reader.component.name.as_str()
+                    && connection.to.1 == port.name.as_str()
+            })
+            .filter_map(|connection| self.output(&connection.from.0, &connection.from.1))
             .collect();
         if !configured.is_empty() {
             return configured;
         }
-        let name = |it: &PortRef| &self.parts[it.0].component.ports[it.1 as usize].name;
+        let name = |port: &PortRef| &self.parts[port.0].component.ports[port.1 as usize].name;
         let of_type = self.outputs.get(&type_name(reader.spec, port.data));
         let others = of_type.into_iter().flatten();
-        let candidates: Vec<PortRef> = others.filter(|it| it.0 != part).copied().collect();
+        let candidates: Vec<PortRef> = others.filter(|ty| ty.0 != part).copied().collect();
         let mut same_name = candidates
             .iter()
-            .filter(|it| *name(it) == port.name)
+            .filter(|candidate| *name(candidate) == port.name)
             .copied()
             .peekable();
         match (same_name.peek(), candidates.len()) {
@@ -128,13 +131,15 @@ impl<'a> System<'a> {
     /// Index of a component.
     pub fn part(&self, name: &str) -> Option<usize> {
         let mut parts = self.parts.iter();
-        parts.position(|it| it.component.name.as_str() == name)
+        parts.position(|part| part.component.name.as_str() == name)
     }
 
     fn output(&self, component: &str, port: &str) -> Option<PortRef> {
         let part = self.part(component)?;
         let mut ports = (0..).zip(&self.parts[part].component.ports);
-        let found = ports.find(|(_, it)| it.dir == PortDir::Out && it.name.as_str() == port);
+        let found = ports.find(|(_, candidate)| {
+            candidate.dir == PortDir::Out && candidate.name.as_str() == port
+        });
         found.map(|(index, _)| (part, index))
     }
 
@@ -162,21 +167,21 @@ impl<'a> System<'a> {
         if shared.is_empty() {
             return out;
         }
-        for (other, it) in self.parts.iter().enumerate().filter(|it| it.0 != part) {
-            let ports = 0..it.component.ports.len() as u32;
+        for (other, entry) in self.parts.iter().enumerate().filter(|pair| pair.0 != part) {
+            let ports = 0..entry.component.ports.len() as u32;
             let meets: Vec<Vec<PortRef>> = ports
                 .map(|port| {
                     let mut locks = self.data_of((other, port));
-                    locks.retain(|it| shared.contains(it));
+                    locks.retain(|lock| shared.contains(lock));
                     locks
                 })
                 .collect();
             if meets.iter().all(Vec::is_empty) {
                 continue;
             }
-            for codel in it.component.all_codels() {
+            for codel in entry.component.all_codels() {
                 let mut found: Vec<PortRef> = Vec::new();
-                for param in &it.component.codel(codel).params {
+                for param in &entry.component.codel(codel).params {
                     if let ParamSource::Port(port) = param.source {
                         found.extend(&meets[port as usize]);
                     }
@@ -195,14 +200,14 @@ impl<'a> System<'a> {
     }
 
     /// For messages: ``"`go_codel` of activity `go` of `nav` (port `pom.pose`)"``.
-    pub fn describe(&self, it: &RemoteExclusion) -> String {
-        let component = self.parts[it.part].component;
+    pub fn describe(&self, exclusion: &RemoteExclusion) -> String {
+        let component = self.parts[exclusion.part].component;
         format!(
             "`{}` of {} of `{}` (port `{}`)",
-            component.codel(it.codel).name,
-            describe_owner(component, it.codel.owner),
+            component.codel(exclusion.codel).name,
+            describe_owner(component, exclusion.codel.owner),
             component.name,
-            self.port_name(it.port)
+            self.port_name(exclusion.port)
         )
     }
 
@@ -242,10 +247,10 @@ mod tests {
         let units: Vec<_> = fixture
             .paths()
             .iter()
-            .map(|it| fixture.analysis().root_unit(it).unwrap())
+            .map(|path| fixture.analysis().root_unit(path).unwrap())
             .collect();
-        let port = |it: &str| {
-            let (component, port) = it.split_once('.').unwrap();
+        let port = |text: &str| {
+            let (component, port) = text.split_once('.').unwrap();
             (component.to_owned(), port.to_owned())
         };
         let connections: Vec<_> = connections
@@ -255,13 +260,17 @@ mod tests {
                 to: port(to),
             })
             .collect();
-        let system = System::new(parts(units.iter().map(|it| &*it.spec)), &connections);
+        let system = System::new(parts(units.iter().map(|unit| &*unit.spec)), &connections);
         let part = system.part(component).unwrap();
         let own = system.parts[part].component;
         let mut out = Vec::new();
         for at in own.all_codels() {
-            for it in system.exclusions(part, at) {
-                out.push(format!("{}: {}", own.codel(at).name, system.describe(&it)));
+            for exclusion in system.exclusions(part, at) {
+                out.push(format!(
+                    "{}: {}",
+                    own.codel(at).name,
+                    system.describe(&exclusion)
+                ));
             }
         }
         out

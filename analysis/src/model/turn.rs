@@ -79,7 +79,7 @@ impl<'m> Machine<'m> {
         while let Some(v) = pending.pop().filter(|_| !found) {
             if !std::mem::replace(&mut seen[v], true) {
                 let mut yields = self.at(v).yields.iter();
-                found = yields.any(|it| !it.paused && is_wanted(&it.name));
+                found = yields.any(|state| !state.paused && is_wanted(&state.name));
                 pending.extend(self.continues(v));
             }
         }
@@ -200,7 +200,7 @@ impl Component {
         }
         let machine = Machine::new(&task.codels);
         let turns = machine.resume_states().into_iter();
-        let longest = turns.filter_map(|it| match machine.longest_turn(it)? {
+        let longest = turns.filter_map(|turn| match machine.longest_turn(turn)? {
             // Without any execution time nothing is known.
             Turn::Bounded { sum, .. } => (sum > Ratio::from_integer(0)).then_some(sum),
             Turn::Unbounded { .. } => None,

@@ -13,16 +13,16 @@ pub(crate) trait TypeIds {
 
 impl<T: TypeIds> TypeIds for Vec<T> {
     fn for_each_type_id(&mut self, f: &mut dyn FnMut(&mut TypeId)) {
-        for it in self {
-            it.for_each_type_id(f);
+        for element in self {
+            element.for_each_type_id(f);
         }
     }
 }
 
 impl<T: TypeIds> TypeIds for Option<T> {
     fn for_each_type_id(&mut self, f: &mut dyn FnMut(&mut TypeId)) {
-        if let Some(it) = self {
-            it.for_each_type_id(f);
+        if let Some(present) = self {
+            present.for_each_type_id(f);
         }
     }
 }

@@ -44,7 +44,7 @@ impl UnreadParts {
         range: TextRange,
     ) -> bool {
         let inside_out = text_facts(db, key).inside_out;
-        let around = |it: &TextRange| it.contains_range(range);
+        let around = |other: &TextRange| other.contains_range(range);
         inside_out.is_some_and(|from| range.start() >= from)
             || self.files && finding.kind.may_be_in_a_package(finding.near.is_some())
             || finding.kind == ValueProblem::DelayRange.into() && has_error_on_line(db, key, range)
@@ -63,8 +63,8 @@ impl UnreadParts {
         let text = text.get(bytes(range)).unwrap_or_default();
         !self.unparsed.is_empty()
             && text
-                .split(|it: char| !(it.is_alphanumeric() || it == '_'))
-                .any(|it| self.unparsed.contains(it))
+                .split(|character: char| !(character.is_alphanumeric() || character == '_'))
+                .any(|part| self.unparsed.contains(part))
     }
 }
 
@@ -74,7 +74,7 @@ fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
     if facts.inside_out.is_some() || facts.bad_include || facts.misplaced_includes {
         return true;
     }
-    let includes = key.outcomes(db).iter().filter_map(|it| match it {
+    let includes = key.outcomes(db).iter().filter_map(|outcome| match outcome {
         DirectiveEffect::Include(result) => Some(result.is_err()),
         DirectiveEffect::Requires(_) => None,
     });
@@ -88,7 +88,7 @@ fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
 /// cannot contain a task, a state, a codel or a member of a known type: elaboration knows the contents of
 /// missing interfaces as gaps.
 fn lacks_files(db: &dyn Db, key: FileKey<'_>) -> bool {
-    key.outcomes(db).iter().any(|it| match it {
+    key.outcomes(db).iter().any(|outcome| match outcome {
         DirectiveEffect::Include(result) => result.is_err(),
         DirectiveEffect::Requires(result) => result.is_err(),
     })
@@ -99,15 +99,15 @@ fn lacks_files(db: &dyn Db, key: FileKey<'_>) -> bool {
 fn lacks_name<'db>(db: &'db dyn Db, key: FileKey<'db>) -> bool {
     use SyntaxKind::*;
     let parse = parsed(db, key);
-    let is_nameless = |it: SyntaxNode| {
-        let name = match it.kind() {
+    let is_nameless = |node: SyntaxNode| {
+        let name = match node.kind() {
             PORT | SERVICE | TASK => NAME,
             LOCAL_PROPERTY | MEMBER | TYPED_PARAM => DECLARATOR,
             // A body whose first line is missing.
-            ERROR => return it.children().any(|it| it.kind() == BODY),
+            ERROR => return node.children().any(|child| child.kind() == BODY),
             _ => return false,
         };
-        !it.children().any(|it| it.kind() == name)
+        !node.children().any(|child| child.kind() == name)
     };
     !parse.errors.is_empty() && parse.syntax().descendants().any(is_nameless)
 }
@@ -124,17 +124,19 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
     let is_lost = |node: &SyntaxNode| {
         let range = node.text_range();
         let ended = node.last_token();
-        let ended = ended.is_some_and(|it| it.kind() == SyntaxKind::SEMICOLON);
-        let whole = node.children().any(|it| it.kind() == SyntaxKind::BODY);
-        parse.errors.iter().any(|it| {
-            let inside = range.contains(it.range.start());
-            let between = TextRange::new(range.end(), it.range.start().max(range.end()));
+        let ended = ended.is_some_and(|token| token.kind() == SyntaxKind::SEMICOLON);
+        let whole = node
+            .children()
+            .any(|child| child.kind() == SyntaxKind::BODY);
+        parse.errors.iter().any(|error| {
+            let inside = range.contains(error.range.start());
+            let between = TextRange::new(range.end(), error.range.start().max(range.end()));
             let behind = !ended
-                && it.range.start() >= range.end()
+                && error.range.start() >= range.end()
                 && text
                     .get(bytes(between))
-                    .is_some_and(|it| it.trim().is_empty());
-            match it.code() {
+                    .is_some_and(|text| text.trim().is_empty());
+            match error.code() {
                 "missing-semicolon" => behind && !whole,
                 _ => inside || behind,
             }
@@ -142,19 +144,19 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
     };
     let nodes = parse.syntax().descendants();
     nodes
-        .filter(|it| matches!(it.kind(), SyntaxKind::TASK | SyntaxKind::SERVICE))
+        .filter(|node| matches!(node.kind(), SyntaxKind::TASK | SyntaxKind::SERVICE))
         .filter(is_lost)
-        .map(|it| it.text_range())
+        .map(|node| node.text_range())
         .collect()
 }
 
 /// Returns true if some text on the line of a place does not parse: a time without its unit is in seconds.
 fn has_error_on_line(db: &dyn Db, key: FileKey<'_>, range: TextRange) -> bool {
     let text = key.file(db).text(db);
-    let line = |at: usize| text.get(..at).map(|it| it.matches('\n').count());
+    let line = |at: usize| text.get(..at).map(|text| text.matches('\n').count());
     let here = line(usize::from(range.start()));
     let mut errors = parsed(db, key).errors.iter();
-    errors.any(|it| line(usize::from(it.range.start())) == here)
+    errors.any(|error| line(usize::from(error.range.start())) == here)
 }
 
 /// Words in text that does not match the grammar: a declaration of them may be lost in it.
@@ -167,10 +169,10 @@ fn unparsed_words<'db>(db: &'db dyn Db, key: FileKey<'db>) -> FxHashSet<SmolStr>
     let root = parse.syntax();
     let lost = root
         .descendants()
-        .filter(|it| it.kind() == SyntaxKind::ERROR);
-    lost.flat_map(|it| it.descendants_with_tokens())
-        .filter_map(|it| it.into_token())
-        .filter(|it| it.kind() == SyntaxKind::IDENT)
-        .map(|it| parse.expansion.text(&it))
+        .filter(|node| node.kind() == SyntaxKind::ERROR);
+    lost.flat_map(|node| node.descendants_with_tokens())
+        .filter_map(|element| element.into_token())
+        .filter(|token| token.kind() == SyntaxKind::IDENT)
+        .map(|token| parse.expansion.text(&token))
         .collect()
 }

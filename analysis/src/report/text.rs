@@ -37,27 +37,29 @@ pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Di
     }
     for error in &preprocessed(db, key).errors {
         let kind = FindingKind::Preprocessing(error.kind.clone());
-        let it = match misspelt_include(db, file, &error.kind, error.range) {
+        let diagnostic = match misspelt_include(db, file, &error.kind, error.range) {
             Some((range, path)) => {
                 let meant = format!("did you mean `{path}`?");
-                let mut it = shown(&kind, None, Some(&meant), file.path(db), error.range);
+                let mut diagnostic = shown(&kind, None, Some(&meant), file.path(db), error.range);
                 let fix = TextFix {
                     kind: FixKind::Guess,
                     title: format!("Change to `{path}`"),
                     edits: vec![(range, path)],
                 };
-                it.fixes.push(fix.within(file.path(db)));
-                it
+                diagnostic.fixes.push(fix.within(file.path(db)));
+                diagnostic
             }
             None => at(kind, error.range, error.related),
         };
-        out.push(it);
+        out.push(diagnostic);
     }
     for error in &parsed(db, key).errors {
         let kind = FindingKind::Parsing(Box::new(error.clone()));
-        let mut it = at(kind, error.range, error.related);
-        it.related.extend(expanded_from(db, key, error.range));
-        out.push(it);
+        let mut diagnostic = at(kind, error.range, error.related);
+        diagnostic
+            .related
+            .extend(expanded_from(db, key, error.range));
+        out.push(diagnostic);
     }
     for &range in &lowered(db, key).misplaced {
         out.push(at(FileProblem::MisplacedInclude.into(), range, None));
@@ -147,14 +149,15 @@ pub(super) fn macro_call_at(
     let pre = preprocessed(db, key);
     let uses = &pre.macro_uses;
     let used = uses
-        .binary_search_by_key(&range.start(), |it| it.range.start())
+        .binary_search_by_key(&range.start(), |usage| usage.range.start())
         .ok()
-        .and_then(|it| uses.get(it))?;
+        .and_then(|index| uses.get(index))?;
     let site = used.site.clone()?;
     // Not a mention in a condition, or of a function-like macro without arguments.
     let raw = &lexed(db, key.file(db)).raw;
     let first = raw.token_at(usize::from(range.start())) as u32;
-    let is_call = |it: &Element| matches!(it, Element::Call { first: call, .. } if *call == first);
+    let is_call =
+        |element: &Element| matches!(element, Element::Call { first: call, .. } if *call == first);
     pre.elements
         .iter()
         .any(is_call)

@@ -13,7 +13,7 @@ fn codes(text: &str) -> Vec<&'static str> {
     let mut codes = Vec::new();
     for path in fixture.paths() {
         let found = fixture.analysis().diagnostics(&path).unwrap();
-        codes.extend(found.iter().map(|it| it.code));
+        codes.extend(found.iter().map(|diagnostic| diagnostic.code));
     }
     codes
 }
@@ -180,7 +180,7 @@ fn a_machine_that_is_not_understood_is_not_judged() {
     ] {
         let fixture = Fixture::new(&machine(broken, "ether"));
         let found = fixture.analysis().diagnostics("/main.gen".into()).unwrap();
-        let mut codes: Vec<_> = found.iter().map(|it| it.code).collect();
+        let mut codes: Vec<_> = found.iter().map(|diagnostic| diagnostic.code).collect();
         assert_eq!(codes.pop(), Some(of_u), "{}", fixture.all_diagnostics());
         assert!(
             codes.len() == 1 && !codes[0].starts_with("fsm/"),
@@ -285,7 +285,10 @@ fn severities_are_configured_except_those_of_errors() {
     let severities = |config| {
         let fixture = Fixture::with_config(text, config);
         let found = fixture.analysis().diagnostics("/main.gen".into()).unwrap();
-        found.iter().map(|it| it.severity).collect::<Vec<_>>()
+        found
+            .iter()
+            .map(|diagnostic| diagnostic.severity)
+            .collect::<Vec<_>>()
     };
     assert_eq!(
         severities(Config::default()),
@@ -311,7 +314,7 @@ fn an_activity_that_breaks_off_is_not_asked_for_what_would_follow() {
     ] {
         let text = format!("component c {{\n  task t;\n  {unfinished}\n}};\n");
         let found = codes(&text);
-        let asked = found.iter().filter(|it| it.starts_with("activity-"));
+        let asked = found.iter().filter(|code| code.starts_with("activity-"));
         assert_eq!(asked.count(), 0, "{unfinished}: {found:?}");
         assert!(!found.is_empty(), "{unfinished}");
     }

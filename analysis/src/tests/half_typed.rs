@@ -29,26 +29,29 @@ fn ask(fixture: &Fixture, path: &Utf8Path, text: &str, offset: usize) {
         );
     };
     let disjoint = |edits: &[FileEdit]| {
-        let mut own: Vec<&FileEdit> = edits.iter().filter(|it| it.path == path).collect();
-        own.iter().for_each(|it| fits(&it.range));
-        own.sort_by_key(|it| (it.range.start, it.range.end));
+        let mut own: Vec<&FileEdit> = edits.iter().filter(|edit| edit.path == path).collect();
+        own.iter().for_each(|edit| fits(&edit.range));
+        own.sort_by_key(|edit| (edit.range.start, edit.range.end));
         for pair in own.windows(2) {
             assert!(pair[0].range.end <= pair[1].range.start, "{pair:?}");
         }
     };
-    for it in analysis.completions(&at).unwrap() {
-        fits(&it.replace);
+    for completion in analysis.completions(&at).unwrap() {
+        fits(&completion.replace);
         assert!(
-            it.replace.start <= offset && offset <= it.replace.end,
-            "{it:?}"
+            completion.replace.start <= offset && offset <= completion.replace.end,
+            "{completion:?}"
         );
     }
     if let Some(help) = analysis.signature_help(&at).unwrap() {
-        assert!(help.active.is_none_or(|it| it < help.parameters.len()));
+        assert!(
+            help.active
+                .is_none_or(|active| active < help.parameters.len())
+        );
         assert!(
             help.parameters
                 .iter()
-                .all(|it| help.label.get(it.clone()).is_some())
+                .all(|parameter| help.label.get(parameter.clone()).is_some())
         );
     }
     if let Ok(found) = analysis.prepare_rename(&at).unwrap() {
@@ -63,12 +66,12 @@ fn ask(fixture: &Fixture, path: &Utf8Path, text: &str, offset: usize) {
         disjoint(&assist.edits);
     }
     for typed in [';', '}', '\n'] {
-        for it in analysis
+        for format in analysis
             .format_on_type(&at, typed, &Options::default())
             .unwrap()
         {
-            fits(&it.range);
-            assert!(text[it.range].trim().is_empty());
+            fits(&format.range);
+            assert!(text[format.range].trim().is_empty());
         }
     }
 }
@@ -77,21 +80,21 @@ fn ask(fixture: &Fixture, path: &Utf8Path, text: &str, offset: usize) {
 fn ask_file(fixture: &Fixture, path: &Utf8Path, text: &str) {
     let analysis = fixture.analysis();
     let whole = 0..text.len();
-    for it in analysis
+    for hint in analysis
         .inlay_hints(path, whole, &InlayConfig::default())
         .unwrap()
     {
-        assert!(it.at <= text.len());
+        assert!(hint.at <= text.len());
     }
-    for it in analysis
+    for lens in analysis
         .code_lenses(path, &crate::ide::LensConfig::all(true))
         .unwrap()
     {
-        assert!(text.get(it.range.clone()).is_some());
-        analysis.resolve_lens(path, &it.kind).unwrap();
+        assert!(text.get(lens.range.clone()).is_some());
+        analysis.resolve_lens(path, &lens.kind).unwrap();
     }
-    for it in analysis.format(path, None, &Options::default()).unwrap() {
-        assert!(text[it.range].trim().is_empty());
+    for format in analysis.format(path, None, &Options::default()).unwrap() {
+        assert!(text[format.range].trim().is_empty());
     }
     analysis.organize_includes(path).unwrap();
 }
@@ -125,7 +128,7 @@ fn every_prefix_of_a_specification() {
 fn every_offset_of_a_specification() {
     let fixture = Fixture::new(FILES);
     for (path, text) in split(FILES) {
-        let offsets = (0..=text.len()).filter(|it| text.is_char_boundary(*it));
+        let offsets = (0..=text.len()).filter(|index| text.is_char_boundary(*index));
         for offset in offsets {
             ask(&fixture, &path, &text, offset);
         }
@@ -136,7 +139,7 @@ fn every_offset_of_a_specification() {
 /// Published specifications next to the project.
 fn corpus() -> Vec<(Utf8PathBuf, String)> {
     let folder = dotgen_loaders::shared("corpus");
-    let folder = folder.and_then(|it| Utf8PathBuf::from_path_buf(it).ok());
+    let folder = folder.and_then(|folder| Utf8PathBuf::from_path_buf(folder).ok());
     let mut out = Vec::new();
     let mut folders = Vec::from_iter(folder);
     while let Some(folder) = folders.pop() {

@@ -47,7 +47,7 @@ fn edited(path: &str) -> Fixture {
 }
 
 fn count(log: &[String], query: &str) -> usize {
-    log.iter().filter(|it| *it == query).count()
+    log.iter().filter(|log| *log == query).count()
 }
 
 #[track_caller]

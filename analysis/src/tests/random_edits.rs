@@ -140,7 +140,7 @@ fn apply(fixture: &mut Fixture, original: &[(Utf8PathBuf, String)], edit: &Edit)
             let start = boundary(&text, *at);
             let end = text.len().min(start + usize::from(*length));
             let end = (end..=text.len())
-                .find(|it| text.is_char_boundary(*it))
+                .find(|index| text.is_char_boundary(*index))
                 .unwrap();
             text.replace_range(start..end, "");
             Some(text)
@@ -192,7 +192,7 @@ proptest! {
     fn incremental_equals_fresh(edits in edits()) {
         let original = split(FILES);
         let mut fixture = Fixture::with_config(FILES, config());
-        let paths: Vec<Utf8PathBuf> = original.iter().map(|it| it.0.clone()).collect();
+        let paths: Vec<Utf8PathBuf> = original.iter().map(|file| file.0.clone()).collect();
         answers(&fixture, &paths);
         for (i, edit) in edits.iter().enumerate() {
             apply(&mut fixture, &original, edit);
@@ -231,8 +231,8 @@ fn ask_everything(fixture: &Fixture, path: &Utf8Path, offset: usize) {
 fn ask_about_file(fixture: &Fixture, path: &Utf8Path) {
     let analysis = fixture.analysis();
     let length = fixture.text(path.as_str()).len();
-    for it in analysis.semantic_tokens(path, None).unwrap() {
-        assert!(it.range.start < it.range.end && it.range.end <= length);
+    for token in analysis.semantic_tokens(path, None).unwrap() {
+        assert!(token.range.start < token.range.end && token.range.end <= length);
     }
     analysis.folding_ranges(path).unwrap();
     analysis.document_symbols(path).unwrap();
@@ -246,7 +246,7 @@ fn no_panic_at_any_offset_of_half_typed_files() {
     for (path, text) in split(FILES) {
         let mut fixture = Fixture::with_config(FILES, config());
         let ends = (0..=text.len())
-            .filter(|it| text.is_char_boundary(*it))
+            .filter(|index| text.is_char_boundary(*index))
             .step_by(7);
         for end in ends.chain([text.len()]) {
             fixture.edit(path.as_str(), &text[..end]);

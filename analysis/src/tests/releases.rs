@@ -105,7 +105,7 @@ fn what_older_releases_refuse_is_hinted_at_until_it_is_required() {
     let found = fixture.analysis().diagnostics("/main.gen".into()).unwrap();
     let newer: Vec<_> = found
         .iter()
-        .filter(|it| it.code == "newer-release")
+        .filter(|diagnostic| diagnostic.code == "newer-release")
         .collect();
     let [newer] = newer[..] else {
         panic!("{found:#?}");
@@ -159,11 +159,23 @@ component d { extends far; };
         let fixture = Fixture::with_config(text, config);
         let spec = fixture.analysis().unit("/main.gen".into()).unwrap().spec;
         let of = |name: &str| {
-            let it = spec.components.iter().find(|it| it.name == name).unwrap();
-            (it.lang.clone(), it.requires.len(), it.throws.len())
+            let component = spec
+                .components
+                .iter()
+                .find(|component| component.name == name)
+                .unwrap();
+            (
+                component.lang.clone(),
+                component.requires.len(),
+                component.throws.len(),
+            )
         };
         assert_eq!(of("d"), (Some("c++".to_owned()), 1, 1));
-        let used = spec.components.iter().find(|it| it.name == "c").unwrap();
+        let used = spec
+            .components
+            .iter()
+            .find(|component| component.name == "c")
+            .unwrap();
         assert_eq!(used.remotes[0].throws.len(), 1, "the service throws it");
         of("c")
     };

@@ -14,18 +14,18 @@ fn check(fixture: &Fixture, expected: &str) {
         .paths()
         .iter()
         .flat_map(|path| fixture.analysis().diagnostics(path).unwrap())
-        .map(|it| {
-            let line = fixture.text(it.path.as_str())[..it.range.start]
+        .map(|diagnostic| {
+            let line = fixture.text(diagnostic.path.as_str())[..diagnostic.range.start]
                 .matches('\n')
                 .count()
                 + 1;
-            format!("{}:{line} {}", it.path, it.code)
+            format!("{}:{line} {}", diagnostic.path, diagnostic.code)
         })
         .collect();
     let wanted: Vec<&str> = expected
         .lines()
         .map(str::trim)
-        .filter(|it| !it.is_empty())
+        .filter(|line| !line.is_empty())
         .collect();
     assert_eq!(codes, wanted, "{}", fixture.all_diagnostics());
 }
@@ -220,7 +220,11 @@ module m {
     let all = fixture.all_diagnostics();
     assert!(all.contains("syntax-eof"), "{all}");
     let eof = fixture.analysis().diagnostics("/open.idl".into()).unwrap();
-    let related: Vec<_> = eof[0].related.iter().map(|it| it.path.as_str()).collect();
+    let related: Vec<_> = eof[0]
+        .related
+        .iter()
+        .map(|related| related.path.as_str())
+        .collect();
     assert_eq!(related, ["/open.idl", "/main.gen"]);
 }
 
@@ -263,10 +267,10 @@ fn the_active_root_serves_its_headers() {
 //- /x.idl
 "#,
     );
-    let root = |it: &Fixture| it.analysis().root_of("/x.idl".into()).unwrap();
+    let root = |fixture: &Fixture| fixture.analysis().root_of("/x.idl".into()).unwrap();
     assert_eq!(root(&fixture), "/a.gen");
-    let show = |it: &mut Fixture, path: &str| {
-        it.host.apply(crate::host::Change {
+    let show = |fixture: &mut Fixture, path: &str| {
+        fixture.host.apply(crate::host::Change {
             active: Some(path.into()),
             ..Default::default()
         });
@@ -341,10 +345,10 @@ fn names_are_found_and_changed_in_very_many_units() {
         .rename(&at, "renamed", &Progress::default())
         .unwrap()
         .unwrap();
-    let places: Vec<_> = edits.iter().map(|it| (&it.path, &it.range)).collect();
+    let places: Vec<_> = edits.iter().map(|edit| (&edit.path, &edit.range)).collect();
     let wanted: Vec<_> = found
         .iter()
-        .map(|it| (&it.place.path, &it.place.range))
+        .map(|reference| (&reference.place.path, &reference.place.range))
         .collect();
     assert_eq!(places, wanted);
     let refused = analysis
@@ -384,7 +388,7 @@ const long a = 1 + 1 + 1 + 1 + 1 + 1 + 1 + 1 +
     let fixture = Fixture::with_config(text, config);
     let codes = |path: &str| -> Vec<&str> {
         let found = fixture.analysis().diagnostics(path.into()).unwrap();
-        found.iter().map(|it| it.code).collect()
+        found.iter().map(|diagnostic| diagnostic.code).collect()
     };
     assert_eq!(codes("/b.idl"), ["pp-input"]);
     assert_eq!(codes("/a.gen"), ["pp-include-not-found"]);
@@ -396,7 +400,7 @@ fn a_file_that_becomes_too_large_is_forgotten() {
     fixture.replace("/a.gen", "1;", "1 + 1");
     let codes = |fixture: &Fixture| -> Vec<&str> {
         let found = fixture.analysis().diagnostics("/a.gen".into()).unwrap();
-        found.iter().map(|it| it.code).collect()
+        found.iter().map(|diagnostic| diagnostic.code).collect()
     };
     assert_eq!(codes(&fixture), ["missing-semicolon"]);
     let config = Config {
@@ -414,8 +418,8 @@ fn a_file_that_becomes_too_large_is_forgotten() {
 fn the_first_answer_about_a_root_looks_at_no_other_root() {
     let mut text = "//- /whole.gen\ntypedef long t;\n#include \"part.gen\"\n".to_owned();
     text += "//- /part.gen\ntypedef t u;\n";
-    for it in 0..20 {
-        text += &format!("//- /other{it}.gen\nconst long n = {it};\n");
+    for number in 0..20 {
+        text += &format!("//- /other{number}.gen\nconst long n = {number};\n");
     }
     let mut fixture = Fixture::new(&text);
     let part = Utf8Path::new("/part.gen");
@@ -431,7 +435,7 @@ fn the_first_answer_about_a_root_looks_at_no_other_root() {
     assert_eq!(alone.len(), 1, "nobody is known who includes it: {alone:?}");
     let walked = |fixture: &Fixture| {
         let log = fixture.take_log();
-        log.iter().filter(|it| *it == "walk_unit").count()
+        log.iter().filter(|log| *log == "walk_unit").count()
     };
     assert_eq!(walked(&fixture), 1);
     assert!(fixture.analysis().index().unwrap());

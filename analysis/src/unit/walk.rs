@@ -26,7 +26,8 @@ pub(crate) const STANDINS: &str = ".dotgen/standins";
 
 /// Returns true if a file is in the folder of stand-ins.
 pub(crate) fn is_standin(path: &Utf8Path) -> bool {
-    path.ancestors().any(|it| it.ends_with(STANDINS))
+    path.ancestors()
+        .any(|ancestor| ancestor.ends_with(STANDINS))
 }
 
 /// Maximum number of visits of a unit; far beyond any real specification.
@@ -112,7 +113,7 @@ pub(crate) fn walk_unit<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Walk {
 /// One attempt. Unless the walk reads whole texts, it stops at a macro with a pragma in it.
 fn walk<'db>(db: &'db dyn Db, unit: UnitKey<'db>, whole_texts: bool) -> Result<Walk, ()> {
     let workspace = db.workspace();
-    let root = unit.inputs(db).first().map(|it| it.path(db));
+    let root = unit.inputs(db).first().map(|input| input.path(db));
     let (include_dirs, defines) = match root {
         Some(root) => workspace.reading(db, root),
         None => (&[][..], &[][..]),
@@ -224,8 +225,13 @@ impl<'db> Walker<'db> {
         let name = Utf8Path::new(request.path.as_str());
         let dirs = places(self.db, &self.search, request, from);
         // The stand-in for a file that is not found elsewhere.
-        let root = self.visits.first().map(|it| it.file.path(self.db));
-        let standins = root.and_then(|it| it.parent()).map(|it| it.join(STANDINS));
+        let root = self
+            .visits
+            .first()
+            .map(|walk_visit| walk_visit.file.path(self.db));
+        let standins = root
+            .and_then(|root| root.parent())
+            .map(|parent| parent.join(STANDINS));
         let last = standins.as_deref().filter(|_| !name.is_absolute());
         let mut obstacle = None;
         for dir in dirs.iter().copied().chain(last) {
@@ -255,7 +261,7 @@ impl<'db> Walker<'db> {
             // The file may be in the missing package, which is reported.
             None if self.packages_missing => IncludeError::Silent,
             None => IncludeError::NotFound {
-                searched: dirs.iter().map(|it| it.to_string()).collect(),
+                searched: dirs.iter().map(|directory| directory.to_string()).collect(),
             },
         })
     }
@@ -304,7 +310,10 @@ impl Host for VisitHost<'_, '_> {
         env: &MacroEnv,
     ) -> Result<RequiredPackages, String> {
         let walker = &mut *self.walker;
-        let arguments: Vec<String> = arguments.iter().map(|it| it.to_string()).collect();
+        let arguments: Vec<String> = arguments
+            .iter()
+            .map(|argument| argument.to_string())
+            .collect();
         let packages = walker.db.packages(&arguments);
         let result = packages
             .flags(walker.db)
@@ -346,7 +355,7 @@ fn defines_pragma(skeleton: &str) -> bool {
     skeleton.contains(PRAGMA)
         && skeleton
             .lines()
-            .any(|it| it.contains("define") && it.contains(PRAGMA))
+            .any(|line| line.contains("define") && line.contains(PRAGMA))
 }
 
 fn directive_lines(text: &str, raw: &RawTokens) -> String {

@@ -5,21 +5,21 @@ use super::*;
 /// The text after each fix of the first finding with a code: title, then text.
 fn fixed(source: &str, code: &str) -> String {
     let found = check(text(source), strict());
-    let Some(it) = found.iter().find(|it| it.code == code) else {
+    let Some(diagnostic) = found.iter().find(|check| check.code == code) else {
         panic!("{code} is not reported: {found:#?}")
     };
-    assert!(!it.fixes.is_empty(), "{code} has no fix");
+    assert!(!diagnostic.fixes.is_empty(), "{code} has no fix");
     let mut out = String::new();
-    for fix in &it.fixes {
+    for fix in &diagnostic.fixes {
         let mut after = source.to_owned();
         let mut edits: Vec<_> = fix.edits.iter().collect();
-        edits.sort_by_key(|it| std::cmp::Reverse(it.range.start));
+        edits.sort_by_key(|edit| std::cmp::Reverse(edit.range.start));
         for edit in edits {
             after.replace_range(edit.range.clone(), &edit.new_text);
         }
         let left = check(text(&after), strict());
-        let again = left.iter().filter(|it| it.code == code).count();
-        let before = found.iter().filter(|it| it.code == code).count();
+        let again = left.iter().filter(|check| check.code == code).count();
+        let before = found.iter().filter(|check| check.code == code).count();
         assert!(again < before, "{}: does not help:\n{after}", fix.title);
         out.push_str(&format!("--- {}\n{after}", fix.title));
     }
@@ -204,7 +204,7 @@ fn slips_have_a_fix() {
 fn the_first_fix_is_what_the_message_advises() {
     let source = "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield step;\n    codel<step> g() yield settle;\n    codel<settle> h() yield step, ether;\n  };\n};\n";
     let found = check(text(source), strict());
-    let round = found.iter().find(|it| it.code == "fsm/busy-loop");
+    let round = found.iter().find(|check| check.code == "fsm/busy-loop");
     let round = round.expect("it is reported");
     assert!(
         round
@@ -248,8 +248,8 @@ fn fixes_remove_what_they_mend() {
     ] {
         let example = CODES
             .iter()
-            .find(|it| it.id == code)
-            .map_or("", |it| it.example);
+            .find(|candidate| candidate.id == code)
+            .map_or("", |code| code.example);
         all += &format!("=== {code}\n");
         all += &fixed(example, code);
     }
@@ -455,13 +455,13 @@ fn fixes_remove_what_they_mend() {
 /// The text after the first fix of the first finding with a code.
 fn first_fix(source: &str, code: &str) -> String {
     let found = check(text(source), strict());
-    let it = found
+    let check = found
         .iter()
-        .find(|it| it.code == code && !it.fixes.is_empty());
-    let it = it.unwrap_or_else(|| panic!("{code} has no fix: {found:#?}"));
+        .find(|check| check.code == code && !check.fixes.is_empty());
+    let diagnostic = check.unwrap_or_else(|| panic!("{code} has no fix: {found:#?}"));
     let mut after = source.to_owned();
-    let mut edits: Vec<_> = it.fixes[0].edits.iter().collect();
-    edits.sort_by_key(|it| std::cmp::Reverse(it.range.start));
+    let mut edits: Vec<_> = diagnostic.fixes[0].edits.iter().collect();
+    edits.sort_by_key(|edit| std::cmp::Reverse(edit.range.start));
     for edit in edits {
         after.replace_range(edit.range.clone(), &edit.new_text);
     }

@@ -69,8 +69,11 @@ impl<'a> Bench<'a> {
         let path = self.component.path.clone();
         let all = self.with(text).root_diagnostics(&path).unwrap();
         let mut out = Errors::new();
-        for it in all.iter().filter(|it| it.severity == Severity::Error) {
-            *out.entry(it.code.to_string()).or_default() += 1;
+        for diagnostic in all
+            .iter()
+            .filter(|diagnostic| diagnostic.severity == Severity::Error)
+        {
+            *out.entry(diagnostic.code.to_string()).or_default() += 1;
         }
         out
     }
@@ -108,7 +111,10 @@ fn taken(before: &str, item: &CompletionItem) -> String {
 
 /// Ends of text that may be left out after a place: nothing, some tokens, the statement.
 fn ends(tokens: &[(std::ops::Range<usize>, String)], from: usize) -> Vec<usize> {
-    let after: Vec<_> = tokens.iter().filter(|it| it.0.start >= from).collect();
+    let after: Vec<_> = tokens
+        .iter()
+        .filter(|token| token.0.start >= from)
+        .collect();
     let mut out = vec![from];
     let mut depth = 0_i32;
     for (i, (range, text)) in after.iter().enumerate() {
@@ -193,11 +199,11 @@ fn goes_on(
             let new = errors.into_iter().filter(|(code, count)| {
                 *count > allowed.get(code).copied().unwrap_or_default() && !is_beside(code, place)
             });
-            let new: Vec<String> = new.map(|it| it.0).collect();
+            let new: Vec<String> = new.map(|error| error.0).collect();
             if new.is_empty() {
                 return new;
             }
-            if best.as_ref().is_none_or(|it| new.len() < it.len()) {
+            if best.as_ref().is_none_or(|string| new.len() < string.len()) {
                 best = Some(new);
             }
         }
@@ -234,8 +240,16 @@ fn faults(
     for joint in [" ", "::", ""] {
         let begun = format!("{text}{joint}");
         let next = bench.items(&format!("{begun}{}", &right[place.rest..]), begun.len());
-        for it in next.iter().take(8) {
-            if goes_on(bench, place, &taken(&begun, it), &rest, &allowed).is_empty() {
+        for completion_item in next.iter().take(8) {
+            if goes_on(
+                bench,
+                place,
+                &taken(&begun, completion_item),
+                &rest,
+                &allowed,
+            )
+            .is_empty()
+            {
                 return Vec::new();
             }
         }
@@ -260,7 +274,7 @@ fn places(text: &str, tokens: &[(std::ops::Range<usize>, String)]) -> Vec<Place>
             word: String::new(),
             in_interface,
         });
-        let is_word = word.starts_with(|it: char| it.is_ascii_alphabetic());
+        let is_word = word.starts_with(|character: char| character.is_ascii_alphabetic());
         for typed in [0, 1, 3, word.len()] {
             if is_word && typed <= word.len() {
                 out.push(Place {
@@ -280,10 +294,12 @@ fn tokens(text: &str) -> Vec<(std::ops::Range<usize>, String)> {
     let root = dotgen_syntax::parse_text(text).syntax();
     let all = root
         .descendants_with_tokens()
-        .filter_map(|it| it.into_token());
-    let live = all.filter(|it| !it.kind().is_trivia() && !it.text_range().is_empty());
-    let ranges = live.map(|it| std::ops::Range::<usize>::from(it.text_range()));
-    ranges.map(|it| (it.clone(), text[it].to_owned())).collect()
+        .filter_map(|element| element.into_token());
+    let live = all.filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty());
+    let ranges = live.map(|token| std::ops::Range::<usize>::from(token.text_range()));
+    ranges
+        .map(|range| (range.clone(), text[range].to_owned()))
+        .collect()
 }
 
 /// The results for a component's completions: places, items, and the number of illegal ones with an example.
@@ -305,12 +321,12 @@ fn tried(component: &Component, count: usize, random: &mut Random) -> Tried {
         false => (0..count).map(|_| random.below(all.len())).collect(),
     };
     let mut tried = Tried::default();
-    for place in chosen.into_iter().map(|it| &all[it]) {
+    for place in chosen.into_iter().map(|place| &all[place]) {
         tried.places += 1;
         let now = format!("{}{}", place.before, &text[place.rest..]);
         let typed = place.before[place.before.len() - place.typed..].to_lowercase();
         let mut offered = bench.items(&now, place.before.len());
-        offered.retain(|it| it.label.to_lowercase().starts_with(&typed));
+        offered.retain(|completion_item| completion_item.label.to_lowercase().starts_with(&typed));
         for item in offered {
             tried.items += 1;
             let faults = faults(&mut bench, place, &item, &tokens);
@@ -334,7 +350,7 @@ fn what_is_offered_is_legal() {
     let wanted = std::env::var("COMPLETIONS").ok();
     let count = match wanted.as_deref() {
         Some("all") => usize::MAX,
-        Some(it) => it.parse().unwrap_or(PLACES),
+        Some(variable) => variable.parse().unwrap_or(PLACES),
         None => PLACES,
     };
     let mut components = examples();
@@ -360,13 +376,15 @@ fn what_is_offered_is_legal() {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let all: Vec<Tried> = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
-        let results = workers.into_iter().flat_map(|it| it.join().unwrap());
+        let results = workers
+            .into_iter()
+            .flat_map(|worker| worker.join().unwrap());
         results.collect()
     });
-    let places: usize = all.iter().map(|it| it.places).sum();
-    let items: usize = all.iter().map(|it| it.items).sum();
+    let places: usize = all.iter().map(|scope| scope.places).sum();
+    let items: usize = all.iter().map(|scope| scope.items).sum();
     println!("{items} items at {places} places");
-    let illegal = all.iter().flat_map(|it| &it.illegal);
+    let illegal = all.iter().flat_map(|scope| &scope.illegal);
     let lines: Vec<String> = illegal
         .map(|(what, (times, example))| format!("{times} x {what} in {example}"))
         .collect();

@@ -23,11 +23,11 @@ fn mutated(text: &str, random: &mut Random) -> String {
     let root = parse.syntax();
     let tokens: Vec<_> = root
         .descendants_with_tokens()
-        .filter_map(|it| it.into_token())
-        .filter(|it| !it.kind().is_trivia() && !it.text_range().is_empty())
+        .filter_map(|element| element.into_token())
+        .filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty())
         .collect();
     let index = random.below(tokens.len().saturating_sub(1));
-    let range = |it: usize| std::ops::Range::<usize>::from(tokens[it].text_range());
+    let range = |token: usize| std::ops::Range::<usize>::from(tokens[token].text_range());
     let (here, next) = (range(index), range((index + 1).min(tokens.len() - 1)));
     let mut out = text.to_owned();
     match random.below(4) {
@@ -52,7 +52,7 @@ fn mutated(text: &str, random: &mut Random) -> String {
 fn no_fix_makes_it_worse_and_fixing_ends() {
     let count = std::env::var("MUTATIONS")
         .ok()
-        .and_then(|it| it.parse().ok());
+        .and_then(|variable| variable.parse().ok());
     let count: usize = count.unwrap_or(150);
     let components = examples();
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
@@ -62,7 +62,7 @@ fn no_fix_makes_it_worse_and_fixing_ends() {
         let mut text = mutated(&component.text, &mut random);
         let first = text.clone();
         let mut errors = component.errors(&text);
-        for fix in errors.iter().flat_map(|it| &it.fixes) {
+        for fix in errors.iter().flat_map(|error| &error.fixes) {
             let Some(after) = apply(&component.path, &text, fix) else {
                 continue;
             };
@@ -81,13 +81,15 @@ fn no_fix_makes_it_worse_and_fixing_ends() {
         let mut rounds = 0;
         while let Some(after) = errors
             .iter()
-            .filter_map(|it| it.fixes.first())
-            .find_map(|it| apply(&component.path, &text, it))
+            .filter_map(|error| error.fixes.first())
+            .find_map(|fix| apply(&component.path, &text, fix))
         {
             rounds += 1;
             if rounds > MAX_ROUNDS - 2 {
-                let error = errors.iter().find(|it| !it.fixes.is_empty());
-                bad.extend(error.map(|it| format!("{}, {}", it.message, it.fixes[0].title)));
+                let error = errors.iter().find(|error| !error.fixes.is_empty());
+                bad.extend(
+                    error.map(|error| format!("{}, {}", error.message, error.fixes[0].title)),
+                );
             }
             if rounds > MAX_ROUNDS {
                 bad.push(format!(

@@ -58,7 +58,7 @@ fn places(text: &str, right: &str, wrong: &str) -> Vec<(String, usize)> {
         let instead: String = wrong
             .split_inclusive('$')
             .map(|part| match part.strip_suffix('$') {
-                Some(rest) => format!("{rest}{}", words.next().map_or("", |it| *it)),
+                Some(rest) => format!("{rest}{}", words.next().map_or("", |word| *word)),
                 None => part.to_owned(),
             })
             .collect();
@@ -101,19 +101,19 @@ fn mask(text: &str) -> String {
     let mut rest = text;
     while let Some(first) = rest.chars().next() {
         let length = if rest.starts_with("/*") {
-            rest.find("*/").map_or(rest.len(), |it| it + 2)
+            rest.find("*/").map_or(rest.len(), |index| index + 2)
         } else if rest.starts_with("//") || first == '#' {
             rest.find('\n').unwrap_or(rest.len())
         } else if first == '"' {
-            rest[1..].find('"').map_or(rest.len(), |it| it + 2)
+            rest[1..].find('"').map_or(rest.len(), |index| index + 2)
         } else {
             first.len_utf8()
         };
         let (part, after) = rest.split_at(length);
         let keep = length == 1 && first.is_ascii();
-        out.extend(part.bytes().map(|it| match it {
-            b'\n' | b'"' => char::from(it),
-            _ if keep => char::from(it),
+        out.extend(part.bytes().map(|byte| match byte {
+            b'\n' | b'"' => char::from(byte),
+            _ if keep => char::from(byte),
             _ => '\u{1}',
         }));
         rest = after;
@@ -147,23 +147,24 @@ fn the_first_fix_restores_what_was_meant() {
     for (name, right, wrong) in KINDS {
         let all: Vec<(&Component, String, usize)> = components
             .iter()
-            .flat_map(|it| {
-                let places = places(&it.text, right, wrong).into_iter();
-                places.map(move |(text, at)| (it, text, at))
+            .flat_map(|component| {
+                let places = places(&component.text, right, wrong).into_iter();
+                places.map(move |(text, at)| (component, text, at))
             })
             .collect();
         // The first and one further on, usually in another component.
         let mut chosen = vec![0, all.len() / 2];
         chosen.dedup();
-        for (component, broken, at) in chosen.iter().filter_map(|it| all.get(*it)) {
+        for (component, broken, at) in chosen.iter().filter_map(|index| all.get(*index)) {
             let errors = component.errors(broken);
             let line = |at: usize| broken[..at.min(broken.len())].matches('\n').count();
-            let on_line = errors.iter().any(|it| {
-                it.path == component.path && line(it.range.start) == line(at.saturating_sub(0))
+            let on_line = errors.iter().any(|error| {
+                error.path == component.path
+                    && line(error.range.start) == line(at.saturating_sub(0))
             });
-            let fix = errors.iter().find_map(|it| it.fixes.first());
-            let fixed = fix.and_then(|it| apply(&component.path, broken, it));
-            let restored = fixed.is_some_and(|it| bare(&it) == bare(&component.text));
+            let fix = errors.iter().find_map(|error| error.fixes.first());
+            let fixed = fix.and_then(|fix| apply(&component.path, broken, fix));
+            let restored = fixed.is_some_and(|fix| bare(&fix) == bare(&component.text));
             score.all += 1;
             score.restored += usize::from(restored);
             score.on_line += usize::from(on_line);
@@ -175,8 +176,8 @@ fn the_first_fix_restores_what_was_meant() {
                     component.path.file_name().unwrap_or_default(),
                     line(*at) + 1,
                     errors.len(),
-                    errors.iter().take(2).map(|it| (line(it.range.start) + 1, &it.message)).collect::<Vec<_>>(),
-                    fix.map(|it| &it.title),
+                    errors.iter().take(2).map(|error| (line(error.range.start) + 1, &error.message)).collect::<Vec<_>>(),
+                    fix.map(|fix| &fix.title),
                 ));
             }
         }
@@ -188,7 +189,7 @@ fn the_first_fix_restores_what_was_meant() {
         alone,
     } = score;
     if print {
-        notes.iter().for_each(|it| println!("{it}"));
+        notes.iter().for_each(|note| println!("{note}"));
         println!(
             "{all} mistakes: {restored} restored, {on_line} on their line, {alone} are one error"
         );
@@ -213,7 +214,7 @@ fn a_misspelt_path_of_an_include_is_restored() {
         path,
     };
     for (right, wrong) in [("rob.gen", "rbo.gen"), ("idl/rob.gen", "ild/rob.gen")] {
-        let text = |it: &str| format!("#include \"{it}\"\n");
+        let text = |text: &str| format!("#include \"{text}\"\n");
         assert!(component.errors(&text(right)).is_empty(), "{right}");
         let broken = text(wrong);
         let errors = component.errors(&broken);

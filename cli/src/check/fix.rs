@@ -37,37 +37,43 @@ pub(super) fn apply_fixes(
         // Files that cannot be read are reported once, with the final report.
         check(session, &mut report, &mut ErrorReporter::silent());
         let found = report.diagnostics.iter();
-        let plain = found.filter_map(|it| Some((it.fixes.first()?, it)));
-        let plain =
-            plain.filter(|it| it.0.kind == FixKind::Plain && is_within_arguments(session, it.0));
-        let edits: Vec<(Edit, &Diagnostic)> =
-            plain.map(|it| (Edit::of(&it.0.edits), it.1)).collect();
+        let plain = found.filter_map(|diagnostic| Some((diagnostic.fixes.first()?, diagnostic)));
+        let plain = plain
+            .filter(|pair| pair.0.kind == FixKind::Plain && is_within_arguments(session, pair.0));
+        let edits: Vec<(Edit, &Diagnostic)> = plain
+            .map(|pair| (Edit::of(&pair.0.edits), pair.1))
+            .collect();
         let mut project = project(session, changed);
         let mut made = Vec::new();
         for (roots, edits) in by_roots(&project, edits) {
             let mut judge = Judge::new(&mut project, &roots);
             judge.room = room;
-            let of_codes: Vec<(Edit, &str)> =
-                edits.iter().map(|it| (it.0.clone(), it.1.code)).collect();
+            let of_codes: Vec<(Edit, &str)> = edits
+                .iter()
+                .map(|edit| (edit.0.clone(), edit.1.code))
+                .collect();
             let (edit, chosen) = judge.together(&of_codes, false);
             room = judge.room;
-            for it in chosen.into_iter().filter_map(|it| edits.get(it)) {
-                let title = it.1.fixes.first().map_or("", |fix| &fix.title);
-                let of_file = titles.entry(it.1.path.clone()).or_default();
+            for edit in chosen.into_iter().filter_map(|index| edits.get(index)) {
+                let title = edit.1.fixes.first().map_or("", |fix| &fix.title);
+                let of_file = titles.entry(edit.1.path.clone()).or_default();
                 *of_file.entry(title.to_owned()).or_default() += 1;
             }
             // Edits of other units are judged together with these.
-            for it in project.changes(&edit) {
-                project.overlay(it.path.clone(), it.after.clone());
-                made.push(it);
+            for change in project.changes(&edit) {
+                project.overlay(change.path.clone(), change.after.clone());
+                made.push(change);
             }
         }
         if made.is_empty() {
             return Ok(());
         }
-        for it in made {
-            let before = it.before.unwrap_or_default();
-            changed.entry(it.path).or_insert((before, String::new())).1 = it.after;
+        for change in made {
+            let before = change.before.unwrap_or_default();
+            changed
+                .entry(change.path)
+                .or_insert((before, String::new()))
+                .1 = change.after;
         }
     }
     Ok(())
@@ -75,7 +81,9 @@ pub(super) fn apply_fixes(
 
 /// Keeps the fixes of findings that are whole. Fixes that cannot be tried within the limit are left out.
 pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [Diagnostic]) {
-    let is_open = |it: &Diagnostic| it.severity == Severity::Error || !it.fixes.is_empty();
+    let is_open = |diagnostic: &Diagnostic| {
+        diagnostic.severity == Severity::Error || !diagnostic.fixes.is_empty()
+    };
     if !found.iter().any(is_open) {
         return;
     }
@@ -84,9 +92,13 @@ pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [
     let mut at = 0;
     while at < found.len() {
         let path = found[at].path.clone();
-        let end = at + found[at..].iter().take_while(|it| it.path == path).count();
+        let end = at
+            + found[at..]
+                .iter()
+                .take_while(|diagnostic| diagnostic.path == path)
+                .count();
         let roots = project.roots_of(&path);
-        let size = project.text(&path).map_or(0, |it| it.len());
+        let size = project.text(&path).map_or(0, |text| text.len());
         let mut judge = Judge::new(&mut project, &roots);
         judge.room = room;
         judge.limit(size);
@@ -95,8 +107,8 @@ pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [
         let had_room = judge.room > 0;
         let mut tried = 0;
         for number in at..end {
-            let it = &mut found[number];
-            it.fixes.retain_mut(|fix| {
+            let diagnostic = &mut found[number];
+            diagnostic.fixes.retain_mut(|fix| {
                 let verdict = verdicts.next().unwrap_or(Verdict::Unknown);
                 if verdict != Verdict::Whole && fix.kind == FixKind::Plain {
                     fix.kind = FixKind::Guess;
@@ -104,9 +116,12 @@ pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [
                 // A fix of a file that many units include is offered without a trial.
                 verdict == Verdict::Whole || verdict == Verdict::Unknown && had_room
             });
-            if it.severity == Severity::Error && it.fixes.is_empty() && tried < MAX_TRIED {
+            if diagnostic.severity == Severity::Error
+                && diagnostic.fixes.is_empty()
+                && tried < MAX_TRIED
+            {
                 tried += 1;
-                let code = it.code;
+                let code = diagnostic.code;
                 let mut fixes = judge.project().trials(&found[number], &found[at..end]);
                 fixes.retain_mut(|fix| {
                     judge.verdict(&Edit::of(&fix.edits), Some(code)) == Verdict::Whole
@@ -123,14 +138,14 @@ pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [
 /// together, then the second ones, because alternatives exclude each other. Fixes of errors come first.
 fn verdicts(judge: &mut Judge<'_, '_>, found: &[Diagnostic]) -> Vec<Verdict> {
     let mut order: Vec<usize> = (0..found.len()).collect();
-    order.sort_by_key(|&it| found[it].severity);
-    let most = found.iter().map(|it| it.fixes.len()).max();
+    order.sort_by_key(|&diagnostic| found[diagnostic].severity);
+    let most = found.iter().map(|diagnostic| diagnostic.fixes.len()).max();
     let mut verdicts = vec![Vec::new(); found.len()];
     for rank in 0..most.unwrap_or(0) {
         let fixes = order.iter().filter_map(|&number| {
-            let it = &found[number];
-            let fix = it.fixes.get(rank)?;
-            Some((number, (Edit::of(&fix.edits), it.code)))
+            let diagnostic = &found[number];
+            let fix = diagnostic.fixes.get(rank)?;
+            Some((number, (Edit::of(&fix.edits), diagnostic.code)))
         });
         let (numbers, edits): (Vec<usize>, Vec<(Edit, &str)>) = fixes.unzip();
         for (number, verdict) in std::iter::zip(numbers, judge.verdicts(&edits)) {
@@ -142,9 +157,12 @@ fn verdicts(judge: &mut Judge<'_, '_>, found: &[Diagnostic]) -> Vec<Verdict> {
 
 /// Removes findings that the sources of codels contradict.
 pub(super) fn retain_unrefuted(session: &mut Session, found: &mut Vec<Diagnostic>) {
-    if found.iter().any(|it| it.code == NEVER_THROWN) {
+    if found
+        .iter()
+        .any(|diagnostic| diagnostic.code == NEVER_THROWN)
+    {
         let project = codels::project(session);
-        found.retain(|it| !project.refutes(it));
+        found.retain(|diagnostic| !project.refutes(diagnostic));
     }
 }
 
@@ -162,12 +180,12 @@ type EditsByRoots<'e> = BTreeMap<Vec<Utf8PathBuf>, Vec<(Edit, &'e Diagnostic)>>;
 
 fn by_roots<'e>(project: &Project<'_>, edits: Vec<(Edit, &'e Diagnostic)>) -> EditsByRoots<'e> {
     let mut out = EditsByRoots::new();
-    for it in edits {
-        let paths = it.0.changed.keys();
-        let mut roots: Vec<_> = paths.flat_map(|it| project.roots_of(it)).collect();
+    for edit in edits {
+        let paths = edit.0.changed.keys();
+        let mut roots: Vec<_> = paths.flat_map(|path| project.roots_of(path)).collect();
         roots.sort();
         roots.dedup();
-        out.entry(roots).or_default().push(it);
+        out.entry(roots).or_default().push(edit);
     }
     out
 }
@@ -205,8 +223,8 @@ pub(super) fn write(changed: &ChangedTexts, made: &AppliedFixes) -> anyhow::Resu
 /// Returns true if a fix changes only files that were given, and files in their directories or below.
 fn is_within_arguments(session: &Session, fix: &Fix) -> bool {
     let beside = |path: &Utf8Path| {
-        let mut folders = session.files.iter().filter_map(|it| it.path.parent());
-        folders.any(|it| path.starts_with(it))
+        let mut folders = session.files.iter().filter_map(|file| file.path.parent());
+        folders.any(|folder| path.starts_with(folder))
     };
-    fix.edits.iter().all(|it| beside(&it.path))
+    fix.edits.iter().all(|edit| beside(&edit.path))
 }

@@ -77,7 +77,7 @@ pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
         let roots = roots(&session);
         let packages = session.packages().clone();
         let mut project = project(&mut session);
-        whole &= !roots.iter().any(|it| project.has_errors_in_text(it));
+        whole &= !roots.iter().any(|root| project.has_errors_in_text(root));
         for folder in project.folders(&roots, &mut errors) {
             let built = Builder {
                 folder: &folder,
@@ -92,8 +92,10 @@ pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
             };
             whole &= built.whole;
             report.checked += 1;
-            for it in &built.diagnostics {
-                for path in std::iter::once(&it.path).chain(it.related.iter().map(|it| &it.path)) {
+            for diagnostic in &built.diagnostics {
+                for path in std::iter::once(&diagnostic.path)
+                    .chain(diagnostic.related.iter().map(|related| &related.path))
+                {
                     let lines = || Lines::new(text(path), Encoding::Utf16);
                     report.texts.entry(path.clone()).or_insert_with(lines);
                 }
@@ -103,8 +105,8 @@ pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
     }
     report.finish();
     report::print(&report, arguments.format)?;
-    for it in errors {
-        trouble.tell(&anyhow::Error::msg(it));
+    for error in errors {
+        trouble.tell(&anyhow::Error::msg(error));
     }
     let outcome = match whole && report.count(Severity::Error) == 0 {
         true => Outcome::Fine,
@@ -121,7 +123,7 @@ fn tools(optimization: Optimization) -> anyhow::Result<Tools> {
     let tool = |variable: &str, usual: &str| -> anyhow::Result<Vec<String>> {
         let named = std::env::var(variable)
             .ok()
-            .filter(|it| !it.trim().is_empty());
+            .filter(|variable| !variable.trim().is_empty());
         let named = named.unwrap_or_else(|| usual.to_owned());
         match shlex::split(&named) {
             Some(words) if !words.is_empty() => Ok(words),
@@ -138,7 +140,7 @@ fn tools(optimization: Optimization) -> anyhow::Result<Tools> {
 /// Returns the steps whose outputs are missing or out of date.
 fn stale<'s>(steps: &[&'s Step]) -> Vec<&'s Step> {
     let steps = steps.iter().copied();
-    steps.filter(|it| !it.is_fresh(&SystemDisk)).collect()
+    steps.filter(|step| !step.is_fresh(&SystemDisk)).collect()
 }
 
 /// `1 file`, `3 files`
@@ -158,7 +160,7 @@ struct Counter {
 
 impl Counter {
     fn new(of: usize) -> Counter {
-        let dumb = std::env::var_os("TERM").is_some_and(|it| it == "dumb");
+        let dumb = std::env::var_os("TERM").is_some_and(|variable| variable == "dumb");
         let counter = Counter {
             of,
             done: AtomicUsize::new(0),
@@ -250,14 +252,17 @@ impl Builder<'_> {
         let hosted = hosted
             .map_err(anyhow::Error::msg)
             .with_context(|| format!("`{shown}` cannot be run with its codels"))?;
-        let glue = hosted.iter().map(|it| &it.glue);
-        let glue = glue.map(|it| report::new_content(&it.path, &it.text));
+        let glue = hosted.iter().map(|shared_object| &shared_object.glue);
+        let glue = glue.map(|glue| report::new_content(&glue.path, &glue.text));
         write_changed(glue.collect())?;
         let compile = plan
             .compile
             .iter()
-            .chain(hosted.iter().map(|it| &it.compile));
-        let links: Vec<&Step> = hosted.iter().map(|it| &it.link).collect();
+            .chain(hosted.iter().map(|shared_object| &shared_object.compile));
+        let links: Vec<&Step> = hosted
+            .iter()
+            .map(|shared_object| &shared_object.link)
+            .collect();
         let compile: Vec<&Step> = compile.collect();
         let stale = stale(&compile).len();
         if stale > 0 {
@@ -265,11 +270,11 @@ impl Builder<'_> {
         }
         let (said, other) = self.compile(&compile, &links)?;
         let diagnostics = self.diagnostics(&said);
-        for it in &other {
-            report::note(it);
+        for text in &other {
+            report::note(text);
         }
         Ok(BuiltObjects {
-            failed: !links.iter().all(|it| it.is_fresh(&SystemDisk)),
+            failed: !links.iter().all(|link| link.is_fresh(&SystemDisk)),
             diagnostics,
             hosted,
         })
@@ -313,15 +318,15 @@ impl Builder<'_> {
             return Ok(all);
         }
         let mut wanted: Vec<String> = Vec::new();
-        for it in &required.codels {
-            if flags(std::slice::from_ref(it)).is_ok() {
-                wanted.push(it.clone());
+        for codel in &required.codels {
+            if flags(std::slice::from_ref(codel)).is_ok() {
+                wanted.push(codel.clone());
                 continue;
             }
-            let names = packages::names(it);
+            let names = packages::names(codel);
             for name in &names {
                 let one = match names.len() {
-                    1 => it.clone(),
+                    1 => codel.clone(),
                     _ => (*name).to_owned(),
                 };
                 match flags(std::slice::from_ref(&one)) {
@@ -336,11 +341,11 @@ impl Builder<'_> {
                 }
             }
         }
-        let is_there = |it: &&String| flags(std::slice::from_ref(*it)).is_ok();
+        let is_there = |text: &&String| flags(std::slice::from_ref(*text)).is_ok();
         let (there, missing): (Vec<&String>, Vec<&String>) =
             required.specification.iter().partition(is_there);
         if !missing.is_empty() {
-            let missing: Vec<String> = missing.iter().map(|it| format!("`{it}`")).collect();
+            let missing: Vec<String> = missing.iter().map(|text| format!("`{text}`")).collect();
             report::note(&format!(
                 "not installed: {}; the codels of `{shown}` are compiled without, because only the \
                  specification requires it",
@@ -379,15 +384,15 @@ impl Builder<'_> {
         let (stale, linked) = (stale(&steps).len(), !plan.link.is_fresh(&SystemDisk));
         let (said, other) = self.compile(&steps, &[&plan.link])?;
         let diagnostics = self.diagnostics(&said);
-        for it in &other {
-            report::note(it);
+        for text in &other {
+            report::note(text);
         }
-        let failed = |it: &Diagnostic| it.severity == Severity::Error;
+        let failed = |diagnostic: &Diagnostic| diagnostic.severity == Severity::Error;
         let made = plan
             .compile
             .iter()
             .chain([&plan.link])
-            .all(|it| it.is_fresh(&SystemDisk));
+            .all(|link| link.is_fresh(&SystemDisk));
         if made {
             let library = session::display(&plan.link.output);
             report::note(&match (stale, linked) {
@@ -430,15 +435,17 @@ impl Builder<'_> {
                         }
                         let result = work(step);
                         counter.count_one();
-                        let mut results = results.lock().unwrap_or_else(|it| it.into_inner());
+                        let mut results = results.lock().unwrap_or_else(|error| error.into_inner());
                         results.push((&step.output, result));
                     }
                 });
             }
         });
         drop(counter);
-        let mut results = results.into_inner().unwrap_or_else(|it| it.into_inner());
-        results.sort_by_key(|it| it.0);
+        let mut results = results
+            .into_inner()
+            .unwrap_or_else(|error| error.into_inner());
+        results.sort_by_key(|mutex| mutex.0);
         let (mut said, mut other) = (Vec::new(), Vec::new());
         let mut failed = false;
         for (_, result) in results {
@@ -464,17 +471,17 @@ impl Builder<'_> {
     fn diagnostics(&self, said: &[CompilerMessage]) -> Vec<Diagnostic> {
         let expected = self.folder.expected();
         let mut out: Vec<Diagnostic> = Vec::new();
-        for it in said {
-            let path = vfs::normalize(&it.path);
+        for message in said {
+            let path = vfs::normalize(&message.path);
             let text = text(&path);
-            let range = place(&text, it.line, it.column);
-            let severity = match it.weight {
+            let range = place(&text, message.line, message.column);
+            let severity = match message.weight {
                 MessageLevel::Error => Severity::Error,
                 MessageLevel::Warning => Severity::Warning,
                 MessageLevel::Note => {
                     if let Some(before) = out.last_mut() {
                         before.related.push(Related {
-                            message: it.what.clone(),
+                            message: message.what.clone(),
                             path,
                             range,
                         });
@@ -485,9 +492,9 @@ impl Builder<'_> {
             let functions = codel_functions(&expected, &self.folder.sources, &path);
             let mut around = functions
                 .iter()
-                .filter(|it| it.range.contains(&range.start));
-            let codel = around.next().and_then(|it| it.codels.first());
-            let mut diagnostic = Diagnostic::new(CODE, severity, it.what.clone(), path, range);
+                .filter(|function| function.range.contains(&range.start));
+            let codel = around.next().and_then(|function| function.codels.first());
+            let mut diagnostic = Diagnostic::new(CODE, severity, message.what.clone(), path, range);
             if let Some(&(component, codel)) = codel {
                 let unit = &self.folder.unit;
                 let codel = unit.spec.components[component as usize].codel(codel);
@@ -510,14 +517,15 @@ impl Builder<'_> {
 /// Writes changed headers only: an unchanged header keeps its time.
 fn write_headers(plan: &Plan, folder: &Utf8Path) -> anyhow::Result<()> {
     let mut files: Vec<NewContent> = (plan.headers.iter())
-        .map(|it| report::new_content(&it.path, &it.text))
+        .map(|header| report::new_content(&header.path, &header.text))
         .collect();
     files.push(report::new_content(&folder.join(".gitignore"), IGNORED));
     write_changed(files)
 }
 
 fn write_changed(mut files: Vec<NewContent>) -> anyhow::Result<()> {
-    let changed = |it: &NewContent| SystemDisk.read(&it.path).ok().as_ref() != Some(&it.bytes);
+    let changed =
+        |content: &NewContent| SystemDisk.read(&content.path).ok().as_ref() != Some(&content.bytes);
     files.retain(changed);
     report::write_files(&files)
 }
@@ -555,18 +563,18 @@ fn perform(step: &Step, temporary: &Path, interrupt: &Interrupt) -> anyhow::Resu
 fn place(text: &str, line: usize, column: usize) -> std::ops::Range<usize> {
     let mut start = 0;
     let mut lines = text.split_inclusive('\n');
-    for it in lines.by_ref().take(line.saturating_sub(1)) {
-        start += it.len();
+    for line in lines.by_ref().take(line.saturating_sub(1)) {
+        start += line.len();
     }
     let line = lines
         .next()
         .unwrap_or_default()
         .trim_end_matches(['\r', '\n']);
     let at = line.char_indices().nth(column.saturating_sub(1));
-    let at = at.map_or(line.len(), |it| it.0);
+    let at = at.map_or(line.len(), |pair| pair.0);
     let word = line[at..]
         .chars()
-        .take_while(|it| it.is_alphanumeric() || *it == '_');
+        .take_while(|character| character.is_alphanumeric() || *character == '_');
     let length: usize = word.map(char::len_utf8).sum();
     let length = length.max(line[at..].chars().next().map_or(0, char::len_utf8));
     start + at..start + at + length

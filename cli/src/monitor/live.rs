@@ -13,7 +13,7 @@ use crate::call::RunConnection;
 
 /// Returns true if a path is that of a socket.
 pub(super) fn is_socket(path: &Utf8Path) -> bool {
-    std::fs::metadata(path).is_ok_and(|it| it.file_type().is_socket())
+    std::fs::metadata(path).is_ok_and(|metadata| metadata.file_type().is_socket())
 }
 
 /// Receives executions of codels until the run ends, or Ctrl-C.

@@ -38,31 +38,36 @@ fn one(out: &mut impl Write, report: &MonitorReport) -> anyhow::Result<()> {
     let or_none = |time: Option<i64>| time.map_or("-".to_owned(), nanos);
     let head = ["task", "chains", "greatest response", "bound", "period"];
     let mut rows = vec![head.map(str::to_owned)];
-    for it in &report.tasks {
+    for task in &report.tasks {
         rows.push([
-            it.task.clone(),
-            it.chains.to_string(),
-            nanos(it.greatest),
-            or_none(it.bound),
-            or_none(it.period),
+            task.task.clone(),
+            task.chains.to_string(),
+            nanos(task.greatest),
+            or_none(task.bound),
+            or_none(task.period),
         ]);
     }
     table(out, &rows)?;
     let head = ["codel", "runs", "greatest", "declared", "waited"];
     let mut rows = vec![head.map(str::to_owned)];
-    for it in &report.codels {
+    for codel in &report.codels {
         rows.push([
-            it.codel.clone(),
-            it.runs.to_string(),
-            nanos(it.greatest),
-            or_none(it.declared),
-            nanos(it.waited),
+            codel.codel.clone(),
+            codel.runs.to_string(),
+            nanos(codel.greatest),
+            or_none(codel.declared),
+            nanos(codel.waited),
         ]);
     }
     writeln!(out)?;
     table(out, &rows)?;
     let never = report.never_taken.iter();
-    let never = never.map(|it| format!("{}: {} -> {}", it.machine, it.from, it.to));
+    let never = never.map(|transition| {
+        format!(
+            "{}: {} -> {}",
+            transition.machine, transition.from, transition.to
+        )
+    });
     list(out, "transitions never taken", &never.collect::<Vec<_>>())?;
     list(out, "codels never executed", &report.never_executed)?;
     for (instance, lines) in &report.foreign {
@@ -73,8 +78,8 @@ fn one(out: &mut impl Write, report: &MonitorReport) -> anyhow::Result<()> {
              were not compared"
         )?;
     }
-    for it in told(&report.left) {
-        writeln!(out, "{TITLE}left out{TITLE:#}: {it}")?;
+    for text in told(&report.left) {
+        writeln!(out, "{TITLE}left out{TITLE:#}: {text}")?;
     }
     if report.deviation_count == 0 {
         writeln!(out, "{GOOD}nothing deviates{GOOD:#}")?;
@@ -87,8 +92,8 @@ fn one(out: &mut impl Write, report: &MonitorReport) -> anyhow::Result<()> {
         "deviations"
     };
     writeln!(out, "\n{BAD}{} {many}{BAD:#}", report.deviation_count)?;
-    for it in deviations.iter().take(MAX_LISTED) {
-        writeln!(out, "  {it}")?;
+    for found in deviations.iter().take(MAX_LISTED) {
+        writeln!(out, "  {found}")?;
     }
     let more = report
         .deviation_count
@@ -113,8 +118,8 @@ fn list(out: &mut impl Write, title: &str, all: &[String]) -> anyhow::Result<()>
         return Ok(());
     }
     writeln!(out, "\n{TITLE}{title}{TITLE:#}")?;
-    for it in all.iter().take(MAX_LISTED) {
-        writeln!(out, "  {it}")?;
+    for text in all.iter().take(MAX_LISTED) {
+        writeln!(out, "  {text}")?;
     }
     if all.len() > MAX_LISTED {
         writeln!(out, "  and {} more", all.len() - MAX_LISTED)?;
@@ -128,21 +133,21 @@ pub(super) fn as_they_come(deviations: &[Deviation]) -> anyhow::Result<()> {
         return Ok(());
     }
     let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
-    for it in deviations {
-        writeln!(out, "{}", deviation(it))?;
+    for found in deviations {
+        writeln!(out, "{}", deviation(found))?;
     }
     out.flush()?;
     Ok(())
 }
 
-fn deviation(it: &Deviation) -> String {
-    let line = it.line;
-    let what = words(&it.what);
-    let rule = it.what.rule();
+fn deviation(deviation: &Deviation) -> String {
+    let line = deviation.line;
+    let what = words(&deviation.what);
+    let rule = deviation.what.rule();
     let text = format!(
         "line {line}, at {}: {} {what} (rule: {rule})",
-        nanos(it.at),
-        it.of
+        nanos(deviation.at),
+        deviation.of
     );
     terminal::text(&text).into_owned()
 }

@@ -173,31 +173,35 @@ struct Waiting {
 
 /// Converts diagnostics to entries.
 pub(crate) fn entries(diagnostics: &[Diagnostic], texts: &Texts) -> Vec<Entry> {
-    let entries = diagnostics.iter().map(|it| Entry {
-        file: session::display(&it.path),
-        severity: it.severity,
-        code: it.code,
-        message: it.message.clone(),
-        range: range(texts, &it.path, &it.range),
-        related: it
+    let entries = diagnostics.iter().map(|diagnostic| Entry {
+        file: session::display(&diagnostic.path),
+        severity: diagnostic.severity,
+        code: diagnostic.code,
+        message: diagnostic.message.clone(),
+        range: range(texts, &diagnostic.path, &diagnostic.range),
+        related: diagnostic
             .related
             .iter()
-            .map(|it| Related {
-                file: session::display(&it.path),
-                range: range(texts, &it.path, &it.range),
-                message: it.message.clone(),
+            .map(|related| Related {
+                file: session::display(&related.path),
+                range: range(texts, &related.path, &related.range),
+                message: related.message.clone(),
             })
             .collect(),
-        fixes: it.fixes.iter().map(|it| mending(it, texts)).collect(),
+        fixes: diagnostic
+            .fixes
+            .iter()
+            .map(|fix| mending(fix, texts))
+            .collect(),
     });
     entries.collect()
 }
 
 fn mending(fix: &Fix, texts: &Texts) -> Mending {
-    let edits = fix.edits.iter().map(|it| Edit {
-        file: session::display(&it.path),
-        range: range(texts, &it.path, &it.range),
-        new_text: it.new_text.clone(),
+    let edits = fix.edits.iter().map(|edit| Edit {
+        file: session::display(&edit.path),
+        range: range(texts, &edit.path, &edit.range),
+        new_text: edit.new_text.clone(),
     });
     Mending {
         title: fix.title.clone(),
@@ -222,7 +226,7 @@ pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
 pub(super) fn range(texts: &Texts, path: &Utf8Path, range: &std::ops::Range<usize>) -> Range {
     texts
         .get(path)
-        .map(|it| it.range(range))
+        .map(|text| text.range(range))
         .unwrap_or_default()
 }
 

@@ -19,9 +19,16 @@ pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
 }
 
 fn document(report: &FileReports) -> Value {
-    let codes: BTreeSet<&str> = report.diagnostics.iter().map(|it| it.code).collect();
+    let codes: BTreeSet<&str> = report
+        .diagnostics
+        .iter()
+        .map(|diagnostic| diagnostic.code)
+        .collect();
     let rules = codes.iter().map(|code| rule(code));
-    let results = report.diagnostics.iter().map(|it| result(report, it));
+    let results = report
+        .diagnostics
+        .iter()
+        .map(|diagnostic| result(report, diagnostic));
     json!({
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
         "version": "2.1.0",
@@ -52,51 +59,55 @@ fn rule(code: &str) -> Value {
 /// Returns the first paragraph below the title of a page, in one line.
 fn summary(page: &str) -> String {
     let mut paragraphs = page.split("\n\n").map(str::trim);
-    let first = paragraphs.find(|it| !it.is_empty() && !it.starts_with('#'));
+    let first = paragraphs.find(|paragraph| !paragraph.is_empty() && !paragraph.starts_with('#'));
     first.unwrap_or_default().replace('\n', " ")
 }
 
-fn result(report: &FileReports, it: &Diagnostic) -> Value {
-    let level = match it.severity {
+fn result(report: &FileReports, diagnostic: &Diagnostic) -> Value {
+    let level = match diagnostic.severity {
         Severity::Error => "error",
         Severity::Warning => "warning",
         Severity::Information | Severity::Hint => "note",
     };
-    let related = it.related.iter().map(|it| {
-        let mut location = location(report, &it.path, &it.range);
-        location["message"] = json!({ "text": it.message });
+    let related = diagnostic.related.iter().map(|related| {
+        let mut location = location(report, &related.path, &related.range);
+        location["message"] = json!({ "text": related.message });
         location
     });
     let mut result = json!({
-        "ruleId": it.code,
+        "ruleId": diagnostic.code,
         "level": level,
-        "message": { "text": it.message },
-        "locations": [location(report, &it.path, &it.range)],
+        "message": { "text": diagnostic.message },
+        "locations": [location(report, &diagnostic.path, &diagnostic.range)],
     });
-    if !it.related.is_empty() {
+    if !diagnostic.related.is_empty() {
         result["relatedLocations"] = related.collect();
     }
-    if !it.fixes.is_empty() {
-        result["fixes"] = it.fixes.iter().map(|it| fix(report, it)).collect();
+    if !diagnostic.fixes.is_empty() {
+        result["fixes"] = diagnostic
+            .fixes
+            .iter()
+            .map(|context| fix(report, context))
+            .collect();
     }
     result
 }
 
 /// Converts a fix. A property of dotgen tells if the fix is plain.
-fn fix(report: &FileReports, it: &Fix) -> Value {
-    let changes = it.edits.iter().map(|it| {
+fn fix(report: &FileReports, fix: &Fix) -> Value {
+    let changes = fix.edits.iter().map(|edit| {
         json!({
-            "artifactLocation": { "uri": artifact(&it.path) },
+            "artifactLocation": { "uri": artifact(&edit.path) },
             "replacements": [{
-                "deletedRegion": region(report, &it.path, &it.range),
-                "insertedContent": { "text": it.new_text },
+                "deletedRegion": region(report, &edit.path, &edit.range),
+                "insertedContent": { "text": edit.new_text },
             }],
         })
     });
     json!({
-        "description": { "text": it.title },
+        "description": { "text": fix.title },
         "artifactChanges": changes.collect::<Vec<_>>(),
-        "properties": { "safe": it.kind == FixKind::Plain },
+        "properties": { "safe": fix.kind == FixKind::Plain },
     })
 }
 
@@ -122,12 +133,13 @@ fn region(report: &FileReports, path: &Utf8Path, range: &std::ops::Range<usize>)
 /// Returns a relative reference for files below the current directory, so that the result holds on other
 /// machines. For other files, returns a URI.
 fn artifact(path: &Utf8Path) -> String {
-    let whole = uri::from_path(path).map_or_else(|| path.to_string(), |it| it.as_str().to_owned());
+    let whole =
+        uri::from_path(path).map_or_else(|| path.to_string(), |path| path.as_str().to_owned());
     let shown = session::display(path);
     if Utf8Path::new(&shown).is_absolute() {
         return whole;
     }
     let root = path.as_str().strip_suffix(&shown).unwrap_or_default();
-    let root = uri::from_path(Utf8Path::new(root)).map_or(0, |it| it.as_str().len());
+    let root = uri::from_path(Utf8Path::new(root)).map_or(0, |path| path.as_str().len());
     whole[root..].trim_start_matches('/').to_owned()
 }

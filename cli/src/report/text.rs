@@ -30,17 +30,20 @@ pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
     for some in report.diagnostics.chunks(1024) {
         let parts: Vec<&[Diagnostic]> = some.chunks(some.len().div_ceil(4 * cores)).collect();
         let one = |part: &&[Diagnostic]| -> String {
-            let all = part.iter().map(|it| render(it, texts) + "\n\n");
+            let all = part.iter().map(|part| render(part, texts) + "\n\n");
             all.collect()
         };
         for text in parallel::map(&parts, || (), one, |(), part| one(part)) {
             out.write_all(encoding::shown(&text).as_bytes())?;
         }
     }
-    let in_part = |it: &&Compared| !it.coverage.is_complete();
-    for it in report.compared.iter().filter(in_part) {
-        let (file, component) = (terminal::name(&it.file), terminal::text(&it.component));
-        writeln!(out, "{file}: {component}: {}", it.coverage)?;
+    let in_part = |comparison: &&Compared| !comparison.coverage.is_complete();
+    for comparison in report.compared.iter().filter(in_part) {
+        let (file, component) = (
+            terminal::name(&comparison.file),
+            terminal::text(&comparison.component),
+        );
+        writeln!(out, "{file}: {component}: {}", comparison.coverage)?;
     }
     // If nothing could be checked, the errors give the reason.
     if report.checked > 0 || !report.diagnostics.is_empty() {
@@ -53,7 +56,7 @@ pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
 pub(crate) fn print_errors(diagnostics: &[Diagnostic], texts: &Texts) -> anyhow::Result<()> {
     let errors = diagnostics
         .iter()
-        .filter(|it| it.severity == Severity::Error);
+        .filter(|diagnostic| diagnostic.severity == Severity::Error);
     print_to_stderr(errors, texts)
 }
 
@@ -83,7 +86,7 @@ fn summary(report: &FileReports) -> String {
     ]
     .into_iter()
     .map(|(severity, one, many)| (report.count(severity), one, many))
-    .filter(|it| it.0 > 0)
+    .filter(|triple| triple.0 > 0)
     .map(|(count, one, many)| counted(count, one, many))
     .collect();
     let files = counted(report.checked, "file", "files");
@@ -91,12 +94,12 @@ fn summary(report: &FileReports) -> String {
         true => format!("checked {files}: no problems"),
         false => format!("checked {files}: {}", found.join(", ")),
     };
-    for it in &report.waiting {
-        let (names, wait) = match it.names.len() {
+    for waiting in &report.waiting {
+        let (names, wait) = match waiting.names.len() {
             1 => ("1 name".to_owned(), "waits"),
             count => (format!("{count} names"), "wait"),
         };
-        out += &format!("; {names} {wait} for {}", it.missing.join(", "));
+        out += &format!("; {names} {wait} for {}", waiting.missing.join(", "));
     }
     out
 }
@@ -105,14 +108,19 @@ fn summary(report: &FileReports) -> String {
 fn render(diagnostic: &Diagnostic, texts: &Texts) -> String {
     let render = || {
         let mut groups = vec![main_group(diagnostic, texts)];
-        groups.extend(diagnostic.fixes.first().and_then(|it| fix_group(it, texts)));
+        groups.extend(
+            diagnostic
+                .fixes
+                .first()
+                .and_then(|fix| fix_group(fix, texts)),
+        );
         Renderer::styled().render(&groups)
     };
     // The snippet library may panic on a text. The diagnostic is then printed without a snippet.
     panic::isolate(render).unwrap_or_else(|_| {
         let position = texts
             .get(&diagnostic.path)
-            .map(|it| it.position(diagnostic.range.start))
+            .map(|text| text.position(diagnostic.range.start))
             .unwrap_or_default();
         format!(
             "{}[{}]: {}\n  --> {}:{}:{}",
@@ -160,15 +168,15 @@ fn main_group<'d>(diagnostic: &'d Diagnostic, texts: &'d Texts) -> Group<'d> {
         path: &diagnostic.path,
         marks: vec![(diagnostic.range.clone(), None)],
     }];
-    let line = |path: &Utf8Path, offset| texts.get(path).map(|it| it.position(offset).line);
+    let line = |path: &Utf8Path, offset| texts.get(path).map(|text| text.position(offset).line);
     for related in &diagnostic.related {
         let at = line(&related.path, related.range.start);
-        let near = |it: &&mut Excerpt<'_>| {
-            let first = it
+        let near = |excerpt: &&mut Excerpt<'_>| {
+            let first = excerpt
                 .marks
                 .first()
-                .and_then(|mark| line(it.path, mark.0.start));
-            it.path == &related.path
+                .and_then(|mark| line(excerpt.path, mark.0.start));
+            excerpt.path == &related.path
                 && first
                     .zip(at)
                     .is_some_and(|(a, b)| a.abs_diff(b) <= MAX_SNIPPET_LINES)
@@ -202,9 +210,9 @@ fn add_excerpt<'d>(
     let Some(lines) = texts.get(excerpt.path) else {
         return group.element(Origin::path(path));
     };
-    let ranges = excerpt.marks.iter().map(|it| it.0.clone());
+    let ranges = excerpt.marks.iter().map(|mark| mark.0.clone());
     let Some(window) = Window::around(lines, ranges) else {
-        let start = excerpt.marks.first().map_or(0, |it| it.0.start);
+        let start = excerpt.marks.first().map_or(0, |mark| mark.0.start);
         let at = lines.position(start);
         let origin = Origin::path(path)
             .line(at.line as usize + 1)
@@ -240,14 +248,14 @@ fn fix_group<'d>(fix: &'d Fix, texts: &'d Texts) -> Option<Group<'d>> {
     let path = &fix.edits.first()?.path;
     let lines = texts.get(path)?;
     let title = title(&fix.title);
-    if fix.edits.iter().any(|it| it.path != *path) {
+    if fix.edits.iter().any(|edit| edit.path != *path) {
         return Some(Group::with_title(Level::HELP.secondary_title(title)));
     }
-    let ranges = fix.edits.iter().map(|it| it.range.clone());
+    let ranges = fix.edits.iter().map(|edit| edit.range.clone());
     let window = Window::around(lines, ranges)?;
-    let patches = fix.edits.iter().map(|it| {
-        let range = it.range.start - window.bytes.start..it.range.end - window.bytes.start;
-        Patch::new(range, it.new_text.as_str())
+    let patches = fix.edits.iter().map(|edit| {
+        let range = edit.range.start - window.bytes.start..edit.range.end - window.bytes.start;
+        Patch::new(range, edit.new_text.as_str())
     });
     let snippet = Snippet::source(window.text(lines))
         .line_start(window.first_line)
@@ -301,7 +309,7 @@ impl Window {
     /// Converts a range to one in [`Window::text`]. Of several lines, the first is shown.
     fn span(&self, lines: &Lines, range: &Range<usize>) -> Range<usize> {
         let line = lines.position(range.start).line;
-        let line_end = lines.line(line).map_or(range.end, |it| it.end);
+        let line_end = lines.line(line).map_or(range.end, |line| line.end);
         let start = range.start.min(line_end);
         let end = range.end.min(line_end).max(start);
         start - self.bytes.start..end - self.bytes.start

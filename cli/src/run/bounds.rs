@@ -125,11 +125,11 @@ impl BoundVerification {
         };
         let report = problem.verify(&options, cancel, &|_| {});
         let mut answers = Answers::default();
-        for it in &report.checks {
-            answers.given_up |= it.verdict == Verdict::Unknown;
-            let known = it.verdict == Verdict::Proved && it.kind == PropertyKind::Response;
-            let task = it.id.task.and_then(|it| self.tasks.get(&it));
-            if let (true, Some(&task), Some(Value::Time(time))) = (known, task, it.value) {
+        for check in &report.checks {
+            answers.given_up |= check.verdict == Verdict::Unknown;
+            let known = check.verdict == Verdict::Proved && check.kind == PropertyKind::Response;
+            let task = check.id.task.and_then(|task| self.tasks.get(&task));
+            if let (true, Some(&task), Some(Value::Time(time))) = (known, task, check.value) {
                 let ticks = (time / self.tick).round() as Ticks;
                 answers.bounds.push((task, ticks));
             }
@@ -141,7 +141,9 @@ impl BoundVerification {
 
     /// Returns true if every response time was answered.
     fn is_done(&self) -> bool {
-        self.proved().as_ref().is_some_and(|it| !it.given_up)
+        self.proved()
+            .as_ref()
+            .is_some_and(|answers| !answers.given_up)
     }
 
     /// Starts again: earlier results are dropped.
@@ -156,7 +158,7 @@ impl BoundVerification {
             return false;
         };
         for &(task, ticks) in &answers.bounds {
-            bounds[task] = Some(bounds[task].map_or(ticks, |it| it.min(ticks)));
+            bounds[task] = Some(bounds[task].map_or(ticks, |bound| bound.min(ticks)));
         }
         true
     }
@@ -180,8 +182,8 @@ pub(crate) fn without_times(
             *bound = None;
         }
     }
-    let all = system.codels.iter().filter(|it| it.site.is_some());
-    let none_has = all.clone().next().is_some() && all.clone().all(|it| it.upper == 0);
+    let all = system.codels.iter().filter(|codel| codel.site.is_some());
+    let none_has = all.clone().next().is_some() && all.clone().all(|codel| codel.upper == 0);
     let names = || match codels_without_time.len() {
         n if n > NAMED => format!(
             "{} and {} more",

@@ -95,7 +95,9 @@ impl Context<'_, '_> {
     /// Returns the bounds that are known at the end of a run, and a note if some may be missing.
     fn final_bounds(&self, prepared: &Prepared) -> (Vec<Option<Ticks>>, Option<String>) {
         let mut bounds = self.bounds.clone();
-        let proved = self.proving.is_none_or(|it| it.add_to(&mut bounds));
+        let proved = self
+            .proving
+            .is_none_or(|verification| verification.add_to(&mut bounds));
         bounds::without_times(&prepared.built.system, &mut bounds, self.measured);
         (bounds, (!proved).then(|| NOT_PROVED.to_owned()))
     }
@@ -135,7 +137,9 @@ impl Context<'_, '_> {
             bounds,
             &plan,
             profile.as_mut(),
-            recording.as_mut().map(|it| it as &mut dyn Record),
+            recording
+                .as_mut()
+                .map(|recording| recording as &mut dyn Record),
             None,
             &interrupted,
         );
@@ -240,7 +244,7 @@ impl Context<'_, '_> {
                     arguments.debug,
                     self.interrupt,
                 )? {
-                    Some(it) => it,
+                    Some(host) => host,
                     None => return Ok(None),
                 }
             }
@@ -258,9 +262,13 @@ impl Context<'_, '_> {
             None => parts,
         };
         let system = &opened.built.system;
-        let names = system.components.iter().map(|it| it.name.clone()).collect();
+        let names = system
+            .components
+            .iter()
+            .map(|component| component.name.clone())
+            .collect();
         let tasks = system.tasks.iter();
-        let tasks = tasks.map(|it| (it.component, it.name.clone()));
+        let tasks = tasks.map(|task| (task.component, task.name.clone()));
         // Dropped after the hosts.
         let _strays = OrphanReaper::become_subreaper();
         let mut children = Children::new(
@@ -299,11 +307,11 @@ impl Context<'_, '_> {
             )?),
             false => None,
         };
-        let server = serving.as_ref().map(|it| &it.server);
+        let server = serving.as_ref().map(|start| &start.server);
         let plan = arguments.plan(&opened);
-        let grown = |it: &Option<Ticks>| it.map(|it| it.saturating_mul(factor));
+        let grown = |ticks: &Option<Ticks>| ticks.map(|tick| tick.saturating_mul(factor));
         let bounds: Vec<_> = self.bounds.iter().map(grown).collect();
-        let followers = server.map(|it| Box::new(it.followers()) as Box<dyn Write>);
+        let followers = server.map(|server| Box::new(server.followers()) as Box<dyn Write>);
         let is_executed = |codel: usize| parts.codel(codel).is_some();
         let mut progress_subscribers = server.map(Server::progress_subscribers);
         let mut profile = self.profile(
@@ -320,7 +328,7 @@ impl Context<'_, '_> {
             pace,
             follow: progress_subscribers
                 .as_mut()
-                .map(|it| it as &mut dyn ProgressReceiver),
+                .map(|subscriber| subscriber as &mut dyn ProgressReceiver),
         };
         let mut recording = self.recording(files.recording.take(), &opened, real)?;
         let mut outcome = simulate_recorded(
@@ -328,7 +336,9 @@ impl Context<'_, '_> {
             bounds,
             &plan,
             profile.as_mut(),
-            recording.as_mut().map(|it| it as &mut dyn Record),
+            recording
+                .as_mut()
+                .map(|recording| recording as &mut dyn Record),
             Some(execution),
             &interrupted,
         );
@@ -348,7 +358,7 @@ impl Context<'_, '_> {
         let (lines, messages) = (lines(profile), messages(recording));
         drop(outcome);
         let denied = children.denied().iter();
-        notes.extend(denied.map(|it| format!("the system does not grant {it}")));
+        notes.extend(denied.map(|text| format!("the system does not grant {text}")));
         report.notes.extend(notes);
         Ok(Some(Run {
             lines,
@@ -362,14 +372,14 @@ impl Context<'_, '_> {
 
 /// Ends a recording.
 fn messages(recording: Option<Recording<'_, '_>>) -> anyhow::Result<Option<RecordingResult>> {
-    let Some(it) = recording else {
+    let Some(recording) = recording else {
         return Ok(None);
     };
-    let (data, steps) = (it.data, it.steps);
-    let whole = it.finish()?;
+    let (data, steps) = (recording.data, recording.steps);
+    let whole = recording.finish()?;
     Ok(Some(RecordingResult { data, steps, whole }))
 }
 
 fn lines(profile: Option<Profile<'_, Runs<'_, '_>>>) -> io::Result<u64> {
-    profile.map_or(Ok(0), |it| it.finish().map(|it| it.1))
+    profile.map_or(Ok(0), |profile| profile.finish().map(|pair| pair.1))
 }

@@ -51,7 +51,7 @@ pub(super) fn build<'s>(
     let mut failed = false;
     let config = session.codels();
     for (number, unit) in problem.units.iter().enumerate() {
-        let mut sources = |it: &Utf8Path| Sources::load(it, &config, &Disk);
+        let mut sources = |path: &Utf8Path| Sources::load(path, &config, &Disk);
         for folder in folders(unit, &mut sources) {
             if folder.sources.sources.is_empty() {
                 continue;
@@ -62,25 +62,27 @@ pub(super) fn build<'s>(
             };
             let built = build::hosts(&folder, session.packages(), optimization, interrupt)?;
             failed |= built.failed;
-            for it in &built.diagnostics {
-                for path in std::iter::once(&it.path).chain(it.related.iter().map(|it| &it.path)) {
+            for diagnostic in &built.diagnostics {
+                for path in std::iter::once(&diagnostic.path)
+                    .chain(diagnostic.related.iter().map(|related| &related.path))
+                {
                     let text = || Disk.read(path).unwrap_or_default();
                     let lines = || Lines::new(text(), Encoding::Utf16);
                     said.texts.entry(path.clone()).or_insert_with(lines);
                 }
             }
             let errors = built.diagnostics.into_iter();
-            let errors = errors.filter(|it| it.severity == Severity::Error);
+            let errors = errors.filter(|error| error.severity == Severity::Error);
             said.diagnostics.extend(errors);
             said.checked += 1;
-            for it in built.hosted {
-                let name = &unit.spec.components[it.component as usize].name;
+            for shared_object in built.hosted {
+                let name = &unit.spec.components[shared_object.component as usize].name;
                 let found = names.components.iter().position(|member| {
                     member.spec_index == number && member.component.name == *name
                 });
                 let Some(found) = found else { continue };
-                out.libraries[found] = Some(it.link.output);
-                let missing: HashSet<_> = it.missing.into_iter().collect();
+                out.libraries[found] = Some(shared_object.link.output);
+                let missing: HashSet<_> = shared_object.missing.into_iter().collect();
                 out.parts[found] = Some(HostedComponent {
                     member: names.components[found],
                     missing,
@@ -105,7 +107,7 @@ pub(super) fn build<'s>(
                 "`{name}` is simulated: it has no sources of codels; `dotgen codels stub` writes them"
             )),
             Some(part) if !part.missing.is_empty() => {
-                let mut missing: Vec<&str> = part.missing.iter().map(|it| it.as_str()).collect();
+                let mut missing: Vec<&str> = part.missing.iter().map(|text| text.as_str()).collect();
                 missing.sort_unstable();
                 out.notes.push(format!(
                     "simulated codels of `{name}`, which have no function (`dotgen codels stub` writes \
@@ -153,8 +155,8 @@ impl<'s> Hosted<'s> {
         inputs: &HashMap<String, Vec<u8>>,
     ) -> HostedComponents<'s> {
         let parts = self.parts.clone();
-        HostedComponents::new(prepared, names, settings, parts, &|it| {
-            inputs.get(it).cloned()
+        HostedComponents::new(prepared, names, settings, parts, &|text| {
+            inputs.get(text).cloned()
         })
     }
 }
@@ -189,16 +191,16 @@ pub(super) fn inputs(
     names: &Names<'_>,
 ) -> anyhow::Result<HashMap<String, Vec<u8>>> {
     let mut out = HashMap::new();
-    for it in given {
-        let (path, json) = it
+    for text in given {
+        let (path, json) = text
             .split_once('=')
-            .with_context(|| format!("`--input {it}`: write COMPONENT.SERVICE={{…}}"))?;
+            .with_context(|| format!("`--input {text}`: write COMPONENT.SERVICE={{…}}"))?;
         let (path, json) = (path.trim(), json.trim());
         let (component, service) = path.split_once('.').unwrap_or((path, ""));
         let member = names
             .components
             .iter()
-            .find(|it| it.component.name == component);
+            .find(|member| member.component.name == component);
         let Some(member) = member else {
             bail!("`--input {path}`: there is no component `{component}`");
         };
@@ -206,14 +208,14 @@ pub(super) fn inputs(
             .component
             .services
             .iter()
-            .find(|it| it.name == service);
+            .find(|candidate| candidate.name == service);
         let Some(found) = found else {
             bail!("`--input {path}`: `{component}` has no service `{service}`");
         };
         let values = serde_json::from_str(json)
             .with_context(|| format!("`--input {path}`: the inputs are no JSON object"))?;
         let bytes = Values::new(member.spec).inputs(found, &values);
-        let bytes = bytes.map_err(|it| anyhow::anyhow!("`--input {path}`: {it}"))?;
+        let bytes = bytes.map_err(|error| anyhow::anyhow!("`--input {path}`: {error}"))?;
         out.insert(path.to_owned(), bytes);
     }
     Ok(out)

@@ -52,7 +52,7 @@ impl<'r, 's> Recording<'r, 's> {
             members[component] = names.components.get(name);
         }
         let start = SystemTime::now().duration_since(UNIX_EPOCH);
-        let start = start.map_or(0, |it| u64::try_from(it.as_nanos()).unwrap_or(0));
+        let start = start.map_or(0, |start| u64::try_from(start.as_nanos()).unwrap_or(0));
         let about = RunInfo {
             unit: system.unit.to_string(),
             clock: if real { "real" } else { "virtual" }.to_owned(),
@@ -135,8 +135,8 @@ impl Record for Recording<'_, '_> {
         }
         // Messages are objects. Another value becomes a member of an object, as in its schema.
         let value = match value {
-            it @ Value::Object(_) => it,
-            it => json!({"value": it}),
+            value @ Value::Object(_) => value,
+            value => json!({"value": value}),
         };
         let at = self.at(stepper);
         let result = (self.out).data(at, &topic, value.to_string().as_bytes(), schema);
@@ -146,7 +146,10 @@ impl Record for Recording<'_, '_> {
     }
 
     fn moment(&mut self) {
-        if self.begun.is_some_and(|it| it.elapsed() >= FLUSH_INTERVAL) {
+        if self
+            .begun
+            .is_some_and(|instant| instant.elapsed() >= FLUSH_INTERVAL)
+        {
             self.begun = None;
             let result = self.out.flush();
             self.keep(result);

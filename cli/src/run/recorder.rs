@@ -52,7 +52,7 @@ impl<'a> Files<'a> {
         let wanted = log.is_some() || trace.is_some();
         let runs = Recorder {
             log,
-            trace: trace.map(|it| (it, Trace::new(Some(names)))),
+            trace: trace.map(|trace| (trace, Trace::new(Some(names)))),
             lines: Lines::default(),
         };
         Ok(Files {

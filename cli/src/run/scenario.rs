@@ -36,7 +36,7 @@ pub(super) fn one(
         return Ok(Ended::Unusable);
     }
     let options = Options {
-        cores: arguments.cores.map(|it| it.0),
+        cores: arguments.cores.map(|core| core.0),
         policy: arguments.policy.map(PolicyName::policy),
         semantics: arguments.semantics.map(SemanticsName::preset),
         checks: parsed(checks, &problem)?,
@@ -61,9 +61,9 @@ pub(super) fn one(
     let names = Names::new(&input.specs);
     let paths = Paths::of(arguments);
     let mut files = Files::open(
-        paths.log.map(|it| it.as_path()),
-        paths.perfetto.map(|it| it.as_path()),
-        paths.recording.map(|it| it.as_path()),
+        paths.log.map(|log| log.as_path()),
+        paths.perfetto.map(|path| path.as_path()),
+        paths.recording.map(|recording| recording.as_path()),
         &names,
     )?;
     let context = execute::Context {
@@ -97,8 +97,8 @@ pub(super) fn one(
     };
     if let (Some(path), Some(run)) = (paths.viewer, run.told) {
         let steps = trouble.ok_or_report(answer.write_trace(path, &run, arguments.seed));
-        let steps = steps.and_then(|it| u64::try_from(it).ok());
-        (answer.written).extend(steps.map(|it| (path.clone(), it, Contents::Steps)));
+        let steps = steps.and_then(|step| u64::try_from(step).ok());
+        (answer.written).extend(steps.map(|step| (path.clone(), step, Contents::Steps)));
     }
     Ok(Ended::Answered(Box::new(answer)))
 }
@@ -114,8 +114,8 @@ struct Paths<'a> {
 
 impl<'a> Paths<'a> {
     fn of(arguments: &'a Arguments) -> Self {
-        let (perfetto, viewer) =
-            (arguments.trace.iter()).partition::<Vec<_>, _>(|it| it.extension() == Some(PERFETTO));
+        let (perfetto, viewer) = (arguments.trace.iter())
+            .partition::<Vec<_>, _>(|trace| trace.extension() == Some(PERFETTO));
         Paths {
             log: arguments.profile.as_ref(),
             perfetto: perfetto.first().copied(),
@@ -134,14 +134,20 @@ impl<'a> Paths<'a> {
     ) -> Vec<WrittenFile> {
         let mut written = Vec::new();
         let messages = std::mem::replace(&mut run.messages, Ok(None));
-        if let (Some(path), Some(it)) = (self.recording, trouble.ok_or_report(messages).flatten()) {
-            match it.whole {
-                true => written.push((path.clone(), it.data, Contents::Messages(it.steps))),
+        if let (Some(path), Some(recording_result)) =
+            (self.recording, trouble.ok_or_report(messages).flatten())
+        {
+            match recording_result.whole {
+                true => written.push((
+                    path.clone(),
+                    recording_result.data,
+                    Contents::Messages(recording_result.steps),
+                )),
                 false => trouble.told(),
             }
         }
         let recorded = std::mem::replace(&mut run.lines, Ok(0)).and_then(|lines| {
-            let whole = files.runs.map(|it| it.finish()).transpose()?;
+            let whole = files.runs.map(|run| run.finish()).transpose()?;
             Ok((lines, whole))
         });
         if let Some((lines, Some(whole))) = trouble.ok_or_report(recorded.map_err(Into::into)) {

@@ -38,8 +38,8 @@ pub(super) fn start(
 ) -> anyhow::Result<RunServer> {
     let path = match &arguments.socket {
         Some(path) => {
-            let folder = path.parent().filter(|it| !it.as_str().is_empty());
-            if let Some(folder) = folder.filter(|it| !it.exists()) {
+            let folder = path.parent().filter(|parent| !parent.as_str().is_empty());
+            if let Some(folder) = folder.filter(|folder| !folder.exists()) {
                 let made = std::fs::DirBuilder::new().mode(0o700).create(folder);
                 made.with_context(|| format!("cannot make the folder `{folder}` for the socket"))?;
             }
@@ -58,11 +58,11 @@ pub(super) fn start(
         };
         let spec = problem.units[member.spec_index].spec.clone();
         let mut all = (0u32..).zip(&spec.components);
-        let Some((component, _)) = all.find(|it| it.1.name == member.component.name) else {
+        let Some((component, _)) = all.find(|pair| pair.1.name == member.component.name) else {
             continue;
         };
         let count = member.component.services.len() as u32;
-        let services = (0..count).map(|it| built.services.get(&(name, it)).copied());
+        let services = (0..count).map(|index| built.services.get(&(name, index)).copied());
         let known_here = KnownComponent {
             services: services.collect(),
             executed: parts.of(at).is_some(),
@@ -119,7 +119,7 @@ fn join(
 
     let is_fed = |component, port| {
         let mut feeds = parts.feeds.iter();
-        feeds.any(|it| it.to == (component, port))
+        feeds.any(|flow| flow.to == (component, port))
     };
     let tell: network::Notifier = std::sync::Arc::new(|what: &str| report::note(what));
     if arguments.ros2 {
@@ -137,8 +137,8 @@ fn join(
         return Ok(None);
     }
     let mut reads = Vec::new();
-    for it in &arguments.zenoh_reads {
-        reads.push(read(it, known)?);
+    for name in &arguments.zenoh_reads {
+        reads.push(read(name, known)?);
     }
     let wanted = NetworkOptions {
         listen: &arguments.zenoh_listen,
@@ -167,11 +167,11 @@ fn read(
         );
     };
     let mut all = known.iter();
-    let Some((&at, it)) = all.find(|it| it.1.component().name == component) else {
+    let Some((&at, declaration)) = all.find(|pair| pair.1.component().name == component) else {
         anyhow::bail!("`--zenoh-read {text}`: no component `{component}` runs");
     };
-    let mut ports = (0u32..).zip(&it.component().ports);
-    let found = ports.find(|it| it.1.name == port && it.1.dir == PortDir::In);
+    let mut ports = (0u32..).zip(&declaration.component().ports);
+    let found = ports.find(|candidate| candidate.1.name == port && candidate.1.dir == PortDir::In);
     match found {
         Some((index, _)) => Ok((at, index, key.to_owned())),
         None => anyhow::bail!("`--zenoh-read {text}`: `{component}` has no input port `{port}`"),

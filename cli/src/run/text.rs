@@ -65,12 +65,12 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     violations(out, report, unit)?;
     if !report.assumptions.is_empty() {
         writeln!(out, "\n{TITLE}assuming{TITLE:#}")?;
-        for it in &report.assumptions {
-            writeln!(out, "  - {it}")?;
+        for assumption in &report.assumptions {
+            writeln!(out, "  - {assumption}")?;
         }
     }
-    for it in &report.notes {
-        writeln!(out, "{TITLE}note{TITLE:#}: {it}")?;
+    for note in &report.notes {
+        writeln!(out, "{TITLE}note{TITLE:#}: {note}")?;
     }
     for (path, count, of) in &answer.written {
         let what = match of {
@@ -135,24 +135,24 @@ fn ended(end: End) -> Option<&'static str> {
     }
 }
 
-fn value(it: Option<Value>, unit: TimeUnit) -> String {
-    it.map_or_else(String::new, |it| unit.show_value(it))
+fn value(value: Option<Value>, unit: TimeUnit) -> String {
+    value.map_or_else(String::new, |value| unit.show_value(value))
 }
 
 fn tasks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::Result<()> {
-    let rows = report.tasks.iter().map(|it| {
-        let missed = if it.period.is_some() {
-            it.missed.to_string()
+    let rows = report.tasks.iter().map(|task| {
+        let missed = if task.period.is_some() {
+            task.missed.to_string()
         } else {
             String::new()
         };
         vec![
-            it.task.clone(),
-            value(it.period, unit),
-            it.jobs.to_string(),
-            value(it.mean, unit),
-            value(it.greatest, unit),
-            value(it.bound, unit),
+            task.task.clone(),
+            value(task.period, unit),
+            task.jobs.to_string(),
+            value(task.mean, unit),
+            value(task.greatest, unit),
+            value(task.bound, unit),
             missed,
         ]
     });
@@ -163,13 +163,16 @@ fn tasks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::R
 }
 
 fn services(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
-    let rows = report.services.iter().filter(|it| it.requests > 0);
-    let rows = rows.map(|it| {
+    let rows = report
+        .services
+        .iter()
+        .filter(|service| service.requests > 0);
+    let rows = rows.map(|row| {
         vec![
-            it.service.clone(),
-            it.requests.to_string(),
-            it.refused.to_string(),
-            it.ended.to_string(),
+            row.service.clone(),
+            row.requests.to_string(),
+            row.refused.to_string(),
+            row.ended.to_string(),
         ]
     });
     let rows: Vec<_> = rows.collect();
@@ -179,12 +182,15 @@ fn services(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
 fn transitions(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
     let all = report.machines.iter().flat_map(|machine| {
         let of = machine.transitions.iter();
-        of.map(move |it| (&machine.machine, it))
+        of.map(move |transition| (&machine.machine, transition))
     });
     let (mut taken, mut never) = (0, Vec::new());
-    for (machine, it) in all {
-        match it.taken {
-            0 => never.push(format!("{machine}: {} → {}", it.from, it.to)),
+    for (machine, transition) in all {
+        match transition.taken {
+            0 => never.push(format!(
+                "{machine}: {} → {}",
+                transition.from, transition.to
+            )),
             _ => taken += 1,
         }
     }
@@ -193,8 +199,8 @@ fn transitions(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> 
         return Ok(());
     }
     writeln!(out, "\n{TITLE}transitions{TITLE:#}: {taken} of {of} taken")?;
-    for it in never.iter().take(NEVER) {
-        writeln!(out, "  {FAINT}never{FAINT:#} {it}")?;
+    for text in never.iter().take(NEVER) {
+        writeln!(out, "  {FAINT}never{FAINT:#} {text}")?;
     }
     if never.len() > NEVER {
         let more = never.len() - NEVER;
@@ -206,10 +212,10 @@ fn transitions(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> 
     Ok(())
 }
 
-fn word(it: &CheckOutcome) -> &'static str {
-    match it.verdict {
+fn word(outcome: &CheckOutcome) -> &'static str {
+    match outcome.verdict {
         // The word that `dotgen verify` uses.
-        Verdict::Kept if it.exceeded => "exceeds",
+        Verdict::Kept if outcome.exceeded => "exceeds",
         Verdict::Kept => "kept",
         Verdict::Violated => "violated",
         Verdict::Seen => "seen",
@@ -218,34 +224,34 @@ fn word(it: &CheckOutcome) -> &'static str {
 }
 
 fn checks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::Result<()> {
-    let rows = report.checks.iter().map(|it| {
+    let rows = report.checks.iter().map(|check| {
         vec![
-            word(it).to_owned(),
-            title(it),
-            value(it.greatest, unit),
-            value(it.limit, unit),
+            word(check).to_owned(),
+            title(check),
+            value(check.greatest, unit),
+            value(check.limit, unit),
         ]
     });
     let rows: Vec<_> = rows.collect();
     table(out, &["verdict", "check", "greatest", "limit"], &rows)
 }
 
-fn title(it: &CheckOutcome) -> String {
-    let named = it
+fn title(outcome: &CheckOutcome) -> String {
+    let named = outcome
         .name
         .as_ref()
-        .map_or(String::new(), |it| format!("{it}: "));
-    let of = match it.of.is_empty() {
+        .map_or(String::new(), |name| format!("{name}: "));
+    let of = match outcome.of.is_empty() {
         true => String::new(),
-        false => format!(" {}", it.of),
+        false => format!(" {}", outcome.of),
     };
-    format!("{named}{}{of}", it.check)
+    format!("{named}{}{of}", outcome.check)
 }
 
 fn violations(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::Result<()> {
-    for it in &report.violations {
-        let at = moment(&it.at, report, unit);
-        let (what, more) = match &it.what {
+    for violation in &report.violations {
+        let at = moment(&violation.at, report, unit);
+        let (what, more) = match &violation.what {
             Violated::Check { check } => {
                 let check = &report.checks[*check];
                 (title(check), times(check.violations))
@@ -331,7 +337,7 @@ fn table(out: &mut impl Write, head: &[&str], rows: &[Vec<String>]) -> std::io::
     let texts = if head[0] == "verdict" { 2 } else { 1 };
     let widths: Vec<usize> = (0..head.len())
         .map(|column| {
-            let cells = rows.iter().map(|it| it[column].chars().count());
+            let cells = rows.iter().map(|row| row[column].chars().count());
             let most = cells.max().unwrap_or(0);
             // Empty columns are left out.
             if most == 0 {

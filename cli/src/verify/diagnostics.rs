@@ -43,16 +43,17 @@ impl ScenarioDiagnostics {
         checks: &[&str],
     ) -> anyhow::Result<ScenarioDiagnostics> {
         let option = Utf8PathBuf::from("--check");
-        let found = all.iter().filter_map(|it| {
-            let mut out = Level::apply(&session.severity, problem.diagnostic(it))?;
-            let after = it.range.start.checked_sub(problem.text.len());
+        let found = all.iter().filter_map(|diagnostic| {
+            let mut out = Level::apply(&session.severity, problem.diagnostic(diagnostic))?;
+            let after = diagnostic.range.start.checked_sub(problem.text.len());
             if let Some(start) = after.filter(|_| !checks.is_empty()) {
                 out.path = option.clone();
-                out.range = start..start + it.range.len();
+                out.range = start..start + diagnostic.range.len();
             }
             Some(out)
         });
-        let (of_checks, of_files) = found.partition::<Vec<_>, _>(|it| it.path == option);
+        let (of_checks, of_files) =
+            found.partition::<Vec<_>, _>(|diagnostic| diagnostic.path == option);
         let mut out = ScenarioDiagnostics::about(session, problem, of_files)?;
         out.found.extend(of_checks);
         let lines = Lines::new(checks.join("\n").into(), Encoding::Utf16);
@@ -62,9 +63,9 @@ impl ScenarioDiagnostics {
 
     /// Prints the diagnostics on standard error.
     pub(crate) fn print(mut self) -> anyhow::Result<()> {
-        for it in &mut self.found {
-            if it.related.len() > PLACES {
-                it.related.clear();
+        for diagnostic in &mut self.found {
+            if diagnostic.related.len() > PLACES {
+                diagnostic.related.clear();
             }
         }
         report::text::print_to_stderr(&self.found, &self.texts)

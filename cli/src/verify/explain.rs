@@ -7,8 +7,8 @@ use dotgen_timing::reduction_use::ReductionUse;
 
 const TITLE: Style = Style::new().bold();
 
-pub(super) fn print(out: &mut impl Write, it: &ReductionUse) -> anyhow::Result<()> {
-    let lines = it.lines();
+pub(super) fn print(out: &mut impl Write, reduction: &ReductionUse) -> anyhow::Result<()> {
+    let lines = reduction.lines();
     if lines.is_empty() {
         writeln!(
             out,

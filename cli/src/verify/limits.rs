@@ -35,37 +35,39 @@ pub(super) fn found(
     let (problem, options, report) = (&answer.problem, &answer.options, &answer.report);
     let mut repairs = changes::Repairs::default();
     during("looking for repairs", &mut |tell| {
-        let trying = |it: RepairProgress| {
+        let trying = |progress: RepairProgress| {
             tell(Activity {
-                what: format!("trying {}", it.trying),
-                how_far: format!("{} of {}", it.done + 1, it.of),
+                what: format!("trying {}", progress.trying),
+                how_far: format!("{} of {}", progress.done + 1, progress.of),
             });
         };
-        let found = |it: &Repair| print(&|out| lines.repair(out, it));
+        let found = |repair: &Repair| print(&|out| lines.repair(out, repair));
         repairs = changes::repairs(problem, options, report, (cancel, None), (&trying, &found));
     });
     print(&|out| lines.repaired(out, &repairs));
     print(&|out| lines.heading(out));
     let mut sensitivity = None;
     during("looking for limits", &mut |tell| {
-        let told = |it: InterimResult| match it {
-            InterimResult::Asking(it) => tell(Activity {
-                what: format!("looking for {}", it.asking),
-                how_far: format!("{} of {}", it.done + 1, it.of),
+        let told = |interim_result: InterimResult| match interim_result {
+            InterimResult::Asking(progress) => tell(Activity {
+                what: format!("looking for {}", progress.asking),
+                how_far: format!("{} of {}", progress.done + 1, progress.of),
             }),
-            InterimResult::Cores(it) => print(&|out| lines.cores(out, it)),
-            InterimResult::Wcet(it) => print(&|out| lines.extreme(out, "largest WCET", it)),
-            InterimResult::Period(it) => print(&|out| lines.extreme(out, "smallest period", it)),
+            InterimResult::Cores(core) => print(&|out| lines.cores(out, core)),
+            InterimResult::Wcet(wcet) => print(&|out| lines.extreme(out, "largest WCET", wcet)),
+            InterimResult::Period(period) => {
+                print(&|out| lines.extreme(out, "smallest period", period))
+            }
         };
         // Errors of the scenario were reported.
         sensitivity = problem.sensitivity(options, cancel, &told).ok();
     });
-    if let Some(it) = &sensitivity {
-        print(&|out| lines.ending(out, it));
+    if let Some(sensitivity) = &sensitivity {
+        print(&|out| lines.ending(out, sensitivity));
     }
-    let edit = |it: &Repair| {
+    let edit = |repair: &Repair| {
         session.ask(&problem.path, |analysis| {
-            changes::edit(analysis, problem, &it.change)
+            changes::edit(analysis, problem, &repair.change)
         })
     };
     Ok(Slacks {

@@ -28,7 +28,7 @@ pub(super) fn during<R>(
     doing: &str,
     work: impl FnOnce(&(dyn Fn(Activity) + Sync)) -> R,
 ) -> R {
-    let dumb = std::env::var_os("TERM").is_some_and(|it| it == "dumb");
+    let dumb = std::env::var_os("TERM").is_some_and(|variable| variable == "dumb");
     if dumb || !std::io::stderr().is_terminal() {
         return work(&|_| {});
     }
@@ -63,8 +63,8 @@ impl Drop for End<'_> {
     }
 }
 
-fn lock<T>(it: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    it.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Shared {

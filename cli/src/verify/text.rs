@@ -37,21 +37,25 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
         answer.file(),
     )?;
     // Without any execution time, the table is sufficient.
-    let is_nothing = |it: &FirstAnswer| it.outcome == Outcome::Nothing;
+    let is_nothing = |answer: &FirstAnswer| answer.outcome == Outcome::Nothing;
     if !answer.first.iter().all(is_nothing) {
         writeln!(out)?;
-        let width = answer.first.iter().map(|it| it.assuming.len()).max();
+        let width = answer
+            .first
+            .iter()
+            .map(|answer| answer.assuming.len())
+            .max();
         let width = width.unwrap_or_default();
-        for it in &answer.first {
-            let open = match it.open.is_empty() {
+        for answer in &answer.first {
+            let open = match answer.open.is_empty() {
                 true => String::new(),
-                false => format!(": {}", it.open.join(", ")),
+                false => format!(": {}", answer.open.join(", ")),
             };
             writeln!(
                 out,
                 "  {:<width$}  {}{open}",
-                it.assuming,
-                it.outcome.counted()
+                answer.assuming,
+                answer.outcome.counted()
             )?;
         }
         writeln!(out, "  any client:")?;
@@ -68,8 +72,8 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
             if number == 1 { "\n" } else { "" }
         )?;
     }
-    for it in &view.checks {
-        let check = it.report;
+    for seen in &view.checks {
+        let check = seen.report;
         let (events, remark) = match check.counterexample.is_empty() {
             true => (
                 &check.possible_run,
@@ -80,23 +84,25 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
         if events.is_empty() {
             continue;
         }
-        let style = style(it.outcome);
-        let word = it.outcome.word();
-        writeln!(out, "\n{style}{word}{style:#} {}{remark}", it.title())?;
+        let style = style(seen.outcome);
+        let word = seen.outcome.word();
+        writeln!(out, "\n{style}{word}{style:#} {}{remark}", seen.title())?;
         run(out, events, check.cycle, unit, explained)?;
-        let requests = events.iter().filter(|it| it.kind == MomentKind::Request);
-        let requests: Vec<&str> = requests.map(|it| it.what.as_str()).collect();
+        let requests = events
+            .iter()
+            .filter(|event| event.kind == MomentKind::Request);
+        let requests: Vec<&str> = requests.map(|request| request.what.as_str()).collect();
         if !requests.is_empty() {
             labelled(out, "requests", &requests.join(", then "))?;
         }
-        if let Some(cause) = &it.cause {
+        if let Some(cause) = &seen.cause {
             labelled(out, "cause", cause)?;
         }
-        if let Some(remedy) = &it.remedy {
+        if let Some(remedy) = &seen.remedy {
             labelled(out, "help", remedy)?;
         }
-        for it in &it.reason {
-            labelled(out, "because", it)?;
+        for reason in &seen.reason {
+            labelled(out, "because", reason)?;
         }
     }
     Ok(())
@@ -114,32 +120,32 @@ pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
     let (report, view) = (&answer.report, answer.view());
     if !report.assumptions.is_empty() {
         writeln!(out, "\n{TITLE}assuming{TITLE:#}")?;
-        for it in &report.assumptions {
-            writeln!(out, "  - {it}")?;
+        for assumption in &report.assumptions {
+            writeln!(out, "  - {assumption}")?;
         }
     }
-    for it in &report.notes {
-        writeln!(out, "{TITLE}note{TITLE:#}: {it}")?;
+    for note in &report.notes {
+        writeln!(out, "{TITLE}note{TITLE:#}: {note}")?;
     }
-    if let Some(it) = advice::of_report(report, &answer.problem, advice::Names::Options) {
-        writeln!(out, "\n{TITLE}help{TITLE:#}: {it}")?;
+    if let Some(report) = advice::of_report(report, &answer.problem, advice::Names::Options) {
+        writeln!(out, "\n{TITLE}help{TITLE:#}: {report}")?;
     }
     let count = |outcome| {
         view.checks
             .iter()
-            .filter(|it| it.outcome == outcome)
+            .filter(|check| check.outcome == outcome)
             .count()
     };
     let counts: Vec<String> = Outcome::ALL
         .into_iter()
-        .filter(|&it| count(it) > 0)
-        .map(|it| format!("{} {}", count(it), it.counted()))
+        .filter(|&outcome| count(outcome) > 0)
+        .map(|outcome| format!("{} {}", count(outcome), outcome.counted()))
         .collect();
     let counts = match counts.is_empty() {
         true => "nothing checked".to_owned(),
         false => counts.join(", "),
     };
-    let by_analysis = report.checks.iter().any(|it| it.by.is_some());
+    let by_analysis = report.checks.iter().any(|check| check.by.is_some());
     let how = match report.states {
         0 if by_analysis && !report.unknown() => "by analysis".to_owned(),
         states => format!("{states} states"),
@@ -165,7 +171,7 @@ pub(super) struct Limits {
 impl Limits {
     pub(super) fn of(answer: &Answer) -> Limits {
         let table = blocking::table(&answer.problem, &answer.options);
-        let width = table.iter().map(|it| it.codel.path.len()).max();
+        let width = table.iter().map(|row| row.codel.path.len()).max();
         Limits {
             unit: TimeUnit::of(&answer.settings()),
             width: width.unwrap_or_default(),
@@ -173,8 +179,8 @@ impl Limits {
     }
 
     /// Prints a change that repairs the system.
-    pub(super) fn repair(&self, out: &mut dyn Write, it: &Repair) -> std::io::Result<()> {
-        writeln!(out, "  {TITLE}repair{TITLE:#} {}", it.words)
+    pub(super) fn repair(&self, out: &mut dyn Write, repair: &Repair) -> std::io::Result<()> {
+        writeln!(out, "  {TITLE}repair{TITLE:#} {}", repair.words)
     }
 
     /// Prints the smallest of several changes, and a note if not all were tried.
@@ -192,8 +198,8 @@ impl Limits {
         writeln!(out, "\n{TITLE}with every deadline met{TITLE:#}")
     }
 
-    pub(super) fn cores(&self, out: &mut dyn Write, it: &MinimumCores) -> std::io::Result<()> {
-        match it.cores {
+    pub(super) fn cores(&self, out: &mut dyn Write, minimum: &MinimumCores) -> std::io::Result<()> {
+        match minimum.cores {
             Some(cores) => writeln!(out, "  smallest number of cores: {cores}"),
             None => writeln!(out, "  smallest number of cores: none was found"),
         }
@@ -204,15 +210,15 @@ impl Limits {
         &self,
         out: &mut dyn Write,
         what: &str,
-        it: &Extreme,
+        limit: &Extreme,
     ) -> std::io::Result<()> {
-        let (extreme, remark) = summary::extreme(it, self.unit);
-        let now = self.unit.show_value(it.now);
+        let (extreme, remark) = summary::extreme(limit, self.unit);
+        let now = self.unit.show_value(limit.now);
         let remark = match remark {
             "" => String::new(),
             remark => format!(", {remark}"),
         };
-        let (of, width) = (&it.of, self.width);
+        let (of, width) = (&limit.of, self.width);
         writeln!(
             out,
             "  {what:<15} {of:<width$}  {extreme} {FAINT}(now {now}{remark}){FAINT:#}"
@@ -220,12 +226,16 @@ impl Limits {
     }
 
     /// Prints the most critical value, and a note if something is missing.
-    pub(super) fn ending(&self, out: &mut dyn Write, it: &Sensitivity) -> std::io::Result<()> {
-        if let Some(next) = &it.next_to_break {
+    pub(super) fn ending(
+        &self,
+        out: &mut dyn Write,
+        sensitivity: &Sensitivity,
+    ) -> std::io::Result<()> {
+        if let Some(next) = &sensitivity.next_to_break {
             let next = summary::next_to_break(next, self.unit);
             writeln!(out, "  next to break: {next}")?;
         }
-        match it.incomplete {
+        match sensitivity.incomplete {
             true => writeln!(
                 out,
                 "  {FAINT}given up here: time is up, or it was interrupted{FAINT:#}"
@@ -280,15 +290,15 @@ fn shared_remarks(rows: &mut [Row]) -> Vec<String> {
         if remark.len() <= LONG || shared.contains(&remark) {
             continue;
         }
-        if rows[at + 1..].iter().any(|it| it.remark == remark) {
+        if rows[at + 1..].iter().any(|row| row.remark == remark) {
             shared.push(remark);
         }
     }
     for row in rows {
         row.shared = shared
             .iter()
-            .position(|it| *it == row.remark)
-            .map(|it| it + 1);
+            .position(|remark| *remark == row.remark)
+            .map(|index| index + 1);
     }
     shared
 }
@@ -306,17 +316,17 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
         return Ok(());
     }
     let width = |head: &str, cell: fn(&Row) -> &String| {
-        let cells = rows.iter().map(|it| cell(it).chars().count());
+        let cells = rows.iter().map(|row| cell(row).chars().count());
         cells
             .max()
-            .map_or(0, |it| if it == 0 { 0 } else { it.max(head.len()) })
+            .map_or(0, |cell| if cell == 0 { 0 } else { cell.max(head.len()) })
     };
-    let (check, of) = (width("check", |it| &it.check), width("of", |it| &it.of));
+    let (check, of) = (width("check", |row| &row.check), width("of", |row| &row.of));
     let (value, limit) = (
-        width("value", |it| &it.value),
-        width("limit", |it| &it.limit),
+        width("value", |row| &row.value),
+        width("limit", |row| &row.limit),
     );
-    let slack = width("slack", |it| &it.slack);
+    let slack = width("slack", |row| &row.slack);
     // Empty columns are left out.
     let right = |text: &str, width: usize| match width {
         0 => String::new(),
@@ -373,7 +383,7 @@ enum Line {
 impl Line {
     fn last(&self) -> usize {
         match *self {
-            Line::Step(it) | Line::Again(_, it) => it,
+            Line::Step(step) | Line::Again(_, step) => step,
         }
     }
 }
@@ -404,8 +414,8 @@ fn run(
     let shown = lines
         .iter()
         .enumerate()
-        .filter(|it| !left_out.contains(&it.0));
-    let steps = shown.filter_map(|it| match it.1 {
+        .filter(|pair| !left_out.contains(&pair.0));
+    let steps = shown.filter_map(|pair| match pair.1 {
         Line::Step(step) => Some(*step),
         Line::Again(..) => None,
     });
@@ -415,9 +425,9 @@ fn run(
     for (i, line) in lines.iter().enumerate() {
         if i == left_out.start && !left_out.is_empty() {
             let (from, to) = (lines[i - 1].last(), lines[left_out.end - 1].last());
-            let cycle = cycle.filter(|it| (from + 1..=to).contains(it));
-            let cycle = cycle.map_or(String::new(), |it| {
-                format!("; what goes on for ever begins at {}", time(it))
+            let cycle = cycle.filter(|cycle| (from + 1..=to).contains(cycle));
+            let cycle = cycle.map_or(String::new(), |cycle| {
+                format!("; what goes on for ever begins at {}", time(cycle))
             });
             writeln!(
                 out,
@@ -438,30 +448,30 @@ fn run(
                 continue;
             }
         };
-        let it = &events[step];
+        let event = &events[step];
         if cycle == Some(step) {
             writeln!(out, "  {FAINT}from here on for ever:{FAINT:#}")?;
         }
-        let at = if before == Some(it.time) {
+        let at = if before == Some(event.time) {
             String::new()
         } else {
             time(step)
         };
-        before = Some(it.time);
-        let style = match it.kind {
+        before = Some(event.time);
+        let style = match event.kind {
             MomentKind::Wait => AnsiColor::Yellow.on_default(),
             MomentKind::Excess => AnsiColor::Red.on_default(),
             MomentKind::Tick | MomentKind::Release | MomentKind::Grant => FAINT,
             _ => Style::new(),
         };
         let rule = match explained {
-            true => format!("  {FAINT}[{}]{FAINT:#}", rule(it.kind)),
+            true => format!("  {FAINT}[{}]{FAINT:#}", rule(event.kind)),
             false => String::new(),
         };
         writeln!(
             out,
             "  {at:>time_width$}  {:<who_width$}  {style}{}{style:#}{rule}",
-            it.thread, it.what
+            event.thread, event.what
         )?;
     }
     Ok(())
@@ -470,6 +480,6 @@ fn run(
 /// Returns the name of the rule of a step, as in JSON and `docs/verification.md`.
 fn rule(kind: MomentKind) -> String {
     let word = serde_json::to_value(kind).ok();
-    let word = word.as_ref().and_then(|it| it.as_str());
+    let word = word.as_ref().and_then(|word| word.as_str());
     word.unwrap_or_default().to_owned()
 }

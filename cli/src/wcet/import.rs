@@ -160,8 +160,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 /// Returns the only specification of the current directory.
 fn only_specification() -> anyhow::Result<Utf8PathBuf> {
     let entries = std::fs::read_dir(".")?.flatten();
-    let paths = entries.filter_map(|it| Utf8PathBuf::from_path_buf(it.path()).ok());
-    let mut all = paths.filter(|it| it.extension() == Some("gen") && it.is_file());
+    let paths = entries.filter_map(|entry| Utf8PathBuf::from_path_buf(entry.path()).ok());
+    let mut all = paths.filter(|path| path.extension() == Some("gen") && path.is_file());
     match (all.next(), all.next()) {
         (Some(only), None) => Ok(only),
         (None, _) => bail!("no specification is here: name one (.gen), or a scenario (.scn)"),
@@ -183,7 +183,7 @@ fn answer(
     let mut rows = Vec::new();
     // A declaration applies to all of its states: the greatest time counts.
     let mut greatest: BTreeMap<(usize, CodelRef), i64> = BTreeMap::new();
-    for (site, measure) in found.sites.iter().filter(|it| it.1.runs > 0) {
+    for (site, measure) in found.sites.iter().filter(|site| site.1.runs > 0) {
         let entry = greatest.entry((site.component, site.codel)).or_default();
         *entry = measure.greatest.max(*entry);
     }
@@ -204,9 +204,9 @@ fn answer(
             .flatten();
         let declared = match of_scenario {
             Some(upper) => upper,
-            None => codel.wcet.as_ref().map(|it| it.value),
+            None => codel.wcet.as_ref().map(|wcet| wcet.value),
         };
-        let proposed = of.map(|it| micros(it, arguments.margin));
+        let proposed = of.map(|number| micros(number, arguments.margin));
         // A duration without an upper bound is greater than any other.
         let endless = of_scenario == Some(None);
         let decision = match endless && proposed.is_some() && !arguments.replace {
@@ -218,7 +218,7 @@ fn answer(
         }
         let unit = problem.units.get(member.spec_index);
         rows.push(Row {
-            place: unit.and_then(|it| it.locations.locate(codel.node)),
+            place: unit.and_then(|unit| unit.locations.locate(codel.node)),
             path,
             function: codel.name.to_string(),
             measure,
@@ -227,14 +227,14 @@ fn answer(
             decision,
         });
     }
-    let is_measured = rows.iter().any(|it| it.measure.runs > 0);
+    let is_measured = rows.iter().any(|row| row.measure.runs > 0);
     ensure!(
         is_measured || found.simulated.is_empty(),
         "these times were simulated, not measured: nothing to import; run the codels with `dotgen run --clock \
          real --profile FILE`"
     );
     if !is_measured {
-        let strays: u64 = found.strays.iter().map(|it| it.2).sum();
+        let strays: u64 = found.strays.iter().map(|stray| stray.2).sum();
         let why = match (strays, measured.left.total()) {
             (0, 0) => "the log is empty".to_owned(),
             (0, n) => format!("none of its {n} lines is one of a codel"),
@@ -277,7 +277,7 @@ fn answer(
                 continue;
             };
             let mut components = unit.spec.components.iter();
-            let place = components.position(|it| std::ptr::eq(it, member.component));
+            let place = components.position(|component| std::ptr::eq(component, member.component));
             if let (true, Some(place)) = (member.spec_index == index, place) {
                 of_unit.push(NewWcet {
                     component: place as u32,
@@ -293,23 +293,23 @@ fn answer(
     let mut all: Vec<FileEdit> = Vec::new();
     for (unit, of_unit) in problem.units.iter().zip(&of_units) {
         let written = edits::specification(unit, &text, of_unit, form);
-        let known = |it: &(String, Refusal)| answer.refused.contains(it);
+        let known = |pair: &(String, Refusal)| answer.refused.contains(pair);
         let fresh: Vec<_> = written
             .refused
             .into_iter()
-            .filter(|it| !known(it))
+            .filter(|ty| !known(ty))
             .collect();
         answer.refused.extend(fresh);
         all.extend(written.edits);
     }
     // A file that several specifications include is edited once.
     all.sort_by(|a, b| {
-        let key = |it: &FileEdit| {
+        let key = |edit: &FileEdit| {
             (
-                it.path.clone(),
-                it.range.start,
-                it.range.end,
-                it.new_text.clone(),
+                edit.path.clone(),
+                edit.range.start,
+                edit.range.end,
+                edit.new_text.clone(),
             )
         };
         key(a).cmp(&key(b))
@@ -318,7 +318,7 @@ fn answer(
     for edits in all.chunk_by(|a, b| a.path == b.path) {
         let Some(first) = edits.first() else { continue };
         // Several pragmas may stand at one place, such as the end of a file.
-        let apart = |it: &[FileEdit]| match it {
+        let apart = |edits: &[FileEdit]| match edits {
             [a, b] => {
                 let lines = form == WcetForm::Pragma && a.range.is_empty();
                 a.range.end <= b.range.start && (lines || a.range != b.range)
@@ -343,50 +343,50 @@ fn answer(
 /// Gives each shared declaration the greatest time of all specifications that include it, such as that of an
 /// interface. The same holds for a function with several uses, because a pragma applies to a function.
 fn unify_declarations(units: &[UnitResult], wanted: &mut [Vec<NewWcet>]) {
-    let place = |unit: &UnitResult, it: &NewWcet| {
-        let codel = (unit.spec.components.get(it.component as usize)?).codel(it.codel);
+    let place = |unit: &UnitResult, wcet: &NewWcet| {
+        let codel = (unit.spec.components.get(wcet.component as usize)?).codel(wcet.codel);
         let place = unit.locations.locate(codel.node)?;
         Some((codel.name.to_string(), (place.path, place.range.start)))
     };
     type Place = (Utf8PathBuf, usize);
     let mut of_places: BTreeMap<Place, (BTreeSet<usize>, String)> = BTreeMap::new();
     for (number, (unit, wanted)) in units.iter().zip(&*wanted).enumerate() {
-        for (function, place) in wanted.iter().filter_map(|it| place(unit, it)) {
+        for (function, place) in wanted.iter().filter_map(|wcet| place(unit, wcet)) {
             let entry = of_places
                 .entry(place)
                 .or_insert((BTreeSet::new(), function));
             entry.0.insert(number);
         }
     }
-    let shared = of_places.into_values().filter(|it| it.0.len() > 1);
-    let shared: BTreeSet<String> = shared.map(|it| it.1).collect();
+    let shared = of_places.into_values().filter(|place| place.0.len() > 1);
+    let shared: BTreeSet<String> = shared.map(|place| place.1).collect();
     let mut greatest: BTreeMap<&str, u64> = BTreeMap::new();
-    let name = |unit: &UnitResult, it: &NewWcet| {
-        let name = place(unit, it).map(|it| it.0)?;
+    let name = |unit: &UnitResult, wcet: &NewWcet| {
+        let name = place(unit, wcet).map(|place| place.0)?;
         shared.get(&name).map(String::as_str)
     };
     for (unit, wanted) in units.iter().zip(&*wanted) {
-        for it in wanted {
-            if let Some(name) = name(unit, it) {
+        for wcet in wanted {
+            if let Some(name) = name(unit, wcet) {
                 let entry = greatest.entry(name).or_default();
-                *entry = it.micros.max(*entry);
+                *entry = wcet.micros.max(*entry);
             }
         }
     }
     for (unit, wanted) in units.iter().zip(wanted) {
-        for it in wanted {
-            let most = name(unit, it).and_then(|it| greatest.get(it));
-            it.micros = most.map_or(it.micros, |&most| most.max(it.micros));
+        for wcet in wanted {
+            let most = name(unit, wcet).and_then(|name| greatest.get(name));
+            wcet.micros = most.map_or(wcet.micros, |&most| most.max(wcet.micros));
         }
     }
 }
 
 /// Returns the upper bound that a scenario gives a codel, if there is one.
 fn declared_bound(scenario: &Scenario, codel: &str) -> Option<Option<Seconds>> {
-    scenario.items.iter().find_map(|it| match it {
+    scenario.items.iter().find_map(|item| match item {
         Item::Duration(path, interval, unit) if path.text() == codel => {
             let upper = interval.upper;
-            Some(upper.map(|it| unit.seconds() * Ratio::from_integer(i128::from(it))))
+            Some(upper.map(|number| unit.seconds() * Ratio::from_integer(i128::from(number))))
         }
         _ => None,
     })
@@ -425,22 +425,23 @@ fn check_unit(
         files: files.collect(),
         ..Change::default()
     });
-    let new = session.ask(root, |it| it.root_unit(root))?;
+    let new = session.ask(root, |analysis| analysis.root_unit(root))?;
     let errors = |unit: &UnitResult| {
         let all = unit.diagnostics.iter();
-        all.filter(|it| it.severity == Severity::Error).count()
+        all.filter(|diagnostic| diagnostic.severity == Severity::Error)
+            .count()
     };
-    let refused = |name: &str| answer.refused.iter().any(|it| it.0 == name);
-    for it in wanted {
-        let component = new.spec.components.get(it.component as usize);
-        let Some(component) = component.filter(|of| of.all_codels().any(|one| one == it.codel))
+    let refused = |name: &str| answer.refused.iter().any(|entry| entry.0 == name);
+    for wcet in wanted {
+        let component = new.spec.components.get(wcet.component as usize);
+        let Some(component) = component.filter(|of| of.all_codels().any(|one| one == wcet.codel))
         else {
             bail!("writing the times would change the specification; nothing was written");
         };
-        let codel = component.codel(it.codel);
-        let time = codel.wcet.as_ref().map(|it| it.value);
+        let codel = component.codel(wcet.codel);
+        let time = codel.wcet.as_ref().map(|quantity| quantity.value);
         // A pragma for several uses has the greatest time.
-        if !refused(&codel.name) && time.is_none_or(|time| time < seconds(it.micros)) {
+        if !refused(&codel.name) && time.is_none_or(|time| time < seconds(wcet.micros)) {
             bail!(
                 "the time of `{}` cannot be written where it is declared; write it by hand",
                 codel.name

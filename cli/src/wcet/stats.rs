@@ -59,8 +59,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     let text = match arguments.format {
         Format::Sum => {
-            for it in told(&collector.left) {
-                report::note(&it);
+            for text in told(&collector.left) {
+                report::note(&text);
             }
             let text = lines(&groups);
             // In a pipe, names are not escaped.
@@ -86,28 +86,31 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 fn print(groups: &[Group], left: &SkippedLines) -> anyhow::Result<Outcome> {
     let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
     let mut rows = vec![["", "runs", "least", "greatest", "mean", "deviation"].map(str::to_owned)];
-    for it in groups {
-        let depth = it.key.len();
+    for group in groups {
+        let depth = group.key.len();
         let name = match depth {
-            2 => it.key.join(" "),
-            _ => it.key.last().cloned().unwrap_or_default(),
+            2 => group.key.join(" "),
+            _ => group.key.last().cloned().unwrap_or_default(),
         };
         let name = match name.is_empty() {
             true => "(missing)".to_owned(),
             false => name,
         };
-        let function = it.function.as_ref().filter(|it| !it.is_empty());
-        let function = function.map_or(String::new(), |it| format!(" ({it})"));
+        let function = group
+            .function
+            .as_ref()
+            .filter(|function| !function.is_empty());
+        let function = function.map_or(String::new(), |function| format!(" ({function})"));
         let indent = "  ".repeat(depth.saturating_sub(2));
         let name = terminal::text(&format!("{name}{function}")).into_owned();
-        rows.push(row(format!("{indent}{name}"), &it.execution));
-        if let Some(cycle) = it.cycle.as_ref().filter(|_| depth == 3) {
+        rows.push(row(format!("{indent}{name}"), &group.execution));
+        if let Some(cycle) = group.cycle.as_ref().filter(|_| depth == 3) {
             rows.push(row(format!("{indent}  cycles"), cycle));
         }
     }
     table(&mut out, &rows)?;
-    for it in told(left) {
-        writeln!(out, "{it}")?;
+    for text in told(left) {
+        writeln!(out, "{text}")?;
     }
     Ok(Outcome::Fine)
 }
@@ -131,7 +134,7 @@ pub(crate) fn table<const N: usize>(
     rows: &[[String; N]],
 ) -> std::io::Result<()> {
     let width = |column: usize| {
-        let widths = rows.iter().map(|it| it[column].chars().count());
+        let widths = rows.iter().map(|row| row[column].chars().count());
         widths.max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..N).map(width).collect();

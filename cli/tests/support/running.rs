@@ -12,12 +12,12 @@ use crate::directory::{Directory, stderr, stdout};
 
 /// Whether there are compilers.
 pub(crate) fn compilers() -> bool {
-    ["cc", "c++"].iter().all(|it| {
-        let mut command = Command::new(it);
+    ["cc", "c++"].iter().all(|compiler| {
+        let mut command = Command::new(compiler);
         command.arg("--version").stdout(Stdio::null());
-        let known = command.status().is_ok_and(|it| it.success());
+        let known = command.status().is_ok_and(|status| status.success());
         if !known {
-            eprintln!("skipped: there is no {it}");
+            eprintln!("skipped: there is no {compiler}");
         }
         known
     })
@@ -60,15 +60,15 @@ genom_event {name}_last(int32_t *n, const genom_context self) {{ return {name}_e
 
 pub(crate) fn json_of(output: &Output) -> Value {
     let text = stdout(output);
-    serde_json::from_str(&text).unwrap_or_else(|it| panic!("{it}: {text}{}", stderr(output)))
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text}{}", stderr(output)))
 }
 
 /// Processes whose words name something of a directory.
 pub(crate) fn processes(directory: &Directory) -> Vec<String> {
     let hosts = hosts(directory).into_iter();
-    let words = hosts.filter_map(|it| std::fs::read(format!("/proc/{it}/cmdline")).ok());
+    let words = hosts.filter_map(|host| std::fs::read(format!("/proc/{host}/cmdline")).ok());
     words
-        .map(|it| String::from_utf8_lossy(&it).replace('\0', " "))
+        .map(|word| String::from_utf8_lossy(&word).replace('\0', " "))
         .collect()
 }
 
@@ -76,9 +76,9 @@ pub(crate) fn processes(directory: &Directory) -> Vec<String> {
 pub(crate) fn hosts(directory: &Directory) -> Vec<u32> {
     let path = directory.path().to_str().expect("it is text");
     let all = std::fs::read_dir("/proc").expect("Linux has it").flatten();
-    let numbers = all.filter_map(|it| it.file_name().to_str()?.parse().ok());
-    let is_host = |it: &u32| {
-        let words = std::fs::read(format!("/proc/{it}/cmdline")).unwrap_or_default();
+    let numbers = all.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+    let is_host = |number: &u32| {
+        let words = std::fs::read(format!("/proc/{number}/cmdline")).unwrap_or_default();
         let words = String::from_utf8_lossy(&words).into_owned();
         words.contains("-run.so") && words.contains(path)
     };
@@ -87,7 +87,7 @@ pub(crate) fn hosts(directory: &Directory) -> Vec<u32> {
 
 pub(crate) fn violation<'r>(report: &'r Value, kind: &str) -> &'r Value {
     let all = report["violations"].as_array().expect("a list");
-    let found = all.iter().find(|it| it["kind"] == kind);
+    let found = all.iter().find(|violation| violation["kind"] == kind);
     found.unwrap_or_else(|| panic!("no {kind}: {report:#}"))
 }
 
@@ -132,8 +132,8 @@ const EXIT_TIMEOUT: Duration = Duration::from_secs(20);
 pub(crate) fn soon<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {
-        if let Some(it) = ask() {
-            return it;
+        if let Some(ask) = ask() {
+            return ask;
         }
         assert!(begin.elapsed() < EXIT_TIMEOUT, "not in time: {what}");
         std::thread::yield_now();
@@ -144,8 +144,8 @@ pub(crate) fn soon<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
 pub(crate) fn ended(child: &mut Child) -> ExitStatus {
     let begin = Instant::now();
     loop {
-        if let Some(it) = child.try_wait().expect("it is a child") {
-            return it;
+        if let Some(wait) = child.try_wait().expect("it is a child") {
+            return wait;
         }
         if begin.elapsed() > EXIT_TIMEOUT {
             let _ = child.kill();
@@ -160,7 +160,7 @@ pub(crate) fn ended(child: &mut Child) -> ExitStatus {
 pub(crate) fn signal(name: &str, process: u32) {
     let mut kill = Command::new("kill");
     let status = kill.args([name, &process.to_string()]).status();
-    assert!(status.is_ok_and(|it| it.success()));
+    assert!(status.is_ok_and(|status| status.success()));
 }
 
 /// Runs a script of `tests/hosted` with the Python client. The run listens at `s` in the directory.

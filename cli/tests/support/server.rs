@@ -22,7 +22,7 @@ impl Server {
     pub(crate) fn start_with(params: Value, environment: &[(&str, &std::path::Path)]) -> Server {
         let mut server = Server::raw(environment);
         server.send(json!({ "id": 0, "method": "initialize", "params": params }));
-        let answer = server.receive(|it| it["id"] == 0);
+        let answer = server.receive(|message| message["id"] == 0);
         assert_eq!(answer["result"]["serverInfo"]["name"], "dotgen");
         server.send(json!({ "method": "initialized", "params": {} }));
         server
@@ -53,7 +53,7 @@ impl Server {
     /// Asks something; the answer.
     pub(crate) fn request(&mut self, id: i64, method: &str, params: Value) -> Value {
         self.send(json!({ "id": id, "method": method, "params": params }));
-        self.receive(|it| it["id"] == id && it.get("method").is_none())
+        self.receive(|message| message["id"] == id && message.get("method").is_none())
     }
 
     /// Ends as the protocol wants it.
@@ -102,7 +102,8 @@ impl Server {
     }
 
     pub(crate) fn diagnostics(&mut self) -> Value {
-        let message = self.receive(|it| it["method"] == "textDocument/publishDiagnostics");
+        let message =
+            self.receive(|message| message["method"] == "textDocument/publishDiagnostics");
         message["params"]["diagnostics"].clone()
     }
 }

@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     fn shown(args: &[&str]) -> String {
-        let args: Vec<String> = args.iter().map(|it| (*it).to_owned()).collect();
+        let args: Vec<String> = args.iter().map(|argument| (*argument).to_owned()).collect();
         let mut out = String::new();
         let files = read(&args, |option, value| {
             match option {

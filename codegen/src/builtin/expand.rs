@@ -44,7 +44,7 @@ impl Expand for Local {
             let ask = Arc::clone(&self.ask);
             move |arguments: &[String]| {
                 let answer = ask(name, arguments);
-                answer.map_err(|it| Error::new(ErrorKind::InvalidOperation, it))
+                answer.map_err(|error| Error::new(ErrorKind::InvalidOperation, error))
             }
         };
         let diagram = function("diagram");
@@ -65,7 +65,10 @@ impl Expand for Local {
         jinja.set_fuel(Some(FUEL));
         jinja.set_auto_escape_callback(|_| minijinja::AutoEscape::None);
         let explain = |error: Error| {
-            let line = error.line().map(|it| format!(":{it}")).unwrap_or_default();
+            let line = error
+                .line()
+                .map(|index| format!(":{index}"))
+                .unwrap_or_default();
             format!("{name}{line}: {error:#}")
         };
         let template = jinja.template_from_named_str(name, text).map_err(explain)?;
@@ -76,9 +79,9 @@ impl Expand for Local {
 /// Seconds in a suitable unit.
 pub(super) fn duration(seconds: f64) -> String {
     let (number, unit) = match seconds {
-        it if it >= 1.0 || it == 0.0 => (it, "s"),
-        it if it >= 1e-3 => (it * 1e3, "ms"),
-        it => (it * 1e6, "µs"),
+        number if number >= 1.0 || number == 0.0 => (number, "s"),
+        number if number >= 1e-3 => (number * 1e3, "ms"),
+        number => (number * 1e6, "µs"),
     };
     let rounded = (number * 1e6).round() / 1e6;
     format!("{rounded} {unit}")
@@ -184,7 +187,7 @@ impl Remote {
         process.kill();
         let status = process
             .wait()
-            .map_or_else(|error| error.to_string(), |it| it.to_string());
+            .map_or_else(|error| error.to_string(), |wait| wait.to_string());
         format!(
             "stopped: rendering took more than {} MiB of memory, or failed in a way that it could not tell \
              ({status})",
@@ -201,9 +204,9 @@ impl Expand for Remote {
             text: text.to_owned(),
             own,
         })
-        .map_err(|it| format!("{name}: {it}"))?;
+        .map_err(|error| format!("{name}: {error}"))?;
         loop {
-            match self.receive().map_err(|it| format!("{name}: {it}"))? {
+            match self.receive().map_err(|error| format!("{name}: {error}"))? {
                 WorkerMessage::Done(text) => return Ok(text),
                 WorkerMessage::Failed(message) => return Err(message),
                 WorkerMessage::Ask(function, arguments) => {

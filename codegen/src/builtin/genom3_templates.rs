@@ -64,8 +64,8 @@ pub(super) fn template(disk: &dyn Disk, dir: &Path) -> Option<(&'static str, Rel
         .iter()
         .map(|byte| format!("{byte:02x}"))
         .collect();
-    let known = KNOWN.iter().find(|it| it.2 == digest);
-    known.map(|it| (it.0, it.1))
+    let known = KNOWN.iter().find(|triple| triple.2 == digest);
+    known.map(|triple| (triple.0, triple.1))
 }
 
 #[cfg(test)]

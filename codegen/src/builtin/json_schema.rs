@@ -20,22 +20,24 @@ pub(super) fn schema(spec: &Spec, component: &Component) -> Value {
     for service in &component.services {
         let params = |wanted: [ParamDir; 2], needed: bool| -> Vec<&Param> {
             let params = service.params.iter();
-            let params = params.filter(|it| wanted.contains(&it.dir));
-            params.filter(|it| !needed || it.init.is_none()).collect()
+            let params = params.filter(|param| wanted.contains(&param.dir));
+            params
+                .filter(|param| !needed || param.init.is_none())
+                .collect()
         };
         let input = params([ParamDir::In, ParamDir::Inout], false);
         let needed = params([ParamDir::In, ParamDir::Inout], true);
         let output = params([ParamDir::Out, ParamDir::Inout], false);
-        let needed = needed.iter().map(|it| it.name.as_str());
+        let needed = needed.iter().map(|param| param.name.as_str());
         let mut parts = Map::new();
         parts.insert("input".into(), types.params(&input, needed.collect()));
-        let given = output.iter().map(|it| it.name.as_str());
+        let given = output.iter().map(|param| param.name.as_str());
         parts.insert("output".into(), types.params(&output, given.collect()));
         let throws: Vec<Value> = component
             .throws
             .iter()
             .chain(&service.throws)
-            .map(|it| types.exception(*it))
+            .map(|exception| types.exception(*exception))
             .collect();
         if !throws.is_empty() {
             parts.insert("exception".into(), json!({ "oneOf": throws }));
@@ -45,19 +47,19 @@ pub(super) fn schema(spec: &Spec, component: &Component) -> Value {
             ServiceKind::Function => "function",
             ServiceKind::Activity => "activity",
         };
-        let mut it = json!({ "title": kind, "type": "object", "properties": parts,
+        let mut value = json!({ "title": kind, "type": "object", "properties": parts,
                              "additionalProperties": false });
-        describe(&mut it, service.doc.as_deref());
-        services.insert(service.name.to_string(), it);
+        describe(&mut value, service.doc.as_deref());
+        services.insert(service.name.to_string(), value);
     }
     let mut ports = Map::new();
     for port in &component.ports {
-        let mut it = types.of(port.data);
+        let mut value = types.of(port.data);
         if port.multiple {
-            it = json!({ "type": "object", "additionalProperties": it });
+            value = json!({ "type": "object", "additionalProperties": value });
         }
-        describe(&mut it, port.doc.as_deref());
-        ports.insert(port.name.to_string(), it);
+        describe(&mut value, port.doc.as_deref());
+        ports.insert(port.name.to_string(), value);
     }
     let object = |properties: Map<String, Value>| json!({ "type": "object", "properties": properties, "additionalProperties": false });
     let mut out = json!({
@@ -73,7 +75,7 @@ pub(super) fn schema(spec: &Spec, component: &Component) -> Value {
 }
 
 fn describe(schema: &mut Value, doc: Option<&str>) {
-    if let Some(doc) = doc.filter(|it| !it.is_empty()) {
+    if let Some(doc) = doc.filter(|doc| !doc.is_empty()) {
         schema["description"] = json!(doc);
     }
 }
@@ -88,10 +90,10 @@ impl Types<'_> {
     fn params(&mut self, params: &[&Param], required: Vec<&str>) -> Value {
         let mut properties = Map::new();
         for param in params {
-            let mut it = self.of(param.ty);
-            let doc = param.init.as_ref().and_then(|it| it.doc.as_deref());
-            describe(&mut it, doc);
-            properties.insert(param.name.to_string(), it);
+            let mut value = self.of(param.ty);
+            let doc = param.init.as_ref().and_then(|init| init.doc.as_deref());
+            describe(&mut value, doc);
+            properties.insert(param.name.to_string(), value);
         }
         let mut out = json!({ "type": "object", "properties": properties,
                               "additionalProperties": false });
@@ -118,7 +120,7 @@ impl Types<'_> {
         let ty = self.spec.ty(id);
         let target = match &ty.kind {
             TypeKind::ForwardStruct { definition } | TypeKind::ForwardUnion { definition } => {
-                return definition.map_or_else(|| json!({}), |it| self.of(it));
+                return definition.map_or_else(|| json!({}), |definition| self.of(definition));
             }
             TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. } => {
                 return self.of(*ty);
@@ -168,21 +170,23 @@ impl Types<'_> {
                 "type": "array", "items": self.of(*element), "minItems": length, "maxItems": length,
             }),
             TypeKind::Sequence { element, bound } => {
-                let mut it = json!({ "type": "array", "items": self.of(*element) });
+                let mut schema = json!({ "type": "array", "items": self.of(*element) });
                 if let Some(bound) = bound {
-                    it["maxItems"] = json!(bound);
+                    schema["maxItems"] = json!(bound);
                 }
-                it
+                schema
             }
             TypeKind::Optional { element } => {
                 json!({ "anyOf": [self.of(*element), { "type": "null" }] })
             }
             TypeKind::Enum { enumerators } => {
                 let mut names: Vec<String> = Vec::new();
-                let full = enumerators.iter().filter_map(|it| spec.full_name(*it));
+                let full = enumerators
+                    .iter()
+                    .filter_map(|enumerator| spec.full_name(*enumerator));
                 let short = enumerators
                     .iter()
-                    .filter_map(|it| spec.ty(*it).name.as_ref());
+                    .filter_map(|enumerator| spec.ty(*enumerator).name.as_ref());
                 for name in full.chain(short.map(ToString::to_string)) {
                     if !names.contains(&name) {
                         names.push(name);

@@ -93,21 +93,23 @@ pub(super) fn run(
     let first = spec
         .components
         .iter()
-        .find(|it| it.kind == dotgen_analysis::model::ComponentKind::Component);
+        .find(|component| component.kind == dotgen_analysis::model::ComponentKind::Component);
     let language = options
         .language
-        .or_else(|| first.and_then(|it| it.lang.clone()))
+        .or_else(|| first.and_then(|component| component.lang.clone()))
         .ok_or("no default language, please set one with --language")?;
     let language =
         Language::from_name(&language).ok_or_else(|| format!("unsupported language {language}"))?;
     let mapper = Mapper::new(spec, &*compiled.places, language);
     let types =
-        (0..spec.types.len() as u32).map(|it| MapObject::Type(dotgen_analysis::model::TypeId(it)));
+        (0..spec.types.len() as u32).map(|ty| MapObject::Type(dotgen_analysis::model::TypeId(ty)));
     let mut objects: Vec<MapObject> = types.collect();
     if options.signatures {
         objects.extend(codels(spec));
     }
-    let mapping = mapper.mapping(&objects, true).map_err(|it| it.message)?;
+    let mapping = mapper
+        .mapping(&objects, true)
+        .map_err(|error| error.message)?;
     // The Tcl template expands its text through an 8-bit channel.
     let mapping = match for_template {
         true => tcl::low_bytes(&mapping),
@@ -126,7 +128,7 @@ pub(super) fn run(
         let rules: String = compiled
             .deps
             .iter()
-            .map(|it| format!("{target}: {it}\n{it}:\n"))
+            .map(|dependency| format!("{target}: {dependency}\n{dependency}:\n"))
             .collect();
         let file = options.file.unwrap_or_else(|| "out.d".into());
         let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
@@ -154,8 +156,8 @@ fn codels(spec: &Spec) -> Vec<MapObject> {
                 continue;
             }
             let codels = component.all_codels();
-            let own = codels.filter(|it| {
-                !of_interfaces || spec.body_of(component.codel(*it).src) == Some(index)
+            let own = codels.filter(|codel| {
+                !of_interfaces || spec.body_of(component.codel(*codel).src) == Some(index)
             });
             all.extend(own.map(|at| MapObject::Codel(index, at)));
         }

@@ -40,7 +40,7 @@ pub(super) fn stub(spec: &Spec, component: &Component) -> String {
     let taken = RESERVED_NAMES
         .iter()
         .chain(KEYWORDS)
-        .map(|it| (*it).to_owned());
+        .map(|reserved_name| (*reserved_name).to_owned());
     let mut types = Types {
         taken: taken.chain([class.clone()]).collect(),
         names: HashMap::new(),
@@ -57,7 +57,7 @@ pub(super) fn stub(spec: &Spec, component: &Component) -> String {
     let services: HashSet<&str> = component
         .services
         .iter()
-        .map(|it| it.name.as_str())
+        .map(|service| service.name.as_str())
         .collect();
     for port in &component.ports {
         let class = match port.dir {
@@ -87,10 +87,10 @@ fn class_name(component: &str) -> String {
     let mut out = String::new();
     for word in component.split('_') {
         let mut letters = word.chars();
-        out.extend(letters.next().map(|it| it.to_ascii_uppercase()));
+        out.extend(letters.next().map(|letter| letter.to_ascii_uppercase()));
         out.push_str(letters.as_str());
     }
-    match out.starts_with(|it: char| it.is_ascii_alphabetic())
+    match out.starts_with(|character: char| character.is_ascii_alphabetic())
         && !RESERVED_NAMES.contains(&out.as_str())
     {
         true => out,
@@ -100,7 +100,7 @@ fn class_name(component: &str) -> String {
 
 /// A docstring, if there is any text.
 fn doc(out: &mut String, doc: Option<&str>, indentation: &str) {
-    if let Some(doc) = doc.filter(|it| !it.is_empty()) {
+    if let Some(doc) = doc.filter(|doc| !doc.is_empty()) {
         *out += &format!("{indentation}{}\n", quoted(doc));
     }
 }
@@ -121,20 +121,31 @@ struct Types<'s> {
 impl Types<'_> {
     fn service(&mut self, service: &Service, out: &mut String) {
         let name = &service.name;
-        let inputs: Vec<&Param> = service.params.iter().filter(|it| is_input(it)).collect();
-        let outputs: Vec<&Param> = service.params.iter().filter(|it| is_output(it)).collect();
+        let inputs: Vec<&Param> = service
+            .params
+            .iter()
+            .filter(|param| is_input(param))
+            .collect();
+        let outputs: Vec<&Param> = service
+            .params
+            .iter()
+            .filter(|param| is_output(param))
+            .collect();
         let result = match outputs.as_slice() {
             [] => "None".to_owned(),
             [one] => self.of(one.ty),
             several => {
-                let members = several.iter().map(|it| (it.name.to_string(), it.ty));
+                let members = several
+                    .iter()
+                    .map(|param| (param.name.to_string(), param.ty));
                 let wanted = self.free(&format!("{name}_outputs"));
                 self.dictionary(&wanted, members.collect());
                 wanted
             }
         };
-        let plain = |it: &&Param| {
-            !KEYWORDS.contains(&it.name.as_str()) && !["self", "ack"].contains(&it.name.as_str())
+        let plain = |param: &&Param| {
+            !KEYWORDS.contains(&param.name.as_str())
+                && !["self", "ack"].contains(&param.name.as_str())
         };
         let parameters = match inputs.iter().all(plain) {
             true if inputs.is_empty() => "*, ".to_owned(),
@@ -142,7 +153,7 @@ impl Types<'_> {
                 // A missing input has its default value, or zero.
                 let all = inputs
                     .iter()
-                    .map(|it| format!("{}: {} = ..., ", it.name, self.of(it.ty)));
+                    .map(|input| format!("{}: {} = ..., ", input.name, self.of(input.ty)));
                 all.collect::<String>() + "*, "
             }
             // Inputs can be passed in order, or as a dictionary with `**`.
@@ -168,7 +179,7 @@ impl Types<'_> {
             *out += &format!(
                 "    @overload\n    def {name}(self, {parameters}{ack}{options}{rest}) -> {result}:"
             );
-            match service.doc.as_deref().filter(|it| !it.is_empty()) {
+            match service.doc.as_deref().filter(|doc| !doc.is_empty()) {
                 None => *out += " ...\n",
                 described => {
                     out.push('\n');
@@ -207,7 +218,7 @@ impl Types<'_> {
         let spec = self.spec;
         match &spec.ty(id).kind {
             TypeKind::ForwardStruct { definition } | TypeKind::ForwardUnion { definition } => {
-                definition.map_or_else(|| "Any".to_owned(), |it| self.of(it))
+                definition.map_or_else(|| "Any".to_owned(), |definition| self.of(definition))
             }
             TypeKind::StructMember { ty }
             | TypeKind::UnionMember { ty, .. }
@@ -232,8 +243,8 @@ impl Types<'_> {
             TypeKind::Enum { enumerators } => {
                 let names = enumerators
                     .iter()
-                    .filter_map(|it| spec.ty(*it).name.as_ref());
-                let names: Vec<String> = names.map(|it| quoted(it.as_str())).collect();
+                    .filter_map(|enumerator| spec.ty(*enumerator).name.as_ref());
+                let names: Vec<String> = names.map(|name| quoted(name.as_str())).collect();
                 match names.is_empty() {
                     true => "str".to_owned(),
                     false => format!("Literal[{}]", names.join(", ")),
@@ -242,9 +253,9 @@ impl Types<'_> {
             TypeKind::Struct { members } => {
                 let members = members.clone();
                 self.defined(id, |types, name| {
-                    let named = |it: TypeId| {
-                        let name = types.spec.ty(it).name.as_ref();
-                        (name.map(ToString::to_string).unwrap_or_default(), it)
+                    let named = |ty: TypeId| {
+                        let name = types.spec.ty(ty).name.as_ref();
+                        (name.map(ToString::to_string).unwrap_or_default(), ty)
                     };
                     let members = members.into_iter().map(named).collect();
                     types.dictionary(name, members);

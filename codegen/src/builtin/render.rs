@@ -164,11 +164,14 @@ fn ask(
     match (function, arguments) {
         ("diagram", [component, owner, form]) => pictures(spec, component, owner, form),
         ("json_schema", [component]) => {
-            let schema = named(spec, component).map(|it| super::json_schema::schema(spec, it));
-            Ok(schema.map(|it| format!("{it:#}")).unwrap_or_default())
+            let schema =
+                named(spec, component).map(|component| super::json_schema::schema(spec, component));
+            Ok(schema
+                .map(|schema| format!("{schema:#}"))
+                .unwrap_or_default())
         }
         ("python_stub", [component]) => {
-            let stub = named(spec, component).map(|it| super::python::stub(spec, it));
+            let stub = named(spec, component).map(|component| super::python::stub(spec, component));
             Ok(stub.unwrap_or_default())
         }
         _ => Err(format!(
@@ -179,12 +182,14 @@ fn ask(
 }
 
 fn named<'s>(spec: &'s Spec, component: &str) -> Option<&'s dotgen_analysis::model::Component> {
-    spec.components.iter().find(|it| it.name == component)
+    spec.components
+        .iter()
+        .find(|candidate| candidate.name == component)
 }
 
 /// Checks that a result is below the output directory, because the template may not be trusted.
 fn check_result(path: &str, texts: &Texts, output: &Output) -> Result<(), String> {
-    let inside = |it| matches!(it, Component::Normal(_) | Component::CurDir);
+    let inside = |component| matches!(component, Component::Normal(_) | Component::CurDir);
     let plain = !path.is_empty() && Path::new(path).components().all(inside);
     let folder = output.base.join(if output.dir.is_empty() {
         "."
@@ -206,9 +211,11 @@ fn check_result(path: &str, texts: &Texts, output: &Output) -> Result<(), String
 }
 
 fn parent(path: &str) -> String {
-    let parent = Path::new(path).parent().map(|it| it.display().to_string());
+    let parent = Path::new(path)
+        .parent()
+        .map(|parent| parent.display().to_string());
     parent
-        .filter(|it| !it.is_empty())
+        .filter(|parent| !parent.is_empty())
         .unwrap_or_else(|| ".".into())
 }
 
@@ -299,16 +306,16 @@ impl Data {
         let model = model_json::to_json(spec, None);
         let json = |name: &str| -> Json {
             let components = model["components"].as_array();
-            let found = components.and_then(|all| all.iter().find(|it| it["name"] == name));
+            let found = components.and_then(|all| all.iter().find(|json| json["name"] == name));
             found.cloned().unwrap_or_default()
         };
         let regular: Vec<(u32, &dotgen_analysis::model::Component)> = (0..)
             .zip(&spec.components)
-            .filter(|(_, it)| it.kind == ComponentKind::Component)
+            .filter(|(_, number)| number.kind == ComponentKind::Component)
             .collect();
         let stub_options = StubOptions {
             compile_as_cxx: options.language.as_deref() == Some("c++"),
-            notice: Some(notice.clone()).filter(|it| !it.is_empty()),
+            notice: Some(notice.clone()).filter(|notice| !notice.is_empty()),
             ..StubOptions::default()
         };
         let mut codel_files = Vec::new();
@@ -321,7 +328,7 @@ impl Data {
                 .map_err(|error| error.message)?;
             let own: Vec<Json> = files
                 .iter()
-                .filter_map(|it| it.path.file_name().map(Json::from))
+                .filter_map(|file| file.path.file_name().map(Json::from))
                 .collect();
             names.insert(component.name.to_string(), own.into());
             // Shared by all texts about the component.
@@ -336,18 +343,26 @@ impl Data {
         }
         let unique = |lists: Vec<&Vec<String>>| -> Vec<String> {
             let mut out: Vec<String> = Vec::new();
-            for it in lists.into_iter().flatten() {
-                if !out.contains(it) {
-                    out.push(it.clone());
+            for text in lists.into_iter().flatten() {
+                if !out.contains(text) {
+                    out.push(text.clone());
                 }
             }
             out
         };
-        let mut requires = unique(regular.iter().map(|(_, it)| &it.requires).collect());
-        if !requires.iter().any(|it| it.starts_with("genom3 ")) {
+        let mut requires = unique(
+            regular
+                .iter()
+                .map(|(_, component)| &component.requires)
+                .collect(),
+        );
+        if !requires
+            .iter()
+            .any(|requirement| requirement.starts_with("genom3 "))
+        {
             requires.insert(0, LEAST_GENOM.to_owned());
         }
-        let first = regular.first().map(|(_, it)| *it);
+        let first = regular.first().map(|(_, component)| *component);
         let input = Path::new(&options.inputs[0])
             .file_name()
             .unwrap_or_default();
@@ -357,16 +372,16 @@ impl Data {
         let inputs: Vec<String> = compiled
             .deps
             .iter()
-            .filter_map(|it| Path::new(it).strip_prefix(&below).ok())
-            .map(|it| it.display().to_string())
+            .filter_map(|dependency| Path::new(dependency).strip_prefix(&below).ok())
+            .map(|path| path.display().to_string())
             .collect();
         let base = context! {
             model => Value::from_serialize(&model),
-            name => first.map(|it| it.name.to_string()),
-            release => first.and_then(|it| it.version.clone()),
-            email => first.and_then(|it| it.email.clone()),
+            name => first.map(|component| component.name.to_string()),
+            release => first.and_then(|component| component.version.clone()),
+            email => first.and_then(|component| component.email.clone()),
             requires,
-            codels_requires => unique(regular.iter().map(|(_, it)| &it.codels_requires).collect()),
+            codels_requires => unique(regular.iter().map(|(_, component)| &component.codels_requires).collect()),
             input => input.to_string_lossy(),
             inputs,
             notice => notice,

@@ -49,7 +49,7 @@ fn is_plain_path(path: &str) -> bool {
             '*', '?', '[', ']', '\\', '{', '}', '$', '"', ' ', '\t', '\n',
         ])
         && !path.starts_with('~')
-        && parts.all(|(at, it)| at == 0 || !matches!(it, "" | "."))
+        && parts.all(|(at, part)| at == 0 || !matches!(part, "" | "."))
 }
 
 impl Call {
@@ -63,16 +63,16 @@ impl Call {
                 "-l" | "--language" => {
                     let language = words
                         .next()
-                        .filter(|it| matches!(it.as_str(), "c" | "c++"))?;
+                        .filter(|word| matches!(word.as_str(), "c" | "c++"))?;
                     call.language = Some(language.clone());
                 }
                 "-C" | "--directory" => {
-                    call.directory = Some(words.next().filter(|it| is_plain_path(it))?.clone());
+                    call.directory = Some(words.next().filter(|word| is_plain_path(word))?.clone());
                 }
                 "-m" | "--merge" => {
                     let tool = words
                         .next()
-                        .filter(|it| *it != "interactive" && !it.is_empty())?;
+                        .filter(|word| *word != "interactive" && !word.is_empty())?;
                     call.merge = Some(tool.clone());
                 }
                 "-u" => call.merge = Some("auto".into()),
@@ -82,7 +82,7 @@ impl Call {
                 _ => {
                     let inputs = std::iter::once(word).chain(words);
                     call.inputs = inputs.cloned().collect();
-                    let plain = |it: &String| is_plain_path(it) && is_file(it);
+                    let plain = |path: &String| is_plain_path(path) && is_file(path);
                     return call.inputs.iter().all(plain).then_some(call);
                 }
             }
@@ -108,9 +108,9 @@ pub(super) fn run(
     env: &mut Environment<'_>,
 ) -> Option<Result<i32, String>> {
     let folder = env.base.join(&general.directory);
-    let is_file = |it: &str| {
-        let found = env.disk.status(&folder.join(it));
-        found.is_some_and(|it| it.kind == Kind::File)
+    let is_file = |text: &str| {
+        let found = env.disk.status(&folder.join(text));
+        found.is_some_and(|status| status.kind == Kind::File)
     };
     let call = Call::read(args, is_file)?;
     let name = dir.file_name()?.to_str()?;
@@ -120,7 +120,7 @@ pub(super) fn run(
         .ok()?;
     let made = make(name, dir, &call, release, general, &compiler, env)?;
     if let Some(limit) = env.limits.output
-        && made.iter().map(|it| it.text.len() as u64).sum::<u64>() > limit
+        && made.iter().map(|file| file.text.len() as u64).sum::<u64>() > limit
     {
         return None;
     }
@@ -207,7 +207,7 @@ fn make(
     let notice = notice_of(&*env.disk, &folder, &call.inputs);
     let expected = components
         .iter()
-        .map(|it| Expected::new(&compiled.spec, *it));
+        .map(|component| Expected::new(&compiled.spec, *component));
     let expected: Vec<Expected<'_>> = expected.collect();
     let job = build::Job {
         facts: &facts,
@@ -302,7 +302,8 @@ fn generated(
 ) -> Option<Vec<u32>> {
     let of_kind = |kind: ComponentKind| {
         let all = (0..).zip(&facts.spec().components);
-        all.filter(move |(_, it)| it.kind == kind).map(|(it, _)| it)
+        all.filter(move |(_, component)| component.kind == kind)
+            .map(|(number, _)| number)
     };
     let components = of_kind(ComponentKind::Component);
     let found: Vec<u32> = if release.has(Change::PerComponentSkeletons) {
@@ -310,12 +311,12 @@ fn generated(
         let inputs: Vec<_> = call
             .inputs
             .iter()
-            .filter_map(|it| same(&folder.join(it)))
+            .filter_map(|input| same(&folder.join(input)))
             .collect();
-        let defined = |it: &u32| {
-            let file = facts.component(*it, &["loc", "file"]);
-            let file = file.and_then(|it| same(&base.join(it)));
-            file.is_some_and(|it| inputs.contains(&it))
+        let defined = |number: &u32| {
+            let file = facts.component(*number, &["loc", "file"]);
+            let file = file.and_then(|file| same(&base.join(file)));
+            file.is_some_and(|file| inputs.contains(&file))
         };
         let all = components.chain(of_kind(ComponentKind::Interface));
         all.filter(defined).collect()
@@ -336,17 +337,20 @@ fn language(facts: &Facts<'_>, components: &[u32], release: Release) -> Option<S
     } else if let [component] = components {
         languages.extend(facts.component(*component, &["lang"]));
     }
-    let c = languages.iter().all(|it| it == "c") && languages.len() < 2;
+    let c = languages.iter().all(|language| language == "c") && languages.len() < 2;
     c.then(|| "c".to_owned())
 }
 
 /// True if a stub has no event to return, for which the template fails.
 fn lacks_yields(expected: &Expected<'_>) -> bool {
     let component = expected.component();
-    let of_tasks = component.tasks.iter().flat_map(|it| &it.codels);
-    let of_services = component.services.iter().flat_map(|it| &it.codels);
-    let machines = of_services.filter(|it| it.kind == CodelKind::Fsm);
-    of_tasks.chain(machines).any(|it| it.yields.is_empty())
+    let of_tasks = component.tasks.iter().flat_map(|task| &task.codels);
+    let of_services = component
+        .services
+        .iter()
+        .flat_map(|service| &service.codels);
+    let machines = of_services.filter(|service| service.kind == CodelKind::Fsm);
+    of_tasks.chain(machines).any(|task| task.yields.is_empty())
 }
 
 /// The files read that are below the output directory, relative to it.
@@ -369,8 +373,8 @@ mod tests {
     use super::*;
 
     fn read(args: &[&str]) -> Option<Call> {
-        let args: Vec<String> = args.iter().map(|it| (*it).to_owned()).collect();
-        Call::read(&args, |it| it.ends_with(".gen"))
+        let args: Vec<String> = args.iter().map(|argument| (*argument).to_owned()).collect();
+        Call::read(&args, |text| text.ends_with(".gen"))
     }
 
     #[test]

@@ -26,13 +26,13 @@ pub(super) fn allowances(file: &IndexedFile) -> Vec<Allowance<'_>> {
         return out;
     }
     for function in &file.index.functions {
-        let comments = function.comments.iter().map(|it| it.span.start);
+        let comments = function.comments.iter().map(|comment| comment.span.start);
         let scope = comments.min().unwrap_or(function.span.start)..function.span.end;
         let text = file.text.get(scope.clone()).unwrap_or_default();
         for (at, mark) in text.match_indices(MARK) {
             let rest = text[at + mark.len()..].trim_start();
             let list = rest.strip_prefix("allow(");
-            let Some((list, _)) = list.and_then(|it| it.split_once(')')) else {
+            let Some((list, _)) = list.and_then(|rest| rest.split_once(')')) else {
                 continue;
             };
             let mut start = scope.end - rest.len() + "allow(".len();
@@ -55,8 +55,10 @@ pub(super) fn allowances(file: &IndexedFile) -> Vec<Allowance<'_>> {
 /// True if a comment of a source allows a code at an offset.
 pub(super) fn is_allowed(file: &IndexedFile, offset: usize, code: &str) -> bool {
     let all = allowances(file);
-    let mut here = all.iter().filter(|it| it.scope.contains(&offset));
-    here.any(|it| it.code == code)
+    let mut here = all
+        .iter()
+        .filter(|allowance| allowance.scope.contains(&offset));
+    here.any(|allowance| allowance.code == code)
 }
 
 #[cfg(test)]

@@ -112,13 +112,13 @@ pub fn packages(folder: &Folder) -> Required {
         codels: Vec::new(),
     };
     for &component in &folder.components {
-        let it = &spec.components[component as usize];
-        out.specification.extend(it.requires.iter().cloned());
-        out.codels.extend(it.codels_requires.iter().cloned());
+        let component = &spec.components[component as usize];
+        out.specification.extend(component.requires.iter().cloned());
+        out.codels.extend(component.codels_requires.iter().cloned());
     }
     let mut seen = rustc_hash::FxHashSet::default();
     let mut is_wanted =
-        |it: &String| package_name(it.trim()) != "genom3" && seen.insert(it.clone());
+        |text: &String| package_name(text.trim()) != "genom3" && seen.insert(text.clone());
     out.codels.retain(&mut is_wanted);
     out.specification.retain(&mut is_wanted);
     out
@@ -139,39 +139,45 @@ pub fn plan(
     let mut missing = Vec::new();
     let mut name = String::new();
     for expected in folder.expected() {
-        let files = headers::headers(&expected, place, codels, &[]).map_err(|it| it.message)?;
-        headers.extend(files.into_iter().map(|it| NewFile {
-            path: place.join(it.path),
-            ..it
+        let files =
+            headers::headers(&expected, place, codels, &[]).map_err(|error| error.message)?;
+        headers.extend(files.into_iter().map(|file| NewFile {
+            path: place.join(file.path),
+            ..file
         }));
         let functions = expected.functions.iter();
-        let absent = functions.filter(|it| implementations(&folder.sources, &it.name).is_empty());
-        missing.extend(absent.map(|it| it.name.to_string()));
+        let absent = functions
+            .filter(|function| implementations(&folder.sources, &function.name).is_empty());
+        missing.extend(absent.map(|function| function.name.to_string()));
         name.push_str(&expected.component().name);
     }
     let mut seen = rustc_hash::FxHashSet::default();
-    headers.retain(|it| seen.insert(it.path.clone()));
+    headers.retain(|header| seen.insert(header.path.clone()));
     let names = folder.expected().iter().find_map(headers::flags_of_names);
     let own: Vec<&str> = {
         let components = folder.components.iter();
         components
-            .map(|&it| folder.unit.spec.components[it as usize].name.as_str())
+            .map(|&component| {
+                folder.unit.spec.components[component as usize]
+                    .name
+                    .as_str()
+            })
             .collect()
     };
     let sources = || folder.sources.of_components(&own);
     let compile: Vec<Step> = sources()
         .map(|source| compile_step(source, place, codels, tools, packages, names.as_ref()))
         .collect();
-    let is_cxx = |it: &IndexedFile| it.path.extension() != Some("c");
+    let is_cxx = |file: &IndexedFile| file.path.extension() != Some("c");
     let linker = match sources().any(is_cxx) {
         true => &tools.cxx,
         false => &tools.c,
     };
     let output = place.join(format!("{name}.so"));
-    let inputs: Vec<Utf8PathBuf> = compile.iter().map(|it| it.output.clone()).collect();
+    let inputs: Vec<Utf8PathBuf> = compile.iter().map(|step| step.output.clone()).collect();
     let mut command = linker.clone();
     command.extend(["-shared", "-o", output.as_str()].map(str::to_owned));
-    command.extend(inputs.iter().map(|it| it.to_string()));
+    command.extend(inputs.iter().map(|input| input.to_string()));
     command.extend(packages.link.iter().cloned());
     command.push("-lm".to_owned());
     Ok(Plan {
@@ -252,19 +258,19 @@ impl Step {
     pub fn is_fresh(&self, disk: &dyn Disk) -> bool {
         let made = modified(disk, &self.output);
         let record = disk.read(self.record().as_std_path());
-        let same = record.is_ok_and(|it| it == self.recorded().as_bytes());
+        let same = record.is_ok_and(|record| record == self.recorded().as_bytes());
         let (Some(made), true) = (made, same) else {
             return false;
         };
-        let mut inputs: Vec<PathBuf> = self.inputs.iter().map(|it| it.into()).collect();
+        let mut inputs: Vec<PathBuf> = self.inputs.iter().map(|input| input.into()).collect();
         if self.source.is_some() {
             let listed = disk.read(dependencies_of(&self.output).as_std_path());
             let Ok(listed) = listed else { return false };
             inputs.extend(dependencies(&String::from_utf8_lossy(&listed)));
         }
-        let older = |it: &PathBuf| {
-            let time = disk.status(it).and_then(|it| it.modified);
-            time.is_some_and(|it| it <= made)
+        let older = |path: &PathBuf| {
+            let time = disk.status(path).and_then(|status| status.modified);
+            time.is_some_and(|time| time <= made)
         };
         inputs.iter().all(older)
     }
@@ -334,7 +340,7 @@ pub fn said(printed: &str) -> (Vec<CompilerMessage>, Vec<String>) {
     let (mut about, mut other) = (Vec::new(), Vec::new());
     for line in printed.lines() {
         match one(line) {
-            Some(it) => about.push(it),
+            Some(message) => about.push(message),
             None if line.contains("error: ") || line.contains("undefined reference") => {
                 other.push(line.to_owned());
             }
@@ -355,7 +361,7 @@ fn one(line: &str) -> Option<CompilerMessage> {
         .into_iter()
         .filter_map(|(word, weight)| Some((line.find(word)?, word, weight)));
     // The first one counts: the text of a message may contain such words.
-    let (at, word, weight) = found.min_by_key(|it| it.0)?;
+    let (at, word, weight) = found.min_by_key(|triple| triple.0)?;
     let (place, what) = (&line[..at], &line[at + word.len()..]);
     let (before, last) = place.rsplit_once(':')?;
     let last: usize = last.parse().ok()?;
@@ -400,9 +406,15 @@ cc1: fatal error: cannot go on
 ld: a.o: undefined reference to `f'
 ";
         let (about, other) = said(printed);
-        let short = about
-            .iter()
-            .map(|it| (it.path.as_str(), it.line, it.column, it.weight, &*it.what));
+        let short = about.iter().map(|message| {
+            (
+                message.path.as_str(),
+                message.line,
+                message.column,
+                message.weight,
+                &*message.what,
+            )
+        });
         assert_eq!(
             short.collect::<Vec<_>>(),
             [

@@ -345,9 +345,9 @@ fn recode(
     };
     let number = match values.kind(ty) {
         TypeKind::Boolean => {
-            let it = u8::from(from.number::<1>()? != [0]);
-            to.number([it]);
-            i64::from(it)
+            let byte = u8::from(from.number::<1>()? != [0]);
+            to.number([byte]);
+            i64::from(byte)
         }
         TypeKind::Octet => i64::from(u8::from_ne_bytes(copy(from, to)?)),
         TypeKind::Char => i64::from(i8::from_ne_bytes(copy(from, to)?)),
@@ -360,11 +360,11 @@ fn recode(
             i64::try_from(u64::from_ne_bytes(copy(from, to)?)).unwrap_or(i64::MAX)
         }
         TypeKind::Enum { enumerators } => {
-            let it = u32::from_ne_bytes(copy(from, to)?);
-            if it as usize >= enumerators.len() {
+            let byte = u32::from_ne_bytes(copy(from, to)?);
+            if byte as usize >= enumerators.len() {
                 return wrong("", "one of the enumerators");
             }
-            i64::from(it)
+            i64::from(byte)
         }
         TypeKind::Float => {
             copy::<4>(from, to)?;
@@ -457,7 +457,7 @@ mod tests {
         let unit = dotgen_loaders::unit(TYPES).expect("it is right");
         let spec = &unit.spec;
         let all = (0..spec.types.len() as u32).map(TypeId);
-        let mut named = all.filter(|&it| spec.ty(it).name.as_deref() == Some("all"));
+        let mut named = all.filter(|&ty| spec.ty(ty).name.as_deref() == Some("all"));
         check(Values::new(spec), named.next().expect("it is declared"));
     }
 
@@ -499,7 +499,7 @@ mod tests {
         let unit = dotgen_loaders::unit("struct two { long a; double b; };").expect("it is right");
         let spec = &unit.spec;
         let all = (0..spec.types.len() as u32).map(TypeId);
-        let mut named = all.filter(|&it| spec.ty(it).name.as_deref() == Some("two"));
+        let mut named = all.filter(|&ty| spec.ty(ty).name.as_deref() == Some("two"));
         let ty = named.next().expect("it is declared");
         let values = Values::new(spec);
         let wanted = values.encode(ty, &json!({"a": 3, "b": 0.25})).ok();

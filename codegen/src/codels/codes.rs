@@ -155,5 +155,5 @@ pub const CODES: &[CodelCode] = &[
 
 /// The entry of a kind.
 pub fn entry(code: DriftCode) -> Option<&'static CodelCode> {
-    CODES.iter().find(|it| it.code == code)
+    CODES.iter().find(|candidate| candidate.code == code)
 }

@@ -86,7 +86,7 @@ impl SyncOptions {
         let codel = expected.component().codel(*at);
         let state = codel.yields.get(*index).map(state_text);
         let mut all = self.remove_yields.iter();
-        all.any(|it| it.0 == codel.name && Some(&it.1) == state.as_ref())
+        all.any(|entry| entry.0 == codel.name && Some(&entry.1) == state.as_ref())
     }
 }
 
@@ -128,16 +128,16 @@ pub fn stub(
                     let owner = |owner: Owner| {
                         super::expected::owner_words(component, owner).1 == name.as_str()
                     };
-                    known |= component.all_codels().any(|it| owner(it.owner));
-                    codels.retain(|it| owner(it.owner));
+                    known |= component.all_codels().any(|codel| owner(codel.owner));
+                    codels.retain(|codel| owner(codel.owner));
                 }
                 StubTarget::Codel(name) => {
-                    let named = |it| component.codel(it).name == name.as_str();
+                    let named = |codel| component.codel(codel).name == name.as_str();
                     known |= component.all_codels().any(named);
-                    codels.retain(|it| named(*it));
+                    codels.retain(|codel| named(*codel));
                 }
             }
-            let one = repairs.stub(&codels).map_err(|it| it.message)?;
+            let one = repairs.stub(&codels).map_err(|error| error.message)?;
             edit.merge(one);
         }
     }
@@ -160,10 +160,10 @@ pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOpti
         if edit.is_empty() {
             break;
         }
-        for (number, it) in candidates.into_iter().enumerate() {
+        for (number, candidate) in candidates.into_iter().enumerate() {
             if made.contains(&number) {
-                out.applied.extend(it.titles);
-                out.notes.extend(it.notes);
+                out.applied.extend(candidate.titles);
+                out.notes.extend(candidate.notes);
             }
         }
         for note in &mut out.notes {
@@ -184,7 +184,7 @@ pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOpti
             if before.as_deref() != Some(&*after) {
                 out.changes.push(FileChange {
                     path,
-                    before: before.map(|it| it.to_string()),
+                    before: before.map(|text| text.to_string()),
                     after: after.to_string(),
                 });
             }
@@ -212,8 +212,8 @@ fn whole(
 ) -> (Edit, Vec<usize>) {
     let mut all = Edit::default();
     let mut numbers = Vec::new();
-    for (number, it) in candidates.iter().enumerate() {
-        if all.merge(it.edit.clone()) {
+    for (number, candidate) in candidates.iter().enumerate() {
+        if all.merge(candidate.edit.clone()) {
             numbers.push(number);
         }
     }
@@ -226,7 +226,7 @@ fn whole(
         Verdict::Refused | Verdict::Unknown => {
             let edits = candidates
                 .iter()
-                .map(|it| (it.edit.clone(), it.code.as_str()));
+                .map(|candidate| (candidate.edit.clone(), candidate.code.as_str()));
             judge.together(&edits.collect::<Vec<_>>(), true)
         }
     };
@@ -249,7 +249,10 @@ fn round(
         let mut stubs: BTreeMap<u32, Vec<_>> = BTreeMap::new();
         for drift in &findings {
             let wanted = options.only.is_empty() || options.only.contains(&drift.code);
-            let Some(expected) = all.iter().find(|it| it.component == drift.component) else {
+            let Some(expected) = all
+                .iter()
+                .find(|expected| expected.component == drift.component)
+            else {
                 continue;
             };
             if !wanted {
@@ -260,9 +263,9 @@ fn round(
             let repairs = project.repairs(&folder, expected, &stub_options);
             let ordered = repairs.ordered(drift);
             let first = ordered.first().copied();
-            let first = first.filter(|it| !matches!(it, Repair::RemoveYield { .. }));
+            let first = first.filter(|repair| !matches!(repair, Repair::RemoveYield { .. }));
             // A repair that is a choice is not applied; its finding remains in the report.
-            let first = first.filter(|it| !it.is_choice());
+            let first = first.filter(|repair| !repair.is_choice());
             let Some(repair) = drift.repairs.iter().find(named).or(first) else {
                 continue;
             };
@@ -328,7 +331,7 @@ pub fn headers(
         for expected in folder.expected() {
             let codels = &folder.sources.folder;
             let files = super::headers::headers(&expected, cache, codels, flags);
-            for file in files.map_err(|it| it.message)? {
+            for file in files.map_err(|error| error.message)? {
                 if !out.contains(&file) {
                     out.push(file);
                 }
@@ -343,7 +346,7 @@ impl Project<'_> {
     pub fn changes(&self, edit: &Edit) -> Vec<FileChange> {
         let created = edit.created.iter().map(|(path, text)| FileChange {
             path: path.clone(),
-            before: self.text(path).map(|it: Arc<str>| it.to_string()),
+            before: self.text(path).map(|text: Arc<str>| text.to_string()),
             // Copied text may contain other line ends.
             after: LineEnd::Lf.fit(text).into_owned(),
         });

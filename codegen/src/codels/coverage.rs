@@ -53,7 +53,11 @@ impl Coverage {
                 }
             }
             for name in &function.awaits.interfaces {
-                match self.waiting.iter_mut().find(|it| it.missing == *name) {
+                match self
+                    .waiting
+                    .iter_mut()
+                    .find(|codels| codels.missing == *name)
+                {
                     Some(known) => known.codels += 1,
                     None => self.waiting.push(UncheckedCodels {
                         missing: name.clone(),
@@ -74,9 +78,9 @@ impl fmt::Display for Coverage {
     /// `17 of 21 codels compared; 4 wait for or_pose_estimator`
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} of {} codels compared", self.compared, self.codels)?;
-        for it in &self.waiting {
-            let verb = if it.codels == 1 { "waits" } else { "wait" };
-            write!(f, "; {} {verb} for {}", it.codels, it.missing)?;
+        for codels in &self.waiting {
+            let verb = if codels.codels == 1 { "waits" } else { "wait" };
+            write!(f, "; {} {verb} for {}", codels.codels, codels.missing)?;
         }
         for (number, name) in self.assumed.iter().enumerate() {
             f.write_str(if number == 0 {

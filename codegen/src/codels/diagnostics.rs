@@ -26,7 +26,7 @@ pub fn diagnostics(findings: &[Drift], locations: &dyn Locations, side: Side) ->
                 message: "the function".into(),
             });
         }
-        for location in drift.spec.iter().filter_map(|&it| locations.locate(it)) {
+        for location in drift.spec.iter().filter_map(|&spec| locations.locate(spec)) {
             places.push(Related {
                 path: location.path,
                 range: location.range,

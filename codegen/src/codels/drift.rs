@@ -150,7 +150,9 @@ pub struct Drift {
 impl Drift {
     /// The repair that adapts the sources to the specification, if it is the best one.
     pub fn following(&self) -> Option<&Repair> {
-        self.repairs.first().filter(|it| it.follows_specification())
+        self.repairs
+            .first()
+            .filter(|repair| repair.follows_specification())
     }
 
     /// A description of the difference and of the correct form.
@@ -315,7 +317,7 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
     }
     let orphans = orphan::find(all, sources, options);
     let mut renamed = FxHashSet::default();
-    for expected in all.iter().filter(|it| are_here(it, sources)) {
+    for expected in all.iter().filter(|expected| are_here(expected, sources)) {
         let known = names::KnownNames::new();
         for function in &expected.functions {
             if options.trust.is_faulty(expected, function) {
@@ -348,7 +350,7 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
         }
         members::check(expected, sources, options, &mut out);
     }
-    let alone = |it: &&FunctionIn<'_>| !renamed.contains(&it.place());
+    let alone = |input: &&FunctionIn<'_>| !renamed.contains(&input.place());
     let certain = orphan::are_certain(all, options);
     for orphan in orphans.iter().filter(|_| certain).filter(alone) {
         out.extend(orphan::report(orphan, all));
@@ -363,7 +365,10 @@ pub fn unnamed<'a>(
     options: &DriftOptions,
 ) -> Vec<(&'a IndexedFile, &'a Function)> {
     let found = orphan::find(all, sources, options);
-    found.into_iter().map(|it| (it.file, it.function)).collect()
+    found
+        .into_iter()
+        .map(|input| (input.file, input.function))
+        .collect()
 }
 
 /// True if these sources contain a part of the component. Otherwise its codels are in other sources.
@@ -377,9 +382,12 @@ fn are_here(expected: &Expected<'_>, sources: &Sources) -> bool {
     };
     let defined = |file: &IndexedFile| {
         let mut names = expected.functions.iter();
-        names.any(|it| file.index.definitions(&it.name).next().is_some())
+        names.any(|name| file.index.definitions(&name.name).next().is_some())
     };
-    sources.sources.iter().any(|it| named(it) || defined(it))
+    sources
+        .sources
+        .iter()
+        .any(|source| named(source) || defined(source))
 }
 
 /// A function that the specification requires, and the sources to search.
@@ -454,12 +462,12 @@ impl<'a> Check<'a> {
                     .index
                     .functions
                     .iter()
-                    .filter_map(|it| it.body.as_ref());
+                    .filter_map(|function| function.body.as_ref());
                 file.index.loose.contains(name)
-                    || macros.any(|it| it.name == *name)
+                    || macros.any(|definition| definition.name == *name)
                     || bodies
-                        .filter(|it| it.broken)
-                        .any(|it| it.mentions.contains(name))
+                        .filter(|body| body.broken)
+                        .any(|body| body.mentions.contains(name))
             })
             || self.pasted();
         if hidden {
@@ -480,11 +488,15 @@ impl<'a> Check<'a> {
     /// True if macros outside functions build names.
     fn pasted(&self) -> bool {
         let paste = |file: &IndexedFile| {
-            let mut macros = file.index.macros.iter().filter(|it| it.pastes);
-            macros.any(|it| {
+            let mut macros = file
+                .index
+                .macros
+                .iter()
+                .filter(|definition| definition.pastes);
+            macros.any(|definition| {
                 self.sources
                     .all()
-                    .any(|file| file.index.loose.contains(&it.name))
+                    .any(|file| file.index.loose.contains(&definition.name))
             })
         };
         self.sources.all().any(paste)

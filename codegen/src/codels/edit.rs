@@ -30,17 +30,17 @@ impl Edit {
     /// The edit that makes some replacements. Insertions at one place keep their order.
     pub fn of(edits: &[FileEdit]) -> Edit {
         let mut all = Edit::default();
-        for it in edits {
+        for edit in edits {
             all.changed
-                .entry(it.path.clone())
+                .entry(edit.path.clone())
                 .or_default()
                 .push(TextEdit {
-                    range: it.range.clone(),
-                    text: it.new_text.clone(),
+                    range: edit.range.clone(),
+                    text: edit.new_text.clone(),
                 });
         }
         for edits in all.changed.values_mut() {
-            edits.sort_by_key(|it| it.range.start);
+            edits.sort_by_key(|edit| edit.range.start);
         }
         all
     }
@@ -58,7 +58,7 @@ impl Edit {
             let mine = self.changed.get(path).map_or(&[][..], Vec::as_slice);
             edits
                 .iter()
-                .any(|it| !mine.iter().all(|mine| apart(mine, it)))
+                .any(|edit| !mine.iter().all(|mine| apart(mine, edit)))
         })
     }
 
@@ -70,7 +70,7 @@ impl Edit {
             text: text.into(),
         };
         if !edits.contains(&edit) {
-            let at = edits.partition_point(|it| it.range.start <= edit.range.start);
+            let at = edits.partition_point(|other| other.range.start <= edit.range.start);
             edits.insert(at, edit);
         }
     }
@@ -81,9 +81,9 @@ impl Edit {
             let mine = self.changed.get(path).map_or(&[][..], Vec::as_slice);
             edits
                 .iter()
-                .any(|it| mine.iter().any(|mine| overlap(mine, it)))
+                .any(|edit| mine.iter().any(|mine| overlap(mine, edit)))
         });
-        let created = |it: &Utf8PathBuf| self.created.contains_key(it);
+        let created = |path: &Utf8PathBuf| self.created.contains_key(path);
         if clash || other.created.keys().any(created) {
             return false;
         }
@@ -112,9 +112,9 @@ pub fn line_edits(before: &str, after: &str) -> Vec<TextEdit> {
     let old = offsets(diff.old_slices());
     let new = offsets(diff.new_slices());
     let ops = diff.ops().iter();
-    ops.filter(|it| it.tag() != similar::DiffTag::Equal)
-        .map(|it| {
-            let (from, to) = (it.old_range(), it.new_range());
+    ops.filter(|diff_op| diff_op.tag() != similar::DiffTag::Equal)
+        .map(|diff_op| {
+            let (from, to) = (diff_op.old_range(), diff_op.new_range());
             TextEdit {
                 range: old[from.start]..old[from.end],
                 text: after[new[to.start]..new[to.end]].to_owned(),

@@ -79,7 +79,7 @@ impl<'a> Expected<'a> {
     /// The functions that a component requires with codels in a given language, whatever the specification
     /// says.
     pub fn in_language(spec: &'a Spec, component: u32, language: Language) -> Expected<'a> {
-        let it = &spec.components[component as usize];
+        let declaration = &spec.components[component as usize];
         let mut out = Expected {
             spec,
             component,
@@ -91,10 +91,10 @@ impl<'a> Expected<'a> {
             opaque: FxHashSet::default(),
             named: FxHashSet::default(),
         };
-        let events = it
+        let events = declaration
             .all_codels()
             .flat_map(|at| {
-                let codel = it.codel(at);
+                let codel = declaration.codel(at);
                 codel.triggers.iter().chain(&codel.yields)
             })
             .map(|state| state.event);
@@ -110,7 +110,10 @@ impl<'a> Expected<'a> {
                     out.exceptions.insert(spelling, id);
                 }
                 TypeKind::Event | TypeKind::PauseEvent
-                    if ty.scope.first().is_some_and(|scope| scope.name == it.name) =>
+                    if ty
+                        .scope
+                        .first()
+                        .is_some_and(|scope| scope.name == declaration.name) =>
                 {
                     let spelling = out.spelling(id);
                     out.events.entry(spelling).or_insert(id);
@@ -177,21 +180,21 @@ impl<'a> Expected<'a> {
     pub(crate) fn is_own(&self, src: Src) -> bool {
         let per_component = self.spec.release.has(Change::PerComponentSkeletons);
         let body = || self.spec.body_of(src);
-        !per_component || body().is_none_or(|it| it == self.component)
+        !per_component || body().is_none_or(|body| body == self.component)
     }
 
     /// True if the skeleton has a file for a task.
     pub(crate) fn has_file(&self, task: u32) -> bool {
-        let it = &self.component().tasks[task as usize];
+        let declaration = &self.component().tasks[task as usize];
         let local_codels = self.spec.release.has(Change::ExternalLocalCodels);
         let own_codels = || {
             let runs = |service: &&Service| service.task == Some(task);
             let services = self.component().services.iter().filter(runs);
-            let codels = services.flat_map(|it| &it.codels);
-            let mut codels = it.codels.iter().chain(codels);
+            let codels = services.flat_map(|service| &service.codels);
+            let mut codels = declaration.codels.iter().chain(codels);
             codels.any(|codel| self.is_own(codel.src))
         };
-        self.is_own(it.src) || local_codels && own_codels()
+        self.is_own(declaration.src) || local_codels && own_codels()
     }
 
     /// True if the skeleton has a stub for a codel. Otherwise the function is in other sources: interfaces
@@ -199,12 +202,12 @@ impl<'a> Expected<'a> {
     pub(crate) fn has_stub(&self, at: CodelRef) -> bool {
         let component = self.component();
         self.is_own(component.codel(at).src)
-            && component.task_of(at).is_none_or(|it| self.has_file(it))
+            && component.task_of(at).is_none_or(|task| self.has_file(task))
     }
 
     /// The function of a name.
     pub fn function(&self, name: &str) -> Option<&ExpectedFunction> {
-        self.functions.iter().find(|it| it.name == name)
+        self.functions.iter().find(|function| function.name == name)
     }
 
     /// A type with the aliases of the specification replaced by their definitions.
@@ -259,14 +262,17 @@ impl<'a> Expected<'a> {
                 CodelKind::Fsm => codel
                     .yields
                     .iter()
-                    .map(|it| self.spelling(it.event))
+                    .map(|state| self.spelling(state.event))
                     .collect(),
                 CodelKind::Simple | CodelKind::Validate => vec![self.ok().into()],
             };
             let throws = self.throws_of(at.owner);
             let awaits = self.spec.unknown_dependencies(self.component, codel);
             let may_throw_more = self.spec.lacks_exceptions(self.component, at.owner);
-            let known = self.functions.iter_mut().find(|it| it.name == codel.name);
+            let known = self
+                .functions
+                .iter_mut()
+                .find(|function| function.name == codel.name);
             let function = match known {
                 Some(known) => known,
                 None => {
@@ -274,7 +280,7 @@ impl<'a> Expected<'a> {
                     self.functions.push(ExpectedFunction {
                         name: codel.name.clone(),
                         uses: Vec::new(),
-                        signature: signature.map_err(|it| it.message),
+                        signature: signature.map_err(|error| error.message),
                         shape: None,
                         returns: FxHashSet::default(),
                         throws: FxHashSet::default(),
@@ -300,7 +306,10 @@ impl<'a> Expected<'a> {
                 }
             }
         }
-        let signatures = self.functions.iter().map(|it| it.signature.as_deref());
+        let signatures = self
+            .functions
+            .iter()
+            .map(|function| function.signature.as_deref());
         let shapes = read_prototypes(signatures.map(Result::ok), self.language);
         for (function, shape) in self.functions.iter_mut().zip(shapes) {
             function.shape = shape;
@@ -316,7 +325,9 @@ impl<'a> Expected<'a> {
                 continue;
             };
             let theirs = self.spec.components[interface as usize].ports.iter();
-            let same = |it: &&Port| it.name == port.name && it.dir == port.dir && it.ty != port.ty;
+            let same = |other: &&Port| {
+                other.name == port.name && other.dir == port.dir && other.ty != port.ty
+            };
             for other in theirs.filter(same) {
                 let (name, own) = (self.spelling(other.ty), self.spelling(port.ty));
                 let own = read_prototypes(
@@ -324,7 +335,8 @@ impl<'a> Expected<'a> {
                     self.language,
                 );
                 let parameter = own.into_iter().flatten().next();
-                let parameter = parameter.and_then(|it| it.parameters.into_iter().next());
+                let parameter =
+                    parameter.and_then(|parameter| parameter.parameters.into_iter().next());
                 if let Some(parameter) = parameter {
                     self.aliases.insert(name, parameter.ty);
                 }
@@ -353,11 +365,15 @@ impl<'a> Expected<'a> {
             }
         }
         self.named.extend(named);
-        let texts: Vec<String> = texts.iter().map(|it| format!("void f({it})")).collect();
-        let shapes = read_prototypes(texts.iter().map(|it| Some(it.as_str())), self.language);
+        let texts: Vec<String> = texts.iter().map(|text| format!("void f({text})")).collect();
+        let shapes = read_prototypes(texts.iter().map(|text| Some(text.as_str())), self.language);
         for shape in shapes.into_iter().flatten() {
-            self.opaque
-                .extend(shape.parameters.into_iter().map(|it| it.ty.base));
+            self.opaque.extend(
+                shape
+                    .parameters
+                    .into_iter()
+                    .map(|parameter| parameter.ty.base),
+            );
         }
     }
 
@@ -377,9 +393,9 @@ impl<'a> Expected<'a> {
                 texts.push(format!("void f({inner})"));
             }
         }
-        let shapes = read_prototypes(texts.iter().map(|it| Some(it.as_str())), self.language);
+        let shapes = read_prototypes(texts.iter().map(|text| Some(text.as_str())), self.language);
         for (name, shape) in names.into_iter().zip(shapes) {
-            let parameter = shape.and_then(|it| it.parameters.into_iter().next());
+            let parameter = shape.and_then(|shape| shape.parameters.into_iter().next());
             if let Some(parameter) = parameter
                 && parameter.ty.base != name
             {
@@ -434,7 +450,7 @@ pub(crate) fn cut_tag<'n>(name: &'n str, component: &str) -> (bool, &'n str) {
     let name = name.strip_prefix("::").unwrap_or(name);
     let rest = name.strip_prefix(component);
     let name = rest
-        .and_then(|it| it.strip_prefix("::").or_else(|| it.strip_prefix('_')))
+        .and_then(|rest| rest.strip_prefix("::").or_else(|| rest.strip_prefix('_')))
         .unwrap_or(name);
     match name
         .strip_prefix("pause::")

@@ -56,7 +56,7 @@ impl FilesConfig {
     /// True if the extension is one of sources.
     pub fn is_source(&self, path: &Utf8Path) -> bool {
         let extension = path.extension().unwrap_or_default();
-        self.extensions.iter().any(|it| it == extension)
+        self.extensions.iter().any(|name| name == extension)
     }
 }
 
@@ -80,17 +80,20 @@ pub fn select(listing: &[Utf8PathBuf], makefile: Option<&str>, config: &FilesCon
     all.sort();
     all.dedup();
     let mut out = CodelFiles::default();
-    let header = |it: &&Utf8PathBuf| {
-        let extension = it.extension().unwrap_or_default();
+    let header = |path: &&Utf8PathBuf| {
+        let extension = path.extension().unwrap_or_default();
         matches!(extension, "h" | "hh" | "hpp" | "hxx")
     };
     out.headers = all.iter().filter(header).cloned().collect();
     let listed = makefile.filter(|_| config.makefile).map(makefile_sources);
     let listed = listed.unwrap_or_default();
-    let listed = listed.into_iter().filter(|it| config.is_source(it));
-    let (present, absent): (Vec<_>, Vec<_>) = listed.partition(|it| all.contains(it));
+    let listed = listed.into_iter().filter(|source| config.is_source(source));
+    let (present, absent): (Vec<_>, Vec<_>) = listed.partition(|source| all.contains(source));
     if present.is_empty() {
-        out.sources = all.into_iter().filter(|it| config.is_source(it)).collect();
+        out.sources = all
+            .into_iter()
+            .filter(|listing| config.is_source(listing))
+            .collect();
     } else {
         out.sources = present;
         out.absent = absent;
@@ -128,9 +131,9 @@ pub fn makefile_sources(text: &str) -> Vec<Utf8PathBuf> {
         for word in value.split_whitespace() {
             let word = ["$(srcdir)/", "${srcdir}/", "./"]
                 .iter()
-                .find_map(|it| word.strip_prefix(it))
+                .find_map(|text| word.strip_prefix(text))
                 .unwrap_or(word);
-            if !word.contains('$') && !out.iter().any(|it| it == word) {
+            if !word.contains('$') && !out.iter().any(|path| path == word) {
                 out.push(word.into());
             }
         }
@@ -152,8 +155,8 @@ pub struct IndexedFile {
 impl IndexedFile {
     /// Returns the components whose types the file includes.
     fn included_types(&self) -> impl Iterator<Item = &str> {
-        self.index.includes.iter().filter_map(|it| {
-            let file = it.path.rsplit('/').next()?;
+        self.index.includes.iter().filter_map(|include| {
+            let file = include.path.rsplit('/').next()?;
             let of = |end: &str| file.strip_suffix(end);
             of("_c_types.h").or_else(|| of("_cxx_types.h"))
         })
@@ -241,7 +244,7 @@ impl Sources {
 
     /// True if some source contains a name, or one that ends with it.
     pub fn mention(&self, name: &str) -> bool {
-        let goes_on = |it: char| it.is_alphanumeric() || it == '_';
+        let goes_on = |character: char| character.is_alphanumeric() || character == '_';
         self.all().any(|file| {
             let mut found = file.text.match_indices(name);
             found.any(|(at, _)| !file.text[at + name.len()..].starts_with(goes_on))
@@ -252,11 +255,11 @@ impl Sources {
     /// sources that include the types of other components (`…_c_types.h`) and those of none of these. If no
     /// source includes theirs, the component may have another name now, and all are returned.
     pub(super) fn of_components(&self, components: &[&str]) -> impl Iterator<Item = &IndexedFile> {
-        let own = |it: &IndexedFile| it.included_types().any(|of| components.contains(&of));
+        let own = |file: &IndexedFile| file.included_types().any(|of| components.contains(&of));
         let any = self.sources.iter().any(own);
         self.sources
             .iter()
-            .filter(move |it| !any || own(it) || it.included_types().next().is_none())
+            .filter(move |source| !any || own(source) || source.included_types().next().is_none())
     }
 
     /// As [`Sources::load`], with a function that may reuse the indexes of texts (its arguments are those of
@@ -276,7 +279,7 @@ impl Sources {
         let cxx = selected
             .sources
             .iter()
-            .any(|it| it.extension() != Some("c"));
+            .any(|source| source.extension() != Some("c"));
         let mut incomplete = !selected.absent.is_empty();
         let mut load = |paths: Vec<Utf8PathBuf>| {
             let mut out = Vec::new();
@@ -298,15 +301,18 @@ impl Sources {
             headers,
             makefile: makefile
                 .filter(|_| selected.listed)
-                .map(|it| (makefile_path, it)),
+                .map(|makefile| (makefile_path, makefile)),
             incomplete,
         }
     }
 
     /// True if a function returns an event in the spelling of C++.
     pub fn uses_cxx(&self) -> bool {
-        let mut functions = self.sources.iter().flat_map(|it| &it.index.functions);
-        functions.any(|it| it.result.base == "genom::event")
+        let mut functions = self
+            .sources
+            .iter()
+            .flat_map(|source| &source.index.functions);
+        functions.any(|function| function.result.base == "genom::event")
     }
 
     /// Sources and headers.
@@ -316,7 +322,7 @@ impl Sources {
 
     /// A file by path.
     pub fn file(&self, path: &Utf8Path) -> Option<&IndexedFile> {
-        self.all().find(|it| it.path == path)
+        self.all().find(|file| file.path == path)
     }
 }
 
@@ -344,13 +350,13 @@ mod tests {
     fn the_build_file_is_believed_when_its_files_are_there() {
         let listing = paths(&["b.c", "a.c", "old.c", "x.h", "README"]);
         let config = FilesConfig::default();
-        let it = select(&listing, Some("l_SOURCES = a.c b.c gone.c"), &config);
-        assert_eq!(it.sources, paths(&["a.c", "b.c"]));
-        assert_eq!(it.absent, paths(&["gone.c"]));
-        assert_eq!(it.headers, paths(&["x.h"]));
-        let it = select(&listing, Some("l_SOURCES = gone.c"), &config);
-        assert_eq!(it.sources, paths(&["a.c", "b.c", "old.c"]));
-        let it = select(&listing, None, &config);
-        assert_eq!(it.sources, paths(&["a.c", "b.c", "old.c"]));
+        let file = select(&listing, Some("l_SOURCES = a.c b.c gone.c"), &config);
+        assert_eq!(file.sources, paths(&["a.c", "b.c"]));
+        assert_eq!(file.absent, paths(&["gone.c"]));
+        assert_eq!(file.headers, paths(&["x.h"]));
+        let file = select(&listing, Some("l_SOURCES = gone.c"), &config);
+        assert_eq!(file.sources, paths(&["a.c", "b.c", "old.c"]));
+        let file = select(&listing, None, &config);
+        assert_eq!(file.sources, paths(&["a.c", "b.c", "old.c"]));
     }
 }

@@ -46,7 +46,7 @@ impl Folder {
     pub fn retain(&mut self, mut wanted: impl FnMut(&Name) -> bool) {
         let components = &self.unit.spec.components;
         self.components
-            .retain(|it| wanted(&components[*it as usize].name));
+            .retain(|component| wanted(&components[*component as usize].name));
     }
 
     /// The functions that the components require.
@@ -54,12 +54,12 @@ impl Folder {
         let spec = &self.unit.spec;
         let components = self.components.iter();
         components
-            .map(|&it| {
+            .map(|&component| {
                 // The language of a missing interface is read from the sources.
-                let unsaid = spec.gaps_of(it).any(|gap| *gap == Missing::Language);
+                let unsaid = spec.gaps_of(component).any(|gap| *gap == Missing::Language);
                 match unsaid && self.sources.uses_cxx() {
-                    true => Expected::in_language(spec, it, Language::Cxx),
-                    false => Expected::new(spec, it),
+                    true => Expected::in_language(spec, component, Language::Cxx),
+                    false => Expected::new(spec, component),
                 }
             })
             .collect()
@@ -68,7 +68,8 @@ impl Folder {
     /// The part of the codels that can be compared.
     pub fn coverage(&self, all: &[Expected<'_>]) -> Coverage {
         let mut out = Coverage::default();
-        all.iter().for_each(|it| out.add(it, &self.trust));
+        all.iter()
+            .for_each(|expected| out.add(expected, &self.trust));
         out
     }
 
@@ -96,7 +97,8 @@ impl Folder {
         let mut out = Vec::with_capacity(findings.len());
         for mut drift in findings {
             let source = drift.source.as_ref();
-            let file = source.and_then(|it| Some((self.sources.file(&it.path)?, it.range.start)));
+            let file = source
+                .and_then(|source| Some((self.sources.file(&source.path)?, source.range.start)));
             if file.is_some_and(|(file, at)| is_allowed(file, at, drift.code.as_str())) {
                 continue;
             }
@@ -105,8 +107,8 @@ impl Folder {
                 &*self.unit.locations,
                 Side::First,
             );
-            if let Some(it) = analysis.adjusted(one)?.first() {
-                drift.severity = it.severity;
+            if let Some(diagnostic) = analysis.adjusted(one)?.first() {
+                drift.severity = diagnostic.severity;
                 out.push(drift);
             }
         }
@@ -155,7 +157,7 @@ pub fn share_names(folders: &mut [Folder]) {
         let known = names.entry(folder.sources.folder.clone()).or_default();
         for component in &folder.unit.spec.components {
             let codels = component.all_codels();
-            known.extend(codels.map(|it| component.codel(it).name.clone()));
+            known.extend(codels.map(|codel| component.codel(codel).name.clone()));
         }
     }
     for folder in folders {
@@ -177,8 +179,8 @@ pub fn unused_allowances(
     let mut out: Vec<Diagnostic> = Vec::new();
     let known = DriftCode::ALL.map(DriftCode::as_str);
     // A folder that is not completely read may contain the finding that a comment allows.
-    let seen = |it: &Folder| it.sources.exists && !it.sources.incomplete;
-    let compared = || compared.iter().filter(|it| seen(it.0));
+    let seen = |folder: &Folder| folder.sources.exists && !folder.sources.incomplete;
+    let compared = || compared.iter().filter(|pair| seen(pair.0));
     for (folder, findings) in compared() {
         let found = diagnostics(findings, &*folder.unit.locations, Side::Both);
         let specification = &folder.specification;
@@ -186,23 +188,27 @@ pub fn unused_allowances(
         out.extend(unused);
         let expected = folder.expected();
         for file in folder.sources.all() {
-            for it in allowances(file) {
+            for allowance in allowances(file) {
                 let has = |found: &&Drift| {
                     let place = found.source.as_ref().filter(|at| at.path == file.path);
-                    found.code.as_str() == it.code
-                        && place.is_some_and(|at| it.scope.contains(&at.range.start))
+                    found.code.as_str() == allowance.code
+                        && place.is_some_and(|at| allowance.scope.contains(&at.range.start))
                 };
                 // A function that none of these specifications names may belong to another one.
-                let speaks = it.code.starts_with(CODEL) && names(&expected, &it.function.name);
+                let speaks =
+                    allowance.code.starts_with(CODEL) && names(&expected, &allowance.function.name);
                 if !speaks
-                    || analysis.is_off(it.code)?
-                    || compared().flat_map(|it| it.1).any(|it| has(&it))
+                    || analysis.is_off(allowance.code)?
+                    || compared().flat_map(|pair| pair.1).any(|drift| has(&drift))
                 {
                     continue;
                 }
-                let known = known.contains(&it.code);
+                let known = known.contains(&allowance.code);
                 out.push(Analysis::unused_allowance(
-                    it.code, known, &file.path, it.range,
+                    allowance.code,
+                    known,
+                    &file.path,
+                    allowance.range,
                 ));
             }
         }
@@ -211,6 +217,6 @@ pub fn unused_allowances(
 }
 
 fn names(expected: &[Expected<'_>], function: &str) -> bool {
-    let mut functions = expected.iter().flat_map(|it| &it.functions);
-    functions.any(|it| it.name == function)
+    let mut functions = expected.iter().flat_map(|expected| &expected.functions);
+    functions.any(|candidate| candidate.name == function)
 }

@@ -73,7 +73,7 @@ pub fn source(expected: &Expected<'_>, missing: &FxHashSet<Name>) -> LangResult 
     }
     for ty in 0..expected.spec.types.len() as u32 {
         if let TypeKind::Exception { members } = &expected.spec.ty(TypeId(ty)).kind {
-            members.iter().for_each(|&it| _ = glue.number(it));
+            members.iter().for_each(|&member| _ = glue.number(member));
         }
     }
     let mut out = format!("#include \"{}\"\n\n{PRELUDE}", types_header(expected));
@@ -118,11 +118,11 @@ impl<'a> Glue<'a, '_> {
         self.order.push(ty);
         match &self.expected.spec.ty(ty).kind {
             TypeKind::Struct { members } | TypeKind::Exception { members } => {
-                members.iter().for_each(|&it| _ = self.number(it));
+                members.iter().for_each(|&member| _ = self.number(member));
             }
             TypeKind::Union { switch, members } => {
                 self.number(*switch);
-                members.iter().for_each(|&it| _ = self.number(it));
+                members.iter().for_each(|&member| _ = self.number(member));
             }
             TypeKind::Array { element, .. }
             | TypeKind::Sequence { element, .. }

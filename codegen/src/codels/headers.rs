@@ -55,9 +55,9 @@ const OPERATORS: [&str; 11] = [
 /// Flags for compilers of C++, if a type of the component has a name that is an operator there.
 pub(super) fn flags_of_names(expected: &Expected<'_>) -> Option<String> {
     let spec = expected.spec;
-    let mut names = (0..spec.types.len() as u32).filter_map(|it| spec.full_name(TypeId(it)));
-    let is_operator = |it: &str| it.split("::").any(|it| OPERATORS.contains(&it));
-    let found = names.any(|it| is_operator(&it));
+    let mut names = (0..spec.types.len() as u32).filter_map(|ty| spec.full_name(TypeId(ty)));
+    let is_operator = |text: &str| text.split("::").any(|part| OPERATORS.contains(&part));
+    let found = names.any(|name| is_operator(&name));
     (found && expected.language == Language::Cxx).then(|| CXX_NAMES.to_owned())
 }
 
@@ -112,7 +112,7 @@ pub(super) fn include_flags(folder: &Utf8Path, codels: &Utf8Path) -> Vec<String>
 /// The mapped types and the prototypes of the codels, as in `genom3 mappings --signature` without the `#line`
 /// marks.
 pub fn types(expected: &Expected<'_>) -> Result<String, LangError> {
-    let all = (0..expected.spec.types.len() as u32).map(|it| MapObject::Type(TypeId(it)));
+    let all = (0..expected.spec.types.len() as u32).map(|ty| MapObject::Type(TypeId(ty)));
     let all: Vec<MapObject> = all.collect();
     let mut out = opaque_types(expected) + &expected.mapper().mapping(&all, false)?;
     // The mapping includes the headers for its own text; the prototypes may need more.
@@ -140,7 +140,7 @@ pub fn types(expected: &Expected<'_>) -> Result<String, LangError> {
     let mut prototypes = String::new();
     for function in &expected.functions {
         let signature = function.signature.as_ref();
-        let signature = signature.map_err(|it| LangError::error(it.clone()))?;
+        let signature = signature.map_err(|error| LangError::error(error.clone()))?;
         prototypes += &format!("{signature};\n");
     }
     out += &match expected.language {
@@ -181,10 +181,10 @@ fn opaque_types(expected: &Expected<'_>) -> String {
         let body = match expected.language {
             Language::Cxx => {
                 let modules = ty.scope.iter().filter(|_| ty.name.is_some());
-                let modules: Vec<&str> = modules.map(|it| it.name.as_str()).collect();
+                let modules: Vec<&str> = modules.map(|module| module.name.as_str()).collect();
                 let open: String = modules
                     .iter()
-                    .map(|it| format!("namespace {it} {{ "))
+                    .map(|module| format!("namespace {module} {{ "))
                     .collect();
                 let close = " }".repeat(modules.len());
                 let own = ty.name.as_deref().unwrap_or(&name);

@@ -18,9 +18,9 @@ pub fn implementations(sources: &Sources, codel: &str) -> Vec<SourcePlace> {
     let files = sources.all();
     files
         .flat_map(|file| {
-            file.index.definitions(codel).map(|it| SourcePlace {
+            file.index.definitions(codel).map(|definition| SourcePlace {
                 path: file.path.clone(),
-                range: it.name_span.clone(),
+                range: definition.name_span.clone(),
             })
         })
         .collect()
@@ -81,8 +81,8 @@ pub fn codel_functions(
     };
     let functions = file.index.functions.iter();
     functions
-        .filter(|it| it.body.is_some() && it.is_global())
-        .filter_map(|it| codel_function(all, it))
+        .filter(|function| function.body.is_some() && function.is_global())
+        .filter_map(|function| codel_function(all, function))
         .collect()
 }
 

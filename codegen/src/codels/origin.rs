@@ -38,11 +38,14 @@ pub fn origin(
     let file = sources.file(path)?;
     let tree = parse(&file.text, file.index.grammar)?;
     let root = tree.root_node();
-    let ends_before = offset.checked_sub(1).into_iter().map(|it| (it, offset));
+    let ends_before = offset
+        .checked_sub(1)
+        .into_iter()
+        .map(|difference| (difference, offset));
     let mut nodes = std::iter::once((offset, offset + 1))
         .chain(ends_before)
         .filter_map(|(start, end)| root.descendant_for_byte_range(start, end));
-    let node = nodes.find(|it| it.kind().ends_with("identifier"))?;
+    let node = nodes.find(|node| node.kind().ends_with("identifier"))?;
     let name = file.text.get(node.byte_range())?;
     let lookup = Lookup {
         expected,
@@ -73,7 +76,7 @@ impl<'a> Lookup<'a> {
     /// The node of the function around the name.
     fn function(&self) -> Option<Node<'a>> {
         let mut at = self.node.parent();
-        while let Some(node) = at.filter(|it| it.kind() != "function_definition") {
+        while let Some(node) = at.filter(|parent| parent.kind() != "function_definition") {
             at = node.parent();
         }
         at
@@ -113,8 +116,8 @@ impl<'a> Lookup<'a> {
             else {
                 return None;
             };
-            let mut members = members.iter().map(|it| spec.ty(*it));
-            let member = members.find(|it| it.name.as_deref() == Some(self.name))?;
+            let mut members = members.iter().map(|member| spec.ty(*member));
+            let member = members.find(|member| member.name.as_deref() == Some(self.name))?;
             let spelling = self.expected.spelling(id);
             let detail = || structure.strip_suffix(DETAIL) == Some(spelling.as_str());
             (structure == spelling || detail()).then_some(member.src)
@@ -142,7 +145,8 @@ impl<'a> Lookup<'a> {
 
     /// The parameters of the codels whose function has a parameter of the name, if nothing shadows it.
     fn parameter(&self) -> Vec<Src> {
-        let named = |it: &super::source::Parameter| it.name.as_deref() == Some(self.name);
+        let named =
+            |parameter: &super::source::Parameter| parameter.name.as_deref() == Some(self.name);
         let Some((function, around)) = self.codels().filter(|_| !self.is_shadowed()) else {
             return Vec::new();
         };
@@ -152,22 +156,22 @@ impl<'a> Lookup<'a> {
         let component = self.expected.component();
         let uses = function.uses.iter();
         let params = uses.filter_map(|at| component.codel(*at).params.get(position));
-        params.map(|it| it.src).collect()
+        params.map(|param| param.src).collect()
     }
 
     /// Returns true if a block around the name declares a variable of the name.
     fn is_shadowed(&self) -> bool {
         let text = &self.file.text;
         let mut at = self.node.parent();
-        while let Some(node) = at.filter(|it| it.kind() != "function_definition") {
+        while let Some(node) = at.filter(|parent| parent.kind() != "function_definition") {
             let mut cursor = node.walk();
-            let declared = node.named_children(&mut cursor).any(|it| {
-                let mut cursor = it.walk();
-                let mut names = it
+            let declared = node.named_children(&mut cursor).any(|child| {
+                let mut cursor = child.walk();
+                let mut names = child
                     .children_by_field_name("declarator", &mut cursor)
                     .filter_map(declared_name);
-                it.kind() == "declaration"
-                    && names.any(|it| text.get(it.byte_range()) == Some(self.name))
+                child.kind() == "declaration"
+                    && names.any(|name| text.get(name.byte_range()) == Some(self.name))
             });
             if declared {
                 return true;
@@ -183,13 +187,15 @@ impl<'a> Lookup<'a> {
             let mut all = around.to_vec();
             all.extend_from_slice(path);
             all.push(self.name.into());
-            all.retain(|it| !it.is_empty());
+            all.retain(|text| !text.is_empty());
             SmolStr::from(all.join("::"))
         };
         let around = scopes(self.node, &self.file.text);
-        let outwards = (0..=around.len()).rev().map(|it| full(&around[..it]));
+        let outwards = (0..=around.len()).rev().map(|scope| full(&around[..scope]));
         let opened = opened(root, &self.file.text);
-        outwards.chain(opened.iter().map(|it| full(it))).collect()
+        outwards
+            .chain(opened.iter().map(|snapshot| full(snapshot)))
+            .collect()
     }
 
     /// The declarations of a full name.
@@ -215,7 +221,7 @@ impl<'a> Lookup<'a> {
             );
             ty.name.is_some() && !member && expected.spelling(*id) == spelling
         });
-        named.next().map(|it| it.1.src).into_iter().collect()
+        named.next().map(|ty| ty.1.src).into_iter().collect()
     }
 
     /// The declaration of an event's state: the codel that the event triggers, first in the service of the
@@ -227,15 +233,17 @@ impl<'a> Lookup<'a> {
                 .all_codels()
                 .map(|at| (at.owner, component.codel(at)))
         };
-        let mut states = codels().flat_map(|(_, it)| it.triggers.iter().chain(&it.yields));
-        let state = states.find(|it| it.event == event)?;
-        let here = self.codels().map(|it| it.0.uses.iter().map(|at| at.owner));
+        let mut states = codels().flat_map(|(_, codel)| codel.triggers.iter().chain(&codel.yields));
+        let state = states.find(|state| state.event == event)?;
+        let here = self
+            .codels()
+            .map(|codel| codel.0.uses.iter().map(|at| at.owner));
         let here: Vec<_> = here.into_iter().flatten().collect();
         let triggers = |near: bool| {
-            let codels = codels().filter(move |it| !near || here.contains(&it.0));
+            let codels = codels().filter(move |codel| !near || here.contains(&codel.0));
             codels
-                .flat_map(|(_, it)| &it.triggers)
-                .find(|it| it.name == state.name)
+                .flat_map(|(_, codel)| &codel.triggers)
+                .find(|trigger| trigger.name == state.name)
         };
         let found = triggers.clone()(true).or_else(|| triggers(false));
         Some(found.unwrap_or(state).src)

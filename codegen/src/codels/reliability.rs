@@ -56,13 +56,14 @@ impl Reliability {
             ..Reliability::default()
         };
         let errors = unit.diagnostics.iter();
-        let errors = errors.filter(|it| it.severity == Severity::Error && !is_environment(it.code));
+        let errors =
+            errors.filter(|error| error.severity == Severity::Error && !is_environment(error.code));
         let faults: Vec<Fault<'_>> = errors
-            .map(|it| Fault {
-                path: &it.path,
-                start: it.range.start,
-                end: it.range.end,
-                loses_text: syntax::find(it.code).is_some() && it.code != "missing-semicolon",
+            .map(|error| Fault {
+                path: &error.path,
+                start: error.range.start,
+                end: error.range.end,
+                loses_text: syntax::find(error.code).is_some() && error.code != "missing-semicolon",
             })
             .collect();
         if faults.is_empty() {
@@ -74,35 +75,42 @@ impl Reliability {
         trust.all_broken = trust.is_cut;
         let codels: Vec<(u32, CodelRef, Location)> = (0u32..)
             .zip(&unit.spec.components)
-            .flat_map(|(index, it)| {
-                it.all_codels()
-                    .map(move |at| (index, at, it.codel(at).node))
+            .flat_map(|(index, component)| {
+                component
+                    .all_codels()
+                    .map(move |at| (index, at, component.codel(at).node))
             })
             .filter_map(|(index, at, node)| Some((index, at, unit.locations.locate(node)?)))
             .collect();
         let bodies = unit.spec.owner_bodies.iter();
         let bodies: Vec<(u32, Owner, Location)> = bodies
-            .filter_map(|it| Some((it.component, it.owner, unit.locations.locate(it.node)?)))
+            .filter_map(|body| {
+                Some((
+                    body.component,
+                    body.owner,
+                    unit.locations.locate(body.node)?,
+                ))
+            })
             .collect();
         for fault in &faults {
-            let hit = codels.iter().filter(|it| fault.touches(&it.2));
-            let hit: Vec<_> = hit.map(|it| (it.0, it.1)).collect();
+            let hit = codels.iter().filter(|codel| fault.touches(&codel.2));
+            let hit: Vec<_> = hit.map(|hit| (hit.0, hit.1)).collect();
             let inside_codel = !hit.is_empty();
             trust.faulty.extend(hit);
             if !fault.loses_text {
                 continue;
             }
-            let around = bodies.iter().filter(|it| fault.touches(&it.2));
-            let around: Vec<_> = around.map(|it| (it.0, it.1)).collect();
+            let around = bodies.iter().filter(|body| fault.touches(&body.2));
+            let around: Vec<_> = around.map(|body| (body.0, body.1)).collect();
             trust.all_broken |= around.is_empty() && !inside_codel;
             trust.broken.extend(around);
             if !inside_codel {
                 // The declaration before the error may be incomplete.
-                let before = codels.iter().filter(|it| it.2.path == *fault.path);
-                let before = before.filter(|it| it.2.range.end <= fault.start);
-                let last = before.clone().map(|it| it.2.range.end).max();
-                let last = before.filter(|it| Some(it.2.range.end) == last);
-                trust.faulty.extend(last.map(|it| (it.0, it.1)));
+                let before = codels.iter().filter(|codel| codel.2.path == *fault.path);
+                let before = before.filter(|codel| codel.2.range.end <= fault.start);
+                let last = before.clone().map(|codel| codel.2.range.end).max();
+                let last = before.filter(|codel| Some(codel.2.range.end) == last);
+                trust.faulty.extend(last.map(|codel| (codel.0, codel.1)));
             }
         }
         trust
@@ -114,7 +122,7 @@ impl Reliability {
         for (index, component) in (0u32..).zip(&unit.spec.components) {
             for at in component.all_codels() {
                 let place = unit.locations.locate(component.codel(at).node);
-                if place.is_some_and(|it| changed(&it)) {
+                if place.is_some_and(|place| changed(&place)) {
                     self.faulty.insert((index, at));
                 }
             }
@@ -130,7 +138,8 @@ impl Reliability {
     /// True if a task or service of a codel, or its component, has text that could not be parsed.
     pub fn is_broken(&self, expected: &Expected<'_>, function: &ExpectedFunction) -> bool {
         let mut uses = function.uses.iter();
-        self.all_broken || uses.any(|it| self.broken.contains(&(expected.component, it.owner)))
+        self.all_broken
+            || uses.any(|usage| self.broken.contains(&(expected.component, usage.owner)))
     }
 
     /// True if a member may be declared in text that could not be parsed, or in text that is still missing.

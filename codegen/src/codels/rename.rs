@@ -164,12 +164,17 @@ pub fn rename(
 fn check_free(folder: &Folder, names: &Names) -> Result<(), RenameRefusal> {
     for ((scopes, _), to) in &names.globals {
         let free = |file: &&IndexedFile| {
-            !file.index.names.contains(to) && !file.index.macros.iter().any(|it| it.name == *to)
+            !file.index.names.contains(to)
+                && !file
+                    .index
+                    .macros
+                    .iter()
+                    .any(|definition| definition.name == *to)
         };
         let given_up = names.globals.contains_key(&(Vec::new(), to.clone()));
         if scopes.is_empty()
             && !given_up
-            && let Some(file) = folder.sources.all().find(|it| !free(it))
+            && let Some(file) = folder.sources.all().find(|file| !free(file))
         {
             return Err(RenameRefusal::Taken {
                 name: to.clone(),
@@ -210,7 +215,7 @@ impl<'a> File<'a> {
             self.parameters(function);
         }
         let functions = self.file.index.functions.iter();
-        for comment in functions.flat_map(|it| &it.comments) {
+        for comment in functions.flat_map(|function| &function.comments) {
             if let Some(generated) = &comment.generated {
                 self.generated(generated);
             }
@@ -249,9 +254,14 @@ impl<'a> File<'a> {
                 return false;
             }
             "comment" => {
-                let mut all = self.file.index.functions.iter().flat_map(|it| &it.comments);
-                let generated = |it: &&super::source::Comment| it.generated.is_some();
-                let inside = |it: &super::source::Comment| it.span.contains(&span.start);
+                let mut all = self
+                    .file
+                    .index
+                    .functions
+                    .iter()
+                    .flat_map(|function| &function.comments);
+                let generated = |comment: &&super::source::Comment| comment.generated.is_some();
+                let inside = |comment: &super::source::Comment| comment.span.contains(&span.start);
                 if !all.by_ref().filter(generated).any(inside) {
                     // The comment of a codel stands alone if its function is in another file.
                     match comment::generated(&self.file.text, &span) {
@@ -295,7 +305,7 @@ impl<'a> File<'a> {
     /// The new name of an identifier that is not a member, by its written and enclosing scopes.
     fn global(&self, node: Node<'_>, scope: &Scope<'_>) -> Option<SmolStr> {
         let name: SmolStr = self.text(&node.byte_range()).into();
-        if !self.names.globals.keys().any(|it| it.1 == name) {
+        if !self.names.globals.keys().any(|key| key.1 == name) {
             return None;
         }
         let path = qualifiers(node, &self.file.text);
@@ -324,8 +334,8 @@ impl<'a> File<'a> {
             return None;
         }
         let name: SmolStr = self.text(&node.byte_range()).into();
-        open.iter().find_map(|it| {
-            let full: Vec<SmolStr> = it.iter().chain(&path).cloned().collect();
+        open.iter().find_map(|smol_str| {
+            let full: Vec<SmolStr> = smol_str.iter().chain(&path).cloned().collect();
             self.names.globals.get(&(full, name.clone())).cloned()
         })
     }
@@ -333,15 +343,15 @@ impl<'a> File<'a> {
     fn member(&mut self, node: Node<'_>, scope: &Scope<'_>) {
         let span = node.byte_range();
         let name: SmolStr = self.text(&span).into();
-        if !self.names.members.keys().any(|it| it.1 == name) {
+        if !self.names.members.keys().any(|key| key.1 == name) {
             return;
         }
         let Some(parent) = node.parent() else { return };
         let structure = match parent.kind() {
             "field_expression" => {
                 let of = parent.child_by_field_name("argument");
-                let ty = of.and_then(|it| scope.type_of(it));
-                ty.and_then(|it| self.types.structure_of(&it))
+                let ty = of.and_then(|child| scope.type_of(child));
+                ty.and_then(|ty| self.types.structure_of(&ty))
             }
             "field_designator" => scope.designated(parent),
             // A member of a structure that the sources declare.
@@ -363,14 +373,18 @@ impl<'a> File<'a> {
     fn parameters(&mut self, function: Node<'_>) {
         let start = function.start_byte();
         let mut all = self.file.index.functions.iter();
-        let Some(found) = all.find(|it| it.span.start == start && it.is_global()) else {
+        let Some(found) = all.find(|function| function.span.start == start && function.is_global())
+        else {
             return;
         };
         let wanted = self.names.parameters.iter();
-        let wanted: Vec<_> = wanted.filter(|it| it.0 == found.name).cloned().collect();
+        let wanted: Vec<_> = wanted
+            .filter(|parameter| parameter.0 == found.name)
+            .cloned()
+            .collect();
         for (_, position, from, to) in wanted {
             let named = found.parameters.get(position);
-            if named.is_none_or(|it| it.name.as_ref() != Some(&from)) {
+            if named.is_none_or(|parameter| parameter.name.as_ref() != Some(&from)) {
                 continue;
             }
             let grammar = self.file.index.grammar;
@@ -412,19 +426,19 @@ impl<'a> File<'a> {
             let pasted = before.ends_with("##") || after.starts_with("##");
             let reached = before.ends_with('.') || before.ends_with("->");
             if pasted {
-                let part = |it: &&(Vec<SmolStr>, SmolStr)| {
-                    it.1.starts_with(name.as_str()) || it.1.ends_with(name.as_str())
+                let part = |pair: &&(Vec<SmolStr>, SmolStr)| {
+                    pair.1.starts_with(name.as_str()) || pair.1.ends_with(name.as_str())
                 };
-                if name.len() > 1 && self.names.globals.keys().any(|it| part(&it)) {
+                if name.len() > 1 && self.names.globals.keys().any(|key| part(&key)) {
                     self.leave(at, &name, UnchangedReason::Macro);
                 }
             } else if reached {
-                if self.names.members.keys().any(|it| it.1 == name) {
+                if self.names.members.keys().any(|key| key.1 == name) {
                     self.leave(at, &name, UnchangedReason::Macro);
                 }
             } else if let Some(to) = self.names.globals.get(&(Vec::new(), name.clone())).cloned() {
                 self.edit(at..at + name.len(), &to);
-            } else if self.names.globals.keys().any(|it| it.1 == name) {
+            } else if self.names.globals.keys().any(|key| key.1 == name) {
                 self.leave(at, &name, UnchangedReason::Macro);
             }
         }
@@ -493,24 +507,30 @@ impl<'a> File<'a> {
 /// Words of prose with their places; a word includes its scopes.
 fn spelled(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let part = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
-    let words = text.split(move |c| !part(c)).filter(|it| !it.is_empty());
+    let words = text
+        .split(move |c| !part(c))
+        .filter(|part| !part.is_empty());
     // Each word is a part of `text`, so the distance is its place.
-    words.map(move |it| {
-        let it = it.trim_end_matches(':');
-        (it.as_ptr() as usize - text.as_ptr() as usize, it)
+    words.map(move |word| {
+        let name = word.trim_end_matches(':');
+        (name.as_ptr() as usize - text.as_ptr() as usize, name)
     })
 }
 
 /// The lines that list the unchanged places, at most `most` of them.
 pub fn listed(left: &[UnchangedPlace], most: usize, root: &Utf8Path) -> String {
-    let short = |it: &UnchangedPlace| UnchangedPlace {
-        path: it.path.strip_prefix(root).unwrap_or(&it.path).to_owned(),
-        ..it.clone()
+    let short = |place: &UnchangedPlace| UnchangedPlace {
+        path: place
+            .path
+            .strip_prefix(root)
+            .unwrap_or(&place.path)
+            .to_owned(),
+        ..place.clone()
     };
     let mut out: Vec<String> = left
         .iter()
         .take(most)
-        .map(|it| short(it).to_string())
+        .map(|place| short(place).to_string())
         .collect();
     if left.len() > most {
         out.push(format!("and {} more", left.len() - most));

@@ -84,8 +84,13 @@ impl Repairs<'_> {
                 component.codel(*at).name,
                 returns.to
             ),
-            Repair::ReturnDeclared(it) => format!("Return `{}` from `{}`", it.to, it.function),
-            Repair::RaiseDeclared(it) => format!("Raise `{}` in `{}`", it.to, it.function),
+            Repair::ReturnDeclared(replacement) => format!(
+                "Return `{}` from `{}`",
+                replacement.to, replacement.function
+            ),
+            Repair::RaiseDeclared(replacement) => {
+                format!("Raise `{}` in `{}`", replacement.to, replacement.function)
+            }
             Repair::FollowMember {
                 structure,
                 from,
@@ -116,7 +121,9 @@ impl Repairs<'_> {
                 let mut edit = self.add_yield(*at, &format!("pause::{state}"))?;
                 edit.merge(respelled(returns)).then_some(edit)
             }
-            Repair::ReturnDeclared(it) | Repair::RaiseDeclared(it) => Some(respelled(it)),
+            Repair::ReturnDeclared(replacement) | Repair::RaiseDeclared(replacement) => {
+                Some(respelled(replacement))
+            }
             Repair::FollowMember { to, places, .. } => {
                 let mut edit = Edit::default();
                 for (path, range) in places {
@@ -137,19 +144,25 @@ impl Repairs<'_> {
     /// behaviour of code, the side that was changed last is taken as correct, and the other side is adapted.
     pub fn ordered<'d>(&self, drift: &'d Drift) -> Vec<&'d Repair> {
         let mut out: Vec<&Repair> = drift.repairs.iter().collect();
-        let code = out.iter().filter(|it| it.changes_code()).count();
+        let code = out.iter().filter(|repair| repair.changes_code()).count();
         if code > 0 && code < out.len() && self.specification_is_newer(drift) {
-            out.sort_by_key(|it| !it.changes_code());
+            out.sort_by_key(|repair| !repair.changes_code());
         }
         out
     }
 
     /// True if the specification was changed later than the source.
     fn specification_is_newer(&self, drift: &Drift) -> bool {
-        let specification = drift.spec.first().and_then(|it| self.locations.locate(*it));
-        let changed = |it: &Utf8Path| self.text.changed(it);
-        let specification = specification.and_then(|it| changed(&it.path));
-        let source = drift.source.as_ref().and_then(|it| changed(&it.path));
+        let specification = drift
+            .spec
+            .first()
+            .and_then(|spec| self.locations.locate(*spec));
+        let changed = |path: &Utf8Path| self.text.changed(path);
+        let specification = specification.and_then(|specification| changed(&specification.path));
+        let source = drift
+            .source
+            .as_ref()
+            .and_then(|source| changed(&source.path));
         specification.zip(source).is_some_and(|(a, b)| a > b)
     }
 
@@ -162,24 +175,26 @@ impl Repairs<'_> {
     /// Codels of the component without a function.
     pub fn missing(&self) -> Vec<CodelRef> {
         let functions = self.expected.functions.iter();
-        let missing = functions.filter(|it| {
+        let missing = functions.filter(|function| {
             let mut files = self.sources.all();
-            !files.any(|file| file.index.definitions(&it.name).next().is_some())
+            !files.any(|file| file.index.definitions(&function.name).next().is_some())
         });
-        missing.filter_map(|it| it.uses.first().copied()).collect()
+        missing
+            .filter_map(|function| function.uses.first().copied())
+            .collect()
     }
 
     /// Codels of one task or service without a function.
     pub fn missing_codels_of(&self, owner: Owner) -> Vec<CodelRef> {
         let mut all = self.missing();
-        all.retain(|it| it.owner == owner);
+        all.retain(|codel| codel.owner == owner);
         all
     }
 
     /// The file for the stub of a codel.
     pub fn stub_file(&self, at: CodelRef) -> Utf8PathBuf {
         let wanted = self.skeleton_file(at);
-        let same = |it: &&IndexedFile| it.path.with_extension("") == wanted.with_extension("");
+        let same = |file: &&IndexedFile| file.path.with_extension("") == wanted.with_extension("");
         if let Some(file) = self.sources.sources.iter().find(same) {
             return file.path.clone();
         }
@@ -187,11 +202,11 @@ impl Repairs<'_> {
         let component = self.expected.component();
         let others = component
             .all_codels()
-            .filter(|it| self.skeleton_file(*it) == wanted);
+            .filter(|codel| self.skeleton_file(*codel) == wanted);
         for other in others {
             let name = &component.codel(other).name;
             let mut files = self.sources.sources.iter();
-            if let Some(file) = files.find(|it| it.index.definitions(name).next().is_some()) {
+            if let Some(file) = files.find(|file| file.index.definitions(name).next().is_some()) {
                 return file.path.clone();
             }
         }
@@ -211,7 +226,7 @@ impl Repairs<'_> {
         let mut files = self.sources.sources.iter();
         StubOptions {
             compile_as_cxx: self.stubs.compile_as_cxx
-                || files.any(|it| it.path.extension() != Some("c")),
+                || files.any(|file| file.path.extension() != Some("c")),
             ..self.stubs.clone()
         }
     }
@@ -219,6 +234,9 @@ impl Repairs<'_> {
     fn function(&self, path: &Utf8Path, start: usize) -> Option<(&IndexedFile, &Function)> {
         let file = self.sources.file(path)?;
         let mut functions = file.index.functions.iter();
-        Some((file, functions.find(|it| it.span.start == start)?))
+        Some((
+            file,
+            functions.find(|function| function.span.start == start)?,
+        ))
     }
 }

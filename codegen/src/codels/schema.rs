@@ -43,13 +43,13 @@ fn annotate(schema: &mut Value, init: &Initializer, values: Values<'_>) {
     let InitValue::Compound(members) = &init.value else {
         return;
     };
-    for it in members {
-        let Some(PathElement::Member(name)) = &it.member else {
+    for initializer in members {
+        let Some(PathElement::Member(name)) = &initializer.member else {
             continue;
         };
         let properties = schema.get_mut("properties");
         if let Some(member) = properties.and_then(|all| all.get_mut(name.as_str())) {
-            annotate(member, it, values);
+            annotate(member, initializer, values);
         }
     }
 }
@@ -86,9 +86,9 @@ fn schema(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
 }
 
 fn of_kind(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
-    let name = |it: TypeId| {
-        let name = spec.ty(it).name.as_ref();
-        name.map(|it| it.to_string()).unwrap_or_default()
+    let name = |ty: TypeId| {
+        let name = spec.ty(ty).name.as_ref();
+        name.map(|name| name.to_string()).unwrap_or_default()
     };
     let whole = |least: i64, greatest: u64| json!({"type": "integer", "minimum": least, "maximum": greatest});
     let signed = |bits: u32| whole(-(1i64 << (bits - 1)), (1u64 << (bits - 1)) - 1);
@@ -105,7 +105,10 @@ fn of_kind(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
         // A float that is NaN or infinite is `null`.
         TypeKind::Float | TypeKind::Double => json!({"type": ["number", "null"]}),
         TypeKind::Enum { enumerators } => {
-            let names: Vec<String> = enumerators.iter().map(|&it| name(it)).collect();
+            let names: Vec<String> = enumerators
+                .iter()
+                .map(|&enumerator| name(enumerator))
+                .collect();
             // A number that is not an enumerator remains a number.
             json!({"anyOf": [{"type": "string", "enum": names}, whole(0, u32::MAX.into())]})
         }
@@ -125,10 +128,10 @@ fn of_kind(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
             json!({"anyOf": [schema(spec, *element, around), {"type": "null"}]})
         }
         TypeKind::Struct { members } | TypeKind::Exception { members } => {
-            let names: Vec<String> = members.iter().map(|&it| name(it)).collect();
+            let names: Vec<String> = members.iter().map(|&member| name(member)).collect();
             let all = members
                 .iter()
-                .map(|&it| (name(it), schema(spec, it, around)));
+                .map(|&member| (name(member), schema(spec, member, around)));
             let all: Map<String, Value> = all.collect();
             json!({
                 "type": "object",
@@ -142,7 +145,7 @@ fn of_kind(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
             let switch = ("_d".to_owned(), schema(spec, *switch, around));
             let all = members
                 .iter()
-                .map(|&it| (name(it), schema(spec, it, around)));
+                .map(|&member| (name(member), schema(spec, member, around)));
             let all: Map<String, Value> = std::iter::once(switch).chain(all).collect();
             json!({
                 "type": "object",

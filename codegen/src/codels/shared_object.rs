@@ -39,10 +39,10 @@ pub fn hosted(
 ) -> Result<Vec<SharedObject>, String> {
     let all = folder.expected();
     let all = all.iter().map(|expected| {
-        let functions = expected.functions.iter().map(|it| &it.name);
-        let absent = |it: &&Name| implementations(&folder.sources, it).is_empty();
+        let functions = expected.functions.iter().map(|function| &function.name);
+        let absent = |name: &&Name| implementations(&folder.sources, name).is_empty();
         let missing: FxHashSet<Name> = functions.filter(absent).cloned().collect();
-        let text = glue::source(expected, &missing).map_err(|it| it.message)?;
+        let text = glue::source(expected, &missing).map_err(|error| error.message)?;
         let name = &expected.component().name;
         let is_cxx = expected.language == Language::Cxx;
         let (compiler, extension) = match is_cxx {
@@ -76,12 +76,15 @@ pub fn hosted(
             // The linker of the plan depends on C++ sources in the folder.
             false => {
                 let words = plan.link.command.iter();
-                words.take_while(|it| *it != "-shared").cloned().collect()
+                words
+                    .take_while(|word| *word != "-shared")
+                    .cloned()
+                    .collect()
             }
         };
         let mut command: Vec<String> = linker;
         command.extend(["-shared", "-o", output.as_str()].map(str::to_owned));
-        command.extend(inputs.iter().map(|it| it.to_string()));
+        command.extend(inputs.iter().map(|input| input.to_string()));
         command.extend(packages.link.iter().cloned());
         command.extend(["-lm", "-lpthread"].map(str::to_owned));
         Ok(SharedObject {

@@ -224,23 +224,23 @@ impl SourceIndex {
         };
         if let Some(tree) = parse(text, grammar) {
             declare::declarations(tree.root_node(), text, &mut index);
-            index.functions.sort_by_key(|it| it.span.start);
+            index.functions.sort_by_key(|function| function.span.start);
         }
         index
     }
 
     /// Definitions of a name that have this name for the linker.
     pub fn definitions<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Function> + 'a {
-        self.functions
-            .iter()
-            .filter(move |it| it.name == name && it.body.is_some() && it.is_global())
+        self.functions.iter().filter(move |function| {
+            function.name == name && function.body.is_some() && function.is_global()
+        })
     }
 
     /// The function around an offset.
     pub fn function_at(&self, offset: usize) -> Option<&Function> {
         self.functions
             .iter()
-            .find(|it| it.span.start <= offset && offset <= it.span.end)
+            .find(|function| function.span.start <= offset && offset <= function.span.end)
     }
 }
 
@@ -297,7 +297,8 @@ fn without_attributes(text: &str) -> Cow<'_, str> {
         from = start + WORD.len();
         let rest = text[from..].strip_prefix("__").unwrap_or(&text[from..]);
         let list = rest.trim_start();
-        let within = text[..start].ends_with(|it: char| it.is_alphanumeric() || it == '_');
+        let within = text[..start]
+            .ends_with(|character: char| character.is_alphanumeric() || character == '_');
         if let Some(length) = parenthesised(list)
             && !within
         {

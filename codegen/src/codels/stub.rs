@@ -93,7 +93,7 @@ impl<'a> Stubs<'a> {
         written: &mut FxHashMap<String, String>,
     ) -> Result<Vec<NewFile>, LangError> {
         let component = self.expected.component();
-        let tasks = (0..component.tasks.len() as u32).filter(|it| self.expected.has_file(*it));
+        let tasks = (0..component.tasks.len() as u32).filter(|task| self.expected.has_file(*task));
         let tasks = tasks.map(Some).chain([None]);
         tasks
             .map(|task| {
@@ -133,12 +133,12 @@ impl<'a> Stubs<'a> {
         let services = || {
             (0u32..)
                 .zip(&component.services)
-                .filter(|it| self.expected.is_own(it.1.src))
+                .filter(|pair| self.expected.is_own(pair.1.src))
         };
         let refs = |owner: Owner, kinds: &[CodelKind]| -> Vec<CodelRef> {
             let codels = (0u32..).zip(component.codels_of(owner));
             codels
-                .filter(|it| kinds.contains(&it.1.kind) && self.expected.is_own(it.1.src))
+                .filter(|codel| kinds.contains(&codel.1.kind) && self.expected.is_own(codel.1.src))
                 .map(|(index, _)| CodelRef { owner, index })
                 .collect()
         };
@@ -178,14 +178,14 @@ impl<'a> Stubs<'a> {
                     Group::Task(task) => {
                         format!("task {}", component.tasks[task as usize].name)
                     }
-                    Group::Validation(it) => {
+                    Group::Validation(validation) => {
                         format!(
                             "service {} validation",
-                            component.services[it as usize].name
+                            component.services[validation as usize].name
                         )
                     }
-                    Group::Service(it) => {
-                        format!("service {}", component.services[it as usize].name)
+                    Group::Service(service) => {
+                        format!("service {}", component.services[service as usize].name)
                     }
                 };
                 out += &self.comment(at);
@@ -205,8 +205,8 @@ impl<'a> Stubs<'a> {
         let component = self.expected.component();
         let title = match group {
             Group::Task(task) => format!("Task {}", component.tasks[task as usize].name),
-            Group::Validation(it) | Group::Service(it) => {
-                let (kind, name) = owner_words(component, Owner::Service(it));
+            Group::Validation(validation) | Group::Service(validation) => {
+                let (kind, name) = owner_words(component, Owner::Service(validation));
                 let mut kind = kind.to_owned();
                 kind[..1].make_ascii_uppercase();
                 format!("{kind} {name}")
@@ -248,13 +248,13 @@ impl<'a> Stubs<'a> {
         let events = |all: &[State]| {
             let names = all
                 .iter()
-                .map(|it| self.expected.spelling(it.event).to_string());
+                .map(|state| self.expected.spelling(state.event).to_string());
             names.collect::<Vec<_>>().join(", ")
         };
         let throws = self.expected.throws_of(at.owner);
         let throws = throws
             .iter()
-            .map(|&it| self.expected.spelling(it).to_string());
+            .map(|&exception| self.expected.spelling(exception).to_string());
         let throws = throws.collect::<Vec<_>>().join(", ");
         let mut lines = Vec::new();
         // Wrapped as in the comment, with its mark included.
@@ -263,7 +263,7 @@ impl<'a> Stubs<'a> {
             let wrapped = text::wrap(&format!(" * {text}"), &prefix, " ", 70);
             let cut = wrapped
                 .lines()
-                .map(|it| it.strip_prefix(" * ").unwrap_or(it).to_owned());
+                .map(|line| line.strip_prefix(" * ").unwrap_or(line).to_owned());
             lines.extend(cut);
         };
         if !codel.triggers.is_empty() {
@@ -296,7 +296,7 @@ impl<'a> Stubs<'a> {
             CodelKind::Fsm => codel
                 .yields
                 .first()
-                .map(|it| self.expected.spelling(it.event)),
+                .map(|state| self.expected.spelling(state.event)),
             CodelKind::Simple | CodelKind::Validate => None,
         };
         let event = event.unwrap_or_else(|| self.expected.ok().into());
@@ -305,7 +305,7 @@ impl<'a> Stubs<'a> {
     }
 
     fn parameter_names(&self, params: &[Param]) -> Vec<String> {
-        let mut out: Vec<String> = params.iter().map(|it| it.name.to_string()).collect();
+        let mut out: Vec<String> = params.iter().map(|param| param.name.to_string()).collect();
         if self.expected.language == Language::C {
             out.push("self".into());
         }

@@ -78,12 +78,12 @@ impl<'s> Values<'s> {
         service: &Service,
         given: &Map<String, Value>,
     ) -> Result<Vec<u8>, ValueError> {
-        let inputs = || service.params.iter().filter(|it| is_input(it));
+        let inputs = || service.params.iter().filter(|param| is_input(param));
         if let Some(unknown) = given
             .keys()
-            .find(|key| !inputs().any(|it| it.name == key.as_str()))
+            .find(|key| !inputs().any(|input| input.name == key.as_str()))
         {
-            let known: Vec<&str> = inputs().map(|it| it.name.as_str()).collect();
+            let known: Vec<&str> = inputs().map(|input| input.name.as_str()).collect();
             return self::unknown(unknown, "an input of the service", unknown, &known);
         }
         let mut out = Vec::new();
@@ -103,7 +103,7 @@ impl<'s> Values<'s> {
     pub fn outputs(&self, service: &Service, bytes: &[u8]) -> Result<Value, ValueError> {
         let mut reader = Reader { bytes };
         let mut out = Map::new();
-        let outputs = service.params.iter().filter(|it| is_output(it));
+        let outputs = service.params.iter().filter(|param| is_output(param));
         for param in outputs {
             let value = self.read(param.ty, &mut reader, DEPTH)?;
             out.insert(param.name.to_string(), value);
@@ -139,7 +139,7 @@ impl<'s> Values<'s> {
 
     fn lay_out(&self, ty: TypeId, around: &mut Vec<TypeId>, out: &mut String) {
         let ty = self.spec.resolve_alias(ty);
-        if let Some(level) = around.iter().position(|&it| it == ty) {
+        if let Some(level) = around.iter().position(|&candidate| candidate == ty) {
             *out += &format!("^{level}");
             return;
         }
@@ -147,7 +147,7 @@ impl<'s> Values<'s> {
         let kind = self.kind(ty);
         *out += kind.word();
         match kind {
-            TypeKind::String { bound: Some(it) } => *out += &it.to_string(),
+            TypeKind::String { bound: Some(bound) } => *out += &bound.to_string(),
             TypeKind::Array { element, length } => {
                 *out += &format!("[{length}]");
                 self.lay_out(*element, around, out);
@@ -160,17 +160,17 @@ impl<'s> Values<'s> {
             TypeKind::Enum { enumerators } => *out += &enumerators.len().to_string(),
             TypeKind::Struct { members } => {
                 out.push('{');
-                for &it in members {
-                    *out += &format!("{}:", self.name(it));
-                    self.lay_out(it, around, out);
+                for &member in members {
+                    *out += &format!("{}:", self.name(member));
+                    self.lay_out(member, around, out);
                 }
                 out.push('}');
             }
             TypeKind::Union { switch, members } => {
                 out.push('(');
                 self.lay_out(*switch, around, out);
-                for &it in members {
-                    if let TypeKind::UnionMember { labels, .. } = &self.spec.ty(it).kind {
+                for &member in members {
+                    if let TypeKind::UnionMember { labels, .. } = &self.spec.ty(member).kind {
                         for label in labels {
                             *out += &match label {
                                 Label::Default => " default".to_owned(),
@@ -179,7 +179,7 @@ impl<'s> Values<'s> {
                         }
                     }
                     out.push(':');
-                    self.lay_out(it, around, out);
+                    self.lay_out(member, around, out);
                 }
                 out.push(')');
             }
@@ -203,17 +203,17 @@ impl<'s> Values<'s> {
             InitValue::Compound(members) => {
                 let kind = self.kind(init.ty);
                 if let TypeKind::Struct { .. } | TypeKind::Union { .. } = kind {
-                    let members = members.iter().filter_map(|it| match &it.member {
+                    let members = members.iter().filter_map(|member| match &member.member {
                         Some(PathElement::Member(name)) => {
-                            Some((name.to_string(), self.initial(it)?))
+                            Some((name.to_string(), self.initial(member)?))
                         }
                         _ => None,
                     });
                     return Some(Value::Object(members.collect()));
                 }
                 let mut out = Vec::new();
-                for it in members {
-                    let at = match it.member {
+                for member in members {
+                    let at = match member.member {
                         Some(PathElement::Index(at)) => usize::try_from(at).ok()?,
                         _ => out.len(),
                     };
@@ -221,7 +221,7 @@ impl<'s> Values<'s> {
                         return None;
                     }
                     out.resize(out.len().max(at + 1), Value::Null);
-                    out[at] = self.initial(it).unwrap_or(Value::Null);
+                    out[at] = self.initial(member).unwrap_or(Value::Null);
                 }
                 Some(Value::Array(out))
             }
@@ -230,13 +230,13 @@ impl<'s> Values<'s> {
 
     fn constant(&self, value: &Constant) -> Value {
         match value {
-            Constant::Bool(it) => (*it).into(),
-            Constant::Uint(it) => (*it).into(),
-            Constant::Int(it) => (*it).into(),
-            Constant::Float(it) => (*it).into(),
-            Constant::Char(it) => it.bytes().next().unwrap_or(0).into(),
-            Constant::String(it) => it.clone().into(),
-            Constant::Enum(it) => self.name(*it).into(),
+            Constant::Bool(flag) => (*flag).into(),
+            Constant::Uint(number) => (*number).into(),
+            Constant::Int(number) => (*number).into(),
+            Constant::Float(number) => (*number).into(),
+            Constant::Char(character) => character.bytes().next().unwrap_or(0).into(),
+            Constant::String(text) => text.clone().into(),
+            Constant::Enum(enumeration) => self.name(*enumeration).into(),
         }
     }
 
@@ -246,32 +246,33 @@ impl<'s> Values<'s> {
 
     fn name(&self, ty: TypeId) -> String {
         let name = self.spec.ty(ty).name.as_ref();
-        name.map(|it| it.to_string()).unwrap_or_default()
+        name.map(|name| name.to_string()).unwrap_or_default()
     }
 
     /// The member of a union that a discriminator selects.
     pub(super) fn chosen(&self, members: &[TypeId], number: i64) -> Option<TypeId> {
-        let labels = |it: &TypeId| match &self.spec.ty(*it).kind {
+        let labels = |ty: &TypeId| match &self.spec.ty(*ty).kind {
             TypeKind::UnionMember { labels, .. } => labels.as_slice(),
             _ => &[],
         };
-        let case = |it: &&TypeId| {
-            let mut labels = labels(it).iter();
-            labels.any(|it| matches!(it, Label::Case(value) if self.number_of(value) == number))
+        let case = |ty: &&TypeId| {
+            let mut labels = labels(ty).iter();
+            labels
+                .any(|label| matches!(label, Label::Case(value) if self.number_of(value) == number))
         };
-        let default = |it: &&TypeId| labels(it).contains(&Label::Default);
+        let default = |ty: &&TypeId| labels(ty).contains(&Label::Default);
         let found = members.iter().find(case);
         found.or_else(|| members.iter().find(default)).copied()
     }
 
     fn number_of(&self, value: &Constant) -> i64 {
         match value {
-            Constant::Bool(it) => i64::from(*it),
-            Constant::Uint(it) => i64::try_from(*it).unwrap_or(i64::MAX),
-            Constant::Int(it) => *it,
+            Constant::Bool(flag) => i64::from(*flag),
+            Constant::Uint(number) => i64::try_from(*number).unwrap_or(i64::MAX),
+            Constant::Int(number) => *number,
             Constant::Float(_) | Constant::String(_) => 0,
-            Constant::Char(it) => it.bytes().next().map_or(0, i64::from),
-            Constant::Enum(it) => match self.spec.ty(*it).kind {
+            Constant::Char(character) => character.bytes().next().map_or(0, i64::from),
+            Constant::Enum(enumeration) => match self.spec.ty(*enumeration).kind {
                 TypeKind::Enumerator { value, .. } => i64::from(value),
                 _ => 0,
             },
@@ -283,11 +284,13 @@ impl<'s> Values<'s> {
         match (self.kind(switch), value) {
             (TypeKind::Enum { enumerators }, Value::String(name)) => {
                 let name = name.rsplit("::").next().unwrap_or(name);
-                let at = enumerators.iter().position(|&it| self.name(it) == name);
-                at.map_or(0, |it| i64::try_from(it).unwrap_or(0))
+                let at = enumerators
+                    .iter()
+                    .position(|&enumerator| self.name(enumerator) == name);
+                at.map_or(0, |index| i64::try_from(index).unwrap_or(0))
             }
-            (_, Value::Bool(it)) => i64::from(*it),
-            (_, it) => it.as_i64().unwrap_or(0),
+            (_, Value::Bool(flag)) => i64::from(*flag),
+            (_, kind) => kind.as_i64().unwrap_or(0),
         }
     }
 
@@ -307,14 +310,14 @@ impl<'s> Values<'s> {
             TypeKind::UnsignedLongLong => u64::from_ne_bytes(from.take()?).into(),
             // The decimal form of the float, without the additional digits of a double.
             TypeKind::Float => match f32::from_ne_bytes(from.take()?).to_string().parse::<f64>() {
-                Ok(it) => it.into(),
+                Ok(number) => number.into(),
                 Err(_) => Value::Null,
             },
             TypeKind::Double => f64::from_ne_bytes(from.take()?).into(),
             TypeKind::Enum { enumerators } => {
                 let number = u32::from_ne_bytes(from.take()?);
                 match enumerators.get(number as usize) {
-                    Some(&it) => self.name(it).into(),
+                    Some(&enumerator) => self.name(enumerator).into(),
                     None => number.into(),
                 }
             }
@@ -373,7 +376,7 @@ impl<'s> Values<'s> {
         match kind {
             TypeKind::Boolean => match value {
                 Value::Null => out.push(0),
-                Value::Bool(it) => out.push(u8::from(*it)),
+                Value::Bool(byte) => out.push(u8::from(*byte)),
                 _ => return wrong(at, "true or false"),
             },
             TypeKind::Octet => out.push(whole(value, at, "0 to 255")?),
@@ -395,17 +398,24 @@ impl<'s> Values<'s> {
             TypeKind::Float => out.extend((number(value, at)? as f32).to_ne_bytes()),
             TypeKind::Double => out.extend(number(value, at)?.to_ne_bytes()),
             TypeKind::Enum { enumerators } => {
-                let named = |name: &str| enumerators.iter().position(|&it| self.name(it) == name);
+                let named = |name: &str| {
+                    enumerators
+                        .iter()
+                        .position(|&enumerator| self.name(enumerator) == name)
+                };
                 let found = match value {
                     Value::Null => Some(0),
                     Value::String(name) => named(name.rsplit("::").next().unwrap_or(name)),
-                    it => it
+                    value => value
                         .as_u64()
-                        .and_then(|it| usize::try_from(it).ok())
-                        .filter(|&it| it < enumerators.len()),
+                        .and_then(|number| usize::try_from(number).ok())
+                        .filter(|&number| number < enumerators.len()),
                 };
-                let Some(found) = found.and_then(|it| u32::try_from(it).ok()) else {
-                    let names: Vec<String> = enumerators.iter().map(|&it| self.name(it)).collect();
+                let Some(found) = found.and_then(|number| u32::try_from(number).ok()) else {
+                    let names: Vec<String> = enumerators
+                        .iter()
+                        .map(|&enumerator| self.name(enumerator))
+                        .collect();
                     return wrong(at, format!("one of {}", names.join(", ")));
                 };
                 out.extend(found.to_ne_bytes());
@@ -413,7 +423,7 @@ impl<'s> Values<'s> {
             TypeKind::String { bound } => {
                 let text = match value {
                     Value::Null => "",
-                    Value::String(it) => it.as_str(),
+                    Value::String(text) => text.as_str(),
                     _ => return wrong(at, "a string"),
                 };
                 if let Some(bound) = bound
@@ -430,8 +440,8 @@ impl<'s> Values<'s> {
                     return wrong(at, format!("a list of {length}"));
                 }
                 for i in 0..usize::try_from(*length).unwrap_or(0) {
-                    let it = given.get(i).unwrap_or(&Value::Null);
-                    self.write(*element, it, &format!("{at}[{i}]"), depth, out)?;
+                    let value = given.get(i).unwrap_or(&Value::Null);
+                    self.write(*element, value, &format!("{at}[{i}]"), depth, out)?;
                 }
             }
             TypeKind::Sequence { element, bound } => {
@@ -442,41 +452,50 @@ impl<'s> Values<'s> {
                     return wrong(at, format!("a list of at most {bound}"));
                 }
                 length(given.len(), at, out)?;
-                for (i, it) in given.iter().enumerate() {
-                    self.write(*element, it, &format!("{at}[{i}]"), depth, out)?;
+                for (i, value) in given.iter().enumerate() {
+                    self.write(*element, value, &format!("{at}[{i}]"), depth, out)?;
                 }
             }
             TypeKind::Optional { element } => match value {
                 Value::Null => out.push(0),
-                it => {
+                value => {
                     out.push(1);
-                    self.write(*element, it, at, depth, out)?;
+                    self.write(*element, value, at, depth, out)?;
                 }
             },
             TypeKind::Struct { members } | TypeKind::Exception { members } => {
                 let given = object(value, at)?;
-                let known = |key: &&String| members.iter().any(|&it| self.name(it) == **key);
-                if let Some(unknown) = given.and_then(|it| it.keys().find(|it| !known(it))) {
-                    let names: Vec<String> = members.iter().map(|&it| self.name(it)).collect();
+                let known =
+                    |key: &&String| members.iter().any(|&member| self.name(member) == **key);
+                if let Some(unknown) = given.and_then(|given| given.keys().find(|key| !known(key)))
+                {
+                    let names: Vec<String> =
+                        members.iter().map(|&member| self.name(member)).collect();
                     let names: Vec<&str> = names.iter().map(String::as_str).collect();
                     let place = format!("{at}.{unknown}");
                     return self::unknown(&place, "a member of the structure", unknown, &names);
                 }
                 for &member in members {
                     let name = self.name(member);
-                    let it = given.and_then(|it| it.get(&name)).unwrap_or(&Value::Null);
-                    self.write(member, it, &format!("{at}.{name}"), depth, out)?;
+                    let value = given
+                        .and_then(|given| given.get(&name))
+                        .unwrap_or(&Value::Null);
+                    self.write(member, value, &format!("{at}.{name}"), depth, out)?;
                 }
             }
             TypeKind::Union { switch, members } => {
                 let given = object(value, at)?;
-                let chooses = given.and_then(|it| it.get("_d")).unwrap_or(&Value::Null);
+                let chooses = given
+                    .and_then(|given| given.get("_d"))
+                    .unwrap_or(&Value::Null);
                 self.write(*switch, chooses, &format!("{at}._d"), depth, out)?;
                 let number = self.discriminator(*switch, chooses);
                 if let Some(member) = self.chosen(members, number) {
                     let name = self.name(member);
-                    let it = given.and_then(|it| it.get(&name)).unwrap_or(&Value::Null);
-                    self.write(member, it, &format!("{at}.{name}"), depth, out)?;
+                    let value = given
+                        .and_then(|given| given.get(&name))
+                        .unwrap_or(&Value::Null);
+                    self.write(member, value, &format!("{at}.{name}"), depth, out)?;
                 }
             }
             _ => out.push(0),
@@ -510,11 +529,14 @@ fn whole<T: TryFrom<i128> + Default>(
 ) -> Result<T, ValueError> {
     let number = match value {
         Value::Null => return Ok(T::default()),
-        it => it.as_i64().map(i128::from).or(it.as_u64().map(i128::from)),
+        value => value
+            .as_i64()
+            .map(i128::from)
+            .or(value.as_u64().map(i128::from)),
     };
-    let number = number.and_then(|it| T::try_from(it).ok());
+    let number = number.and_then(|number| T::try_from(number).ok());
     match number {
-        Some(it) => Ok(it),
+        Some(number) => Ok(number),
         None => wrong(at, format!("a whole number of {range}")),
     }
 }
@@ -522,14 +544,14 @@ fn whole<T: TryFrom<i128> + Default>(
 fn number(value: &Value, at: &str) -> Result<f64, ValueError> {
     match value {
         Value::Null => Ok(0.),
-        it => it.as_f64().map_or_else(|| wrong(at, "a number"), Ok),
+        value => value.as_f64().map_or_else(|| wrong(at, "a number"), Ok),
     }
 }
 
 fn list<'v>(value: &'v Value, at: &str) -> Result<&'v [Value], ValueError> {
     match value {
         Value::Null => Ok(&[]),
-        Value::Array(it) => Ok(it),
+        Value::Array(array) => Ok(array),
         _ => wrong(at, "a list"),
     }
 }
@@ -537,7 +559,7 @@ fn list<'v>(value: &'v Value, at: &str) -> Result<&'v [Value], ValueError> {
 fn object<'v>(value: &'v Value, at: &str) -> Result<Option<&'v Map<String, Value>>, ValueError> {
     match value {
         Value::Null => Ok(None),
-        Value::Object(it) => Ok(Some(it)),
+        Value::Object(object) => Ok(Some(object)),
         _ => wrong(at, "an object"),
     }
 }

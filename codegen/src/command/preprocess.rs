@@ -95,7 +95,7 @@ impl Host for FileHost<'_> {
             return Err(IncludeError::TooDeep);
         }
         let wanted = Utf8Path::new(request.path.as_str());
-        let own = self.outer.open.last().and_then(|it| it.parent());
+        let own = self.outer.open.last().and_then(|path| path.parent());
         let own = own.filter(|_| !request.angled).map(ToOwned::to_owned);
         let dirs = own.into_iter().chain(self.outer.include_dirs.clone());
         let mut searched = Vec::new();
@@ -150,7 +150,7 @@ fn show(
     let mut out = format!("# 1 \"{path}\"\n");
     let lines = |first: u32, end: u32| -> usize {
         (first..end)
-            .map(|it| raw.text(text, it as usize).matches('\n').count())
+            .map(|index| raw.text(text, index as usize).matches('\n').count())
             .sum()
     };
     let mut line = 1;
@@ -187,8 +187,8 @@ fn show(
                 let breaks = lines(*first, *end);
                 line += breaks;
                 let directive = result.directives.get(*index as usize);
-                let keyword = directive.and_then(|it| it.keyword.as_ref());
-                let pragma = keyword.is_some_and(|it| it.text == "pragma");
+                let keyword = directive.and_then(|directive| directive.keyword.as_ref());
+                let pragma = keyword.is_some_and(|keyword| keyword.text == "pragma");
                 match result.include_ordinal(*index) {
                     Some(ordinal) => {
                         let text = included.get(ordinal as usize).map_or("", String::as_str);

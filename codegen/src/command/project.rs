@@ -25,7 +25,7 @@ impl Project {
         };
         let project = find(&given.rest);
         let mut at = args.len() - given.rest.len();
-        if args[..at].last().is_some_and(|it| it == "--") {
+        if args[..at].last().is_some_and(|argument| argument == "--") {
             at -= 1;
         }
         let mut out = args[..at].to_vec();
@@ -33,7 +33,7 @@ impl Project {
             out.extend(["-I".to_owned(), dir]);
         }
         for (name, body) in project.defines {
-            if given.defines.iter().all(|it| it.0 != name) {
+            if given.defines.iter().all(|define| define.0 != name) {
                 out.extend(["-D".to_owned(), format!("{name}={body}")]);
             }
         }

@@ -119,12 +119,12 @@ impl Writer<'_, '_> {
     /// A type nested in another one is in the scope of that one and needs no namespace.
     fn in_namespaces(&self, body: &str, ty: TypeId) -> String {
         let scope = &self.m.spec.ty(ty).scope;
-        if scope.iter().any(|it| it.kind != ScopeKind::Module) {
+        if scope.iter().any(|scope| scope.kind != ScopeKind::Module) {
             return body.to_owned();
         }
         let open: String = scope
             .iter()
-            .map(|it| format!("\nnamespace {} {{", it.name))
+            .map(|scope| format!("\nnamespace {} {{", scope.name))
             .collect();
         open + body + &"\n}".repeat(scope.len())
     }
@@ -200,9 +200,9 @@ impl Writer<'_, '_> {
 
     fn not_allowed(&self, member: TypeId) -> Result<LangError, LangError> {
         let place = self.m.type_place(member);
-        let place = place.map(|it| {
-            let file = it.file.rsplit('/').next().unwrap_or_default();
-            format!("{file}:{}: ", it.line)
+        let place = place.map(|place| {
+            let file = place.file.rsplit('/').next().unwrap_or_default();
+            format!("{file}:{}: ", place.line)
         });
         Ok(LangError::fatal(format!(
             "{}member '{}' of type {} not allowed in C++",

@@ -94,7 +94,8 @@ fn find_last(text: &[char], wanted: &[char]) -> Option<usize> {
     if wanted.is_empty() {
         return None;
     }
-    text.windows(wanted.len()).rposition(|it| it == wanted)
+    text.windows(wanted.len())
+        .rposition(|window| window == wanted)
 }
 
 fn find_first(text: &[char], wanted: &[char], from: usize) -> Option<usize> {
@@ -102,7 +103,9 @@ fn find_first(text: &[char], wanted: &[char], from: usize) -> Option<usize> {
         return None;
     }
     let text = text.get(from..)?;
-    let at = text.windows(wanted.len()).position(|it| it == wanted)?;
+    let at = text
+        .windows(wanted.len())
+        .position(|window| window == wanted)?;
     Some(at + from)
 }
 

@@ -130,7 +130,7 @@ impl Model<'_> {
         let Some(place) = place else {
             return Ok(None);
         };
-        let context = context.map(|it| self.registry.handle(&Object::Component(it)));
+        let context = context.map(|context| self.registry.handle(&Object::Component(context)));
         let [file, line, column] = elements(&place);
         let all = [file, line, column, context.unwrap_or_default()];
         let Some(wanted) = arguments.first() else {
@@ -142,9 +142,9 @@ impl Model<'_> {
             return Ok(Some(Answer::pure(tcl::list(&all[..count]))));
         };
         let words = ["file", "line", "column", "context"];
-        let found = words.iter().position(|it| it == wanted);
+        let found = words.iter().position(|word| word == wanted);
         let found = found.or_else(|| {
-            let mut starting = (0..4).filter(|it| words[*it].starts_with(wanted.as_str()));
+            let mut starting = (0..4).filter(|number| words[*number].starts_with(wanted.as_str()));
             starting
                 .next()
                 .filter(|_| !wanted.is_empty() && starting.next().is_none())
@@ -152,7 +152,7 @@ impl Model<'_> {
         match found {
             Some(found) => Ok(Some(Answer::pure(all[found].clone()))),
             None => {
-                let problem = match words.iter().any(|it| it.starts_with(wanted.as_str()))
+                let problem = match words.iter().any(|word| word.starts_with(wanted.as_str()))
                     && !wanted.is_empty()
                 {
                     true => "ambiguous",
@@ -208,9 +208,9 @@ impl Model<'_> {
 
     /// The states that reach a codel of an owner, or the codel of one state.
     fn state_machine(&self, component: u32, owner: Owner, state: Option<&String>) -> Answer {
-        let it = self.spec.component(component);
+        let declaration = self.spec.component(component);
         let mut states: Vec<(&str, TypeId, CodelRef)> = Vec::new();
-        for (index, codel) in it.codels_of(owner).iter().enumerate() {
+        for (index, codel) in declaration.codels_of(owner).iter().enumerate() {
             let at = CodelRef {
                 owner,
                 index: index as u32,
@@ -232,7 +232,7 @@ impl Model<'_> {
             Some(Object::Type(ty)) => self.spec.ty(*ty).name.as_deref().unwrap_or_default(),
             _ => state,
         };
-        match states.iter().find(|(it, ..)| *it == name) {
+        match states.iter().find(|(text, ..)| *text == name) {
             Some((.., codel)) => self.handle(Object::Codel(component, *codel)),
             None => Answer::pure(String::new()),
         }

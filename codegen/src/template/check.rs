@@ -82,7 +82,7 @@ pub fn source(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
         out.push(places.flaw(range, flaw.kind, "before the end of the file"));
     }
     let substitutions = program.pieces.iter();
-    for piece in substitutions.filter(|it| it.kind == PieceKind::Substitution) {
+    for piece in substitutions.filter(|substitution| substitution.kind == PieceKind::Substitution) {
         let range = places.bytes(&piece.source);
         for flaw in script::subst_flaws(&text[range.clone()]) {
             let Flaw { range: at, kind } = flaw;
@@ -90,7 +90,7 @@ pub fn source(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
             out.push(places.at(at, kind, "before `\">`"));
         }
     }
-    out.sort_by_key(|it| (it.range.start, it.range.end));
+    out.sort_by_key(|diagnostic| (diagnostic.range.start, diagnostic.range.end));
     out
 }
 
@@ -99,20 +99,20 @@ pub fn script(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
     let places = Places { path, text };
     let flaws = script::flaws(text).into_iter();
     flaws
-        .map(|it| places.at(it.range, it.kind, "before the end of the file"))
+        .map(|flaw| places.at(flaw.range, flaw.kind, "before the end of the file"))
         .collect()
 }
 
 /// Returns true if a text begins with a whole marker, after optional text.
 pub fn has_marker(text: &str) -> bool {
-    let open = ["<'", "<\""].map(|it| text.find(it));
+    let open = ["<'", "<\""].map(|mark| text.find(mark));
     let Some(open) = open.into_iter().flatten().min() else {
         return false;
     };
     let quote = &text[open + 1..open + 2];
-    let close = ["'>", "\">"].map(|it| text[open + 2..].find(it));
+    let close = ["'>", "\">"].map(|mark| text[open + 2..].find(mark));
     let close = close.into_iter().flatten().min();
-    close.is_some_and(|it| text[open + 2 + it..].starts_with(quote))
+    close.is_some_and(|close| text[open + 2 + close..].starts_with(quote))
 }
 
 /// Markers of code with another opening tag inside, as indexes of both: the first is not closed, and ends
@@ -120,11 +120,11 @@ pub fn has_marker(text: &str) -> bool {
 fn nested<'a>(text: &'a str, program: &'a Program) -> impl Iterator<Item = (usize, usize)> + 'a {
     let chars: Vec<char> = text.chars().collect();
     let code = program.pieces.iter();
-    let code = code.filter(|it| it.kind == PieceKind::Code);
-    code.filter_map(move |it| {
-        let inside = &chars[it.source.clone()];
-        let at = inside.windows(2).position(|it| it == ['<', '\''])?;
-        Some((it.source.start - 2, it.source.start + at))
+    let code = code.filter(|code| code.kind == PieceKind::Code);
+    code.filter_map(move |code| {
+        let inside = &chars[code.source.clone()];
+        let at = inside.windows(2).position(|window| window == ['<', '\''])?;
+        Some((code.source.start - 2, code.source.start + at))
     })
 }
 
@@ -132,8 +132,13 @@ impl Program {
     /// The range in the source of a range of the program, in characters. Text that the translation added is
     /// at the end of the source text before it.
     fn source(&self, range: &Range<usize>) -> Range<usize> {
-        let after = self.pieces.partition_point(|it| it.program <= range.start);
-        let Some(piece) = after.checked_sub(1).map(|it| &self.pieces[it]) else {
+        let after = self
+            .pieces
+            .partition_point(|piece| piece.program <= range.start);
+        let Some(piece) = after
+            .checked_sub(1)
+            .map(|difference| &self.pieces[difference])
+        else {
             return 0..0;
         };
         let Piece { source, .. } = piece;
@@ -158,7 +163,7 @@ impl Places<'_> {
     fn bytes(&self, chars: &Range<usize>) -> Range<usize> {
         let byte = |at: usize| {
             let found = self.text.char_indices().nth(at);
-            found.map_or(self.text.len(), |it| it.0)
+            found.map_or(self.text.len(), |pair| pair.0)
         };
         byte(chars.start)..byte(chars.end)
     }
@@ -168,7 +173,10 @@ impl Places<'_> {
     }
 
     fn diagnostic(&self, code: &'static str, range: Range<usize>, message: String) -> Diagnostic {
-        let severity = CODES.iter().find(|it| it.id == code).map(|it| it.severity);
+        let severity = CODES
+            .iter()
+            .find(|candidate| candidate.id == code)
+            .map(|code| code.severity);
         let severity = severity.unwrap_or(Severity::Error);
         Diagnostic::new(code, severity, message, self.path.to_owned(), range)
     }
@@ -214,10 +222,11 @@ impl Places<'_> {
                     "the marker that `<{open}` opens in line {line} is closed with `{close}>`: write \
                         `{open}>`"
                 );
-                let mut it = self.diagnostic(MARKER, last, message);
-                it.related
+                let mut diagnostic = self.diagnostic(MARKER, last, message);
+                diagnostic
+                    .related
                     .push(self.related(first, "the marker begins here"));
-                it
+                diagnostic
             }
         }
     }
@@ -233,10 +242,10 @@ impl Places<'_> {
             "this marker is not closed before the next one begins in line {line}: write `{quote}>` where it \
                 ends"
         );
-        let mut it = self.diagnostic(MARKER, open, message);
+        let mut diagnostic = self.diagnostic(MARKER, open, message);
         let next = self.related(inner..inner + 2, "the next marker begins here");
-        it.related.push(next);
-        it
+        diagnostic.related.push(next);
+        diagnostic
     }
 
     /// A flaw at characters.
@@ -291,12 +300,20 @@ mod tests {
 
     /// Findings with places as the editor counts them: `line:column code message`, and the text there.
     fn shown(text: &str, found: &[Diagnostic]) -> Vec<String> {
-        let one = |it: &Diagnostic| {
-            let before = &text[..it.range.start];
+        let one = |diagnostic: &Diagnostic| {
+            let before = &text[..diagnostic.range.start];
             let line = before.matches('\n').count() + 1;
-            let column = before.chars().rev().take_while(|it| *it != '\n').count() + 1;
-            let what = &text[it.range.clone()];
-            format!("{line}:{column} {what:?} {}: {}", it.code, it.message)
+            let column = before
+                .chars()
+                .rev()
+                .take_while(|character| *character != '\n')
+                .count()
+                + 1;
+            let what = &text[diagnostic.range.clone()];
+            format!(
+                "{line}:{column} {what:?} {}: {}",
+                diagnostic.code, diagnostic.message
+            )
         };
         found.iter().map(one).collect()
     }
@@ -305,7 +322,7 @@ mod tests {
         let found = source("t.c".into(), text);
         // An error of the engine is always reported.
         let refused = marker::translate(text).is_err();
-        assert!(!refused || found.iter().any(|it| it.code == MARKER));
+        assert!(!refused || found.iter().any(|source| source.code == MARKER));
         shown(text, &found)
     }
 
@@ -390,7 +407,7 @@ mod tests {
     fn the_examples_of_the_manual_trigger_their_codes() {
         for code in CODES {
             let found = source("t.c".into(), code.example.unwrap_or_default());
-            let codes: Vec<&str> = found.iter().map(|it| it.code).collect();
+            let codes: Vec<&str> = found.iter().map(|source| source.code).collect();
             assert_eq!(codes, [code.id]);
             let found = source("t.c".into(), code.corrected.unwrap_or_default());
             assert_eq!(found, [], "{}", code.id);

@@ -80,14 +80,14 @@ pub(crate) fn types_of_component(
         let params = service.params.iter();
         wanted.extend(
             params
-                .filter(|it| private || !local(it.dir))
-                .map(|it| it.ty),
+                .filter(|param| private || !local(param.dir))
+                .map(|param| param.ty),
         );
         wanted.extend(service_throws(component, at as u32));
     }
     if visibility != Visibility::Public {
         for remote in &component.remotes {
-            wanted.extend(remote.params.iter().map(|it| it.ty));
+            wanted.extend(remote.params.iter().map(|param| param.ty));
             wanted.extend(remote_throws(component, remote));
         }
     }
@@ -167,12 +167,12 @@ pub(crate) fn digest(
         }
         Object::Remote(component, remote) => {
             wanted(filter, object)?;
-            let it = model.spec.remote(component, remote);
-            let params = (0..it.params.len() as u32)
-                .filter(|at| it.params[*at as usize].dir != ParamDir::Local)
+            let declaration = model.spec.remote(component, remote);
+            let params = (0..declaration.params.len() as u32)
+                .filter(|at| declaration.params[*at as usize].dir != ParamDir::Local)
                 .map(|at| ParamRef::Remote(remote, at));
             digest.params(model.spec, component, params, filter)?;
-            for ty in remote_throws(model.spec.component(component), it) {
+            for ty in remote_throws(model.spec.component(component), declaration) {
                 digest.exception(model.spec, ty, filter)?;
             }
         }
@@ -250,7 +250,7 @@ impl Chunks {
         let all = &spec.service(component, service).params;
         let without_locals = spec.release.has(Change::DigestsOfExceptions);
         let params = (0..all.len() as u32)
-            .filter(|it| !without_locals || all[*it as usize].dir != ParamDir::Local)
+            .filter(|param| !without_locals || all[*param as usize].dir != ParamDir::Local)
             .map(|at| ParamRef::Service(service, at));
         self.params(spec, component, params, filter)?;
         for ty in service_throws(spec.component(component), service) {

@@ -53,7 +53,7 @@ impl TerminalFilter {
         let mut whole = bytes.len();
         let cut = (1..=whole.min(3)).find(|count| {
             let last = std::str::from_utf8(&bytes[whole - count..]);
-            last.is_err_and(|it| it.valid_up_to() == 0 && it.error_len().is_none())
+            last.is_err_and(|error| error.valid_up_to() == 0 && error.error_len().is_none())
         });
         whole -= cut.unwrap_or(0);
         self.kept = bytes[whole..].to_vec();

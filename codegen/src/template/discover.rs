@@ -115,7 +115,7 @@ pub fn release_of(disk: &dyn Disk, dirs: &[PathBuf]) -> Option<(Release, PathBuf
         let text = String::from_utf8(disk.read(&file).ok()?).ok()?;
         let provided = text
             .lines()
-            .find_map(|it| it.trim().strip_prefix("package provide genom-engine"))?;
+            .find_map(|line| line.trim().strip_prefix("package provide genom-engine"))?;
         Some((provided.trim().parse().ok()?, file))
     })
 }
@@ -132,7 +132,7 @@ pub(crate) fn absolute_text(here: &Path, text: &str) -> String {
 fn entry(disk: &dyn Disk, dir: &Path) -> Option<String> {
     let entries = disk.list(dir).ok()?;
     let mut engines: Vec<String> = (entries.iter())
-        .filter_map(|it| it.path.file_name()?.to_str())
+        .filter_map(|entry| entry.path.file_name()?.to_str())
         .filter_map(|name| name.strip_prefix("template.").map(str::to_owned))
         .collect();
     engines.sort_by_key(|engine| engine != "tcl");
@@ -154,7 +154,7 @@ fn list_below(
     };
     for Entry { path, is_dir } in entries {
         // Links to directories are not followed, since they could form a cycle.
-        let Some(name) = path.file_name().and_then(|it| it.to_str()) else {
+        let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
             continue;
         };
         if !is_dir {

@@ -84,8 +84,8 @@ pub(crate) fn explain(
     mut body: impl FnMut(&str) -> Option<String>,
 ) -> String {
     let shown = |path: &str| -> String {
-        let script = scripts.iter().rev().find(|it| it.path == path);
-        script.map_or_else(|| path.to_owned(), |it| it.name.clone())
+        let script = scripts.iter().rev().find(|script| script.path == path);
+        script.map_or_else(|| path.to_owned(), |script| script.name.clone())
     };
     let mut places: Vec<(String, usize, String)> = Vec::new();
     if let Some(found) = innermost(message, trace) {

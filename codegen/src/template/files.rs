@@ -63,9 +63,9 @@ pub fn required(directory: &Utf8Path, script: &str) -> Vec<Utf8PathBuf> {
 
 /// Files next to or above `directory` that a script there names.
 pub fn outside(directory: &Utf8Path, script: &str) -> Vec<Utf8PathBuf> {
-    let above = words(script).filter(|it| it.starts_with("../"));
-    let mut out: Vec<_> = above.map(|it| join(directory, it)).collect();
-    out.retain(|it| !it.starts_with(directory));
+    let above = words(script).filter(|word| word.starts_with("../"));
+    let mut out: Vec<_> = above.map(|word| join(directory, word)).collect();
+    out.retain(|path| !path.starts_with(directory));
     out.sort();
     out.dedup();
     out
@@ -74,7 +74,7 @@ pub fn outside(directory: &Utf8Path, script: &str) -> Vec<Utf8PathBuf> {
 /// Words without white space and without characters that are special in Tcl.
 fn words(script: &str) -> impl Iterator<Item = &str> {
     let words = script.split(|c: char| c.is_whitespace() || "{}[]\";".contains(c));
-    words.filter(|it| !it.is_empty())
+    words.filter(|word| !word.is_empty())
 }
 
 fn join(directory: &Utf8Path, name: &str) -> Utf8PathBuf {
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn files_outside_are_found_by_their_names() {
-        let at = |it: &[&str]| it.iter().map(Utf8PathBuf::from).collect::<Vec<_>>();
+        let at = |names: &[&str]| names.iter().map(Utf8PathBuf::from).collect::<Vec<_>>();
         assert_eq!(required("/a/t".into(), MAIN), at(&["/a/common/util.tcl"]));
         let outside = outside("/a/t".into(), MAIN);
         assert_eq!(outside, at(&["/a/common/util.tcl", "/common/serialize.h"]));

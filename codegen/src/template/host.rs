@@ -58,7 +58,7 @@ impl Limits {
 /// # Errors
 /// Returns a message with the package to install.
 pub fn find_tclsh() -> Result<PathBuf, String> {
-    if let Some(given) = std::env::var_os("DOTGEN_TCLSH").filter(|it| !it.is_empty()) {
+    if let Some(given) = std::env::var_os("DOTGEN_TCLSH").filter(|variable| !variable.is_empty()) {
         let given = PathBuf::from(given);
         if given.is_file() {
             return Ok(given);
@@ -119,7 +119,7 @@ impl Host {
     ) -> Result<Host, String> {
         let tclsh = find_tclsh()?;
         // If a template writes files itself, the system limits the size of each file, not their number.
-        let folders = access.as_ref().map(|it| it.write.clone());
+        let folders = access.as_ref().map(|access| access.write.clone());
         let space = (limits.output.zip(folders)).map(|(most, folders)| DiskQuota {
             most,
             used: processes.meter(folders),
@@ -227,7 +227,9 @@ impl Host {
     pub(crate) fn take_errors(&mut self) -> Vec<u8> {
         self.kill();
         let errors = self.errors.take();
-        errors.and_then(|it| it.join().ok()).unwrap_or_default()
+        errors
+            .and_then(|error| error.join().ok())
+            .unwrap_or_default()
     }
 
     fn kill(&mut self) {
@@ -296,13 +298,19 @@ pub(crate) fn watch(
                 Err(RecvTimeoutError::Timeout) => {}
                 _ => return,
             }
-            if cancel.as_ref().is_some_and(|it| it.load(Ordering::Acquire)) {
+            if cancel
+                .as_ref()
+                .is_some_and(|cancel| cancel.load(Ordering::Acquire))
+            {
                 break CANCELLED;
             }
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 break TIMED_OUT;
             }
-            if space.as_ref().is_some_and(|it| (it.used)() > it.most) {
+            if space
+                .as_ref()
+                .is_some_and(|space| (space.used)() > space.most)
+            {
                 break TOO_LARGE;
             }
         };

@@ -115,7 +115,7 @@ pub fn merge(new: &str, old: &str, settle: &mut dyn FnMut(&Conflict<'_>) -> Choi
     // If the last line of the old file has no line end, the result has none either.
     let ends_so = |last: &String| {
         let text = out.text.strip_suffix('\n');
-        text.is_some_and(|it| it.ends_with(last))
+        text.is_some_and(|text| text.ends_with(last))
     };
     if unfinished && old.last().is_some_and(ends_so) {
         out.text.truncate(out.text.len() - line_end.as_str().len());
@@ -161,7 +161,7 @@ fn lines(text: &str) -> Vec<String> {
 fn bare(lines: &[String]) -> Vec<&str> {
     lines
         .iter()
-        .map(|it| it.strip_suffix('\r').unwrap_or(it))
+        .map(|line| line.strip_suffix('\r').unwrap_or(line))
         .collect()
 }
 
@@ -205,10 +205,11 @@ fn common_lines(new: &[&str], old: &[&str]) -> Vec<(usize, usize)> {
             if least > 0 && candidates[best[least - 1]].old >= at_old {
                 continue;
             }
-            let length = least + best[least..].partition_point(|it| candidates[*it].old < at_old);
+            let length = least
+                + best[least..].partition_point(|candidate| candidates[*candidate].old < at_old);
             if best
                 .get(length)
-                .is_some_and(|it| candidates[*it].old == at_old)
+                .is_some_and(|candidate| candidates[*candidate].old == at_old)
             {
                 continue;
             }
@@ -313,8 +314,8 @@ mod tests {
     #[test]
     fn hunks_show_both_sides() {
         let mut shown = String::new();
-        merge("a\nnew\nb\n", "0\na\nold\nb\n", &mut |it| {
-            shown = it.hunk();
+        merge("a\nnew\nb\n", "0\na\nold\nb\n", &mut |conflict| {
+            shown = conflict.hunk();
             Choice::Old
         });
         assert_eq!(shown, "@@ -2,4 +2,4 @@\n 0\n a\n-old\n+new\n b");
@@ -323,7 +324,7 @@ mod tests {
     #[test]
     fn a_longest_common_subsequence_is_found() {
         let split = |text: &'static str| -> Vec<&str> {
-            text.split("").filter(|it| !it.is_empty()).collect()
+            text.split("").filter(|part| !part.is_empty()).collect()
         };
         let (new, old) = (split("abcabba"), split("cbabac"));
         let pairs = common_lines(&new, &old);

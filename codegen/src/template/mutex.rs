@@ -27,21 +27,21 @@ pub(crate) fn codel_mutex(
     let mut found = SeenCodels::new(component);
     let conflict =
         |other: &Codel| conflicts(spec, &codel.params, &other.params, MutexOperand::Codel);
-    for other in (0..component.tasks.len() as u32).filter(|it| Some(*it) != task) {
+    for other in (0..component.tasks.len() as u32).filter(|index| Some(*index) != task) {
         found.add_state_machine(Owner::Task(other), conflict);
     }
     for (index, other) in component.services.iter().enumerate() {
         let index = index as u32;
         if task.is_some() {
-            found.add(Owner::Service(index), |it| {
-                it.kind != CodelKind::Fsm && conflict(it)
+            found.add(Owner::Service(index), |codel| {
+                codel.kind != CodelKind::Fsm && conflict(codel)
             });
         }
         if other.task == task {
             continue;
         }
         let interrupts = other.interrupts.all
-            || service.is_some_and(|it| other.interrupts.services.contains(&it));
+            || service.is_some_and(|service| other.interrupts.services.contains(&service));
         if task.is_some() && interrupts {
             continue;
         }
@@ -61,7 +61,7 @@ pub(crate) fn service_mutex(spec: &Spec, component: &Component, service: u32) ->
     let mut found = SeenCodels::new(component);
     let conflict =
         |other: &Codel| conflicts(spec, &other.params, &service.params, MutexOperand::Service);
-    for other in (0..component.tasks.len() as u32).filter(|it| Some(*it) != service.task) {
+    for other in (0..component.tasks.len() as u32).filter(|task| Some(*task) != service.task) {
         found.add_state_machine(Owner::Task(other), conflict);
     }
     for (index, other) in component.services.iter().enumerate() {

@@ -9,8 +9,10 @@ use crate::disk::Disk;
 pub(crate) fn notice_of(disk: &dyn Disk, folder: &Path, inputs: &[String]) -> Option<String> {
     let texts = inputs
         .iter()
-        .filter_map(|it| disk.read(&folder.join(it)).ok());
-    let notices: Vec<String> = texts.filter_map(|it| notice(&tcl::decode(&it))).collect();
+        .filter_map(|input| disk.read(&folder.join(input)).ok());
+    let notices: Vec<String> = texts
+        .filter_map(|text| notice(&tcl::decode(&text)))
+        .collect();
     (!notices.is_empty()).then(|| notices.concat())
 }
 

@@ -140,7 +140,10 @@ impl Registry {
 
     /// Handles of several objects.
     pub(crate) fn handles(&self, objects: impl IntoIterator<Item = Object>) -> Vec<String> {
-        objects.into_iter().map(|it| self.handle(&it)).collect()
+        objects
+            .into_iter()
+            .map(|object| self.handle(&object))
+            .collect()
     }
 
     /// Takes the objects of a new model; returns the handles that did not exist before.
@@ -216,8 +219,8 @@ impl Registry {
         let mut alike: FxHashMap<(String, Src), u32> = FxHashMap::default();
         for owner in in_order(component) {
             let (word, owner_name) = match owner {
-                Owner::Task(it) => ("task", &component.tasks[it as usize].name),
-                Owner::Service(it) => ("service", &component.services[it as usize].name),
+                Owner::Task(task) => ("task", &component.tasks[task as usize].name),
+                Owner::Service(service) => ("service", &component.services[service as usize].name),
             };
             if let Owner::Service(at) = owner {
                 let number = self.numbers[&member("service", owner_name)];
@@ -278,8 +281,8 @@ impl Registry {
 
 /// Tasks and services in order of creation: first those from interfaces, then the rest as written.
 fn in_order(component: &Component) -> Vec<Owner> {
-    let tasks = component.tasks.iter().map(|it| it.src);
-    let services = component.services.iter().map(|it| it.src);
+    let tasks = component.tasks.iter().map(|task| task.src);
+    let services = component.services.iter().map(|service| service.src);
     let mut all: Vec<(Src, Owner)> = tasks.zip((0..).map(Owner::Task)).collect();
     all.extend(services.zip((0..).map(Owner::Service)));
     let home = (component.src.visit, component.src.item);

@@ -42,8 +42,8 @@ fn concern(
     mode: Option<u32>,
     folders: &[PathBuf],
 ) -> Option<&'static str> {
-    let had = || disk.status(path).map_or(0, |it| it.mode);
-    let executable = mode.is_some_and(|it| it & EXECUTABLE & !had() != 0);
+    let had = || disk.status(path).map_or(0, |status| status.mode);
+    let executable = mode.is_some_and(|mode| mode & EXECUTABLE & !had() != 0);
     match (readable_files::is_hidden(disk, path, folders), executable) {
         (true, true) => Some("hidden and executable"),
         (true, false) => Some("hidden"),
@@ -102,7 +102,7 @@ impl Modes {
 
     /// Returns true if a mode is on.
     pub fn is_on(&self, name: &str) -> bool {
-        self.values.iter().any(|(it, on)| *it == name && *on)
+        self.values.iter().any(|(text, on)| *text == name && *on)
     }
 
     /// The settings, each as `MODE` or `-MODE`.
@@ -121,8 +121,8 @@ impl Modes {
             Some(("-", name)) => (name, false),
             _ => (word, true),
         };
-        let Some((known, on)) = self.values.iter_mut().find(|(it, _)| *it == name) else {
-            let names: Vec<&str> = self.values.iter().map(|(it, _)| *it).collect();
+        let Some((known, on)) = self.values.iter_mut().find(|(text, _)| *text == name) else {
+            let names: Vec<&str> = self.values.iter().map(|(name, _)| *name).collect();
             return Err(Failure::Fatal(format!(
                 "unknown mode {name}: should be {}",
                 names.join(", ")
@@ -255,7 +255,7 @@ impl Output {
         let folders: Vec<String> = confined
             .results
             .iter()
-            .map(|it| it.display().to_string())
+            .map(|path| path.display().to_string())
             .collect();
         Err(Failure::Error(format!(
             "{shown} is outside of {}: a preview or a confined template writes nothing there",
@@ -309,7 +309,7 @@ impl Output {
             let old = self
                 .files
                 .read(&*self.disk, path)
-                .map_err(|it| opening(&it))?;
+                .map_err(|error| opening(&error))?;
             if old.as_deref() == Some(text.as_bytes()) {
                 if !permissions.is_empty() {
                     self.files.set_permissions(&*self.disk, path, permissions)?;
@@ -375,7 +375,7 @@ impl Output {
         let old_text = encoding::decode(old.clone());
         let new_text = encoding::escape(text);
         let header = if interactive {
-            let time = self.disk.status(path).and_then(|it| it.modified);
+            let time = self.disk.status(path).and_then(|status| status.modified);
             let before = env.format_time(time.unwrap_or_else(SystemTime::now));
             let now = env.format_time(SystemTime::now());
             format!("--- {shown}\t{before}\n+++ {shown}\t{now}\n")
@@ -438,7 +438,7 @@ impl Output {
             resources: Resources::default(),
             access: None,
         });
-        let status = process.and_then(|mut it| it.wait_with_output());
+        let status = process.and_then(|mut process| process.wait_with_output());
         let merged = self.disk.read(&old).map_err(failed);
         self.disk.remove(&new);
         self.disk.remove(&old);

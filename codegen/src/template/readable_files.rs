@@ -32,11 +32,13 @@ impl ReadableFiles {
         let folders = folders.map(PathBuf::as_path).chain([dir, tmpdir]);
         let files = words
             .iter()
-            .map(|it| base.join(it))
-            .filter(|it| disk.is_file(it));
+            .map(|word| base.join(word))
+            .filter(|path| disk.is_file(path));
         let read = folders.map(Path::to_owned).chain(files);
         ReadableFiles {
-            read: read.filter_map(|it| disk.canonical(&it).ok()).collect(),
+            read: read
+                .filter_map(|folder| disk.canonical(&folder).ok())
+                .collect(),
             tmpdir: tmpdir.to_owned(),
         }
     }
@@ -55,7 +57,7 @@ impl ReadableFiles {
     /// Fails for a file that exists outside of the readable folders.
     pub(crate) fn check_read(&self, disk: &dyn Disk, path: &Path) -> Result<(), Failure> {
         match disk.canonical(path) {
-            Ok(path) if !self.read.iter().any(|it| path.starts_with(it)) => {
+            Ok(path) if !self.read.iter().any(|other| path.starts_with(other)) => {
                 Err(Failure::Error(format!(
                     "\"{}\" is not to be read by a confined template: it is neither a file of a template \
                      nor an input",
@@ -74,7 +76,7 @@ pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> boo
     };
     folders
         .iter()
-        .any(|it| resolve(disk, it).is_some_and(|it| path.starts_with(it)))
+        .any(|folder| resolve(disk, folder).is_some_and(|other| path.starts_with(other)))
 }
 
 /// Returns true if a path, with all links resolved, has a part that begins with a dot below all of the
@@ -82,7 +84,9 @@ pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> boo
 /// `.profile`.
 pub(crate) fn is_hidden(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
     let parts = |path: &Path, folders: &[PathBuf]| {
-        let below = folders.iter().filter_map(|it| path.strip_prefix(it).ok());
+        let below = folders
+            .iter()
+            .filter_map(|folder| path.strip_prefix(folder).ok());
         below
             .map(|rest| {
                 let mut parts = rest.components();
@@ -90,8 +94,11 @@ pub(crate) fn is_hidden(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bo
             })
             .reduce(|one, other| one && other)
     };
-    let named: Vec<PathBuf> = folders.iter().map(|it| plain(disk, it)).collect();
-    let real: Vec<PathBuf> = folders.iter().filter_map(|it| resolve(disk, it)).collect();
+    let named: Vec<PathBuf> = folders.iter().map(|folder| plain(disk, folder)).collect();
+    let real: Vec<PathBuf> = folders
+        .iter()
+        .filter_map(|folder| resolve(disk, folder))
+        .collect();
     let by_links = resolve(disk, path).and_then(|path| parts(&path, &real));
     by_links.unwrap_or(true) || parts(&plain(disk, path), &named).unwrap_or(false)
 }

@@ -139,10 +139,10 @@ impl<'a> Reader<'a> {
                 _ => self.at += 1,
             }
         }
-        let marks = [LITERAL.0, SUBSTITUTE.0].map(|it| it.as_bytes()[0]);
+        let marks = [LITERAL.0, SUBSTITUTE.0].map(|text| text.as_bytes()[0]);
         if self.text[start..self.at]
             .iter()
-            .any(|it| marks.contains(it))
+            .any(|byte| marks.contains(byte))
         {
             // Half of the swallowed text is behind it.
             return Err(self.open(start, 1, FlawKind::Comment));
@@ -189,19 +189,19 @@ impl<'a> Reader<'a> {
             self.at += 3;
         }
         let start = self.at;
-        let quoted = self.peek().filter(|it| matches!(it, b'{' | b'"'));
+        let quoted = self.peek().filter(|byte| matches!(byte, b'{' | b'"'));
         match quoted {
             Some(b'{') => self.braces()?,
             Some(_) => {
                 self.at += 1;
-                let closed = self.substituted(|it| it.peek() == Some(b'"'))?;
+                let closed = self.substituted(|reader| reader.peek() == Some(b'"'))?;
                 if !closed {
                     return Err(self.open(start, 1, FlawKind::Quote));
                 }
                 self.at += 1;
             }
             None => {
-                self.substituted(|it| it.at_end_of_word(nested))?;
+                self.substituted(|reader| reader.at_end_of_word(nested))?;
             }
         }
         if let Some(quote) = quoted
@@ -210,7 +210,7 @@ impl<'a> Reader<'a> {
             let at = self.at;
             let close = if quote == b'{' { '}' } else { '"' };
             self.note(at - 1..at, FlawKind::Extra(close));
-            self.substituted(|it| it.at_end_of_word(nested))?;
+            self.substituted(|reader| reader.at_end_of_word(nested))?;
         }
         Ok(Word {
             range: start..self.at,
@@ -278,7 +278,7 @@ impl<'a> Reader<'a> {
         }
         while self
             .peek()
-            .is_some_and(|it| it.is_ascii_alphanumeric() || it == b'_')
+            .is_some_and(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
             || self.text[self.at..self.end].starts_with(b"::")
         {
             self.at += if self.text[self.at] == b':' { 2 } else { 1 };
@@ -286,7 +286,7 @@ impl<'a> Reader<'a> {
         if self.peek() == Some(b'(') {
             let length = self.at + 1 - start;
             self.at += 1;
-            if !self.substituted(|it| it.peek() == Some(b')'))? {
+            if !self.substituted(|reader| reader.peek() == Some(b')'))? {
                 return Err(self.open(start, length, FlawKind::Index));
             }
             self.at += 1;
@@ -304,10 +304,10 @@ impl<'a> Reader<'a> {
             b"foreach" | b"lmap" if arguments.len() >= 3 => arguments.last().into_iter().collect(),
             b"while" if arguments.len() == 2 => vec![&arguments[1]],
             b"proc" if arguments.len() == 3 => vec![&arguments[2]],
-            b"for" if arguments.len() == 4 => [0, 2, 3].map(|it| &arguments[it]).into(),
+            b"for" if arguments.len() == 4 => [0, 2, 3].map(|argument| &arguments[argument]).into(),
             _ => Vec::new(),
         };
-        for word in scripts.into_iter().filter(|it| it.braced) {
+        for word in scripts.into_iter().filter(|script| script.braced) {
             // A word that continues after its brace is already recorded.
             let inside = word.range.start + 1..word.range.end - 1;
             if self.depth == DEPTH || self.text[word.range.end - 1] != b'}' {
@@ -326,7 +326,7 @@ impl<'a> Reader<'a> {
 
     /// The scripts of `if`: `if C ?then? S ?elseif C ?then? S?... ??else? S?`.
     fn branches<'w>(&self, arguments: &'w [Word]) -> Vec<&'w Word> {
-        let is = |it: &Word, what: &[u8]| self.text[it.range.clone()] == *what;
+        let is = |word: &Word, what: &[u8]| self.text[word.range.clone()] == *what;
         let mut out = Vec::new();
         // The condition.
         let mut rest = arguments.get(1..).unwrap_or_default();
@@ -347,12 +347,12 @@ mod tests {
     use super::*;
 
     fn shown(script: &str, flaws: Vec<Flaw>) -> Vec<String> {
-        let one = |it: Flaw| {
+        let one = |flaw: Flaw| {
             format!(
                 "{} {:?} {}",
-                it.range.start,
-                it.kind,
-                &script[it.range.clone()]
+                flaw.range.start,
+                flaw.kind,
+                &script[flaw.range.clone()]
             )
         };
         flaws.into_iter().map(one).collect()

@@ -172,8 +172,9 @@ impl Session<'_> {
     fn serve(&mut self) -> Result<ScriptEnd, String> {
         loop {
             let words = self.host.receive()?;
-            if words.first().is_some_and(|it| it == b"done") {
-                let word = |index: usize| words.get(index).map(|it| String::from_utf8_lossy(it));
+            if words.first().is_some_and(|word| word == b"done") {
+                let word =
+                    |index: usize| words.get(index).map(|word| String::from_utf8_lossy(word));
                 let word = |index: usize| word(index).unwrap_or_default().into_owned();
                 return Ok(ScriptEnd {
                     failed: word(1) != "0",
@@ -200,8 +201,8 @@ impl Session<'_> {
                 return Ok(());
             }
             Some(b"stdin") => {
-                let max = words.get(1).and_then(|it| std::str::from_utf8(it).ok());
-                let max = max.and_then(|it| it.parse().ok()).unwrap_or(4096);
+                let max = words.get(1).and_then(|word| std::str::from_utf8(word).ok());
+                let max = max.and_then(|word| word.parse().ok()).unwrap_or(4096);
                 let bytes = self.console.read(max);
                 return self.host.send(&[b"bytes", &bytes]);
             }
@@ -209,7 +210,9 @@ impl Session<'_> {
         }
         let words: Vec<String> = words
             .into_iter()
-            .map(|word| String::from_utf8(word).unwrap_or_else(|it| tcl::decode(it.as_bytes())))
+            .map(|word| {
+                String::from_utf8(word).unwrap_or_else(|error| tcl::decode(error.as_bytes()))
+            })
             .collect();
         let mut more = String::new();
         match self.dispatch(&words, &mut more) {
@@ -257,8 +260,12 @@ impl Session<'_> {
             "parse" => self.parse(word(1), rest(2)),
             "marker" => self.translate(word(1), word(2)),
             "done_source" => {
-                let name = self.scripts.iter().rev().find(|it| it.path == word(1));
-                let name = name.map(|it| it.name.clone()).unwrap_or_default();
+                let name = self
+                    .scripts
+                    .iter()
+                    .rev()
+                    .find(|script| script.path == word(1));
+                let name = name.map(|name| name.name.clone()).unwrap_or_default();
                 // GenoM3 searches for the path as given and adds it normalized: one with `..` is added each
                 // time.
                 let path = self.run.dir.join(&name);
@@ -274,7 +281,7 @@ impl Session<'_> {
                     path: word(1).to_owned(),
                     name: word(1).to_owned(),
                     text: (self.run.disk.read(&path))
-                        .map(|it| tcl::decode(&it))
+                        .map(|bytes| tcl::decode(&bytes))
                         .unwrap_or_default(),
                 });
                 self.add_dep(&path);

@@ -15,8 +15,13 @@ fn unique(lists: &[&[TypeId]]) -> Vec<TypeId> {
 /// Of a component: its own, those of its tasks, those of its services.
 pub(crate) fn component_throws(component: &Component) -> Vec<TypeId> {
     let mut lists: Vec<&[TypeId]> = vec![&component.throws];
-    lists.extend(component.tasks.iter().map(|it| it.throws.as_slice()));
-    lists.extend(component.services.iter().map(|it| it.throws.as_slice()));
+    lists.extend(component.tasks.iter().map(|task| task.throws.as_slice()));
+    lists.extend(
+        component
+            .services
+            .iter()
+            .map(|service| service.throws.as_slice()),
+    );
     unique(&lists)
 }
 
@@ -28,8 +33,8 @@ pub(crate) fn task_throws(component: &Component, task: &Task) -> Vec<TypeId> {
 /// Of a service.
 pub fn service_throws(component: &Component, service: u32) -> Vec<TypeId> {
     let service = &component.services[service as usize];
-    let task = service.task.map(|it| &component.tasks[it as usize]);
-    let task = task.map_or(&[][..], |it| it.throws.as_slice());
+    let task = service.task.map(|task| &component.tasks[task as usize]);
+    let task = task.map_or(&[][..], |task| task.throws.as_slice());
     unique(&[&component.throws, task, &service.throws])
 }
 

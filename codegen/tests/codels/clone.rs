@@ -45,9 +45,9 @@ fn corpus(shared: &Utf8Path) -> Vec<Utf8PathBuf> {
     let all = all
         .into_iter()
         .flatten()
-        .filter_map(|it| Utf8PathBuf::from_path_buf(it.into_path()).ok());
-    all.filter(|it| it.extension() == Some("gen") && !it.starts_with(root.join("standins")))
-        .filter(|it| it.file_name() != Some("Apriltag.gen"))
+        .filter_map(|entry| Utf8PathBuf::from_path_buf(entry.into_path()).ok());
+    all.filter(|path| path.extension() == Some("gen") && !path.starts_with(root.join("standins")))
+        .filter(|path| path.file_name() != Some("Apriltag.gen"))
         .collect()
 }
 
@@ -91,7 +91,7 @@ fn skeleton(unit: &UnitResult, path: &Utf8Path) -> BTreeMap<Utf8PathBuf, String>
 
 fn folder_of(unit: &UnitResult, files: &Memory) -> Vec<Folder> {
     let config = FilesConfig::default();
-    folders(unit, &mut |it| Sources::load(it, &config, files))
+    folders(unit, &mut |path| Sources::load(path, &config, files))
 }
 
 /// A finding, without the words for what is wrong: these may say less when less is known.
@@ -100,13 +100,13 @@ type Key = (&'static str, Option<(Utf8PathBuf, usize)>, Name);
 fn findings(unit: &UnitResult, files: &Memory) -> Vec<(Key, Drift)> {
     let mut out = Vec::new();
     for folder in folder_of(unit, files) {
-        for it in folder.check(&folder.expected()) {
-            let place = it
+        for check in folder.check(&folder.expected()) {
+            let place = check
                 .source
                 .as_ref()
-                .map(|it| (it.path.clone(), it.range.start));
-            let component = &unit.spec.components[it.component as usize];
-            out.push(((it.code.as_str(), place, component.name.clone()), it));
+                .map(|source| (source.path.clone(), source.range.start));
+            let component = &unit.spec.components[check.component as usize];
+            out.push(((check.code.as_str(), place, component.name.clone()), check));
         }
     }
     out
@@ -155,14 +155,14 @@ fn a_fresh_clone_is_compared_and_told_nothing_that_is_not_so() {
             let expected = findings(&all, &files);
             let found = findings(&alone, &files);
             for (key, drift) in &found {
-                let known = expected.iter().any(|it| it.0 == *key);
+                let known = expected.iter().any(|finding| finding.0 == *key);
                 assert!(known, "{path}: not so: {} {key:?}", drift.message());
             }
             // What the specification alone tells is found: what is missing, renamed, or has a parameter more.
             for (key, drift) in &expected {
                 let plain = drift.code == DriftCode::MissingDefinition
                     || drift.code == DriftCode::UndeclaredYield;
-                let known = found.iter().any(|it| it.0 == *key);
+                let known = found.iter().any(|finding| finding.0 == *key);
                 assert!(known || !plain, "{path}: not found: {}", drift.message());
             }
             told += found.len();
@@ -190,8 +190,8 @@ fn a_fresh_clone_has_one_diagnostic_for_each_package() {
         let clone = clone_of(&path, BTreeMap::new());
         let alone = unit(&clone.analysis(), &path);
         let errors = alone.diagnostics.iter();
-        let errors = errors.filter(|it| it.severity == Severity::Error);
-        let codes: Vec<_> = errors.map(|it| it.code).collect();
+        let errors = errors.filter(|error| error.severity == Severity::Error);
+        let codes: Vec<_> = errors.map(|error| error.code).collect();
         let packages = alone.spec.pragma_requires.len();
         assert_eq!(codes, vec!["pp-requires-unresolved"; packages], "{path}");
     }
@@ -207,19 +207,25 @@ fn stand_ins_declare_what_a_specification_uses() {
             .stand_ins(&path)
             .expect("nothing is cancelled");
         assert!(!stand_ins.is_empty(), "{path}");
-        let written = stand_ins.into_iter().map(|it| (it.path, it.text)).collect();
+        let written = stand_ins
+            .into_iter()
+            .map(|stand_in| (stand_in.path, stand_in.text))
+            .collect();
         let clone = clone_of(&path, written);
         let needs = clone
             .analysis()
             .dependencies(&path)
             .expect("nothing is cancelled");
         assert!(
-            needs.includes.iter().all(|it| it.found.is_some()),
+            needs.includes.iter().all(|include| include.found.is_some()),
             "{path}: {:?}",
             needs.includes
         );
         assert!(
-            needs.interfaces.iter().all(|it| it.found.is_some()),
+            needs
+                .interfaces
+                .iter()
+                .all(|interface| interface.found.is_some()),
             "{path}: {:?}",
             needs.interfaces
         );
@@ -230,10 +236,10 @@ fn stand_ins_declare_what_a_specification_uses() {
         let errors = unit
             .diagnostics
             .iter()
-            .filter(|it| it.severity == Severity::Error);
-        let codes: Vec<_> = errors.map(|it| it.code).collect();
+            .filter(|diagnostic| diagnostic.severity == Severity::Error);
+        let codes: Vec<_> = errors.map(|error| error.code).collect();
         assert!(
-            codes.iter().all(|it| *it == "pp-requires-unresolved"),
+            codes.iter().all(|code| *code == "pp-requires-unresolved"),
             "{path}: {codes:?}"
         );
     }

@@ -489,14 +489,14 @@ fn every_code_of_the_manual_is_found_in_its_example_and_nothing_else() {
     for code in DriftCode::ALL {
         let entry = codes::entry(code).expect("every kind is in the table");
         let fixture = Fixture::new(entry.specification, &[("c_codels.c", entry.source)]);
-        let found: Vec<_> = fixture.check().iter().map(|it| it.code).collect();
+        let found: Vec<_> = fixture.check().iter().map(|check| check.code).collect();
         assert_eq!(found, [code], "{:?}", fixture.report());
         let (specification, source) = match entry.corrected {
             Correction::Specification(text) => (text, entry.source),
             Correction::Source(text) => (entry.specification, text),
         };
         let fixture = Fixture::new(specification, &[("c_codels.c", source)]);
-        let found: Vec<_> = fixture.check().iter().map(|it| it.code).collect();
+        let found: Vec<_> = fixture.check().iter().map(|check| check.code).collect();
         assert_eq!(found, [], "{code:?}: {:?}", fixture.report());
     }
     assert_eq!(codes::CODES.len(), DriftCode::ALL.len());

@@ -61,15 +61,15 @@ fn ways(specification: &str, source: &str, last: &str) -> Vec<Vec<(String, Strin
         stubs: &stubs,
     };
     let found = fixture.check();
-    let of = |it| -> Vec<(String, String)> {
-        let ordered = repairs.ordered(it).into_iter();
-        let made = ordered.map(|it| {
-            let edit = repairs.edit(it).expect("the repair has an edit");
+    let of = |drift| -> Vec<(String, String)> {
+        let ordered = repairs.ordered(drift).into_iter();
+        let made = ordered.map(|repair| {
+            let edit = repairs.edit(repair).expect("the repair has an edit");
             let texts = edit
                 .changed
                 .iter()
                 .map(|(path, edits)| apply(&files.read(path).expect("it is there"), edits));
-            (repairs.title(it), texts.collect())
+            (repairs.title(repair), texts.collect())
         });
         made.collect()
     };
@@ -78,7 +78,7 @@ fn ways(specification: &str, source: &str, last: &str) -> Vec<Vec<(String, Strin
 
 fn titles(specification: &str, source: &str, last: &str) -> Vec<Vec<String>> {
     let all = ways(specification, source, last);
-    let titles = |it: Vec<(String, String)>| it.into_iter().map(|it| it.0).collect();
+    let titles = |pairs: Vec<(String, String)>| pairs.into_iter().map(|pair| pair.0).collect();
     all.into_iter().map(titles).collect()
 }
 
@@ -141,14 +141,14 @@ fn names_stay_as_short_as_they_are() {
 fn a_cycle_without_pause_is_offered_with_one_first() {
     let code = machine("c_main").replace("return c_stop", "return c_main");
     let all = ways(MACHINE, &code, SOURCE);
-    let titles: Vec<&str> = all[0].iter().map(|it| it.0.as_str()).collect();
+    let titles: Vec<&str> = all[0].iter().map(|pair| pair.0.as_str()).collect();
     // It pauses before `main` already, so that a pause is no new yield.
     assert_eq!(titles[0], "Return `c_pause_main` from `g`", "{titles:?}");
     assert!(titles.contains(&"Add `yield main` to codel `g`"));
     let specification = MACHINE.replace("yield pause::main, stop", "yield stop");
     let code = machine("c_main").replace("c_pause_main", "c_main");
     let all = ways(&specification, &code, SOURCE);
-    let titles: Vec<&str> = all[0].iter().map(|it| it.0.as_str()).collect();
+    let titles: Vec<&str> = all[0].iter().map(|pair| pair.0.as_str()).collect();
     assert_eq!(
         titles[..2],
         [
@@ -245,7 +245,7 @@ fn lists_are_extended_as_they_are_laid_out() {
     let check = |list: &str, wanted: &str| {
         let specification = MACHINE.replace("yield main, ether;", list);
         let all = ways(&specification, &machine("c_stop"), SOURCE);
-        let declared = all[0].iter().find(|it| it.0.starts_with("Add"));
+        let declared = all[0].iter().find(|pair| pair.0.starts_with("Add"));
         let declared = &declared.expect("it can be declared").1;
         assert_eq!(*declared, MACHINE.replace("yield main, ether;", wanted));
     };

@@ -84,16 +84,16 @@ fn a_text_that_breaks_off_makes_no_orphans() {
         let orphans = report
             .findings
             .into_iter()
-            .filter(|it| it.code == "codel/orphan");
-        orphans.map(|it| it.message).collect()
+            .filter(|finding| finding.code == "codel/orphan");
+        orphans.map(|orphan| orphan.message).collect()
     };
     let real = orphans(&text);
     assert!(!real.is_empty());
     // Behind every third word or sign.
     let ends = text
         .char_indices()
-        .filter(|(_, it)| it.is_whitespace() || ";{}(),".contains(*it));
-    for end in ends.map(|it| it.0).step_by(3) {
+        .filter(|(_, character)| character.is_whitespace() || ";{}(),".contains(*character));
+    for end in ends.map(|end| end.0).step_by(3) {
         let found = orphans(&text[..end]);
         let made_up: Vec<_> = found.difference(&real).collect();
         assert!(

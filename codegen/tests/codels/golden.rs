@@ -20,7 +20,7 @@ use crate::codels::support::{
 
 pub(crate) fn components(spec: &Spec) -> Vec<u32> {
     let all = (0u32..).zip(&spec.components);
-    all.filter(|(_, it)| it.kind == ComponentKind::Component)
+    all.filter(|(_, component)| component.kind == ComponentKind::Component)
         .map(|(index, _)| index)
         .collect()
 }
@@ -62,12 +62,12 @@ fn run(golden: &Utf8Path, entry: &Value) -> Option<Run> {
         cxx: false,
         output: ".".into(),
     };
-    let folder = |it: &str| match it {
+    let folder = |text: &str| match text {
         "@STANDINS@" => golden.join("standins"),
-        it => golden.join("inputs").join(it),
+        text => golden.join("inputs").join(text),
     };
-    let define = |it: &str| {
-        let (name, value) = it.split_once('=').unwrap_or((it, "1"));
+    let define = |text: &str| {
+        let (name, value) = text.split_once('=').unwrap_or((text, "1"));
         (name.into(), value.into())
     };
     let mut words = words.into_iter();
@@ -112,7 +112,7 @@ fn source(golden: &Utf8Path, entry: &Value, name: &str) -> Option<Utf8PathBuf> {
     }
     let corpus = golden.parent()?.join("corpus/components");
     let mut folders = corpus.read_dir_utf8().ok()?.flatten();
-    let found = folders.find(|it| it.path().join(name).is_file())?;
+    let found = folders.find(|folder| folder.path().join(name).is_file())?;
     Some(found.path().join(name))
 }
 
@@ -242,14 +242,14 @@ fn headers_and_stubs_of_the_examples_compile() {
     let examples = workspace().join("examples");
     // Some examples include interfaces of others.
     let all = examples.read_dir_utf8().expect("examples").flatten();
-    let interfaces: Vec<Utf8PathBuf> = all.map(|it| it.path().join("idl")).collect();
+    let interfaces: Vec<Utf8PathBuf> = all.map(|directory| directory.path().join("idl")).collect();
     for example in examples.read_dir_utf8().expect("examples").flatten() {
         let Ok(files) = example.path().read_dir_utf8() else {
             continue;
         };
         for file in files
             .flatten()
-            .filter(|it| it.path().extension() == Some("gen"))
+            .filter(|file| file.path().extension() == Some("gen"))
         {
             let host = host(interfaces.clone());
             let unit = host

@@ -75,7 +75,12 @@ fn one_member_left_on_either_side_is_no_evidence() {
     let code = "genom_event f(c_ids *ids, const genom_context self)\n{\n  ids->speed = 1.;\n  return c_ether;\n}\n";
     let (text, report) = synced(&component("point velocity;", "inout ::ids"), code);
     assert_eq!(text, code);
-    let left: Vec<_> = report.left.findings.iter().map(|it| it.code).collect();
+    let left: Vec<_> = report
+        .left
+        .findings
+        .iter()
+        .map(|finding| finding.code)
+        .collect();
     assert_eq!(left, ["codel/unknown-member"]);
 }
 
@@ -151,7 +156,7 @@ fn what_nobody_can_know_is_left_and_named() {
         let (text, report) = synced(specification, code);
         assert_eq!(text, code);
         let found = report.left.findings.iter();
-        let found = found.map(|it| format!("{}: {}", it.code, it.message));
+        let found = found.map(|finding| format!("{}: {}", finding.code, finding.message));
         found.collect::<Vec<_>>()
     };
     // Two may be meant.

@@ -43,7 +43,7 @@ impl Files for Overlay {
         let below = self
             .texts
             .keys()
-            .filter_map(|it| it.strip_prefix(folder).ok());
+            .filter_map(|key| key.strip_prefix(folder).ok());
         let mut out: Vec<Utf8PathBuf> = below.map(Utf8Path::to_owned).collect();
         if self.disk
             && let Ok(entries) = folder.read_dir_utf8()
@@ -51,7 +51,7 @@ impl Files for Overlay {
             out.extend(
                 entries
                     .flatten()
-                    .map(|it| Utf8PathBuf::from(it.file_name())),
+                    .map(|entry| Utf8PathBuf::from(entry.file_name())),
             );
             return Some(out);
         }
@@ -95,9 +95,13 @@ fn specifications(folder: &Utf8Path, more: &[Utf8PathBuf]) -> Vec<(Utf8PathBuf, 
         };
         if path.extension() == Some("gen") {
             let around: Vec<&Utf8Path> = path.ancestors().skip(1).take(2).collect();
-            let own = around
-                .iter()
-                .flat_map(|it| [it.to_path_buf(), it.join("idl"), it.join("include")]);
+            let own = around.iter().flat_map(|ancestor| {
+                [
+                    ancestor.to_path_buf(),
+                    ancestor.join("idl"),
+                    ancestor.join("include"),
+                ]
+            });
             let includes = own.chain(more.iter().cloned()).collect();
             out.push((path, includes));
         }
@@ -117,7 +121,7 @@ pub(crate) fn published() -> Vec<(Utf8PathBuf, Vec<Utf8PathBuf>)> {
     };
     let corpus = shared.join("corpus/components");
     let mut all = specifications(&corpus, &[corpus.join("standins")]);
-    all.retain(|it| !it.0.starts_with(corpus.join("standins")));
+    all.retain(|specification| !specification.0.starts_with(corpus.join("standins")));
     all
 }
 
@@ -217,9 +221,9 @@ fn members(expected: &Expected<'_>, ty: TypeId) -> Vec<String> {
         let spec: &Spec = expected.spec;
         match &spec.ty(spec.resolve_alias(ty)).kind {
             TypeKind::Struct { members } => {
-                let all = members.iter().filter_map(|&it| {
-                    let name = spec.ty(it).name.as_ref()?;
-                    let TypeKind::StructMember { ty } = spec.ty(it).kind else {
+                let all = members.iter().filter_map(|&member| {
+                    let name = spec.ty(member).name.as_ref()?;
+                    let TypeKind::StructMember { ty } = spec.ty(member).kind else {
                         return None;
                     };
                     Some((format!(".{name}"), ty))
@@ -231,7 +235,11 @@ fn members(expected: &Expected<'_>, ty: TypeId) -> Vec<String> {
     };
     let mut out = Vec::new();
     for (path, ty) in names(ty) {
-        out.extend(names(ty).into_iter().map(|it| format!("{path}{}", it.0)));
+        out.extend(
+            names(ty)
+                .into_iter()
+                .map(|name| format!("{path}{}", name.0)),
+        );
         out.push(path);
     }
     out

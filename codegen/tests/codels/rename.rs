@@ -54,8 +54,8 @@ impl Before {
             .analysis()
             .root_unit(&self.root)
             .expect("not cancelled");
-        folders(&unit, &mut |it| {
-            Sources::load(it, &FilesConfig::default(), &*self.files)
+        folders(&unit, &mut |path| {
+            Sources::load(path, &FilesConfig::default(), &*self.files)
         })
     }
 
@@ -67,12 +67,15 @@ impl Before {
             .root_unit(&self.root)
             .expect("not cancelled");
         let mut out = BTreeMap::new();
-        let codes = unit.diagnostics.iter().map(|it| it.code.to_string());
+        let codes = unit
+            .diagnostics
+            .iter()
+            .map(|diagnostic| diagnostic.code.to_string());
         let mut all: Vec<String> = codes.collect();
         if unit.accepted() {
             for folder in self.folders(&host) {
                 let found = folder.check(&folder.expected());
-                all.extend(found.iter().map(|it| it.code.as_str().to_owned()));
+                all.extend(found.iter().map(|check| check.code.as_str().to_owned()));
             }
         }
         for code in all {
@@ -110,9 +113,9 @@ impl Before {
                 Err(why) => return Some(Err(why)),
             }
         }
-        for it in edits {
+        for change in edits {
             let edit = &mut after.renaming.edit;
-            edit.replace(&it.path, it.range, it.new_text);
+            edit.replace(&change.path, change.range, change.new_text);
         }
         for (path, edits) in &after.renaming.edit.changed {
             let text = Files::read(&*self.files, path).expect("an edited file");
@@ -149,7 +152,7 @@ fn renamed(at: &str, to: &str) -> (Vec<String>, Vec<String>) {
     let after = after.expect("the sources follow");
     let text = after.files.texts[Utf8Path::new("/codels/c_t_codels.c")].clone();
     let changed = CODELS.lines().zip(text.lines()).filter(|(a, b)| a != b);
-    let changed = changed.map(|it| it.1.trim().to_owned()).collect();
+    let changed = changed.map(|pair| pair.1.trim().to_owned()).collect();
     let left = after.renaming.left.iter().map(ToString::to_string);
     let found = Before {
         files: Arc::new(after.files),
@@ -262,8 +265,10 @@ fn a_component_is_followed_into_includes_and_build_files() {
         .renaming
         .left
         .iter()
-        .filter(|it| it.path == "/codels/Makefile.am");
-    let build: Vec<_> = build.map(|it| (it.line, it.name.as_str())).collect();
+        .filter(|place| place.path == "/codels/Makefile.am");
+    let build: Vec<_> = build
+        .map(|place| (place.line, place.name.as_str()))
+        .collect();
     assert_eq!(
         build,
         [
@@ -301,7 +306,7 @@ fn scopes_tell_names_apart_in_cxx() {
         let after = after.expect("the sources follow");
         let text = after.files.texts[Utf8Path::new("/codels/c_t_codels.cc")].clone();
         let changed = code.lines().zip(text.lines()).filter(|(a, b)| a != b);
-        changed.map(|it| it.1.trim().to_owned()).collect()
+        changed.map(|pair| pair.1.trim().to_owned()).collect()
     };
     assert_eq!(
         lines("wait;", "hold"),
@@ -323,7 +328,9 @@ fn exercised(expected: &Expected<'_>) -> BTreeMap<Utf8PathBuf, String> {
 
 #[test]
 fn random_renames_leave_nothing_worse() {
-    let count = std::env::var("RENAMES").ok().and_then(|it| it.parse().ok());
+    let count = std::env::var("RENAMES")
+        .ok()
+        .and_then(|variable| variable.parse().ok());
     let count: usize = count.unwrap_or(120);
     let mut all = Vec::new();
     for (root, includes) in examples().into_iter().chain(published()) {
@@ -333,8 +340,8 @@ fn random_renames_leave_nothing_worse() {
             continue;
         }
         let mut files = Overlay::default();
-        let found = folders(&unit, &mut |it| {
-            Sources::load(it, &FilesConfig::default(), &files)
+        let found = folders(&unit, &mut |path| {
+            Sources::load(path, &FilesConfig::default(), &files)
         });
         for folder in found {
             let own = folder.specification == root && folder.sources.sources.is_empty();
@@ -352,14 +359,14 @@ fn random_renames_leave_nothing_worse() {
     }
     assert!(all.len() > 5, "{} components", all.len());
     let before: Vec<_> = all.iter().map(Before::diagnostics).collect();
-    let compiled: Vec<bool> = all.iter().map(|it| broken(it).is_none()).collect();
+    let compiled: Vec<bool> = all.iter().map(|before| broken(before).is_none()).collect();
     let mut random = Random(0x51ed_270b_9f4a_7c15);
     let (mut done, mut tried, mut edited, mut bad) = (0, 0, 0, Vec::new());
     while done < count && tried < 200 * count {
         tried += 1;
         let index = random.below(all.len());
-        let it = &all[index];
-        let text = Files::read(&*it.files, &it.root).expect("a specification");
+        let entry = &all[index];
+        let text = Files::read(&*entry.files, &entry.root).expect("a specification");
         let offset = random.below(text.len());
         let part = |c: u8| c.is_ascii_alphanumeric() || c == b'_';
         let bytes = text.as_bytes();
@@ -367,7 +374,7 @@ fn random_renames_leave_nothing_worse() {
             continue;
         }
         let to = format!("zz{done}");
-        let Some(after) = it.rename(offset, &to) else {
+        let Some(after) = entry.rename(offset, &to) else {
             continue;
         };
         done += 1;
@@ -375,7 +382,7 @@ fn random_renames_leave_nothing_worse() {
             .chars()
             .take_while(|c| part(*c as u8))
             .collect();
-        let title = format!("{}: `{word}` at {offset}", it.root);
+        let title = format!("{}: `{word}` at {offset}", entry.root);
         let after = match after {
             Ok(after) => after,
             Err(why) => {
@@ -395,12 +402,12 @@ fn random_renames_leave_nothing_worse() {
                 .edit
                 .changed
                 .keys()
-                .any(|it| it.extension() != Some("gen")),
+                .any(|key| key.extension() != Some("gen")),
         );
         let after = Before {
             files: Arc::new(after.files),
-            root: it.root.clone(),
-            includes: it.includes.clone(),
+            root: entry.root.clone(),
+            includes: entry.includes.clone(),
         };
         let now = after.diagnostics();
         if now != before[index] {
@@ -410,7 +417,7 @@ fn random_renames_leave_nothing_worse() {
             ));
         }
         if compiled[index] {
-            bad.extend(broken(&after).map(|it| format!("{title}: {it}, left {left:?}")));
+            bad.extend(broken(&after).map(|text| format!("{title}: {text}, left {left:?}")));
         }
     }
     assert!(done == count, "{done} renames");

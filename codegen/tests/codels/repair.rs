@@ -114,7 +114,7 @@ fn calls_that_cannot_follow_stay_and_are_named() {
         assert!(text.contains(call), "{text}");
     }
     let notes: Vec<String> = report.notes.iter().map(ToString::to_string).collect();
-    let lines: Vec<_> = report.notes.iter().map(|it| it.line).collect();
+    let lines: Vec<_> = report.notes.iter().map(|note| note.line).collect();
     assert_eq!(lines, [3, 6, 7], "{notes:?}");
     assert!(notes[0].ends_with("give this call the arguments for them"));
 }

@@ -58,7 +58,7 @@ component lamp {
 
 /// Every release that differs from the one before.
 fn releases() -> Vec<Release> {
-    let mut all: Vec<Release> = CHANGES.iter().map(|it| it.since).collect();
+    let mut all: Vec<Release> = CHANGES.iter().map(|change| change.since).collect();
     all.extend([Release::OLDEST, Release::V3]);
     all.sort();
     all.dedup();
@@ -77,7 +77,7 @@ fn findings(spec: &Spec, component: u32, compile_as_cxx: bool) -> Option<(Vec<St
     files.extend(
         stubs
             .into_iter()
-            .map(|it| (Utf8PathBuf::from("/").join(it.path), it.text)),
+            .map(|stub| (Utf8PathBuf::from("/").join(stub.path), stub.text)),
     );
     let files = Memory(files);
     let sources = Sources::load("/c.gen".into(), &FilesConfig::default(), &files);
@@ -85,7 +85,7 @@ fn findings(spec: &Spec, component: u32, compile_as_cxx: bool) -> Option<(Vec<St
     let found = drift::check(&[expected], &sources, &DriftOptions::default());
     let found = found
         .iter()
-        .map(|it| format!("{}: {}", it.code.as_str(), it.message()));
+        .map(|check| format!("{}: {}", check.code.as_str(), check.message()));
     Some((found.collect(), count))
 }
 
@@ -105,8 +105,8 @@ fn read(release: Release, file: Utf8PathBuf, include_dirs: Vec<Utf8PathBuf>) -> 
 
 fn components(spec: &Spec) -> impl Iterator<Item = u32> {
     let all = (0..).zip(&spec.components);
-    all.filter(|(_, it)| it.kind == ComponentKind::Component)
-        .map(|(it, _)| it)
+    all.filter(|(_, component)| component.kind == ComponentKind::Component)
+        .map(|(number, _)| number)
 }
 
 #[test]
@@ -135,7 +135,10 @@ fn skeletons_of_published_specifications_have_no_finding() {
         "corpus/components/standins",
         "golden/standins",
     ];
-    let includes: Vec<Utf8PathBuf> = includes.iter().map(|it| shared.join(it)).collect();
+    let includes: Vec<Utf8PathBuf> = includes
+        .iter()
+        .map(|include| shared.join(include))
+        .collect();
     let mut count = 0;
     for folder in ["corpus", "golden/inputs"] {
         for entry in walkdir::WalkDir::new(shared.join(folder)) {

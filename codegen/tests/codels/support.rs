@@ -38,7 +38,7 @@ impl Files for Disk {
 
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
         let entries = folder.read_dir_utf8().ok()?;
-        let names = entries.flatten().map(|it| it.file_name().into());
+        let names = entries.flatten().map(|entry| entry.file_name().into());
         Some(names.collect())
     }
 }
@@ -98,11 +98,14 @@ impl Loader for Memory {
 
 impl Files for Memory {
     fn read(&self, path: &Utf8Path) -> Option<Arc<str>> {
-        self.0.get(path).map(|it| it.as_str().into())
+        self.0.get(path).map(|text| text.as_str().into())
     }
 
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
-        let below = self.0.keys().filter_map(|it| it.strip_prefix(folder).ok());
+        let below = self
+            .0
+            .keys()
+            .filter_map(|key| key.strip_prefix(folder).ok());
         let below: Vec<Utf8PathBuf> = below.map(Utf8Path::to_owned).collect();
         (!below.is_empty()).then_some(below)
     }
@@ -148,7 +151,7 @@ impl Fixture {
     pub(crate) fn report(&self) -> Vec<String> {
         let all = self.check();
         all.iter()
-            .map(|it| format!("{}: {}", it.code.as_str(), it.message()))
+            .map(|check| format!("{}: {}", check.code.as_str(), check.message()))
             .collect()
     }
 }
@@ -156,7 +159,7 @@ impl Fixture {
 /// A compiler of the system, if it is there.
 pub(crate) fn compiler(name: &str) -> Option<&str> {
     let found = Command::new(name).arg("--version").output();
-    if !found.is_ok_and(|it| it.status.success()) {
+    if !found.is_ok_and(|output| output.status.success()) {
         eprintln!("SKIPPED: no `{name}` on this system");
         return None;
     }

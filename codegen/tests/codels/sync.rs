@@ -45,9 +45,10 @@ impl Subject {
         let analysis = host.analysis();
         let unit = analysis.root_unit(&self.root).expect("not cancelled");
         let mut components = unit.spec.components.iter();
-        let component = components.find(|it| {
-            let place = unit.locations.locate(it.src);
-            it.kind == ComponentKind::Component && place.is_some_and(|it| it.path == self.root)
+        let component = components.find(|component| {
+            let place = unit.locations.locate(component.src);
+            component.kind == ComponentKind::Component
+                && place.is_some_and(|place| place.path == self.root)
         })?;
         let edit = Edit {
             subject: self,
@@ -109,7 +110,9 @@ impl Edit<'_> {
     fn parameters(&self, random: &mut Random) -> Option<std::ops::Range<usize>> {
         let codel = self.codel(random)?;
         let rest = &self.text()[codel.end..];
-        let open = rest.find('(').filter(|it| rest[..*it].trim().is_empty())?;
+        let open = rest
+            .find('(')
+            .filter(|index| rest[..*index].trim().is_empty())?;
         let close = rest.find(')')?;
         Some(codel.end + open + 1..codel.end + close)
     }
@@ -124,15 +127,15 @@ impl Edit<'_> {
                     .collect::<Vec<_>>();
                 found
                     .into_iter()
-                    .map(|it| (list.start + it.0, *word))
+                    .map(|pair| (list.start + pair.0, *word))
                     .collect::<Vec<_>>()
             })
-            .filter(|it| !self.text()[..it.0].ends_with(char::is_alphanumeric))
+            .filter(|pair| !self.text()[..pair.0].ends_with(char::is_alphanumeric))
             .collect();
         let &(at, word) = words.get(random.below(words.len()))?;
         let others: Vec<&str> = ["in", "out", "inout"]
             .into_iter()
-            .filter(|it| *it != word)
+            .filter(|name| *name != word)
             .collect();
         Some(
             self.subject
@@ -148,8 +151,10 @@ impl Edit<'_> {
                 TypeKind::Struct { members } => members.as_slice(),
                 _ => &[],
             };
-            let members = members.iter().map(|it| spec.ty(*it));
-            out.extend(members.filter_map(|it| Some((it.src, it.name.as_ref()?.to_string()))));
+            let members = members.iter().map(|member| spec.ty(*member));
+            out.extend(
+                members.filter_map(|member| Some((member.src, member.name.as_ref()?.to_string()))),
+            );
         }
         out
     }
@@ -180,8 +185,8 @@ impl Edit<'_> {
         let gone = random.below(all.len());
         let left: Vec<&str> = (0..)
             .zip(&all)
-            .filter(|it| it.0 != gone)
-            .map(|it| *it.1)
+            .filter(|pair| pair.0 != gone)
+            .map(|pair| *pair.1)
             .collect();
         Some(self.subject.with(list, left.join(",").trim_start()))
     }
@@ -190,10 +195,10 @@ impl Edit<'_> {
         let codels = self
             .component
             .all_codels()
-            .map(|it| self.component.codel(it));
+            .map(|codel| self.component.codel(codel));
         let names = codels
-            .flat_map(|it| &it.triggers)
-            .map(|it| it.name.to_string());
+            .flat_map(|codel| &codel.triggers)
+            .map(|trigger| trigger.name.to_string());
         let mut out: BTreeSet<String> = names.collect();
         out.insert("ether".to_owned());
         out.into_iter().collect()
@@ -201,10 +206,10 @@ impl Edit<'_> {
 
     fn exceptions(&self) -> Vec<String> {
         let types = self.unit.spec.types.iter();
-        let own = types.filter(|it| matches!(it.kind, TypeKind::Exception { .. }));
-        let names = own.filter_map(|it| {
-            let name = it.name.as_ref()?;
-            self.place(it.src, name).map(|_| name.to_string())
+        let own = types.filter(|ty| matches!(ty.kind, TypeKind::Exception { .. }));
+        let names = own.filter_map(|ty| {
+            let name = ty.name.as_ref()?;
+            self.place(ty.src, name).map(|_| name.to_string())
         });
         names.collect()
     }
@@ -214,8 +219,11 @@ impl Edit<'_> {
         let text = self.text();
         let all: Vec<usize> = text
             .match_indices(keyword)
-            .map(|it| it.0)
-            .filter(|at| !text[..*at].ends_with(|it: char| it.is_alphanumeric() || it == '_'))
+            .map(|pair| pair.0)
+            .filter(|at| {
+                !text[..*at]
+                    .ends_with(|character: char| character.is_alphanumeric() || character == '_')
+            })
             .collect();
         let at = *all.get(random.below(all.len()))? + keyword.len();
         let plural = usize::from(text[at..].starts_with('s'));
@@ -234,8 +242,8 @@ impl Edit<'_> {
         let gone = random.below(items.len());
         let left: Vec<&str> = (0..)
             .zip(&items)
-            .filter(|it| it.0 != gone)
-            .map(|it| *it.1)
+            .filter(|pair| pair.0 != gone)
+            .map(|pair| *pair.1)
             .collect();
         Some(
             self.subject
@@ -261,12 +269,12 @@ impl Edit<'_> {
             .rename(&at, &to, &Progress::default())
             .expect("not cancelled")
             .ok()?;
-        if edits.iter().any(|it| it.path != self.subject.root) {
+        if edits.iter().any(|edit| edit.path != self.subject.root) {
             return None;
         }
         let mut text = self.text().to_owned();
         let mut edits = edits;
-        edits.sort_by_key(|it| std::cmp::Reverse(it.range.start));
+        edits.sort_by_key(|edit| std::cmp::Reverse(edit.range.start));
         for edit in edits {
             text.replace_range(edit.range, &edit.new_text);
         }
@@ -281,8 +289,8 @@ fn subjects() -> Vec<Subject> {
         let mut files = Overlay::default();
         let host = host_over(Arc::new(files.clone()), includes.clone());
         let unit = host.analysis().root_unit(&root).expect("not cancelled");
-        let found = folders(&unit, &mut |it| {
-            Sources::load(it, &FilesConfig::default(), &files)
+        let found = folders(&unit, &mut |path| {
+            Sources::load(path, &FilesConfig::default(), &files)
         });
         let mut texts = BTreeMap::new();
         for folder in found {
@@ -308,7 +316,9 @@ fn subjects() -> Vec<Subject> {
 
 #[test]
 fn random_edits_compile_after_one_sync() {
-    let count = std::env::var("EDITS").ok().and_then(|it| it.parse().ok());
+    let count = std::env::var("EDITS")
+        .ok()
+        .and_then(|variable| variable.parse().ok());
     let count: usize = count.unwrap_or(100);
     let all = subjects();
     assert!(all.len() > 5, "{} components", all.len());
@@ -316,7 +326,7 @@ fn random_edits_compile_after_one_sync() {
     let mut done: BTreeMap<&str, [usize; 3]> = BTreeMap::new();
     let (mut tried, mut bad) = (0, Vec::new());
     for _ in 0..400 * count {
-        let sum: usize = done.values().map(|it| it[0]).sum();
+        let sum: usize = done.values().map(|done| done[0]).sum();
         if sum == count {
             break;
         }
@@ -353,7 +363,10 @@ fn random_edits_compile_after_one_sync() {
             numbers[1] += 1;
         } else {
             let named = named(&report);
-            let unnamed: Vec<_> = said.iter().filter(|it| !named.contains(&it.0)).collect();
+            let unnamed: Vec<_> = said
+                .iter()
+                .filter(|pair| !named.contains(&pair.0))
+                .collect();
             match unnamed.is_empty() {
                 true => numbers[2] += 1,
                 false => bad.push(format!("{}: {unnamed:?} not among {named:?}", what())),
@@ -375,11 +388,18 @@ fn random_edits_compile_after_one_sync() {
 
 /// Files, without their folders, with the lines that `sync` names.
 fn named(report: &SyncReport) -> BTreeSet<(String, usize)> {
-    let name = |it: &Utf8Path| it.file_name().unwrap_or_default().to_owned();
-    let notes = report.notes.iter().map(|it| (name(&it.path), it.line));
-    let left = report.left.findings.iter().filter_map(|it| it.at.as_ref());
+    let name = |path: &Utf8Path| path.file_name().unwrap_or_default().to_owned();
+    let notes = report
+        .notes
+        .iter()
+        .map(|note| (name(&note.path), note.line));
+    let left = report
+        .left
+        .findings
+        .iter()
+        .filter_map(|finding| finding.at.as_ref());
     notes
-        .chain(left.map(|it| (name(&it.path), it.line)))
+        .chain(left.map(|finding| (name(&finding.path), finding.line)))
         .collect()
 }
 
@@ -391,7 +411,7 @@ fn broken(
 ) -> Vec<((String, usize), String)> {
     let mut out = Vec::new();
     let found = project.folders(&[root.to_owned()], &mut Vec::new());
-    for folder in found.iter().filter(|it| it.specification == root) {
+    for folder in found.iter().filter(|folder| folder.specification == root) {
         for expected in folder.expected() {
             let command = match expected.language {
                 Language::Cxx => compiler("c++"),
@@ -404,7 +424,7 @@ fn broken(
             let sources = files
                 .texts
                 .keys()
-                .filter(|it| it.starts_with(&folder.sources.folder));
+                .filter(|key| key.starts_with(&folder.sources.folder));
             for path in sources {
                 let copy = temporary.join(path.file_name().unwrap_or_default());
                 let text = project.text(path).unwrap_or_default();
@@ -424,11 +444,11 @@ fn broken(
 fn place(said: &str) -> (String, usize) {
     let error = said
         .lines()
-        .find(|it| it.contains(": error: "))
+        .find(|line| line.contains(": error: "))
         .unwrap_or_default();
     let mut parts = error.split(':');
     let file = Utf8Path::new(parts.next().unwrap_or_default()).file_name();
-    let line = parts.next().and_then(|it| it.parse().ok());
+    let line = parts.next().and_then(|part| part.parse().ok());
     (
         file.unwrap_or_default().to_owned(),
         line.unwrap_or_default(),

@@ -16,7 +16,7 @@ impl Processes for ShellProcesses {
         let limit = program
             .resources
             .memory
-            .map(|it| format!("ulimit -v {};", it / 1024));
+            .map(|memory| format!("ulimit -v {};", memory / 1024));
         let script = format!("{} exec \"$0\" \"$@\"", limit.unwrap_or_default());
         command
             .args(["-c", &script])

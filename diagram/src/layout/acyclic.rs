@@ -13,7 +13,7 @@ pub(super) fn back_edges(
     /// Maximum number of start nodes to try. One search is linear, but a search from every node is not.
     const STARTS: usize = 64;
     let first = walk(nodes, edges, None);
-    let count = |it: &[bool]| it.iter().filter(|it| **it).count();
+    let count = |flags: &[bool]| flags.iter().filter(|flag| **flag).count();
     let mut best = (count(&first), first);
     for start in (0..nodes).take(if begins { 0 } else { STARTS }) {
         if best.0 <= 1 {

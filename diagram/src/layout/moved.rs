@@ -11,13 +11,13 @@ use super::{EdgePath, Layout, Point, Rect, finish};
 pub fn moved(graph: &Graph, mut layout: Layout, by: &[Point]) -> Layout {
     let of = |node: usize| by.get(node).copied().unwrap_or_default();
     let still = Point::default();
-    if by.iter().all(|it| *it == still) {
+    if by.iter().all(|point| *point == still) {
         return layout;
     }
     for (node, rect) in layout.nodes.iter_mut().enumerate() {
         (rect.x, rect.y) = (rect.x + of(node).x, rect.y + of(node).y);
     }
-    let index = |id: &str| graph.nodes.iter().position(|it| it.id == id);
+    let index = |id: &str| graph.nodes.iter().position(|node| node.id == id);
     for (edge, path) in graph.edges.iter().zip(&mut layout.edges) {
         let (Some(from), Some(to)) = (index(&edge.from), index(&edge.to)) else {
             continue;

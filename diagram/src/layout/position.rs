@@ -247,7 +247,7 @@ pub(super) fn pack_groups(graph: &RankedGraph, gap: f64, x: &mut [f64]) {
     let wrapped = graph.columns && graph.layers.len() > 3;
     for layer in &graph.layers {
         // Vertices without a group are pieces of passing edges; they stay together where they are neighbours.
-        if !wrapped && layer.iter().all(|&it| graph.group_of(it).is_none()) {
+        if !wrapped && layer.iter().all(|&layer| graph.group_of(layer).is_none()) {
             continue;
         }
         // The distance of each node from the first when all are packed; the rest of its coordinate is one
@@ -279,7 +279,7 @@ pub(super) fn pack_groups(graph: &RankedGraph, gap: f64, x: &mut [f64]) {
             let rest = &layer[start..];
             let count = rest
                 .iter()
-                .take_while(|&&it| graph.group_of(it) == group)
+                .take_while(|&&layer| graph.group_of(layer) == group)
                 .count();
             let sum: f64 = (start..start + count)
                 .map(|i| x[layer[i]] - offset[i])

@@ -43,11 +43,11 @@ impl RankedGraph {
     ) -> RankedGraph {
         let real = boxes.len();
         let columns = columns(graph, ends);
-        let begins = graph.nodes.iter().any(|it| it.shape == Shape::Initial);
+        let begins = graph.nodes.iter().any(|node| node.shape == Shape::Initial);
         let reversed = match &columns {
             Some(column) => ends
                 .iter()
-                .map(|it| it.is_some_and(|(from, to)| column[from] > column[to]))
+                .map(|end| end.is_some_and(|(from, to)| column[from] > column[to]))
                 .collect(),
             None => acyclic::back_edges(real, ends, begins),
         };
@@ -67,17 +67,20 @@ impl RankedGraph {
                 Some((upper, lower, EDGE_LENGTH, weight))
             })
             .collect();
-        let mut it = RankedGraph {
+        let mut graph = RankedGraph {
             real,
             columns: columns.is_some(),
             rank: match columns {
                 // Without labels, no ranks are needed for them.
-                Some(it) if labels.iter().all(|label| label.0 == 0.0) => it,
-                Some(it) => it.into_iter().map(|it| it * EDGE_LENGTH).collect(),
+                Some(column) if labels.iter().all(|label| label.0 == 0.0) => column,
+                Some(column) => column
+                    .into_iter()
+                    .map(|column| column * EDGE_LENGTH)
+                    .collect(),
                 None => {
                     let ranks = ranks(real, &arcs);
-                    let shapes = graph.nodes.iter().map(|it| it.shape);
-                    let nodes: Vec<_> = boxes.iter().map(|it| it.0).zip(shapes).collect();
+                    let shapes = graph.nodes.iter().map(|node| node.shape);
+                    let nodes: Vec<_> = boxes.iter().map(|boxed| boxed.0).zip(shapes).collect();
                     match within {
                         Some(width) => rows::bounded(&nodes, &ranks, &arcs, width),
                         None => ranks,
@@ -95,14 +98,15 @@ impl RankedGraph {
         };
         for (i, &(width, height)) in boxes.iter().enumerate() {
             let (left, right) = loops.reach(i);
-            it.extent
+            graph
+                .extent
                 .push((width / 2.0 + left, width / 2.0 + right, height));
         }
         for (i, &label) in labels.iter().enumerate() {
             let Some((upper, lower)) = upper_lower(i) else {
                 continue;
             };
-            let (first, last) = (it.rank[upper], it.rank[lower]);
+            let (first, last) = (graph.rank[upper], graph.rank[lower]);
             // The label is in the middle, on one of the ranks between nodes.
             let middle = first + ((last - first) / 2) / EDGE_LENGTH * EDGE_LENGTH;
             let label_rank = if (middle - first).is_multiple_of(EDGE_LENGTH) {
@@ -113,26 +117,26 @@ impl RankedGraph {
             let label_rank = label_rank.min(last - 1);
             let mut chain = vec![upper];
             for rank in first + 1..last {
-                let vertex = it.rank.len();
-                it.rank.push(rank);
+                let vertex = graph.rank.len();
+                graph.rank.push(rank);
                 if rank == label_rank && label.0 > 0.0 {
-                    it.extent.push((
+                    graph.extent.push((
                         labels[i].0 / 2.0 + 2.0,
                         labels[i].0 / 2.0 + 2.0,
                         labels[i].1,
                     ));
-                    it.label_at[i] = Some(vertex);
+                    graph.label_at[i] = Some(vertex);
                 } else {
-                    it.extent.push((1.0, 1.0, 0.0));
+                    graph.extent.push((1.0, 1.0, 0.0));
                 }
                 chain.push(vertex);
             }
             chain.push(lower);
-            it.chains[i] = chain;
+            graph.chains[i] = chain;
         }
-        it.reversed = reversed;
-        it.connect();
-        it
+        graph.reversed = reversed;
+        graph.connect();
+        graph
     }
 
     fn connect(&mut self) {
@@ -167,26 +171,31 @@ impl RankedGraph {
     pub(super) fn gather(&mut self, rank: usize) {
         let group = &self.group;
         let layer = &mut self.layers[rank];
-        if !layer.iter().any(|&it| group_of(group, it).is_some()) {
+        if !layer.iter().any(|&layer| group_of(group, layer).is_some()) {
             return;
         }
         let mut sums: Vec<(usize, usize)> = vec![(0, 0); self.real];
         for (i, &vertex) in layer.iter().enumerate() {
-            if let Some(it) = group_of(group, vertex) {
-                sums[it] = (sums[it].0 + i, sums[it].1 + 1);
+            if let Some(group) = group_of(group, vertex) {
+                sums[group] = (sums[group].0 + i, sums[group].1 + 1);
             }
         }
         let mut keyed: Vec<(f64, usize, usize, usize)> = layer
             .iter()
             .enumerate()
             .map(|(i, &vertex)| match group_of(group, vertex) {
-                Some(it) => (sums[it].0 as f64 / sums[it].1 as f64, it + 1, i, vertex),
+                Some(group) => (
+                    sums[group].0 as f64 / sums[group].1 as f64,
+                    group + 1,
+                    i,
+                    vertex,
+                ),
                 None => (i as f64, 0, i, vertex),
             })
             .collect();
         keyed.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-        for (place, it) in layer.iter_mut().zip(keyed) {
-            *place = it.3;
+        for (place, row) in layer.iter_mut().zip(keyed) {
+            *place = row.3;
         }
     }
 
@@ -207,8 +216,8 @@ fn group_of(group: &[Option<usize>], vertex: usize) -> Option<usize> {
 
 /// The columns of all nodes, if they can be the ranks.
 fn columns(graph: &Graph, ends: &[Option<(usize, usize)>]) -> Option<Vec<usize>> {
-    let columns: Option<Vec<usize>> = graph.nodes.iter().map(|it| it.column).collect();
-    let columns = columns.filter(|it| !it.is_empty())?;
+    let columns: Option<Vec<usize>> = graph.nodes.iter().map(|node| node.column).collect();
+    let columns = columns.filter(|column| !column.is_empty())?;
     let between = ends
         .iter()
         .flatten()
@@ -220,8 +229,8 @@ fn columns(graph: &Graph, ends: &[Option<(usize, usize)>]) -> Option<Vec<usize>>
 fn groups(graph: &Graph) -> Vec<Option<usize>> {
     let first = |name: &str| {
         let mut nodes = graph.nodes.iter();
-        nodes.position(|it| it.group.as_deref() == Some(name))
+        nodes.position(|node| node.group.as_deref() == Some(name))
     };
-    let groups = graph.nodes.iter().map(|it| first(it.group.as_deref()?));
+    let groups = graph.nodes.iter().map(|node| first(node.group.as_deref()?));
     groups.collect()
 }

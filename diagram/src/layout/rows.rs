@@ -21,33 +21,40 @@ pub(super) fn bounded(
     width: f64,
 ) -> Vec<usize> {
     let mut waiting: Vec<usize> = (0..nodes.len()).collect();
-    waiting.sort_by_key(|&it| ranks[it]);
+    waiting.sort_by_key(|&node| ranks[node]);
     let mut above: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
-    for it in arcs {
-        above[it.1].push(it.0);
+    for arc in arcs {
+        above[arc.1].push(arc.0);
     }
     let mut row: Vec<Option<usize>> = vec![None; nodes.len()];
     let mut last = None;
     for number in 0.. {
-        let is_ready = |node: usize| above[node].iter().all(|&it| row[it].is_some());
-        let ready: Vec<usize> = waiting.iter().copied().filter(|&it| is_ready(it)).collect();
+        let is_ready = |node: usize| above[node].iter().all(|&index| row[index].is_some());
+        let ready: Vec<usize> = waiting
+            .iter()
+            .copied()
+            .filter(|&node| is_ready(node))
+            .collect();
         let shape = |&&node: &&usize| Some(nodes[node].1) != last;
         let Some(&first) = ready.iter().find(shape).or(ready.first()) else {
             break;
         };
         last = Some(nodes[first].1);
         let mut used = 0.0;
-        for node in ready.into_iter().filter(|&it| Some(nodes[it].1) == last) {
+        for node in ready
+            .into_iter()
+            .filter(|&node| Some(nodes[node].1) == last)
+        {
             used += nodes[node].0 + BESIDE;
             if used > width && node != first {
                 break;
             }
             row[node] = Some(number);
         }
-        waiting.retain(|&it| row[it].is_none());
+        waiting.retain(|&node| row[node].is_none());
     }
     (row.into_iter())
-        .map(|it| it.unwrap_or(0) * EDGE_LENGTH)
+        .map(|row| row.unwrap_or(0) * EDGE_LENGTH)
         .collect()
 }
 

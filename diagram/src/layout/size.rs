@@ -38,7 +38,7 @@ pub(super) fn node_sizes(graph: &Graph, ends: &[Option<(usize, usize)>]) -> Vec<
         sides[to][usize::from(column(to) < column(from))] += 1;
     }
     for (node, size) in sizes.iter_mut().enumerate() {
-        if let Some(widest) = column(node).and_then(|it| widest.get(&it)) {
+        if let Some(widest) = column(node).and_then(|column| widest.get(&column)) {
             let edges = sides[node].into_iter().max().unwrap_or(0);
             *size = (*widest, size.1.max(EDGE * edges as f64 + 16.0));
         }

@@ -12,7 +12,7 @@ pub fn dot(graph: &Graph) -> String {
     }
     out.push_str("  node [fontname=\"sans-serif\" fontsize=11];\n  edge [fontname=\"sans-serif\" fontsize=10];\n");
     let mut groups: Vec<&str> = Vec::new();
-    for group in graph.nodes.iter().filter_map(|it| it.group.as_deref()) {
+    for group in graph.nodes.iter().filter_map(|node| node.group.as_deref()) {
         if !groups.contains(&group) {
             groups.push(group);
         }
@@ -21,8 +21,8 @@ pub fn dot(graph: &Graph) -> String {
         let inside = graph
             .nodes
             .iter()
-            .filter(|it| it.group.as_deref() == Some(*group))
-            .map(|it| quote(&it.id));
+            .filter(|node| node.group.as_deref() == Some(*group))
+            .map(|node| quote(&node.id));
         let _ = writeln!(
             out,
             "  subgraph cluster_{i} {{ label={}; style=rounded; {}; }}",

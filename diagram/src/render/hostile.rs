@@ -41,7 +41,7 @@ fn graph() -> Graph {
         title: HOSTILE.concat(),
         edges: nodes.windows(2).map(edge).collect(),
         nodes,
-        notes: HOSTILE.iter().map(|it| (*it).to_owned()).collect(),
+        notes: HOSTILE.iter().map(|text| (*text).to_owned()).collect(),
         ..Graph::default()
     }
 }
@@ -55,7 +55,7 @@ fn an_svg_has_its_own_elements_and_attributes_only() {
         "svg", "title", "style", "rect", "g", "text", "path", "line", "circle", "polygon", "mask",
         "defs",
     ];
-    for node in document.descendants().filter(|it| it.is_element()) {
+    for node in document.descendants().filter(|node| node.is_element()) {
         assert!(elements.contains(&node.tag_name().name()), "{node:?}");
         for attribute in node.attributes() {
             assert!(
@@ -67,11 +67,11 @@ fn an_svg_has_its_own_elements_and_attributes_only() {
     assert!(
         !document
             .descendants()
-            .any(|it| it.is_comment() || it.is_pi())
+            .any(|node| node.is_comment() || node.is_pi())
     );
-    let mut texts = document.descendants().filter_map(|it| it.text());
+    let mut texts = document.descendants().filter_map(|node| node.text());
     assert!(
-        texts.any(|it| it.contains("<script>")),
+        texts.any(|text| text.contains("<script>")),
         "the name is there, as text"
     );
 }

@@ -22,12 +22,12 @@ pub fn mermaid(graph: &Graph) -> String {
         .collect();
     let mut nodes: Vec<_> = graph.nodes.iter().collect();
     // Nodes of one group are consecutive, in a subgraph.
-    nodes.sort_by_key(|it| {
-        let group = it.group.as_deref()?;
+    nodes.sort_by_key(|node| {
+        let group = node.group.as_deref()?;
         graph
             .nodes
             .iter()
-            .position(|it| it.group.as_deref() == Some(group))
+            .position(|node| node.group.as_deref() == Some(group))
     });
     let mut open_group: Option<&str> = None;
     for node in nodes {

@@ -29,7 +29,7 @@ pub fn png(graph: &Graph, layout: &Layout, theme: Theme) -> Result<Vec<u8>, Stri
         fontdb: fonts(),
         ..usvg::Options::default()
     };
-    let tree = usvg::Tree::from_str(&text, &options).map_err(|it| it.to_string())?;
+    let tree = usvg::Tree::from_str(&text, &options).map_err(|error| error.to_string())?;
     let (width, height) = (
         (layout.width as f32 * SCALE).ceil(),
         (layout.height as f32 * SCALE).ceil(),
@@ -39,7 +39,7 @@ pub fn png(graph: &Graph, layout: &Layout, theme: Theme) -> Result<Vec<u8>, Stri
     })?;
     let scale = tiny_skia::Transform::from_scale(SCALE, SCALE);
     resvg::render(&tree, scale, &mut pixels.as_mut());
-    pixels.encode_png().map_err(|it| it.to_string())
+    pixels.encode_png().map_err(|error| error.to_string())
 }
 
 const SANS: &str = "Ubuntu";

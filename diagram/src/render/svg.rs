@@ -110,7 +110,7 @@ impl Svg {
             &node.description
         });
         // A node with lines that can be focused on their own is more than a symbol.
-        let parts = node.lines.iter().any(|it| it.origin.is_some());
+        let parts = node.lines.iter().any(|line| line.origin.is_some());
         let role = match parts {
             true => "graphics-object",
             false => "graphics-symbol",

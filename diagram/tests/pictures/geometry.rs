@@ -48,8 +48,11 @@ pub(crate) fn problems(graph: &Graph, placed: &Layout) -> Vec<String> {
         for (node, rect) in graph.nodes.iter().zip(&placed.nodes) {
             let member = node.group.as_ref() == Some(&frame.name);
             // A group in several columns has a frame in each.
-            let mut own = placed.frames.iter().filter(|it| it.name == frame.name);
-            let framed = own.any(|it| rect.inside(it.rect));
+            let mut own = placed
+                .frames
+                .iter()
+                .filter(|other| other.name == frame.name);
+            let framed = own.any(|frame| rect.inside(frame.rect));
             if member && !framed || !member && rect.overlaps(frame.rect) {
                 out.push(format!("{} and the frame {} disagree", node.id, frame.name));
             }
@@ -60,7 +63,7 @@ pub(crate) fn problems(graph: &Graph, placed: &Layout) -> Vec<String> {
             }
         }
     }
-    let frames = placed.frames.iter().map(|it| &it.rect);
+    let frames = placed.frames.iter().map(|frame| &frame.rect);
     let inside = placed.nodes.iter().chain(labels.iter().map(|(_, r)| r));
     for rect in inside.chain(frames) {
         if !rect.inside(view) {

@@ -45,23 +45,26 @@ const ABOUT: &str = "version \"1\"; lang \"c\"; email \"a@b\";";
 /// A system of this many components. Each reads the port of the one before it, and some read one far away.
 fn chain(components: usize) -> UnitResult {
     let mut text = "struct s { long x; };\n".to_owned();
-    for it in 0..components {
-        let _ = write!(text, "component c{it} {{ {ABOUT} port out s p{it};");
-        if it > 0 {
-            let _ = write!(text, " port in s p{};", it - 1);
+    for component in 0..components {
+        let _ = write!(
+            text,
+            "component c{component} {{ {ABOUT} port out s p{component};"
+        );
+        if component > 0 {
+            let _ = write!(text, " port in s p{};", component - 1);
         }
-        if it > 9 && it % 5 == 0 {
-            let _ = write!(text, " port in s p{};", it - 9);
+        if component > 9 && component % 5 == 0 {
+            let _ = write!(text, " port in s p{};", component - 9);
         }
-        let reads = if it > 0 {
-            format!(", in p{}", it - 1)
+        let reads = if component > 0 {
+            format!(", in p{}", component - 1)
         } else {
             String::new()
         };
         let _ = writeln!(
             text,
-            " task t {{ period 10 ms; codel<start> c{it}_t(out p{it}{reads}) wcet 1 ms yield pause::start; }};\n\
-               activity f{it}() {{ task t; codel<start> c{it}_f(out p{it}) yield ether; }}; }};"
+            " task t {{ period 10 ms; codel<start> c{component}_t(out p{component}{reads}) wcet 1 ms yield pause::start; }};\n\
+               activity f{component}() {{ task t; codel<start> c{component}_f(out p{component}) yield ether; }}; }};"
         );
     }
     unit(&text)
@@ -70,7 +73,7 @@ fn chain(components: usize) -> UnitResult {
 fn of_system(unit: &UnitResult, options: &system::Options) -> Graph {
     let components = unit.spec.components.iter();
     let parts: Vec<system::Part> = components
-        .filter(|it| it.kind == ComponentKind::Component)
+        .filter(|component| component.kind == ComponentKind::Component)
         .map(|component| system::Part {
             spec: &unit.spec,
             component,
@@ -92,8 +95,12 @@ fn assert_readable(graph: &Graph) -> Layout {
 }
 
 fn lines(graph: &Graph, id: &str) -> Vec<String> {
-    let node = graph.nodes.iter().find(|it| it.id == id).expect("a node");
-    node.lines.iter().map(|it| it.text.clone()).collect()
+    let node = graph
+        .nodes
+        .iter()
+        .find(|node| node.id == id)
+        .expect("a node");
+    node.lines.iter().map(|line| line.text.clone()).collect()
 }
 
 #[test]
@@ -145,10 +152,16 @@ fn what_is_listed_leads_to_its_own_place() {
         ..system::Options::default()
     };
     let graph = of_system(&unit, &options);
-    let node = graph.nodes.iter().find(|it| it.id == "c1").expect("a node");
-    let places: Vec<_> = node.lines.iter().skip(1).map(|it| it.origin).collect();
+    let node = graph
+        .nodes
+        .iter()
+        .find(|node| node.id == "c1")
+        .expect("a node");
+    let places: Vec<_> = node.lines.iter().skip(1).map(|line| line.origin).collect();
     assert!(
-        places.iter().all(|it| it.is_some() && *it != node.origin),
+        places
+            .iter()
+            .all(|place| place.is_some() && *place != node.origin),
         "{places:?}"
     );
     let text = svg(&graph, &layout(&graph), Theme::Light);
@@ -191,16 +204,18 @@ fn a_layer_shows_a_chain_of_data() {
             ..system::Options::default()
         },
     );
-    let marked = |classes: &[String]| classes.iter().any(|it| it == MARKED);
+    let marked = |classes: &[String]| classes.iter().any(|class| class == MARKED);
     let nodes: Vec<&str> = graph
         .nodes
         .iter()
-        .filter(|it| marked(&it.classes))
-        .map(|it| it.id.as_str())
+        .filter(|node| marked(&node.classes))
+        .map(|node| node.id.as_str())
         .collect();
     assert_eq!(nodes, ["c0.p0", "c1", "c1.p1"]);
-    let edges = graph.edges.iter().filter(|it| marked(&it.classes));
-    let edges: Vec<String> = edges.map(|it| format!("{} {}", it.from, it.to)).collect();
+    let edges = graph.edges.iter().filter(|edge| marked(&edge.classes));
+    let edges: Vec<String> = edges
+        .map(|edge| format!("{} {}", edge.from, edge.to))
+        .collect();
     assert_eq!(edges, ["c1 c1.p1", "c0.p0 c1"]);
     assert_eq!(graph.notes, ["age: 20 ms"]);
 }
@@ -214,7 +229,7 @@ fn what_was_moved_is_there_and_its_edges_follow() {
         graph
             .nodes
             .iter()
-            .position(|it| it.id == id)
+            .position(|node| node.id == id)
             .expect("a node")
     };
     let mut by = vec![Point::default(); graph.nodes.len()];
@@ -230,7 +245,7 @@ fn what_was_moved_is_there_and_its_edges_follow() {
 
 /// This many codels in three tasks, which share a dozen fields.
 fn sharing(codels: usize) -> UnitResult {
-    let fields: String = (0..12).map(|it| format!("long x{it}; ")).collect();
+    let fields: String = (0..12).map(|number| format!("long x{number}; ")).collect();
     let mut text = format!("component big {{ {ABOUT} ids {{ {fields} }};\n");
     for task in 0..3 {
         let _ = writeln!(
@@ -238,8 +253,8 @@ fn sharing(codels: usize) -> UnitResult {
             "task t{task} {{ period 10 ms; codel<start> t{task}_s(inout x{task}) yield pause::start; }};"
         );
     }
-    for it in 0..codels {
-        let (task, a, b) = (it % 3, it % 12, (it / 2) % 12);
+    for codel in 0..codels {
+        let (task, a, b) = (codel % 3, codel % 12, (codel / 2) % 12);
         let both = if a == b {
             String::new()
         } else {
@@ -247,7 +262,7 @@ fn sharing(codels: usize) -> UnitResult {
         };
         let _ = writeln!(
             text,
-            "activity a{it}() {{ task t{task}; codel<start> a{it}_s(inout x{a}{both}) yield ether; }};"
+            "activity a{codel}() {{ task t{task}; codel<start> a{codel}_s(inout x{a}{both}) yield ether; }};"
         );
     }
     text += "};\n";
@@ -261,7 +276,11 @@ fn many_codels_that_exclude_each_other_are_no_column() {
         let graph = locks::graph(&unit.spec, &unit.spec.components[0], None);
         let placed = assert_readable(&graph);
         assert_eq!(
-            graph.nodes.iter().filter(|it| it.group.is_some()).count(),
+            graph
+                .nodes
+                .iter()
+                .filter(|node| node.group.is_some())
+                .count(),
             codels + 3
         );
         let shape = placed.height / placed.width;
@@ -289,25 +308,27 @@ fn way(states: &[&str]) -> (Option<String>, Vec<String>, Vec<String>) {
     let unit = unit(&LIFT.replace("ABOUT", ABOUT));
     let component = &unit.spec.components[0];
     let owner = fsm::owners(component).next().expect("a machine");
-    let way = states.iter().map(|it| (*it).to_owned()).collect();
+    let way = states.iter().map(|state| (*state).to_owned()).collect();
     let options = fsm::Options {
         way,
         ..fsm::Options::default()
     };
     let graph = fsm::graph(&unit.spec, component, owner, options).expect("a machine");
     assert_readable(&graph);
-    let marked = |classes: &[String]| classes.iter().any(|it| it == MARKED);
-    let note = graph.notes.iter().find(|it| it.contains('→')).cloned();
+    let marked = |classes: &[String]| classes.iter().any(|class| class == MARKED);
+    let note = graph.notes.iter().find(|note| note.contains('→')).cloned();
     let nodes = graph
         .nodes
         .iter()
-        .filter(|it| marked(&it.classes))
-        .map(|it| it.id.clone());
-    let edges = graph.edges.iter().filter(|it| marked(&it.classes));
+        .filter(|node| marked(&node.classes))
+        .map(|node| node.id.clone());
+    let edges = graph.edges.iter().filter(|edge| marked(&edge.classes));
     (
         note,
         nodes.collect(),
-        edges.map(|it| format!("{} {}", it.from, it.to)).collect(),
+        edges
+            .map(|edge| format!("{} {}", edge.from, edge.to))
+            .collect(),
     )
 }
 
@@ -379,12 +400,18 @@ fn fleet(components: usize) -> Graph {
         direction: Direction::Right,
         ..Graph::default()
     };
-    for it in 0..components {
-        let (own, port) = (format!("component{it}"), format!("component{it}.out"));
+    for component in 0..components {
+        let (own, port) = (
+            format!("component{component}"),
+            format!("component{component}.out"),
+        );
         graph.nodes.push(node(own.clone(), Shape::Card));
         graph.nodes.push(node(port.clone(), Shape::Octagon));
         graph.edges.push(edge(own, port.clone()));
-        for reader in [it + 1, it + 7].into_iter().filter(|&it| it < components) {
+        for reader in [component + 1, component + 7]
+            .into_iter()
+            .filter(|&index| index < components)
+        {
             graph
                 .edges
                 .push(edge(port.clone(), format!("component{reader}")));

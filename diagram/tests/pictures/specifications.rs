@@ -32,7 +32,7 @@ fn units(directory: &Path) -> Vec<(Utf8PathBuf, UnitResult)> {
                     includes.push(Utf8PathBuf::from_path_buf(path.clone()).expect("UTF-8"));
                 }
                 pending.push(path);
-            } else if path.extension().is_some_and(|it| it == "gen") {
+            } else if path.extension().is_some_and(|extension| extension == "gen") {
                 files.push(Utf8PathBuf::from_path_buf(path).expect("UTF-8"));
             }
         }
@@ -49,8 +49,11 @@ fn units(directory: &Path) -> Vec<(Utf8PathBuf, UnitResult)> {
         ..Change::default()
     });
     let analysis = host.analysis();
-    let unit = |it: &Utf8PathBuf| analysis.root_unit(it).expect("nothing cancels it");
-    files.iter().map(|it| (it.clone(), unit(it))).collect()
+    let unit = |path: &Utf8PathBuf| analysis.root_unit(path).expect("nothing cancels it");
+    files
+        .iter()
+        .map(|file| (file.clone(), unit(file)))
+        .collect()
 }
 
 /// Every picture of a specification.
@@ -60,7 +63,7 @@ fn pictures(unit: &UnitResult) -> Vec<Graph> {
     let components: Vec<&Component> = spec
         .components
         .iter()
-        .filter(|it| it.kind == ComponentKind::Component)
+        .filter(|component| component.kind == ComponentKind::Component)
         .collect();
     for component in &components {
         for owner in fsm::owners(component) {
@@ -100,7 +103,9 @@ fn system_of(units: &[(Utf8PathBuf, UnitResult)]) -> Graph {
     let mut parts: Vec<system::Part> = Vec::new();
     for (number, (_, unit)) in units.iter().enumerate() {
         for component in &unit.spec.components {
-            let known = parts.iter().any(|it| it.component.name == component.name);
+            let known = parts
+                .iter()
+                .any(|part| part.component.name == component.name);
             if component.kind == ComponentKind::Component && !known {
                 parts.push(system::Part {
                     spec: &unit.spec,
@@ -129,11 +134,13 @@ fn assert_readable(graph: &Graph) {
         let text = svg(graph, &placed, theme);
         assert_eq!(text, svg(graph, &layout(graph), theme), "{}", graph.title);
         let document = roxmltree::Document::parse(&text).expect("well-formed XML");
-        let named =
-            |it: &roxmltree::Node| it.attribute("aria-label").is_some_and(|it| !it.is_empty());
+        let named = |node: &roxmltree::Node| {
+            node.attribute("aria-label")
+                .is_some_and(|attribute| !attribute.is_empty())
+        };
         let nodes = document
             .descendants()
-            .filter(|it| it.has_attribute("data-id"));
+            .filter(|node| node.has_attribute("data-id"));
         let nodes: Vec<_> = nodes.collect();
         assert_eq!(nodes.len(), graph.nodes.len());
         assert!(nodes.iter().all(named), "{}", graph.title);
@@ -189,7 +196,7 @@ fn images_need_no_fonts_of_the_system() {
     let examples = root().join("examples/maneuver");
     let (_, unit) = units(&examples)
         .into_iter()
-        .find(|it| it.0.ends_with("maneuver.gen"))
+        .find(|unit| unit.0.ends_with("maneuver.gen"))
         .expect("the example");
     let graph = &pictures(&unit)[0];
     let placed = layout(graph);

@@ -39,7 +39,7 @@ impl zed::Extension for Dotgen {
         worktree: &Worktree,
     ) -> Result<Option<Value>> {
         let settings = LspSettings::for_worktree(server.as_ref(), worktree)?;
-        Ok(settings.settings.map(|it| json!({ "dotgen": it })))
+        Ok(settings.settings.map(|setting| json!({ "dotgen": setting })))
     }
 }
 

@@ -22,10 +22,14 @@ pub(super) struct Asked {
 impl Asked {
     /// A request to an endpoint with a key, and its payload. A request with an error is answered by it.
     pub(super) fn read(query: Query, key: &str, replies: &Replies) -> Option<(Asked, Vec<u8>)> {
-        let attachment = query.attachment().filter(|it| it.len() <= 64);
-        let attachment = attachment.and_then(|it| Attachment::read(&it.to_bytes()));
-        let payload = query.payload().filter(|it| it.len() <= MAX_REQUEST_BYTES);
-        let payload = payload.map(|it| it.to_bytes().into_owned());
+        let attachment = query
+            .attachment()
+            .filter(|attachment| attachment.len() <= 64);
+        let attachment = attachment.and_then(|attachment| Attachment::read(&attachment.to_bytes()));
+        let payload = query
+            .payload()
+            .filter(|payload| payload.len() <= MAX_REQUEST_BYTES);
+        let payload = payload.map(|payload| payload.to_bytes().into_owned());
         match (attachment, payload) {
             (Some(attachment), Some(payload)) => {
                 let key = key.to_owned();

@@ -75,7 +75,11 @@ struct Goal {
 
 impl Activity {
     fn publish(&self) {
-        let all: Vec<_> = self.goals.iter().map(|it| (it.info, it.status)).collect();
+        let all: Vec<_> = self
+            .goals
+            .iter()
+            .map(|goal| (goal.info, goal.status))
+            .collect();
         if let Some(topic) = &self.status {
             topic.put(cdr::statuses(&all));
         }
@@ -93,7 +97,7 @@ impl Requests {
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(|it| it.into_inner())
+        self.state.lock().unwrap_or_else(|error| error.into_inner())
     }
 
     /// Adds the topic of the status of an activity.
@@ -145,7 +149,7 @@ impl Requests {
         let wanted = known.services.get(service as usize).copied().flatten();
         let wanted = wanted.ok_or("this service cannot be requested in this run")?;
         let all = state.pending.values();
-        if all.filter(|it| it.component == component).count() >= MAX_WAITING {
+        if all.filter(|pending| pending.component == component).count() >= MAX_WAITING {
             return Err(format!(
                 "too many requests: {MAX_WAITING} of `{}` have not ended; wait for some of them",
                 known.component().name
@@ -156,12 +160,12 @@ impl Requests {
 
     fn call(&self, component: usize, service: u32, asked: Asked, payload: &[u8]) {
         let inputs = match self.payloads(component).inputs(service, payload) {
-            Ok(it) => it,
+            Ok(input) => input,
             Err(why) => return self.replies.error(asked, why.to_string()),
         };
         let mut state = self.state();
         let (wanted, id) = match self.admit(&state, component, service) {
-            Ok(it) => it,
+            Ok(pair) => pair,
             Err(why) => return self.replies.error(asked, why),
         };
         let pending = Pending {
@@ -186,18 +190,21 @@ impl Requests {
     /// A goal is accepted before the component decides, as a refusal has no reason in ROS 2.
     fn send_goal(&self, component: usize, service: u32, asked: Asked, payload: &[u8]) {
         let (goal, inputs) = match self.payloads(component).goal(service, payload) {
-            Ok(it) => it,
+            Ok(goal) => goal,
             Err(why) => return self.replies.error(asked, why.to_string()),
         };
         let mut state = self.state();
         let admitted = self.admit(&state, component, service);
         let activity = state.activities.entry((component, service)).or_default();
         let stamp = now();
-        let is_known = activity.goals.iter().any(|it| it.info.id == goal);
+        let is_known = activity
+            .goals
+            .iter()
+            .any(|candidate| candidate.info.id == goal);
         if activity.goals.len() >= GOALS
             && admitted.is_ok()
             && !is_known
-            && let Some(oldest) = activity.goals.iter().position(|it| it.result.is_some())
+            && let Some(oldest) = activity.goals.iter().position(|goal| goal.result.is_some())
         {
             activity.goals.remove(oldest);
         }
@@ -226,18 +233,18 @@ impl Requests {
 
     fn get_result(&self, component: usize, service: u32, asked: Asked, payload: &[u8]) {
         let id = match cdr::result_of(payload) {
-            Ok(it) => it,
+            Ok(bytes) => bytes,
             Err(why) => return self.replies.error(asked, why.to_string()),
         };
         let mut state = self.state();
         let activity = state.activities.entry((component, service)).or_default();
-        let goal = activity.goals.iter_mut().find(|it| it.info.id == id);
+        let goal = activity.goals.iter_mut().find(|goal| goal.info.id == id);
         let Some(goal) = goal else {
             let unknown = self.result(component, service, 0, FORGOTTEN);
             return self.replies.send(asked, unknown);
         };
         match &goal.result {
-            Some(it) => self.replies.send(asked, it.clone()),
+            Some(bytes) => self.replies.send(asked, bytes.clone()),
             None => {
                 // The oldest request has most likely been given up.
                 if goal.waiting.len() >= RESULT_REQUESTS {
@@ -250,16 +257,16 @@ impl Requests {
 
     fn cancel(&self, component: usize, service: u32, asked: Asked, payload: &[u8]) {
         let wanted = match cdr::cancel(payload) {
-            Ok(it) => it,
+            Ok(cancel) => cancel,
             Err(why) => return self.replies.error(asked, why.to_string()),
         };
         let mut state = self.state();
         let activity = state.activities.entry((component, service)).or_default();
         let (is_one, is_timed) = (wanted.id != [0; 16], wanted.stamp != Stamp::default());
-        let time = |it: Stamp| (it.sec, it.nanosec);
-        let is_wanted = |it: GoalInfo| {
-            let earlier = is_timed && time(it.stamp) <= time(wanted.stamp);
-            (is_one && it.id == wanted.id) || earlier || (!is_one && !is_timed)
+        let time = |stamp: Stamp| (stamp.sec, stamp.nanosec);
+        let is_wanted = |goal_info: GoalInfo| {
+            let earlier = is_timed && time(goal_info.stamp) <= time(wanted.stamp);
+            (is_one && goal_info.id == wanted.id) || earlier || (!is_one && !is_timed)
         };
         let mut canceling = Vec::new();
         for goal in &mut activity.goals {
@@ -269,7 +276,7 @@ impl Requests {
                 self.inbox.bring(Message::Abort(goal.number));
             }
         }
-        let is_known = activity.goals.iter().any(|it| it.info.id == wanted.id);
+        let is_known = activity.goals.iter().any(|goal| goal.info.id == wanted.id);
         let code = match (canceling.is_empty(), is_one, is_known) {
             (false, ..) => 0,
             (true, false, _) => 1,
@@ -302,7 +309,7 @@ impl Requests {
             return;
         };
         let activity = state.activities.get(&(*component, *service));
-        if let Some(topic) = activity.and_then(|it| it.feedback.as_ref()) {
+        if let Some(topic) = activity.and_then(|activity| activity.feedback.as_ref()) {
             topic.put(cdr::feedback(*goal, entered));
         }
     }
@@ -321,8 +328,8 @@ impl Requests {
         let outcome = match answer {
             RequestReply::Accepted => {
                 let activity = state.activities.entry((component, service)).or_default();
-                let goal = activity.goals.iter_mut().find(|it| it.number == id);
-                if let Some(goal) = goal.filter(|it| it.status == ACCEPTED) {
+                let goal = activity.goals.iter_mut().find(|goal| goal.number == id);
+                if let Some(goal) = goal.filter(|goal| goal.status == ACCEPTED) {
                     goal.status = EXECUTING;
                     activity.publish();
                 }
@@ -335,7 +342,7 @@ impl Requests {
             RequestReply::Done(outputs) => Outcome::Done(outputs),
             RequestReply::Failed { exception, detail } => Outcome::Failed { exception, detail },
         };
-        match state.pending.remove(&id).map(|it| it.wants) {
+        match state.pending.remove(&id).map(|pending| pending.wants) {
             Some(Wants::Response(asked)) => {
                 let payloads = self.payloads(component);
                 let response = payloads.response(service, outcome);
@@ -344,7 +351,11 @@ impl Requests {
             }
             Some(Wants::Goal(goal)) => {
                 let activity = state.activities.entry((component, service)).or_default();
-                if let Some(goal) = activity.goals.iter_mut().find(|it| it.info.id == goal) {
+                if let Some(goal) = activity
+                    .goals
+                    .iter_mut()
+                    .find(|candidate| candidate.info.id == goal)
+                {
                     let was_canceled = goal.status == CANCELING;
                     goal.status = match outcome {
                         // The state `stop` ends an activity like any other state.
@@ -374,8 +385,8 @@ impl Requests {
         let known = &self.known[&component];
         let values = Values::new(&known.spec);
         let service = &known.component().services[service as usize];
-        let outputs = service.params.iter().filter(|it| is_output(it));
-        let zeros = outputs.filter_map(|it| values.encode(it.ty, &Value::Null).ok());
+        let outputs = service.params.iter().filter(|param| is_output(param));
+        let zeros = outputs.filter_map(|output| values.encode(output.ty, &Value::Null).ok());
         zeros.collect::<Vec<_>>().concat()
     }
 }

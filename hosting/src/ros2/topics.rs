@@ -57,7 +57,7 @@ impl Topic {
 /// The time since 1970.
 pub(super) fn nanoseconds() -> i64 {
     let time = SystemTime::now().duration_since(UNIX_EPOCH);
-    time.map_or(0, |it| i64::try_from(it.as_nanos()).unwrap_or(i64::MAX))
+    time.map_or(0, |time| i64::try_from(time.as_nanos()).unwrap_or(i64::MAX))
 }
 
 /// The time since 1970.

@@ -27,11 +27,11 @@ pub(super) fn newest(
 /// Returns the message for inputs that are not an object, with an example of a valid object.
 pub(super) fn not_an_object(spec: &Spec, service: &Service) -> String {
     let values = Values::new(spec);
-    let inputs = service.params.iter().filter(|it| is_input(it));
+    let inputs = service.params.iter().filter(|param| is_input(param));
     let example: Map<String, Value> = inputs
-        .map(|it| {
-            let default = values.default_of(it);
-            (it.name.to_string(), default.unwrap_or_else(|| json!(0)))
+        .map(|input| {
+            let default = values.default_of(input);
+            (input.name.to_string(), default.unwrap_or_else(|| json!(0)))
         })
         .collect();
     let example = Value::Object(example);

@@ -7,12 +7,12 @@ use super::Shared;
 
 pub(super) fn component(shared: &Shared, name: &str) -> Result<usize, String> {
     let mut all = shared.known.iter();
-    let found = all.find(|(_, it)| it.component().name == name);
-    found.map(|it| *it.0).ok_or_else(|| {
+    let found = all.find(|(_, component)| component.component().name == name);
+    found.map(|pair| *pair.0).ok_or_else(|| {
         let names: Vec<&str> = shared
             .known
             .values()
-            .map(|it| it.component().name.as_str())
+            .map(|component| component.component().name.as_str())
             .collect();
         missing("the run", "component", name, &names)
     })
@@ -33,17 +33,17 @@ fn port(shared: &Shared, path: &str, dir: PortDir) -> Result<(usize, u32), Strin
     let at = component(shared, name)?;
     let ports = &shared.known[&at].component().ports;
     let mut all = (0u32..).zip(ports);
-    let found = all.find(|(_, it)| it.name == port && it.dir == dir);
+    let found = all.find(|(_, candidate)| candidate.name == port && candidate.dir == dir);
     found.map(|(port, _)| (at, port)).ok_or_else(|| {
-        if dir == PortDir::In && ports.iter().any(|it| it.name == port) {
+        if dir == PortDir::In && ports.iter().any(|candidate| candidate.name == port) {
             return format!("`{path}` is an output port: only codels of `{name}` write it");
         }
         let kind = match dir {
             PortDir::In => "input port",
             PortDir::Out => "output port",
         };
-        let others = ports.iter().filter(|it| it.dir == dir);
-        let others: Vec<&str> = others.map(|it| it.name.as_str()).collect();
+        let others = ports.iter().filter(|port| port.dir == dir);
+        let others: Vec<&str> = others.map(|port| port.name.as_str()).collect();
         missing(&format!("`{name}`"), kind, port, &others)
     })
 }

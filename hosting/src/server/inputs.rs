@@ -22,7 +22,9 @@ const ENDED: &str = "the run has ended";
 /// with its instance after a slash if it is `multiple`. `remote` is `COMPONENT/PORT`, also with an instance.
 pub(super) fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Result<Value, String> {
     let text = |key: &str| {
-        let given = input.and_then(|it| it.get(key)).and_then(Value::as_str);
+        let given = input
+            .and_then(|input| input.get(key))
+            .and_then(Value::as_str);
         given.ok_or_else(|| format!("`{CONNECT}` needs `local` and `remote`; `{key}` is no text"))
     };
     let (local, remote) = (text("local")?, text("remote")?);
@@ -34,7 +36,8 @@ pub(super) fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Resu
         let (port, instance) = path.split_once('/').unwrap_or((path, ""));
         let known = shared.known.get(&at)?;
         let mut ports = (0u32..).zip(&known.component().ports);
-        let (number, port) = ports.find(|(_, it)| it.name == port && it.dir == dir)?;
+        let (number, port) =
+            ports.find(|(_, candidate)| candidate.name == port && candidate.dir == dir)?;
         let fits = port.multiple != instance.is_empty();
         let layout = Values::new(&known.spec).layout(port.data);
         fits.then(|| (number, instance.to_owned(), layout))
@@ -44,7 +47,7 @@ pub(super) fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Resu
     };
     let (component, path) = remote.split_once('/').unwrap_or((remote, ""));
     let mut all = shared.known.iter();
-    let from = all.find(|(_, it)| it.component().name == component);
+    let from = all.find(|(_, candidate)| candidate.component().name == component);
     let from = from.and_then(|(&from, _)| Some((from, find(from, PortDir::Out, path)?)));
     let Some((from, (port, id, written))) = from else {
         return failed("no_such_outport");
@@ -85,8 +88,8 @@ pub(super) fn write(shared: &Shared, path: &str, request: &Value) -> Result<Valu
     let value = value.ok_or_else(|| format!("`write` needs a `value` for `{path}`"))?;
     let instance = match request.get("instance") {
         None | Some(Value::Null) => "",
-        Some(Value::String(it)) => it.as_str(),
-        Some(it) => return Err(format!("the instance {it} of `{path}` is no text")),
+        Some(Value::String(text)) => text.as_str(),
+        Some(request) => return Err(format!("the instance {request} of `{path}` is no text")),
     };
     match (port.multiple, instance) {
         (true, "") => {
@@ -94,15 +97,15 @@ pub(super) fn write(shared: &Shared, path: &str, request: &Value) -> Result<Valu
                 "`{path}` is `multiple`: give the `instance` to write"
             ));
         }
-        (false, it) if !it.is_empty() => {
+        (false, instance) if !instance.is_empty() => {
             return Err(format!(
-                "`{path}` has no instance `{it}`: it is not `multiple`; leave the `instance` out"
+                "`{path}` has no instance `{instance}`: it is not `multiple`; leave the `instance` out"
             ));
         }
         _ => {}
     }
     let bytes = Values::new(&known.spec).encode(port.data, value);
-    let bytes = bytes.map_err(|it| format!("`{path}`: {it}"))?;
+    let bytes = bytes.map_err(|error| format!("`{path}`: {error}"))?;
     if !known.executed {
         return Err(format!(
             "`{path}` is read by no codel: `{}` is simulated in this run",
@@ -137,11 +140,11 @@ pub(super) fn write(shared: &Shared, path: &str, request: &Value) -> Result<Valu
 
 /// Returns true if a port has [`INSTANCES`] places among `all`, and `further` is not one of them.
 fn is_full<'p>(all: impl Iterator<Item = &'p Place>, further: &Place) -> bool {
-    let mut of_port = all.filter(|it| (it.0, it.1) == (further.0, further.1));
+    let mut of_port = all.filter(|place| (place.0, place.1) == (further.0, further.1));
     let mut count = 0;
-    of_port.all(|it| {
+    of_port.all(|port| {
         count += 1;
-        it != further
+        port != further
     }) && count >= INSTANCES
 }
 
@@ -157,11 +160,11 @@ fn source(shared: &Shared, state: &State, place: &Place) -> Option<String> {
         let path = format!("{}/{}", component.name, port.name);
         return Some(match instance.as_str() {
             "" => path,
-            it => format!("{path}/{it}"),
+            instance => format!("{path}/{instance}"),
         });
     }
     let (at, number, instance) = place;
-    let mut feeds = shared.feeds.iter().filter(|it| it.to == (*at, *number));
+    let mut feeds = shared.feeds.iter().filter(|flow| flow.to == (*at, *number));
     feeds.find_map(|feed| {
         let (component, port) = name(feed.from.0, feed.from.1)?;
         // A `multiple` output may open an instance of any name.

@@ -21,7 +21,9 @@ pub struct ProgressSubscribers {
 
 impl ProgressReceiver for ProgressSubscribers {
     fn is_due(&mut self) -> bool {
-        let due = self.told.is_none_or(|it| it.elapsed() >= PROGRESS_INTERVAL);
+        let due = self
+            .told
+            .is_none_or(|instant| instant.elapsed() >= PROGRESS_INTERVAL);
         if !due {
             return false;
         }

@@ -100,7 +100,7 @@ pub fn from_toml(text: &str) -> LoadedSettings {
         problem
     });
     let mut problems: Vec<Problem> = problems.collect();
-    problems.sort_by_key(|it| it.range.as_ref().map(|range| range.start));
+    problems.sort_by_key(|problem| problem.range.as_ref().map(|range| range.start));
     LoadedSettings { settings, problems }
 }
 
@@ -173,7 +173,7 @@ fn camel(key: &str) -> String {
     let mut out = words.next().unwrap_or_default().to_owned();
     for word in words {
         let mut letters = word.chars();
-        out.extend(letters.next().map(|it| it.to_ascii_uppercase()));
+        out.extend(letters.next().map(|letter| letter.to_ascii_uppercase()));
         out.push_str(letters.as_str());
     }
     out + rest
@@ -221,7 +221,7 @@ fn read_object(
             let known = match &entries {
                 Some(all) => [entry.clone(), kebab(entry)]
                     .into_iter()
-                    .find(|it| all.contains(it)),
+                    .find(|entry| all.contains(entry)),
                 None => Some(entry.clone()),
             };
             if let Some(entry) = known {
@@ -283,7 +283,7 @@ fn dotted(pointer: &str) -> String {
 fn unknown_code(key: &str, pointer: &str) -> Option<Problem> {
     let code = pointer.strip_prefix("/severity/")?;
     let known = schema::codes;
-    if key != "severity" || known().any(|it| it == code) {
+    if key != "severity" || known().any(|name| name == code) {
         return None;
     }
     let message = match nearest(code, known()) {
@@ -332,10 +332,10 @@ fn explain(key: &str, error: &serde_json::Error) -> String {
 /// The most similar name, if it differs in at most a third of its letters.
 fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     known
-        .map(|it| (edit_distance(name, it), it))
-        .filter(|(distance, it)| *distance <= it.len().max(name.len()) / 3)
+        .map(|text| (edit_distance(name, text), text))
+        .filter(|(distance, text)| *distance <= text.len().max(name.len()) / 3)
         .min()
-        .map(|(_, it)| it)
+        .map(|(_, distance)| distance)
 }
 
 fn edit_distance(a: &str, b: &str) -> usize {
@@ -382,9 +382,12 @@ impl Spans {
                 .map_or(Value::Null, Value::from),
             DeValue::Boolean(flag) => Value::Bool(*flag),
             DeValue::Datetime(datetime) => Value::String(datetime.to_string()),
-            DeValue::Array(items) => {
-                Value::Array(items.iter().map(|it| self.value(it, pointer)).collect())
-            }
+            DeValue::Array(items) => Value::Array(
+                items
+                    .iter()
+                    .map(|value| self.value(value, pointer))
+                    .collect(),
+            ),
             DeValue::Table(table) => Value::Object(self.table(table, pointer)),
         }
     }

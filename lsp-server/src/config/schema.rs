@@ -16,8 +16,8 @@ pub fn settings_schema() -> Value {
 pub(crate) fn codes() -> impl Iterator<Item = &'static str> {
     let codels = dotgen_codegen::codels::codes::CODES.iter();
     let mut all: Vec<&str> = dotgen_analysis::codes::all()
-        .map(|it| it.id)
-        .chain(codels.map(|it| it.code.as_str()))
+        .map(|code| code.id)
+        .chain(codels.map(|codel| codel.code.as_str()))
         .collect();
     all.sort_unstable();
     all.into_iter()
@@ -74,8 +74,8 @@ mod tests {
             match super::entries(&schema) {
                 _ if name == "generate" => {}
                 Some(entries) => {
-                    let full = entries.iter().map(|it| format!("{name}.{it}"));
-                    known.extend(full.map(|it| camel(&it)));
+                    let full = entries.iter().map(|entry| format!("{name}.{entry}"));
+                    known.extend(full.map(|format| camel(&format)));
                 }
                 None => known.push(camel(&name)),
             }
@@ -87,10 +87,10 @@ mod tests {
             );
         }
         let own = ["server.", "trace.", "files.", "run."];
-        let names = offered.keys().filter_map(|it| it.strip_prefix("dotgen."));
-        let unknown = names.filter(|it| !own.iter().any(|own| it.starts_with(own)));
+        let names = offered.keys().filter_map(|key| key.strip_prefix("dotgen."));
+        let unknown = names.filter(|name| !own.iter().any(|own| name.starts_with(own)));
         let unknown: Vec<&str> = unknown
-            .filter(|it| !known.iter().any(|known| known == it))
+            .filter(|name| !known.iter().any(|known| known == name))
             .collect();
         assert_eq!(unknown, Vec::<&str>::new());
     }

@@ -30,7 +30,7 @@ impl Settings {
     /// The lenses to show: all, except those that are switched off.
     pub fn lens_config(&self) -> LensConfig {
         let [any, verdicts, machines, accesses, codels, _] =
-            self.code_lenses().map(|it| it.unwrap_or(true));
+            self.code_lenses().map(|lens| lens.unwrap_or(true));
         LensConfig {
             verdicts: any && verdicts,
             machines: any && machines,
@@ -69,7 +69,7 @@ impl Settings {
     /// The inlay hints to show: all, except those that are switched off. Types are shown only if they are
     /// inherited, unless all are switched on.
     pub fn inlay_config(&self) -> InlayConfig {
-        let on = |it: Option<bool>| it.unwrap_or(true);
+        let on = |setting: Option<bool>| setting.unwrap_or(true);
         InlayConfig {
             types: match (
                 self.inlay_hints_all_types.unwrap_or(false),

@@ -220,7 +220,9 @@ impl Verification {
 
     /// The time limit of a verification.
     pub fn time_limit(&self) -> Duration {
-        let seconds = self.time_limit.filter(|it| it.is_finite() && *it > 0.0);
+        let seconds = self
+            .time_limit
+            .filter(|limit| limit.is_finite() && *limit > 0.0);
         Duration::from_secs_f64(seconds.unwrap_or(10.0).min(86_400.0))
     }
 
@@ -239,7 +241,7 @@ impl Verification {
 
     /// The policy of the default scenario.
     pub fn policy(&self) -> Option<Policy> {
-        self.policy.map(|it| match it {
+        self.policy.map(|policy| match policy {
             CorePolicy::Fifo => Policy::Fifo,
             CorePolicy::Edf => Policy::Edf,
             CorePolicy::Any => Policy::Any,
@@ -250,7 +252,7 @@ impl Verification {
 
     /// The semantics of the default scenario.
     pub fn semantics(&self) -> Option<Preset> {
-        self.semantics.map(|it| match it {
+        self.semantics.map(|semantics| match semantics {
             VerificationSemantics::Servers => Preset::Servers,
             VerificationSemantics::Published => Preset::Published,
         })
@@ -409,7 +411,10 @@ impl Codels {
     /// The files with codels.
     pub fn files(&self) -> FilesConfig {
         let default = FilesConfig::default();
-        let folder = self.folder.as_deref().map(|it| it.trim_end_matches('/'));
+        let folder = self
+            .folder
+            .as_deref()
+            .map(|folder| folder.trim_end_matches('/'));
         FilesConfig {
             folder: folder.map_or(default.folder, Into::into),
             extensions: self.extensions.clone().unwrap_or(default.extensions),
@@ -561,12 +566,15 @@ impl Level {
 
     /// A finding with its configured severity; `None` if it is off. Errors remain: they are reasons why
     /// something fails.
-    pub fn apply(levels: &BTreeMap<String, Level>, mut it: Diagnostic) -> Option<Diagnostic> {
-        if it.severity != Severity::Error
-            && let Some(level) = levels.get(it.code)
+    pub fn apply(
+        levels: &BTreeMap<String, Level>,
+        mut diagnostic: Diagnostic,
+    ) -> Option<Diagnostic> {
+        if diagnostic.severity != Severity::Error
+            && let Some(level) = levels.get(diagnostic.code)
         {
-            it.severity = level.severity()?;
+            diagnostic.severity = level.severity()?;
         }
-        Some(it)
+        Some(diagnostic)
     }
 }

@@ -3,9 +3,9 @@ use serde_json::json;
 use super::*;
 
 fn problems(read: &LoadedSettings, text: &str) -> Vec<String> {
-    let show = |it: &Problem| {
-        let at = it.range.clone().map_or("-", |range| &text[range]);
-        format!("{} `{at}`: {}", it.kind.code(), it.message)
+    let show = |problem: &Problem| {
+        let at = problem.range.clone().map_or("-", |range| &text[range]);
+        format!("{} `{at}`: {}", problem.kind.code(), problem.message)
     };
     read.problems.iter().map(show).collect()
 }

@@ -54,9 +54,9 @@ impl Files for Disk {
                 .into_iter()
                 .filter_map(Result::ok);
             files
-                .filter(|it| it.file_type().is_file())
-                .filter_map(|it| Utf8PathBuf::from_path_buf(it.into_path()).ok())
-                .filter_map(|it| Some(it.strip_prefix(folder).ok()?.to_owned()))
+                .filter(|file| file.file_type().is_file())
+                .filter_map(|file| Utf8PathBuf::from_path_buf(file.into_path()).ok())
+                .filter_map(|path| Some(path.strip_prefix(folder).ok()?.to_owned()))
                 .collect()
         })
     }
@@ -100,7 +100,7 @@ impl Files for Texts<'_> {
 
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
         let open = self.snapshot.open.keys();
-        let open = open.filter_map(|it| it.strip_prefix(folder).ok().map(Utf8Path::to_owned));
+        let open = open.filter_map(|key| key.strip_prefix(folder).ok().map(Utf8Path::to_owned));
         let open: Vec<_> = open.collect();
         match Disk.list(folder) {
             Some(mut listing) => {
@@ -132,7 +132,10 @@ pub(crate) fn around(
     let mut out = Vec::new();
     for root in roots_around(snapshot, path)? {
         let compared = of_unit(snapshot, &root)?;
-        if compared.folders().any(|it| it.sources.file(path).is_some()) {
+        if compared
+            .folders()
+            .any(|folder| folder.sources.file(path).is_some())
+        {
             out.push(compared);
         }
     }
@@ -171,16 +174,16 @@ fn of_unit(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<Arc<ComparedFold
     }
     let mut fresh = nothing();
     for folder in folders(snapshot, config, root)? {
-        let mut before = known.iter().flat_map(|it| &it.folders);
+        let mut before = known.iter().flat_map(|lock| &lock.folders);
         let findings = before
-            .find(|it| same(&it.0, &folder))
-            .map(|it| it.1.clone())
+            .find(|other| same(&other.0, &folder))
+            .map(|folder| folder.1.clone())
             .unwrap_or_else(|| differences(&folder));
         fresh.folders.push((folder, findings));
     }
     let fresh = Arc::new(fresh);
     // Without codels the result is cheap to compute again, and keeping it would keep the model.
-    if fresh.folders().any(|it| it.sources.exists) {
+    if fresh.folders().any(|folder| folder.sources.exists) {
         lock(&snapshot.codels.compared).insert(root.to_owned(), fresh.clone());
     } else {
         lock(&snapshot.codels.compared).remove(root);
@@ -195,9 +198,9 @@ fn differences(folder: &Folder) -> Vec<Drift> {
     let mut found = folder.check(&folder.expected());
     if folder.is_earlier {
         for drift in &mut found {
-            drift.repairs.retain(|it| {
+            drift.repairs.retain(|repair| {
                 matches!(
-                    it,
+                    repair,
                     Repair::Stub { .. }
                         | Repair::UpdateSignature { .. }
                         | Repair::RefreshComment { .. }
@@ -255,9 +258,9 @@ fn adapt_folders(
             Some((path.as_path(), TextMove::between(&old, &new)?))
         })
         .collect();
-    let changed = |it: &Location| {
-        let moved = moved.get(it.path.as_path());
-        moved.is_some_and(|moved| moved.is_within(&it.range))
+    let changed = |location: &Location| {
+        let moved = moved.get(location.path.as_path());
+        moved.is_some_and(|moved| moved.is_within(&location.range))
     };
     let locations = Arc::new(earlier.unit.locations.moved(both));
     for folder in folders {
@@ -274,7 +277,8 @@ fn adapt_folders(
 /// comment allows findings. Does not compile the specification.
 fn may_have_findings(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
     let text = snapshot.analysis.text(path)?;
-    if snapshot.config.codels_of(path).is_some() && text.is_some_and(|it| it.contains("allow(")) {
+    if snapshot.config.codels_of(path).is_some() && text.is_some_and(|text| text.contains("allow("))
+    {
         return Ok(true);
     }
     may_have_sources(snapshot, &snapshot.analysis.root_of(path)?)
@@ -288,9 +292,9 @@ pub(crate) fn may_have_sources(snapshot: &Snapshot, root: &Utf8Path) -> Cancella
     };
     let files = snapshot.analysis.files_of_root(root)?;
     let is_there = |folder: Utf8PathBuf| {
-        folder.is_dir() || snapshot.open.keys().any(|it| it.starts_with(&folder))
+        folder.is_dir() || snapshot.open.keys().any(|key| key.starts_with(&folder))
     };
-    Ok(files.iter().any(|it| is_there(config.folder_of(it))))
+    Ok(files.iter().any(|file| is_there(config.folder_of(file))))
 }
 
 /// The folders of a unit, without findings that the units of other roots disprove.
@@ -320,10 +324,10 @@ fn folders(snapshot: &Snapshot, config: &FilesConfig, root: &Utf8Path) -> Cancel
             continue;
         }
         let beside = folder.specification.parent();
-        for other in snapshot.roots.iter().filter(|it| it.parent() == beside) {
+        for other in snapshot.roots.iter().filter(|root| root.parent() == beside) {
             for component in &snapshot.analysis.root_unit(other)?.spec.components {
                 let codels = component.all_codels();
-                let names = codels.map(|it| component.codel(it).name.clone());
+                let names = codels.map(|codel| component.codel(codel).name.clone());
                 folder.also_named.extend(names);
             }
         }
@@ -334,9 +338,9 @@ fn folders(snapshot: &Snapshot, config: &FilesConfig, root: &Utf8Path) -> Cancel
 
 /// True if two states of a folder have the same findings.
 fn same(a: &Folder, b: &Folder) -> bool {
-    let files = |it: &Folder| -> Vec<*const ()> {
-        let all = it.sources.all();
-        all.map(|it| Arc::as_ptr(&it.index).cast()).collect()
+    let files = |folder: &Folder| -> Vec<*const ()> {
+        let all = folder.sources.all();
+        all.map(|file| Arc::as_ptr(&file.index).cast()).collect()
     };
     a.specification == b.specification
         && Arc::ptr_eq(&a.unit.spec, &b.unit.spec)
@@ -363,15 +367,18 @@ pub(crate) fn file_diagnostics(
         for found in compared.findings(&snapshot.analysis) {
             let (folder, findings) = found?;
             let all = diagnostics(&findings, &*folder.unit.locations, Side::First);
-            for it in all.into_iter().filter(|it| it.path == *path) {
-                if !out.contains(&it) {
-                    out.push(it);
+            for diagnostic in all
+                .into_iter()
+                .filter(|diagnostic| diagnostic.path == *path)
+            {
+                if !out.contains(&diagnostic) {
+                    out.push(diagnostic);
                 }
             }
         }
     }
     out.extend(unused_in(snapshot, path)?);
-    out.sort_by_key(|it| (it.range.start, it.range.end));
+    out.sort_by_key(|diagnostic| (diagnostic.range.start, diagnostic.range.end));
     Ok(out)
 }
 
@@ -381,12 +388,16 @@ pub(crate) fn unrefuted_findings(
     path: &Utf8Path,
 ) -> Cancellable<Vec<Diagnostic>> {
     let mut all = snapshot.analysis.diagnostics(path)?;
-    if all.iter().any(|it| it.code == folder::NEVER_THROWN)
+    if all
+        .iter()
+        .any(|diagnostic| diagnostic.code == folder::NEVER_THROWN)
         && let Some(text) = snapshot.analysis.text(path)?
     {
         let compared = around(snapshot, path)?;
-        let folders = || compared.iter().flat_map(|it| it.folders());
-        all.retain(|it| !folders().any(|of| folder::is_refuted(it, &text, &of.sources)));
+        let folders = || compared.iter().flat_map(|folders| folders.folders());
+        all.retain(|diagnostic| {
+            !folders().any(|of| folder::is_refuted(diagnostic, &text, &of.sources))
+        });
     }
     Ok(all)
 }
@@ -394,7 +405,7 @@ pub(crate) fn unrefuted_findings(
 /// The comments of a file that allow findings which do not occur.
 pub(crate) fn unused_in(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
     let mut unused = unused_allowances(snapshot, &around(snapshot, path)?)?;
-    unused.retain(|it| it.path == *path);
+    unused.retain(|allowance| allowance.path == *path);
     Ok(unused)
 }
 
@@ -403,15 +414,18 @@ fn unused_allowances(
     snapshot: &Snapshot,
     compared: &[Arc<ComparedFolders>],
 ) -> Cancellable<Vec<Diagnostic>> {
-    let folders = compared.iter().flat_map(|it| &it.folders);
-    let folders: Vec<_> = folders.map(|it| (&it.0, it.1.as_slice())).collect();
+    let folders = compared.iter().flat_map(|folder| &folder.folders);
+    let folders: Vec<_> = folders
+        .map(|folder| (&folder.0, folder.1.as_slice()))
+        .collect();
     folder::unused_allowances(&folders, &snapshot.analysis)
 }
 
 /// The sources of the workspace that have findings.
 pub(crate) fn sources_with_findings(snapshot: &Snapshot) -> Cancellable<Vec<Utf8PathBuf>> {
     let mut out = Vec::new();
-    let shown = |it: &&Utf8PathBuf| snapshot.in_workspace(it) || snapshot.open.contains_key(*it);
+    let shown =
+        |path: &&Utf8PathBuf| snapshot.in_workspace(path) || snapshot.open.contains_key(*path);
     for root in snapshot.roots.iter().filter(shown) {
         let Some(config) = snapshot.config.codels_of(root) else {
             continue;
@@ -425,7 +439,7 @@ pub(crate) fn sources_with_findings(snapshot: &Snapshot) -> Cancellable<Vec<Utf8
         for found in
             of_unit(snapshot, &snapshot.analysis.root_of(root)?)?.findings(&snapshot.analysis)
         {
-            for source in found?.1.into_iter().filter_map(|it| it.source) {
+            for source in found?.1.into_iter().filter_map(|drift| drift.source) {
                 if !out.contains(&source.path) {
                     out.push(source.path);
                 }
@@ -442,8 +456,8 @@ pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
     let code = snapshot
         .open
         .iter()
-        .filter(|it| it.1.kind == DocumentKind::Code);
-    for path in code.map(|it| it.0) {
+        .filter(|pair| pair.1.kind == DocumentKind::Code);
+    for path in code.map(|code| code.0) {
         for (lens, _) in crate::features::codels::lenses::lenses(snapshot, path)? {
             anything = true;
             lens.hash(&mut hasher);
@@ -453,17 +467,17 @@ pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
     let (mut seen, mut seen_unused) = (Vec::new(), Vec::new());
     for found in compared
         .iter()
-        .flat_map(|it| it.findings(&snapshot.analysis))
+        .flat_map(|lock| lock.findings(&snapshot.analysis))
     {
         seen.extend(
             found?
                 .1
                 .into_iter()
-                .map(|it| (it.code, it.severity, it.message())),
+                .map(|drift| (drift.code, drift.severity, drift.message())),
         );
     }
-    for it in unused_allowances(snapshot, &compared)? {
-        seen_unused.push((it.path, it.message));
+    for allowance in unused_allowances(snapshot, &compared)? {
+        seen_unused.push((allowance.path, allowance.message));
     }
     seen_unused.sort();
     seen_unused.hash(&mut hasher);
@@ -479,7 +493,7 @@ pub(crate) fn stub_options(folder: &Folder, texts: &Texts<'_>) -> StubOptions {
     let text = texts.read(&folder.specification);
     StubOptions {
         use_parameters: true,
-        notice: text.and_then(|it| notice(&it)),
+        notice: text.and_then(|text| notice(&text)),
         ..StubOptions::default()
     }
 }

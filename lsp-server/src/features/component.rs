@@ -49,8 +49,8 @@ pub fn files(
         tasks: answers.tasks.clone(),
         ..NewComponent::default()
     };
-    let provides = answers.provides.iter().map(|it| (it, false));
-    let uses = answers.uses.iter().map(|it| (it, true));
+    let provides = answers.provides.iter().map(|provided| (provided, false));
+    let uses = answers.uses.iter().map(|usage| (usage, true));
     for ((name, path), reversed) in provides.chain(uses) {
         let interface = interface(host, folder, name, path, reversed)?;
         let all = match reversed {
@@ -59,7 +59,7 @@ pub fn files(
         };
         all.push(interface);
     }
-    let made = wanted.texts().map_err(|it| it.to_string())?;
+    let made = wanted.texts().map_err(|error| error.to_string())?;
     let specification = folder.join(format!("{}.gen", answers.name));
     let text = formatted(&made.specification);
     host.apply(Change {
@@ -67,8 +67,11 @@ pub fn files(
         ..Change::default()
     });
     let found = host.analysis().diagnostics(&specification);
-    let found = found.map_err(|it| it.to_string())?;
-    if let Some(error) = found.iter().find(|it| it.severity == Severity::Error) {
+    let found = found.map_err(|error| error.to_string())?;
+    if let Some(error) = found
+        .iter()
+        .find(|diagnostic| diagnostic.severity == Severity::Error)
+    {
         return Err(format!(
             "the component would have an error: {}",
             error.message
@@ -85,8 +88,8 @@ pub fn files(
     let scenario = specification.with_extension(EXTENSION);
     let of_scenario = scn::format(&made.scenario).unwrap_or(made.scenario);
     let mut out = vec![(specification, text), (scenario, of_scenario)];
-    out.extend(stubs.into_iter().map(|it| (it.path, it.after)));
-    match out.iter().find(|it| texts.read(&it.0).is_some()) {
+    out.extend(stubs.into_iter().map(|stub| (stub.path, stub.after)));
+    match out.iter().find(|pair| texts.read(&pair.0).is_some()) {
         Some((path, _)) => Err(format!(
             "`{}` is there already: choose another name or folder, or remove it",
             path.strip_prefix(folder.parent().unwrap_or(folder))
@@ -116,9 +119,11 @@ fn interface(
     let unit = host
         .analysis()
         .root_unit(path)
-        .map_err(|it| it.to_string())?;
+        .map_err(|error| error.to_string())?;
     let all = &unit.spec.components;
-    let found = all.iter().find(|it| is_interface(it) && it.name == name);
+    let found = all
+        .iter()
+        .find(|component| is_interface(component) && component.name == name);
     let Some(found) = found else {
         return Err(format!(
             "{path} has no interface `{name}`: name the file that declares it"
@@ -133,16 +138,16 @@ fn interface(
         ports: found
             .ports
             .iter()
-            .map(|it| NewPort {
-                name: it.name.to_string(),
-                writes: (it.dir == PortDir::Out) != reversed,
+            .map(|port| NewPort {
+                name: port.name.to_string(),
+                writes: (port.dir == PortDir::Out) != reversed,
             })
             .collect(),
     })
 }
 
-fn is_interface(it: &Component) -> bool {
-    it.kind == ComponentKind::Interface
+fn is_interface(component: &Component) -> bool {
+    component.kind == ComponentKind::Interface
 }
 
 /// Parameters of `dotgen/interfaces` and `dotgen/newComponent`.
@@ -208,14 +213,22 @@ pub(crate) fn interfaces(
         let unit = snapshot.analysis.root_unit(root)?;
         let components = &unit.spec.components;
         // Two files with components cannot be in one unit.
-        let file_of = |it: &Component| unit.locations.locate(it.src).map(|it| it.path);
+        let file_of = |component: &Component| {
+            unit.locations
+                .locate(component.src)
+                .map(|location| location.path)
+        };
         let with_components: Vec<Utf8PathBuf> = components
             .iter()
-            .filter(|it| !is_interface(it))
+            .filter(|component| !is_interface(component))
             .filter_map(file_of)
             .collect();
-        for it in components.iter().filter(|it| is_interface(it)) {
-            let Some(path) = file_of(it).filter(|it| !with_components.contains(it)) else {
+        for component in components
+            .iter()
+            .filter(|component| is_interface(component))
+        {
+            let Some(path) = file_of(component).filter(|file| !with_components.contains(file))
+            else {
                 continue;
             };
             let Some(uri) = snapshot.uri(&path) else {
@@ -223,11 +236,11 @@ pub(crate) fn interfaces(
             };
             if out
                 .iter()
-                .any(|known| known.uri == uri && known.name == it.name.as_str())
+                .any(|known| known.uri == uri && known.name == component.name.as_str())
             {
                 continue;
             }
-            let ports = it.ports.iter().map(|port| {
+            let ports = component.ports.iter().map(|port| {
                 let dir = match port.dir {
                     PortDir::In => "in",
                     PortDir::Out => "out",
@@ -235,10 +248,10 @@ pub(crate) fn interfaces(
                 format!("{dir} {}", port.name)
             });
             out.push(InterfaceInfo {
-                name: it.name.to_string(),
+                name: component.name.to_string(),
                 uri,
                 ports: ports.collect(),
-                can_be_provided: it.services.is_empty() && it.tasks.is_empty(),
+                can_be_provided: component.services.is_empty() && component.tasks.is_empty(),
             });
         }
     }
@@ -259,7 +272,7 @@ pub(crate) fn new_component(
     let folder = uri::to_path(folder);
     let named = |all: &[InterfaceParams]| -> Vec<(String, Utf8PathBuf)> {
         let all = all.iter();
-        all.map(|it| (it.name.clone(), uri::to_path(&it.uri)))
+        all.map(|param| (param.name.clone(), uri::to_path(&param.uri)))
             .collect()
     };
     let answers = Answers {
@@ -267,9 +280,9 @@ pub(crate) fn new_component(
         tasks: params
             .tasks
             .iter()
-            .map(|it| NewTask {
-                name: it.name.clone(),
-                period: it.period.clone(),
+            .map(|task| NewTask {
+                name: task.name.clone(),
+                period: task.period.clone(),
             })
             .collect(),
         provides: named(&params.provides),

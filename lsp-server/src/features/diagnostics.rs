@@ -62,7 +62,7 @@ pub(crate) fn part(
         let found = panic::isolate(|| file_diagnostics(snapshot, path, least(snapshot, path)));
         let items = survived(path, found)?.unwrap_or_default();
         let report = DocumentReport::new(items, part.known.get(path).map(String::as_str));
-        let version = snapshot.open.get(path).map(|it| i64::from(it.version));
+        let version = snapshot.open.get(path).map(|file| i64::from(file.version));
         Ok(Some(report.into_workspace(uri, version)))
     });
     let reports: Cancellable<Vec<_>> = reports.into_iter().collect();
@@ -160,7 +160,7 @@ pub(crate) fn listing(snapshot: &Snapshot, (): &()) -> Cancellable<Listing> {
     for unit in units {
         files.extend(unit?.into_iter().flatten());
     }
-    let is_open = |it: &Utf8PathBuf| snapshot.open.contains_key(it);
+    let is_open = |path: &Utf8PathBuf| snapshot.open.contains_key(path);
     let (open, rest) = files.into_iter().partition(is_open);
     Ok(Listing { open, rest })
 }
@@ -197,12 +197,12 @@ pub(crate) fn file_diagnostics(
 ) -> Cancellable<Vec<Diagnostic>> {
     let mut items = Vec::new();
     let all = super::language_of(snapshot, path).diagnostics(snapshot, path)?;
-    for it in all {
+    for diagnostic in all {
         // Clients that support clangd's notification grey the regions by it.
-        let greyed = it.code == INACTIVE_CODE && snapshot.client.inactive_regions;
-        if it.severity <= least
+        let greyed = diagnostic.code == INACTIVE_CODE && snapshot.client.inactive_regions;
+        if diagnostic.severity <= least
             && !greyed
-            && let Some(item) = diagnostic::to_proto(snapshot, &it)?
+            && let Some(item) = diagnostic::to_proto(snapshot, &diagnostic)?
         {
             items.push(item);
         }
@@ -216,5 +216,5 @@ pub(crate) fn inactive_ranges(snapshot: &Snapshot, path: &Utf8Path) -> Cancellab
         return Ok(Vec::new());
     };
     let regions = snapshot.analysis.inactive_regions(path)?;
-    Ok(regions.iter().map(|it| lines.range(it)).collect())
+    Ok(regions.iter().map(|region| lines.range(region)).collect())
 }

@@ -61,13 +61,13 @@ impl LastGood {
 
     fn get(&self, key: &str) -> Option<Value> {
         let all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = all.iter().find(|it| it.0 == key);
-        found.map(|it| it.1.clone())
+        let found = all.iter().find(|entry| entry.0 == key);
+        found.map(|pair| pair.1.clone())
     }
 
     fn set(&self, key: String, value: Value) {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        all.retain(|it| it.0 != key);
+        all.retain(|entry| entry.0 != key);
         all.push_back((key, value));
         if all.len() > LastGood::CAPACITY {
             all.pop_front();
@@ -114,20 +114,22 @@ pub(crate) fn handle(
         return Ok(None);
     };
     let outlines: RefCell<BTreeMap<Utf8PathBuf, Vec<DocumentSymbol>>> = RefCell::default();
-    let (nodes, edges) = pictures::data(&units, picture, &|it| {
-        let uri = snapshot.uri(&it.path)?;
-        let lines = snapshot.lines(&it.path).ok()??;
+    let (nodes, edges) = pictures::data(&units, picture, &|location| {
+        let uri = snapshot.uri(&location.path)?;
+        let lines = snapshot.lines(&location.path).ok()??;
         // The whole codel, component or other declaration, if the outline of its document contains it.
         let mut outlines = outlines.borrow_mut();
-        let outline = match outlines.entry(it.path.clone()) {
+        let outline = match outlines.entry(location.path.clone()) {
             Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(new) => new.insert(snapshot.analysis.document_symbols(&it.path).ok()?),
+            Entry::Vacant(new) => {
+                new.insert(snapshot.analysis.document_symbols(&location.path).ok()?)
+            }
         };
-        let whole = whole(outline, it.range.start).unwrap_or(it.range.clone());
+        let whole = whole(outline, location.range.start).unwrap_or(location.range.clone());
         Some(json!({
             "uri": uri,
             "range": lines.range(&whole),
-            "selectionRange": lines.range(&it.range),
+            "selectionRange": lines.range(&location.range),
         }))
     });
     let declared = declared(
@@ -136,10 +138,10 @@ pub(crate) fn handle(
         picture.owner.as_deref(),
     );
     let place = match (declared, snapshot.lines(&subject.path)?) {
-        (Some(it), Some(lines)) => json!({
+        (Some(symbol), Some(lines)) => json!({
             "uri": snapshot.uri(&subject.path),
-            "range": lines.range(&it.range),
-            "selectionRange": lines.range(&it.selection_range),
+            "range": lines.range(&symbol.range),
+            "selectionRange": lines.range(&symbol.selection_range),
         }),
         _ => Value::Null,
     };
@@ -172,7 +174,7 @@ pub(crate) fn text(
     question: &Question,
 ) -> Cancellable<Option<Value>> {
     let answer = handle(snapshot, subject, question)?;
-    Ok(answer.map(|mut it| it["picture"].take()))
+    Ok(answer.map(|mut answer| answer["picture"].take()))
 }
 
 /// The units that a picture is drawn from.
@@ -192,12 +194,12 @@ fn chains(snapshot: &Snapshot, units: &[UnitResult]) -> Vec<Chain> {
     let mut out: Vec<Chain> = Vec::new();
     for entry in snapshot.verification.values() {
         let problem = entry.places();
-        let of_system = |path: &Utf8PathBuf| units.iter().any(|it| it.files.contains(path));
-        let mut used = problem.units.iter().flat_map(|it| it.files.first());
+        let of_system = |path: &Utf8PathBuf| units.iter().any(|unit| unit.files.contains(path));
+        let mut used = problem.units.iter().flat_map(|unit| unit.files.first());
         if !used.any(of_system) {
             continue;
         }
-        let checks = problem.scenario.items.iter().filter_map(|it| match it {
+        let checks = problem.scenario.items.iter().filter_map(|item| match item {
             Item::Check(check) => Some(check),
             _ => None,
         });
@@ -206,11 +208,14 @@ fn chains(snapshot: &Snapshot, units: &[UnitResult]) -> Vec<Chain> {
                 continue;
             };
             let through = [&path.from].into_iter().chain(&path.via).chain([&path.to]);
-            let ports = through.filter_map(|it| match &it.names[..] {
+            let ports = through.filter_map(|via| match &via.names[..] {
                 [component, port] => Some((component.value.clone(), port.value.clone())),
                 _ => None,
             });
-            let says = match entry.known().and_then(|it| said(it.view(), &check.range)) {
+            let says = match entry
+                .known()
+                .and_then(|answer| said(answer.view(), &check.range))
+            {
                 Some(answer) => answer,
                 None => format!("{}: not known yet", path.text()),
             };
@@ -224,7 +229,7 @@ fn chains(snapshot: &Snapshot, units: &[UnitResult]) -> Vec<Chain> {
 /// The answer to the check at a place: `age a.x -> b.y: ≤ 20 ms of 30 ms, proved`.
 fn said(view: View, written: &std::ops::Range<usize>) -> Option<String> {
     let mut checks = view.checks.iter();
-    let check = checks.find(|it| it.written.as_ref() == Some(written))?;
+    let check = checks.find(|check| check.written.as_ref() == Some(written))?;
     let mut text = format!("{} {}", check.report.kind, check.report.of);
     if let Some(value) = &check.value {
         text += &format!(": {value}");
@@ -238,7 +243,10 @@ fn said(view: View, written: &std::ops::Range<usize>) -> Option<String> {
 /// Sets the names in a wish to the declaration around an offset. Without a declaration there, the names are
 /// unchanged.
 fn around(symbols: &[DocumentSymbol], offset: usize, wish: &mut PictureRequest) {
-    for symbol in symbols.iter().filter(|it| it.range.contains(&offset)) {
+    for symbol in symbols
+        .iter()
+        .filter(|symbol| symbol.range.contains(&offset))
+    {
         match symbol.kind {
             SymbolKind::Component if wish.component.as_deref() != Some(&symbol.name) => {
                 wish.component = Some(symbol.name.clone());
@@ -248,7 +256,7 @@ fn around(symbols: &[DocumentSymbol], offset: usize, wish: &mut PictureRequest) 
                 let machine = symbol
                     .children
                     .iter()
-                    .any(|it| it.kind == SymbolKind::Codel);
+                    .any(|child| child.kind == SymbolKind::Codel);
                 if machine {
                     wish.owner = Some(symbol.name.clone());
                 }
@@ -261,11 +269,11 @@ fn around(symbols: &[DocumentSymbol], offset: usize, wish: &mut PictureRequest) 
 
 /// The whole declaration whose name starts at an offset.
 fn whole(symbols: &[DocumentSymbol], offset: usize) -> Option<std::ops::Range<usize>> {
-    symbols.iter().find_map(|it| {
-        if it.selection_range.start == offset {
-            Some(it.range.clone())
+    symbols.iter().find_map(|symbol| {
+        if symbol.selection_range.start == offset {
+            Some(symbol.range.clone())
         } else {
-            whole(&it.children, offset)
+            whole(&symbol.children, offset)
         }
     })
 }
@@ -276,17 +284,17 @@ fn declared<'s>(
     component: Option<&str>,
     owner: Option<&str>,
 ) -> Option<&'s DocumentSymbol> {
-    let component = symbols
-        .iter()
-        .find(|it| it.kind == SymbolKind::Component && Some(it.name.as_str()) == component)?;
+    let component = symbols.iter().find(|symbol| {
+        symbol.kind == SymbolKind::Component && Some(symbol.name.as_str()) == component
+    })?;
     let Some(owner) = owner else {
         return Some(component);
     };
-    component.children.iter().find(|it| {
+    component.children.iter().find(|child| {
         matches!(
-            it.kind,
+            child.kind,
             SymbolKind::Task | SymbolKind::Activity | SymbolKind::Function
-        ) && it.name == owner
+        ) && child.name == owner
     })
 }
 
@@ -295,12 +303,12 @@ fn syntax_error(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Option<St
     let diagnostics = snapshot.analysis.diagnostics(&subject.path)?;
     let first = diagnostics
         .iter()
-        .find(|it| codes::stage(it.code) == Some(codes::Stage::Parser));
+        .find(|diagnostic| codes::stage(diagnostic.code) == Some(codes::Stage::Parser));
     let Some(first) = first else {
         return Ok(None);
     };
     let lines = snapshot.lines(&subject.path)?;
-    let line = lines.map_or(0, |it| it.position(first.range.start).line) + 1;
+    let line = lines.map_or(0, |line| line.position(first.range.start).line) + 1;
     Ok(Some(format!("line {line}: {}", first.message)))
 }
 
@@ -322,10 +330,10 @@ pub(crate) fn hover_image(
     let mut wish = PictureRequest::default();
     let symbols = snapshot.analysis.document_symbols(&subject.path)?;
     around(&symbols, at.offset, &mut wish);
-    let fits = targets.info.iter().any(|it| match it.kind {
+    let fits = targets.info.iter().any(|target| match target.kind {
         SymbolKind::State => true,
         SymbolKind::Task | SymbolKind::Activity => {
-            wish.owner = Some(it.name.to_string());
+            wish.owner = Some(target.name.to_string());
             true
         }
         _ => false,

@@ -50,10 +50,10 @@ pub(crate) fn expand_macro(
         return Ok(None);
     };
     let location = snapshot.location(&at.path, &found.range)?;
-    Ok(location.map(|it| MacroExpansion {
+    Ok(location.map(|location| MacroExpansion {
         name: found.info.name.into(),
         expansion: found.info.expansion,
-        range: it.range,
+        range: location.range,
     }))
 }
 
@@ -64,7 +64,7 @@ pub(crate) fn including_roots(
     _: &DocumentParams,
 ) -> Cancellable<IncludingRoots> {
     let roots = snapshot.analysis.roots_containing(&subject.path)?;
-    let roots: Vec<_> = roots.iter().filter_map(|it| snapshot.uri(it)).collect();
+    let roots: Vec<_> = roots.iter().filter_map(|root| snapshot.uri(root)).collect();
     Ok(IncludingRoots {
         current: roots.first().cloned(),
         roots,

@@ -38,20 +38,20 @@ pub(crate) fn declaration(
     let declared = match target {
         Target::Client(name) => {
             let entries = outline::outline(&problem.text, &problem.scenario);
-            let mut children = entries.into_iter().flat_map(|it| it.children);
+            let mut children = entries.into_iter().flat_map(|entry| entry.children);
             return Ok(children
-                .find(|it| it.kind == EntryKind::Client && it.name == *name)
-                .and_then(|it| own(it.selection)));
+                .find(|child| child.kind == EntryKind::Client && child.name == *name)
+                .and_then(|child| own(child.selection)));
         }
         Target::Step(client, label) => {
             let entries = outline::outline(&problem.text, &problem.scenario);
-            let children = entries.into_iter().flat_map(|it| it.children);
+            let children = entries.into_iter().flat_map(|entry| entry.children);
             let mut steps = children
-                .filter(|it| it.kind == EntryKind::Client && it.name == *client)
-                .flat_map(|it| it.children);
+                .filter(|child| child.kind == EntryKind::Client && child.name == *client)
+                .flat_map(|child| child.children);
             return Ok(steps
-                .find(|it| it.name == *label)
-                .and_then(|it| own(it.selection)));
+                .find(|step| step.name == *label)
+                .and_then(|step| own(step.selection)));
         }
         _ => names.declaration(target),
     };
@@ -68,11 +68,11 @@ pub(crate) fn declaration(
         offset: place.range.start,
     };
     let found = snapshot.analysis.goto_definition(&at)?;
-    let name = found.and_then(|it| it.info.into_iter().next());
+    let name = found.and_then(|definition| definition.info.into_iter().next());
     Ok(Some(match name {
-        Some(it) if !matches!(target, Target::State(..) | Target::Codel(..)) => FilePlace {
-            path: it.path,
-            range: it.focus_range,
+        Some(name) if !matches!(target, Target::State(..) | Target::Codel(..)) => FilePlace {
+            path: name.path,
+            range: name.focus_range,
         },
         _ => FilePlace {
             path: place.path,
@@ -90,7 +90,7 @@ pub(crate) struct FilePlace {
 
 /// The scenarios of the workspace and the open scenarios that use a file, with their present texts.
 fn scenarios_using(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Problem>> {
-    let open = snapshot.open.keys().filter(|it| is_scenario(it));
+    let open = snapshot.open.keys().filter(|key| is_scenario(key));
     let mut paths: Vec<&Utf8PathBuf> = snapshot.scenarios.iter().chain(open).collect();
     paths.sort();
     paths.dedup();
@@ -134,8 +134,8 @@ pub(crate) fn mentions(
             let Some(place) = declaration(snapshot, &problem, &reference.target)? else {
                 continue;
             };
-            let same = |it: &dotgen_analysis::ide::NavTarget| {
-                it.path == place.path && it.focus_range == place.range
+            let same = |target: &dotgen_analysis::ide::NavTarget| {
+                target.path == place.path && target.focus_range == place.range
             };
             if found.info.iter().any(same) {
                 out.push((problem.path.clone(), reference.range));

@@ -24,14 +24,14 @@ pub(crate) fn lenses(
     let mut names: Vec<Range<usize>> = Vec::new();
     let mut open = snapshot.analysis.document_symbols(&subject.path)?;
     // Components may be in modules.
-    while let Some(it) = open.pop() {
-        match it.kind {
-            SymbolKind::Component => names.push(it.selection_range),
-            SymbolKind::Module => open.extend(it.children),
+    while let Some(symbol) = open.pop() {
+        match symbol.kind {
+            SymbolKind::Component => names.push(symbol.selection_range),
+            SymbolKind::Module => open.extend(symbol.children),
             _ => {}
         }
     }
-    names.sort_by_key(|it| it.start);
+    names.sort_by_key(|name| name.start);
     over(snapshot, subject, names)
 }
 
@@ -47,7 +47,7 @@ pub(crate) fn scenario_lenses(
     }
     let names = name_of(snapshot, &subject.path)?.into_iter().collect();
     let runs = over(snapshot, subject, names)?;
-    let runs = runs.into_iter().map(|it| it.1);
+    let runs = runs.into_iter().map(|run| run.1);
     Ok(Some(verdicts.into_iter().flatten().chain(runs).collect()))
 }
 
@@ -83,9 +83,9 @@ fn over(
     };
     Ok(names
         .iter()
-        .flat_map(|it| {
+        .flat_map(|name| {
             let both = [("Simulate", SIMULATE), ("Run", RUN)];
-            both.map(|(title, command)| (it.start, lens(it, title, command)))
+            both.map(|(title, command)| (name.start, lens(name, title, command)))
         })
         .collect())
 }

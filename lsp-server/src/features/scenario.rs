@@ -90,8 +90,8 @@ impl Cursor {
         }))
     }
 
-    fn touches(&self, it: &Range<usize>) -> bool {
-        it.start <= self.offset && self.offset <= it.end
+    fn touches(&self, range: &Range<usize>) -> bool {
+        range.start <= self.offset && self.offset <= range.end
     }
 
     /// The name of a specification, client or status under the cursor.
@@ -99,7 +99,7 @@ impl Cursor {
         let specs = self.problem.specs();
         let names = Names::new(&specs);
         let mut all = names.references(&self.problem.scenario).into_iter();
-        all.find(|it| self.touches(&it.range))
+        all.find(|reference| self.touches(&reference.range))
     }
 }
 
@@ -115,29 +115,29 @@ fn read(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Problem> {
 fn diagnostics(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
     let problem = read(snapshot, path)?;
     let (mut out, mut elsewhere): (Vec<Diagnostic>, Vec<Diagnostic>) =
-        (problem.errors.iter().cloned()).partition(|it| it.path == path);
+        (problem.errors.iter().cloned()).partition(|error| error.path == path);
     // Errors of a specification are reported in that specification. Here one diagnostic says that there are
     // some.
     elsewhere.dedup_by(|a, b| a.path == b.path);
-    for mut it in elsewhere {
-        let file = it.path.file_name().unwrap_or("a specification");
-        it.message = format!("`{file}` has errors: {}", it.message);
+    for mut diagnostic in elsewhere {
+        let file = diagnostic.path.file_name().unwrap_or("a specification");
+        diagnostic.message = format!("`{file}` has errors: {}", diagnostic.message);
         let used = problem::used(&problem.scenario, path);
-        let used = used.into_iter().find(|used| used.path == it.path);
-        it.range = used.map_or(problem.scenario.name_range.clone(), |it| it.range);
-        it.path = path.to_owned();
-        it.fixes.clear();
-        it.related.clear();
-        out.push(it);
+        let used = used.into_iter().find(|used| used.path == diagnostic.path);
+        diagnostic.range = used.map_or(problem.scenario.name_range.clone(), |file| file.range);
+        diagnostic.path = path.to_owned();
+        diagnostic.fixes.clear();
+        diagnostic.related.clear();
+        out.push(diagnostic);
     }
     if out.is_empty() {
         // Names are checked even if verification is off.
         let known = super::verification::in_scenario(snapshot, path);
         let specs = problem.specs();
         let names = Names::new(&specs);
-        for it in names.unknown_names(&problem.scenario) {
-            if !known.iter().any(|known| known.range == it.range) {
-                out.push(problem::diagnostic(&it, path));
+        for unknown_name in names.unknown_names(&problem.scenario) {
+            if !known.iter().any(|known| known.range == unknown_name.range) {
+                out.push(problem::diagnostic(&unknown_name, path));
             }
         }
         out.extend(known);
@@ -172,7 +172,7 @@ fn actions(
     subject: &Subject,
     params: &CodeActionParams,
 ) -> Cancellable<Option<CodeActionResponse>> {
-    let Some(range) = (snapshot.lines(&subject.path)?).and_then(|it| it.clamped(params.range))
+    let Some(range) = (snapshot.lines(&subject.path)?).and_then(|line| line.clamped(params.range))
     else {
         return Ok(None);
     };
@@ -209,18 +209,18 @@ fn definition(
         return Ok(None);
     };
     let files = problem::used(&cursor.problem.scenario, &subject.path);
-    if let Some(file) = files.into_iter().find(|it| cursor.touches(&it.range)) {
+    if let Some(file) = files.into_iter().find(|file| cursor.touches(&file.range)) {
         return Ok(snapshot
             .location(&file.path, &(0..0))?
-            .map(|it| vec![it].into()));
+            .map(|location| vec![location].into()));
     }
     let Some(reference) = cursor.reference() else {
         return Ok(None);
     };
     match declaration(snapshot, &cursor.problem, &reference.target)? {
-        Some(it) => Ok(snapshot
-            .location(&it.path, &it.range)?
-            .map(|it| vec![it].into())),
+        Some(declaration) => Ok(snapshot
+            .location(&declaration.path, &declaration.range)?
+            .map(|location| vec![location].into())),
         None => Ok(None),
     }
 }
@@ -238,18 +238,22 @@ fn hover(
     let specs = cursor.problem.specs();
     let names = Names::new(&specs);
     let found = describe::describe(text, scenario, &names, cursor.offset);
-    Ok(found.map(|it| Hover {
+    Ok(found.map(|description| Hover {
         contents: HoverContents::Markup(match snapshot.client.markdown_hover {
             true => MarkupContent {
                 kind: MarkupKind::Markdown,
-                value: format!("{}\n{}", markdown::block("", &it.form), it.meaning),
+                value: format!(
+                    "{}\n{}",
+                    markdown::block("", &description.form),
+                    description.meaning
+                ),
             },
             false => MarkupContent {
                 kind: MarkupKind::PlainText,
-                value: format!("{}\n{}", it.form, it.meaning),
+                value: format!("{}\n{}", description.form, description.meaning),
             },
         }),
-        range: Some(cursor.lines.range(&it.range)),
+        range: Some(cursor.lines.range(&description.range)),
     }))
 }
 
@@ -276,7 +280,7 @@ fn completion(
             ))),
             label,
             kind: Some(kind),
-            detail: Some(detail).filter(|it| !it.is_empty()),
+            detail: Some(detail).filter(|detail| !detail.is_empty()),
             sort_text: Some(format!("{order:05}")),
             ..CompletionItem::default()
         };
@@ -292,7 +296,15 @@ fn completion(
         Completions::Of { replace, items } => {
             let items = items.into_iter().enumerate();
             items
-                .map(|(i, it)| item(i, it.label, item_kind(it.kind), it.detail, &replace))
+                .map(|(i, completion)| {
+                    item(
+                        i,
+                        completion.label,
+                        item_kind(completion.kind),
+                        completion.detail,
+                        &replace,
+                    )
+                })
                 .collect()
         }
     };
@@ -310,9 +322,10 @@ fn files(snapshot: &Snapshot, path: &Utf8Path) -> Vec<String> {
     // The folder of the scenario is read directly: its files are known before the workspace is listed, and
     // without a workspace.
     let beside = directory.read_dir_utf8().into_iter().flatten();
-    let beside = beside.filter_map(|it| Some(it.ok()?.into_path()));
+    let beside = beside.filter_map(|beside| Some(beside.ok()?.into_path()));
     let specifications = snapshot.roots.iter().cloned().chain(beside);
-    let specifications = specifications.filter(|it| it.extension() == Some("gen"));
+    let specifications =
+        specifications.filter(|specification| specification.extension() == Some("gen"));
     let mut names: Vec<String> = specifications
         .map(|file| {
             let mut up = String::new();
@@ -325,7 +338,7 @@ fn files(snapshot: &Snapshot, path: &Utf8Path) -> Vec<String> {
             file.to_string()
         })
         .collect();
-    names.sort_by_key(|it| (it.matches("../").count(), it.clone()));
+    names.sort_by_key(|name| (name.matches("../").count(), name.clone()));
     names.dedup();
     names
 }
@@ -371,14 +384,14 @@ fn symbol_kind(kind: EntryKind) -> SymbolKind {
     }
 }
 
-fn symbol(it: outline::Entry) -> Symbol {
+fn symbol(entry: outline::Entry) -> Symbol {
     Symbol {
-        name: it.name,
+        name: entry.name,
         detail: None,
-        kind: symbol_kind(it.kind),
-        range: it.range,
-        selection: it.selection,
-        children: it.children.into_iter().map(symbol).collect(),
+        kind: symbol_kind(entry.kind),
+        range: entry.range,
+        selection: entry.selection,
+        children: entry.children.into_iter().map(symbol).collect(),
     }
 }
 
@@ -397,9 +410,11 @@ fn highlights(
     };
     let specs = cursor.problem.specs();
     let all = Names::new(&specs).references(&cursor.problem.scenario);
-    let same = all.into_iter().filter(|it| it.target == reference.target);
-    let ranges = same.map(|it| DocumentHighlight {
-        range: cursor.lines.range(&it.range),
+    let same = all
+        .into_iter()
+        .filter(|other| other.target == reference.target);
+    let ranges = same.map(|reference| DocumentHighlight {
+        range: cursor.lines.range(&reference.range),
         kind: Some(DocumentHighlightKind::READ),
     });
     Ok(Some(ranges.collect()))
@@ -451,7 +466,7 @@ fn prepare_rename(
     params: &TextDocumentPositionParams,
 ) -> Cancellable<UserResult<PrepareRenameResponse>> {
     let found = declared_at(snapshot, subject, params.position)?;
-    let Some((at, range, placeholder)) = found.filter(|it| !is_scenario(&it.0.path)) else {
+    let Some((at, range, placeholder)) = found.filter(|triple| !is_scenario(&triple.0.path)) else {
         return Ok(UserResult::default());
     };
     Ok(UserResult(match snapshot.analysis.prepare_rename(&at)? {
@@ -470,7 +485,7 @@ fn rename(
     params: &RenameParams,
 ) -> Cancellable<UserResult<WorkspaceEdit>> {
     let found = declared_at(snapshot, subject, params.text_document_position.position)?;
-    match found.filter(|it| !is_scenario(&it.0.path)) {
+    match found.filter(|triple| !is_scenario(&triple.0.path)) {
         Some((at, ..)) => rename::rename_at(snapshot, &at, &params.new_name),
         None => Ok(UserResult::default()),
     }

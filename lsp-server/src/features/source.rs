@@ -56,22 +56,28 @@ fn declared(
     for compared in codels::around(snapshot, &at.path)? {
         for folder in compared.folders() {
             for expected in folder.expected() {
-                let Some(it) = origin(&expected, &folder.sources, &at.path, at.offset) else {
+                let Some(origin) = origin(&expected, &folder.sources, &at.path, at.offset) else {
                     continue;
                 };
-                let range = snapshot.location(&at.path, &it.range)?.map(|it| it.range);
+                let range = snapshot
+                    .location(&at.path, &origin.range)?
+                    .map(|location| location.range);
                 let places = &mut out
                     .get_or_insert(DeclaredName {
                         range,
                         places: Vec::new(),
                     })
                     .places;
-                for src in it.declared {
-                    let place = folder.unit.locations.locate(src).map(|it| FilePosition {
-                        path: it.path,
-                        offset: it.range.end,
-                    });
-                    places.extend(place.filter(|it| !places.contains(it)));
+                for src in origin.declared {
+                    let place = folder
+                        .unit
+                        .locations
+                        .locate(src)
+                        .map(|location| FilePosition {
+                            path: location.path,
+                            offset: location.range.end,
+                        });
+                    places.extend(place.filter(|place| !places.contains(place)));
                 }
             }
         }
@@ -118,7 +124,7 @@ pub(crate) fn hover(
         return Ok(None);
     };
     let hover = snapshot.analysis.hover(at)?;
-    Ok(hover.map(|it| hover::response(snapshot, it.info.markdown, found.range)))
+    Ok(hover.map(|hover| hover::response(snapshot, hover.info.markdown, found.range)))
 }
 
 /// `textDocument/references` in a source: the mentions in specifications and scenarios.
@@ -133,11 +139,13 @@ pub(crate) fn mentions(
     };
     let mut locations: Vec<Location> = Vec::new();
     for at in &found.places {
-        for it in references::of_specifications(snapshot, at, params.context.include_declaration)? {
-            if !locations.contains(&it) {
-                locations.push(it);
+        for specification in
+            references::of_specifications(snapshot, at, params.context.include_declaration)?
+        {
+            if !locations.contains(&specification) {
+                locations.push(specification);
             }
         }
     }
-    Ok(Some(locations).filter(|it| !it.is_empty()))
+    Ok(Some(locations).filter(|location| !location.is_empty()))
 }

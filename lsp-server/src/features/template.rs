@@ -39,8 +39,8 @@ fn diagnostics(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Diagnost
     let said = snapshot
         .open
         .get(file)
-        .is_some_and(|it| it.kind == DocumentKind::Source);
-    let role = files::role(file, &text, scripts.iter().map(|it| &**it));
+        .is_some_and(|file| file.kind == DocumentKind::Source);
+    let role = files::role(file, &text, scripts.iter().map(|script| &**script));
     Ok(match role {
         Some(Role::Script) if !said => check::script(file, &text),
         Some(_) => check::source(file, &text),

@@ -44,7 +44,7 @@ fn tasks(problem: &Problem, path: &Utf8Path) -> Vec<TaskLocation> {
         let unit = &problem.units[member.spec_index];
         for (t, task) in (0..).zip(&member.component.tasks) {
             let place = unit.locations.locate(task.src);
-            if let Some(place) = place.filter(|it| it.path == path) {
+            if let Some(place) = place.filter(|place| place.path == path) {
                 out.push(TaskLocation {
                     id: (c, t),
                     range: place.range,
@@ -117,7 +117,7 @@ pub(crate) fn actions(
             out.push(CodeActionOrCommand::CodeAction(CodeAction {
                 title: SHOW_RUN.to_owned(),
                 kind: Some(CodeActionKind::QUICKFIX),
-                diagnostics: diagnostic.map(|it| vec![it]),
+                diagnostics: diagnostic.map(|diagnostic| vec![diagnostic]),
                 command: Some(Command::new(
                     SHOW_RUN.to_owned(),
                     SHOW_VERIFICATION.to_owned(),
@@ -145,10 +145,10 @@ fn write_out(
         return Ok(None);
     }
     let unit = snapshot.analysis.root_unit(path)?;
-    let heading = problem::components(&unit.spec).any(|it| {
-        let place = unit.locations.locate(it.src);
-        place.is_some_and(|it| {
-            it.path == *path && it.range.start <= range.end && range.start <= it.range.end
+    let heading = problem::components(&unit.spec).any(|component| {
+        let place = unit.locations.locate(component.src);
+        place.is_some_and(|place| {
+            place.path == *path && place.range.start <= range.end && range.start <= place.range.end
         })
     });
     let target = path.with_extension(problem::EXTENSION);
@@ -184,7 +184,7 @@ fn write_out(
             Some(_) => CodeActionKind::QUICKFIX,
             None => CodeActionKind::new("refactor.rewrite"),
         }),
-        diagnostics: given_up.map(|it| vec![it]),
+        diagnostics: given_up.map(|diagnostic| vec![diagnostic]),
         edit: Some(WorkspaceEdit {
             document_changes: Some(DocumentChanges::Operations(vec![
                 DocumentChangeOperation::Op(ResourceOp::Create(create)),

@@ -14,13 +14,13 @@ pub(crate) fn handle(
     params: &WorkspaceSymbolParams,
 ) -> Cancellable<Vec<WorkspaceSymbol>> {
     let mut symbols = Vec::new();
-    for it in snapshot.analysis.workspace_symbols(&params.query, LIMIT)? {
-        if let Some(location) = snapshot.location(&it.target.path, &it.target.range)? {
+    for symbol in snapshot.analysis.workspace_symbols(&params.query, LIMIT)? {
+        if let Some(location) = snapshot.location(&symbol.target.path, &symbol.target.range)? {
             symbols.push(WorkspaceSymbol {
-                name: it.name.into(),
-                kind: symbol::kind(it.kind),
+                name: symbol.name.into(),
+                kind: symbol::kind(symbol.kind),
                 tags: None,
-                container_name: it.container.map(Into::into),
+                container_name: symbol.container.map(Into::into),
                 location: OneOf::Left(location),
                 data: None,
             });

@@ -97,7 +97,7 @@ impl ClientCaps {
                 capabilities
                     .general
                     .as_ref()
-                    .and_then(|it| it.position_encodings.as_deref()),
+                    .and_then(|capabilities| capabilities.position_encodings.as_deref()),
             ),
             pull_diagnostics: text.diagnostic.is_some(),
             // ls-types calls the capability `diagnostic`; the protocol says `diagnostics`.
@@ -121,17 +121,20 @@ impl ClientCaps {
                 || text.diagnostic.is_some(),
             hierarchical_symbols: text
                 .document_symbol
-                .and_then(|it| it.hierarchical_document_symbol_support)
+                .and_then(|symbol| symbol.hierarchical_document_symbol_support)
                 .unwrap_or(false),
-            definition_link: links(text.definition.and_then(|it| it.link_support)),
+            definition_link: links(
+                text.definition
+                    .and_then(|definition| definition.link_support),
+            ),
             line_folding_only: text
                 .folding_range
-                .and_then(|it| it.line_folding_only)
+                .and_then(|range| range.line_folding_only)
                 .unwrap_or(false),
             markdown_hover: text
                 .hover
-                .and_then(|it| it.content_format)
-                .is_none_or(|it| it.contains(&MarkupKind::Markdown)),
+                .and_then(|hover| hover.content_format)
+                .is_none_or(|format| format.contains(&MarkupKind::Markdown)),
             snippets: flag(
                 raw,
                 "/capabilities/textDocument/completion/completionItem/snippetSupport",
@@ -147,10 +150,10 @@ impl ClientCaps {
             runs: flag(raw, "/initializationOptions/runs"),
             code_action_literals: text
                 .code_action
-                .is_some_and(|it| it.code_action_literal_support.is_some()),
+                .is_some_and(|action| action.code_action_literal_support.is_some()),
             document_changes: workspace
                 .workspace_edit
-                .and_then(|it| it.document_changes)
+                .and_then(|edit| edit.document_changes)
                 .unwrap_or(false),
             inactive_regions: flag(
                 raw,
@@ -159,11 +162,11 @@ impl ClientCaps {
             configuration: workspace.configuration.unwrap_or(false),
             watched_files: workspace
                 .did_change_watched_files
-                .and_then(|it| it.dynamic_registration)
+                .and_then(|file| file.dynamic_registration)
                 .unwrap_or(false),
             configuration_registration: workspace
                 .did_change_configuration
-                .and_then(|it| it.dynamic_registration)
+                .and_then(|configuration| configuration.dynamic_registration)
                 .unwrap_or(false),
             workspace_folders: workspace.workspace_folders.unwrap_or(false),
             applies_edits: flag(raw, "/capabilities/workspace/applyEdit"),
@@ -177,12 +180,12 @@ impl ClientCaps {
                 && raw
                     .pointer("/capabilities/textDocument/codeAction/resolveSupport/properties")
                     .and_then(Value::as_array)
-                    .is_some_and(|it| it.iter().any(|it| it == "edit")),
+                    .is_some_and(|array| array.iter().any(|array| array == "edit")),
             code_lens_refresh: flag(raw, "/capabilities/workspace/codeLens/refreshSupport"),
             show_document: flag(raw, "/capabilities/window/showDocument/support"),
             documents_registration: ["synchronization", "codeAction", "codeLens", "references"]
                 .iter()
-                .all(|it| registers(raw, it)),
+                .all(|request| registers(raw, request)),
             definition_registration: registers(raw, "definition"),
             hover_registration: registers(raw, "hover"),
         }
@@ -199,7 +202,7 @@ fn registers(raw: &Value, request: &str) -> bool {
 fn operations(raw: &Value, wanted: &str) -> bool {
     let all = raw.pointer("/capabilities/workspace/workspaceEdit/resourceOperations");
     let mut all = all.and_then(Value::as_array).into_iter().flatten();
-    all.any(|it| it == wanted)
+    all.any(|array| array == wanted)
 }
 
 fn flag(raw: &Value, pointer: &str) -> bool {

@@ -96,7 +96,7 @@ impl Backend {
         let mut closed = self.closed.clone();
         tokio::select! {
             changed = revisions.changed() => changed.is_ok(),
-            _ = closed.wait_for(|it| *it) => false,
+            _ = closed.wait_for(|is_closed| *is_closed) => false,
         }
     }
 

@@ -12,7 +12,7 @@ use crate::protocol::convert::semantic_tokens::legend;
 use crate::protocol::types::*;
 
 fn strings(all: &[&str]) -> Vec<String> {
-    all.iter().map(|it| (*it).to_owned()).collect()
+    all.iter().map(|text| (*text).to_owned()).collect()
 }
 
 /// The capabilities of this server for a client.
@@ -152,10 +152,10 @@ const WATCHED_NAMES: [&str; 3] = ["dotgen.toml", "Makefile.am", "template.tcl"];
 /// True if changes of a file on disk are watched, by its name.
 pub(crate) fn is_watched(path: &Utf8Path) -> bool {
     let extension = path.extension();
-    extension.is_some_and(|it| WATCHED_EXTENSIONS.contains(&it))
+    extension.is_some_and(|extension| WATCHED_EXTENSIONS.contains(&extension))
         || path
             .file_name()
-            .is_some_and(|it| WATCHED_NAMES.contains(&it))
+            .is_some_and(|name| WATCHED_NAMES.contains(&name))
 }
 
 /// The registrations that are sent after `initialized`.
@@ -274,7 +274,7 @@ impl ForeignDocuments {
         let templates = self
             .templates
             .iter()
-            .flat_map(|glob| TEMPLATE_LANGUAGES.map(|it| selector(it, glob)));
+            .flat_map(|glob| TEMPLATE_LANGUAGES.map(|language| selector(language, glob)));
         let sent: Vec<Value> = codels.iter().cloned().chain(templates).collect();
         let registration = |(id, method): DocumentRegistration| {
             let mut options = json!({ "documentSelector": codels });

@@ -424,8 +424,8 @@ fn attempt<P, R>(
         Admission::Outdated => return Outcome::Outdated,
     };
     let question = std::any::type_name::<P>();
-    let path = subject.as_ref().map(|it| it.path.as_str());
-    let version = subject.as_ref().and_then(|it| it.version);
+    let path = subject.as_ref().map(|subject| subject.path.as_str());
+    let version = subject.as_ref().and_then(|subject| subject.version);
     let _span = tracing::debug_span!("request", question, path, version).entered();
     let start = Instant::now();
     let result = panic::isolate(|| work(&snapshot, subject.as_ref(), params));

@@ -18,16 +18,16 @@ impl<T> Post<T> {
     /// A sender of messages that convert to the events of `queue`.
     pub(crate) fn new<E: From<T> + Send + 'static>(queue: &WeakUnboundedSender<E>) -> Post<T> {
         let queue = queue.clone();
-        Post(Arc::new(move |it| {
+        Post(Arc::new(move |message| {
             if let Some(queue) = queue.upgrade() {
                 // Fails only after the end of the receiver.
-                let _ = queue.send(E::from(it));
+                let _ = queue.send(E::from(message));
             }
         }))
     }
 
     /// Sends a message.
-    pub(crate) fn send(&self, it: T) {
-        (self.0)(it);
+    pub(crate) fn send(&self, message: T) {
+        (self.0)(message);
     }
 }

@@ -102,7 +102,7 @@ impl Publisher {
     /// True if the pause is over: nothing changed since, or the maximum delay has passed.
     pub(crate) fn is_due(&mut self, revision: u64, current: u64) -> bool {
         let since = self.dirty_since;
-        let due = revision == current || since.is_some_and(|it| it.elapsed() > MAX_DELAY);
+        let due = revision == current || since.is_some_and(|instant| instant.elapsed() > MAX_DELAY);
         if due {
             self.dirty_since = None;
         }
@@ -137,7 +137,11 @@ impl Publisher {
                 false
             }
             Computed::Finished { files, codels } => {
-                let gone: Vec<_> = self.sent.keys().filter(|it| !files.contains(*it)).collect();
+                let gone: Vec<_> = self
+                    .sent
+                    .keys()
+                    .filter(|key| !files.contains(*key))
+                    .collect();
                 for path in gone.into_iter().cloned().collect::<Vec<_>>() {
                     self.clear(&path, outbox);
                     self.sent.remove(&path);
@@ -157,7 +161,7 @@ impl Publisher {
         let FileResult {
             path, uri, version, ..
         } = result;
-        if open.get(&path).map(|it| it.version) != version {
+        if open.get(&path).map(|file| file.version) != version {
             return;
         }
         let is_new = !self.sent.contains_key(&path);
@@ -291,7 +295,7 @@ impl Run {
         snapshot: &Snapshot,
         events: &Post<News>,
     ) -> Cancellable<()> {
-        paths.retain(|it| self.seen.insert(it.clone()));
+        paths.retain(|path| self.seen.insert(path.clone()));
         let (push, regions) = (self.push, self.regions);
         let found = snapshot.on_all_cores(&paths, |snapshot, path| {
             let result = panic::isolate(|| file(snapshot, path, push, regions));
@@ -338,7 +342,7 @@ fn file(
     Ok(Some(FileResult {
         path: path.to_owned(),
         uri,
-        version: open.map(|it| it.version),
+        version: open.map(|file| file.version),
         diagnostics,
         regions,
     }))

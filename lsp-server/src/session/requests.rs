@@ -39,8 +39,8 @@ macro_rules! answered_by_language {
         $(
             async fn $method(&self, params: $params) -> Result<$answer> {
                 let uri = uri_of!(params, $place).clone();
-                let answer = self.dispatch.language(uri, params, |it, snapshot, subject, params| {
-                    it.$feature(snapshot, subject, params)
+                let answer = self.dispatch.language(uri, params, |features, snapshot, subject, params| {
+                    features.$feature(snapshot, subject, params)
                 });
                 answer.await
             }
@@ -228,8 +228,8 @@ impl LanguageServer for Backend {
         let uri = document_of(&params);
         let answer = self
             .dispatch
-            .language(uri, params, |it, snapshot, subject, params| {
-                it.prepare_rename(snapshot, subject, params)
+            .language(uri, params, |features, snapshot, subject, params| {
+                features.prepare_rename(snapshot, subject, params)
             });
         answer.await?.into_response()
     }
@@ -313,8 +313,8 @@ impl LanguageServer for Backend {
         let uri = params.text_document.uri.clone();
         let question =
             self.dispatch
-                .language(uri.clone(), params, |it, snapshot, subject, params| {
-                    it.tokens(snapshot, subject, params)
+                .language(uri.clone(), params, |row, snapshot, subject, params| {
+                    row.tokens(snapshot, subject, params)
                 });
         let tokens = question.await?;
         Ok(tokens.map(|data| self.tokens.remember(uri, data).into()))
@@ -333,8 +333,8 @@ impl LanguageServer for Backend {
         };
         let question =
             self.dispatch
-                .language(uri.clone(), params, |it, snapshot, subject, params| {
-                    it.tokens(snapshot, subject, params)
+                .language(uri.clone(), params, |row, snapshot, subject, params| {
+                    row.tokens(snapshot, subject, params)
                 });
         let Some(data) = question.await? else {
             return Ok(None);

@@ -179,7 +179,7 @@ impl Session {
     /// Begins to serve a request. Returns the rest of its work.
     async fn serve(&mut self, request: Request, mended: bool) -> Option<Call> {
         let method = request.method().to_owned();
-        let id = request.id().map(|it| json!(it));
+        let id = request.id().map(|id| json!(id));
         tracing::debug!(method, ?id, "received");
         if let Some((code, why)) = self.refusal(&method) {
             if let Some(id) = &id {
@@ -301,7 +301,7 @@ fn answered<E: Send + 'static>(
 ) -> Call {
     Box::pin(async move {
         let answer = call.await.ok().flatten();
-        let answer = answer.and_then(|it| serde_json::to_value(it).ok());
+        let answer = answer.and_then(|answer| serde_json::to_value(answer).ok());
         match (answer, id) {
             (Some(answer), _) => Some(answer),
             (None, None) => None,

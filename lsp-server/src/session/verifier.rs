@@ -79,7 +79,7 @@ impl Verifier {
     /// Handles changes of files: results computed from them become stale, and work on them is cancelled.
     /// Returns true if a shown result was affected.
     pub(crate) fn touched(&mut self, files: &[Utf8PathBuf], outbox: &Outbox) -> bool {
-        let read = |entry: &Entry| files.iter().any(|it| entry.problem.reads(it));
+        let read = |entry: &Entry| files.iter().any(|file| entry.problem.reads(file));
         if !self.results.values().any(read) {
             return false;
         }
@@ -107,10 +107,12 @@ impl Verifier {
         let options = settings.options();
         let results = Arc::make_mut(&mut self.results);
         results.retain(|path, entry| {
-            let stays = wanted.iter().any(|it| it.path == *path);
+            let stays = wanted.iter().any(|request| request.path == *path);
             if !stays {
                 entry.cancel.abandon();
-                self.told.iter_mut().for_each(|it| drop(it.remove(path)));
+                self.told
+                    .iter_mut()
+                    .for_each(|b_tree_map| drop(b_tree_map.remove(path)));
             }
             stays
         });
@@ -139,14 +141,15 @@ impl Verifier {
             }
             self.jobs += 1;
             let mut known = self.remembered.iter();
-            let known = known.find(|it| it.problem.is_same(&problem) && it.options == options);
+            let known =
+                known.find(|answer| answer.problem.is_same(&problem) && answer.options == options);
             let known = known.cloned();
             let status = match &known {
                 _ if !problem.errors.is_empty() => Status::Blocked,
                 Some(answer) => answer.status(),
                 None => Status::Running,
             };
-            let bounds = known.as_ref().map(|it| it.bounds.clone());
+            let bounds = known.as_ref().map(|answer| answer.bounds.clone());
             let holds = known.is_some();
             let entry = Entry {
                 status,
@@ -155,7 +158,7 @@ impl Verifier {
                 problem: Arc::new(problem),
                 answer: match status {
                     Status::Blocked => None,
-                    _ => known.or(before.and_then(|it| it.answer)),
+                    _ => known.or(before.and_then(|change| change.answer)),
                 },
                 holds,
                 bounds: bounds.unwrap_or_default(),
@@ -190,25 +193,25 @@ impl Verifier {
     }
 
     /// Stores a result. Returns true if the result was awaited.
-    pub(crate) fn finish(&mut self, it: JobResult, outbox: &Outbox) -> bool {
-        let Some(entry) = self.results.get(&it.path) else {
+    pub(crate) fn finish(&mut self, finished: JobResult, outbox: &Outbox) -> bool {
+        let Some(entry) = self.results.get(&finished.path) else {
             return false;
         };
-        if entry.job != it.number || entry.cancel.is_abandoned() {
+        if entry.job != finished.number || entry.cancel.is_abandoned() {
             return false;
         }
         let results = Arc::make_mut(&mut self.results);
-        let Some(entry) = results.get_mut(&it.path) else {
+        let Some(entry) = results.get_mut(&finished.path) else {
             return false;
         };
-        match it.found {
+        match finished.found {
             Interim::Bounds(bounds) => entry.bounds = bounds,
             // An interim result that arrives after the full answer.
             Interim::SoFar(_) if entry.status != Status::Running => return false,
             Interim::SoFar(answer) => (entry.answer, entry.holds) = (Some(answer), true),
             Interim::Answer(answer) => {
-                self.remembered.retain(|it| {
-                    !it.problem.is_same(&answer.problem) || it.options != answer.options
+                self.remembered.retain(|known| {
+                    !known.problem.is_same(&answer.problem) || known.options != answer.options
                 });
                 self.remembered.push_front(answer.clone());
                 self.remembered.truncate(MAX_CACHED_ANSWERS);
@@ -216,10 +219,10 @@ impl Verifier {
                 (entry.answer, entry.holds) = (Some(answer), true);
             }
         }
-        notify(&mut self.told, &it.path, entry, outbox);
-        let quick = |it: &Entry| {
-            let answer = it.settled();
-            answer.is_some_and(|it| it.report.seconds <= QUICK_SECONDS)
+        notify(&mut self.told, &finished.path, entry, outbox);
+        let quick = |entry: &Entry| {
+            let answer = entry.settled();
+            answer.is_some_and(|answer| answer.report.seconds <= QUICK_SECONDS)
         };
         self.is_quick = self.results.values().all(quick);
         true
@@ -244,11 +247,11 @@ fn notify(told: &mut SentStatuses, path: &Utf8Path, entry: &Entry, outbox: &Outb
         status: entry.status,
         scenario: entry.problem.scenario.name.clone(),
         written: entry.problem.is_written(),
-        answered: known.map(|it| it.report.answered()),
-        checks: known.map(|it| it.report.checks.len()),
-        minimum_cores: settled.and_then(|it| it.cores.as_ref()?.cores),
-        states: settled.map(|it| it.report.states),
-        seconds: settled.map(|it| it.report.seconds),
+        answered: known.map(|answer| answer.report.answered()),
+        checks: known.map(|answer| answer.report.checks.len()),
+        minimum_cores: settled.and_then(|answer| answer.cores.as_ref()?.cores),
+        states: settled.map(|answer| answer.report.states),
+        seconds: settled.map(|answer| answer.report.seconds),
     };
     if told.get(path) != Some(&params) {
         told.insert(path.to_owned(), params.clone());

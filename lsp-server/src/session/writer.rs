@@ -63,20 +63,20 @@ pub(crate) enum Event {
 }
 
 impl From<ReadRequest> for Event {
-    fn from(it: ReadRequest) -> Event {
-        Event::ReadRequest(it)
+    fn from(request: ReadRequest) -> Event {
+        Event::ReadRequest(request)
     }
 }
 
 impl From<publish::News> for Event {
-    fn from(it: publish::News) -> Event {
-        Event::Diagnostics(it)
+    fn from(news: publish::News) -> Event {
+        Event::Diagnostics(news)
     }
 }
 
 impl From<verifier::News> for Event {
-    fn from(it: verifier::News) -> Event {
-        Event::Verification(it)
+    fn from(news: verifier::News) -> Event {
+        Event::Verification(news)
     }
 }
 
@@ -203,8 +203,8 @@ impl State {
                     state.verifier.start(wanted, settings, &state.outbox, &post);
                     state.show_verification();
                 }
-                verifier::News::JobResult(it) => {
-                    if state.verifier.finish(*it, &state.outbox) {
+                verifier::News::JobResult(job_result) => {
+                    if state.verifier.finish(*job_result, &state.outbox) {
                         state.show_verification();
                     }
                 }

@@ -64,7 +64,7 @@ impl Client {
 
     /// Changes the answer to a request of the server.
     pub(super) fn answer(&mut self, method: &'static str, answer: Value) {
-        self.answers.retain(|it| it.0 != method);
+        self.answers.retain(|answer| answer.0 != method);
         self.answers.push((method, answer));
     }
 
@@ -98,7 +98,7 @@ impl Client {
     /// The answer to a request begun before.
     pub(super) async fn end(&mut self, id: i64) -> Result<Value, Value> {
         let answer = self
-            .wait(|it| it.get("method").is_none() && it["id"] == id)
+            .wait(|message| message.get("method").is_none() && message["id"] == id)
             .await;
         match answer.get("error") {
             Some(error) => Err(error.clone()),
@@ -129,13 +129,14 @@ impl Client {
 
     /// Parameters of the next notification of a method.
     pub(super) async fn notification(&mut self, method: &str) -> Value {
-        self.wait(|it| it["method"] == method).await["params"].clone()
+        self.wait(|message| message["method"] == method).await["params"].clone()
     }
 
     /// Diagnostics pushed for a document, skipping those of others.
     pub(super) async fn pushed(&mut self, uri: &str) -> Value {
-        let published = |it: &Value| {
-            it["method"] == "textDocument/publishDiagnostics" && it["params"]["uri"] == uri
+        let published = |message: &Value| {
+            message["method"] == "textDocument/publishDiagnostics"
+                && message["params"]["uri"] == uri
         };
         self.wait(published).await["params"].clone()
     }
@@ -153,7 +154,7 @@ impl Client {
     /// Answers a request, and stores other messages.
     async fn take(&mut self, message: Value) {
         if let (Some(method), Some(id)) = (message["method"].as_str(), message.get("id")) {
-            let answer = self.answers.iter().find(|it| it.0 == method);
+            let answer = self.answers.iter().find(|answer| answer.0 == method);
             let (_, result) = answer.unwrap_or_else(|| panic!("the server asks {message}"));
             let answer = json!({ "id": id, "result": result });
             self.asked.push(message.clone());
@@ -261,7 +262,7 @@ impl Client {
 
     /// Drops messages that do not matter to a test.
     pub(super) fn ignore(&mut self, method: &str) {
-        self.waiting.retain(|it| it["method"] != method);
+        self.waiting.retain(|waiting| waiting["method"] != method);
     }
 }
 
@@ -343,7 +344,7 @@ impl Folder {
 
 /// Codes of a list of diagnostics.
 pub(super) fn codes(diagnostics: &Value) -> Vec<String> {
-    let code = |it: &Value| it["code"].as_str().expect("a code").to_owned();
+    let code = |json: &Value| json["code"].as_str().expect("a code").to_owned();
     diagnostics
         .as_array()
         .expect("a list")

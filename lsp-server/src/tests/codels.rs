@@ -41,9 +41,9 @@ fn tank() -> Folder {
     let all = FILES
         .iter()
         .chain(&["codels/Makefile.am"])
-        .map(|it| (*it, read(example().join(it))));
+        .map(|file| (*file, read(example().join(file))));
     let all: Vec<_> = all.collect();
-    let files: Vec<_> = all.iter().map(|it| (it.0, it.1.as_str())).collect();
+    let files: Vec<_> = all.iter().map(|pair| (pair.0, pair.1.as_str())).collect();
     Folder::new(&files)
 }
 
@@ -74,7 +74,7 @@ fn place(text: &str, what: &str, nth: usize) -> Value {
 
 fn place_at(text: &str, offset: usize) -> Value {
     let line = text[..offset].matches('\n').count();
-    let start = text[..offset].rfind('\n').map_or(0, |it| it + 1);
+    let start = text[..offset].rfind('\n').map_or(0, |index| index + 1);
     json!({ "line": line, "character": offset - start })
 }
 
@@ -87,8 +87,8 @@ fn at(uri: &str, text: &str, what: &str, nth: usize) -> Value {
 /// `code: message` of diagnostics.
 fn messages(diagnostics: &Value) -> Vec<String> {
     let all = diagnostics.as_array().expect("a list").iter();
-    all.map(|it| {
-        let text = |key: &str| it[key].as_str().unwrap_or_default().to_owned();
+    all.map(|diagnostic| {
+        let text = |key: &str| diagnostic[key].as_str().unwrap_or_default().to_owned();
         format!("{}: {}", text("code"), text("message"))
     })
     .collect()
@@ -145,14 +145,14 @@ fn applied(edit: &Value, text: impl Fn(&str) -> Option<String>) -> BTreeMap<Stri
             .as_array()
             .expect("edits")
             .iter()
-            .map(|it| {
-                let range = serde_json::from_value(it["range"].clone()).expect("a range");
+            .map(|edit| {
+                let range = serde_json::from_value(edit["range"].clone()).expect("a range");
                 let range = lines.bytes(range).expect("a range of the text");
-                (range, it["newText"].as_str().expect("a text").to_owned())
+                (range, edit["newText"].as_str().expect("a text").to_owned())
             })
             .collect();
         // From the end, insertions at one place in order.
-        edits.sort_by_key(|it| it.0.start);
+        edits.sort_by_key(|edit| edit.0.start);
         let mut after = before;
         for (range, new) in edits.into_iter().rev() {
             after.replace_range(range, &new);
@@ -208,6 +208,6 @@ fn check(specification: &Path) -> Vec<String> {
     let report = command::check(&mut Project::new(&mut host, &Disk, files, stubs), &[root]);
     assert_eq!(report.errors, Vec::<String>::new());
     let all = report.findings.iter();
-    all.map(|it| format!("{}: {}", it.code, it.message))
+    all.map(|finding| format!("{}: {}", finding.code, finding.message))
         .collect()
 }

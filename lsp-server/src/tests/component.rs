@@ -50,8 +50,8 @@ async fn a_component_comes_with_scenario_and_codels() {
     let files = made["files"].as_array().expect("files");
     let names: Vec<String> = files
         .iter()
-        .map(|it| {
-            let uri = it["uri"].as_str().expect("a URI");
+        .map(|file| {
+            let uri = file["uri"].as_str().expect("a URI");
             uri.trim_start_matches(&folder.uri(""))
                 .trim_start_matches('/')
                 .to_owned()
@@ -111,7 +111,7 @@ async fn a_file_that_is_not_found_is_searched_where_it_is() {
     let actions = client.ok("textDocument/codeAction", params).await;
     let title = "Search `share/idl` for included files, in dotgen.toml";
     let mut all = actions.as_array().expect("actions").iter();
-    let action = all.find(|it| it["title"] == title);
+    let action = all.find(|action| action["title"] == title);
     let change = &action.unwrap_or_else(|| panic!("{actions:#}"))["edit"]["documentChanges"][0];
     assert_eq!(change["textDocument"]["uri"], folder.uri("dotgen.toml"));
     assert_eq!(
@@ -125,7 +125,7 @@ async fn a_file_that_is_not_found_is_searched_where_it_is() {
 /// The quick fix with a title among the [`quick_fixes`].
 async fn quick_fix(folder: &Folder, at: Value, title: &str) -> (Client, String, Value) {
     let (client, uri, all) = quick_fixes(folder, at).await;
-    let action = all.iter().find(|it| it["title"] == title).cloned();
+    let action = all.iter().find(|json| json["title"] == title).cloned();
     (client, uri, action.unwrap_or_else(|| panic!("{all:#?}")))
 }
 
@@ -216,7 +216,7 @@ component arm {
         .await;
     let left = client.pulled(&uri).await;
     assert!(
-        !left.iter().any(|it| it == "pp-include-not-found"),
+        !left.iter().any(|left| left == "pp-include-not-found"),
         "{left:?}"
     );
     client.ignore("textDocument/publishDiagnostics");
@@ -240,7 +240,7 @@ async fn a_package_and_what_it_may_bring_have_the_same_offers() {
         ] {
             let at = json!({ "line": line, "character": 12 });
             let (mut client, _, all) = quick_fixes(&folder, at).await;
-            let titles = all.iter().filter(|it| it["title"] == title);
+            let titles = all.iter().filter(|json| json["title"] == title);
             assert_eq!(titles.count(), 1, "{all:#?}");
             client.ignore("textDocument/publishDiagnostics");
             drop(client);

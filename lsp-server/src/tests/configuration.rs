@@ -14,7 +14,7 @@ fn folder(toml: &str) -> Folder {
 
 async fn found(client: &mut Client, folder: &Folder) -> Vec<String> {
     let mut codes = client.pulled(&folder.uri("arm.gen")).await;
-    codes.retain(|it| it != "inactive-code");
+    codes.retain(|code| code != "inactive-code");
     codes
 }
 
@@ -82,7 +82,7 @@ async fn settings_are_pulled_from_clients_that_can_be_asked() {
     let question = client
         .asked
         .iter()
-        .find(|it| it["method"] == "workspace/configuration")
+        .find(|message| message["method"] == "workspace/configuration")
         .expect("it asked");
     let items = question["params"]["items"].clone();
     assert_eq!(
@@ -92,7 +92,7 @@ async fn settings_are_pulled_from_clients_that_can_be_asked() {
     let registered = client
         .asked
         .iter()
-        .find(|it| it["method"] == "client/registerCapability")
+        .find(|message| message["method"] == "client/registerCapability")
         .expect("it registered");
     assert_eq!(
         registered["params"]["registrations"]
@@ -141,10 +141,10 @@ async fn folders_come_and_go() {
     let folder = folder("include-paths = ['idl']\n");
     let mut client = Client::start(json!({ "capabilities": pulling() })).await;
     let change = |added: bool| {
-        let it = json!([{ "uri": folder.uri(""), "name": "test" }]);
+        let value = json!([{ "uri": folder.uri(""), "name": "test" }]);
         let (added, removed) = match added {
-            true => (it, json!([])),
-            false => (json!([]), it),
+            true => (value, json!([])),
+            false => (json!([]), value),
         };
         json!({ "event": { "added": added, "removed": removed } })
     };

@@ -135,14 +135,14 @@ async fn the_workspace_is_pulled_and_waits_for_news() {
     };
     let with_errors: Vec<_> = report
         .iter()
-        .filter(|it| it["items"] != json!([]))
-        .map(|it| it["uri"].clone())
+        .filter(|report| report["items"] != json!([]))
+        .map(|report| report["uri"].clone())
         .collect();
     assert_eq!(with_errors, [json!(folder.uri("pose.idl"))]);
     assert_eq!(report.len(), 2, "hidden directories are not searched");
     known = report
         .iter()
-        .map(|it| json!({ "uri": it["uri"], "value": it["resultId"] }))
+        .map(|report| json!({ "uri": report["uri"], "value": report["resultId"] }))
         .collect();
     let id = client
         .begin(
@@ -159,7 +159,7 @@ async fn the_workspace_is_pulled_and_waits_for_news() {
         .as_array()
         .expect("a list")
         .iter()
-        .filter(|it| it["kind"] == "full")
+        .filter(|json| json["kind"] == "full")
         .collect();
     assert_eq!(changed.len(), 1);
     assert_eq!(changed[0]["items"], json!([]));
@@ -234,9 +234,9 @@ async fn a_client_that_wants_parts_gets_the_open_files_first_and_each_file_once(
     while told.len() < 70 {
         let part = client.notification("$/progress").await;
         if part["token"] == "parts" {
-            for it in part["value"]["items"].as_array().into_iter().flatten() {
-                assert_eq!(codes(&it["items"]), ["missing-semicolon"]);
-                let uri = it["uri"].as_str().unwrap_or_default().to_owned();
+            for json in part["value"]["items"].as_array().into_iter().flatten() {
+                assert_eq!(codes(&json["items"]), ["missing-semicolon"]);
+                let uri = json["uri"].as_str().unwrap_or_default().to_owned();
                 told.push(uri);
             }
         }

@@ -37,7 +37,7 @@ async fn start(capabilities: Value) -> (Client, Folder, String) {
 fn at(uri: &str, what: &str, nth: usize) -> Value {
     let (offset, _) = ARM.match_indices(what).nth(nth).expect("it occurs");
     let line = ARM[..offset].matches('\n').count();
-    let start = ARM[..offset].rfind('\n').map_or(0, |it| it + 1);
+    let start = ARM[..offset].rfind('\n').map_or(0, |arm| arm + 1);
     let mut params = document(uri);
     params["position"] = json!({ "line": line, "character": offset - start });
     params
@@ -59,7 +59,10 @@ async fn functions_without_codel_are_proposed_as_names_of_codels() {
     params["position"] = json!({ "line": 4, "character": 16 });
     let list = client.ok("textDocument/completion", params).await;
     let items = list["items"].as_array().expect("a list");
-    let labels: Vec<&str> = items.iter().filter_map(|it| it["label"].as_str()).collect();
+    let labels: Vec<&str> = items
+        .iter()
+        .filter_map(|json| json["label"].as_str())
+        .collect();
     // The function comes first, then a name formed like the other codel's. A function with a codel is absent.
     assert_eq!(labels, ["c_halt", "c_t_stop"]);
     assert_eq!(
@@ -78,7 +81,10 @@ async fn completion_with_and_without_snippets() {
             .ok("textDocument/completion", at(&uri, "function", 0))
             .await;
         let items = list["items"].as_array().expect("a list");
-        let task = items.iter().find(|it| it["label"] == "task").expect("task");
+        let task = items
+            .iter()
+            .find(|json| json["label"] == "task")
+            .expect("task");
         assert_eq!(task["insertTextFormat"], if has_snippets { 2 } else { 1 });
         let text = task["textEdit"]["newText"].as_str().expect("a text");
         assert_eq!(text.contains("${1:main}"), has_snippets, "{text}");
@@ -87,7 +93,10 @@ async fn completion_with_and_without_snippets() {
             .ok("textDocument/completion", at(&uri, "pose goal", 0))
             .await;
         let items = list["items"].as_array().expect("a list");
-        let pose = items.iter().find(|it| it["label"] == "pose").expect("pose");
+        let pose = items
+            .iter()
+            .find(|json| json["label"] == "pose")
+            .expect("pose");
         let resolved = client.ok("completionItem/resolve", pose.clone()).await;
         let doc = resolved["documentation"]["value"].as_str().expect("text");
         assert!(doc.contains("double x"), "{doc}");
@@ -143,7 +152,7 @@ async fn rename_across_files_and_its_refusals() {
     assert!(
         error["message"]
             .as_str()
-            .is_some_and(|it| it.contains("reserved")),
+            .is_some_and(|message| message.contains("reserved")),
         "{error}"
     );
     let nothing = client
@@ -173,7 +182,9 @@ async fn formatting_whole_in_part_and_while_typing() {
     let edits = client.ok("textDocument/formatting", params.clone()).await;
     let edits = edits.as_array().expect("edits");
     assert!(
-        edits.iter().any(|it| it["range"]["start"]["line"] == 10),
+        edits
+            .iter()
+            .any(|edit| edit["range"]["start"]["line"] == 10),
         "{edits:?}"
     );
     params["range"] = json!({ "start": { "line": 0, "character": 0 },
@@ -188,7 +199,7 @@ async fn formatting_whole_in_part_and_while_typing() {
     assert!(
         typed
             .iter()
-            .all(|it| it["range"]["start"]["line"].as_u64() >= Some(9)),
+            .all(|client| client["range"]["start"]["line"].as_u64() >= Some(9)),
         "{typed:?}"
     );
     client.finish().await;
@@ -215,12 +226,12 @@ async fn lenses_are_resolved_one_by_one() {
     assert!(
         !titles
             .iter()
-            .any(|it| it.contains("reference") || it.contains("load")),
+            .any(|title| title.contains("reference") || title.contains("load")),
         "{titles:?}"
     );
     let diagram = commands
         .iter()
-        .find(|it| it["command"] == "dotgen.showDiagram");
+        .find(|command| command["command"] == "dotgen.showDiagram");
     let argument = &diagram.expect("a diagram")["arguments"][0];
     assert_eq!(
         *argument,
@@ -240,7 +251,7 @@ async fn hints_signatures_implementations_and_calls() {
         .as_array()
         .expect("hints")
         .iter()
-        .filter_map(|it| it["label"].as_str())
+        .filter_map(|hint| hint["label"].as_str())
         .collect();
     assert!(labels.contains(&" ‹load 20 %›"), "{labels:?}");
 
@@ -268,7 +279,7 @@ async fn hints_signatures_implementations_and_calls() {
         .as_array()
         .expect("calls")
         .iter()
-        .map(|it| it["from"]["name"].as_str().expect("a name").to_owned())
+        .map(|client| client["from"]["name"].as_str().expect("a name").to_owned())
         .collect();
     assert_eq!(from, ["start", "go"]);
     let outgoing = client.ok("callHierarchy/outgoingCalls", item).await;
@@ -289,7 +300,7 @@ async fn refactorings_are_code_actions() {
     let actions = actions.as_array().expect("actions");
     let titles: Vec<&str> = actions
         .iter()
-        .filter_map(|it| it["title"].as_str())
+        .filter_map(|action| action["title"].as_str())
         .collect();
     assert_eq!(titles, ["Extract struct from members of the ids"]);
     assert_eq!(actions[0]["kind"], "refactor.extract");
@@ -321,7 +332,10 @@ async fn an_included_file_can_be_shown_in_another_unit() {
     let mut roots = Value::Null;
     for _ in 0..10_000 {
         roots = client.ok("dotgen/includingRoots", document(&uri)).await;
-        if roots["roots"].as_array().is_some_and(|it| it.len() == 2) {
+        if roots["roots"]
+            .as_array()
+            .is_some_and(|root| root.len() == 2)
+        {
             break;
         }
     }
@@ -329,8 +343,8 @@ async fn an_included_file_can_be_shown_in_another_unit() {
     let mut hover = document(&uri);
     hover["position"] = json!({ "line": 0, "character": 0 });
     let shown = client.ok("textDocument/hover", hover.clone()).await;
-    let text = |it: &Value| {
-        it["contents"]["value"]
+    let text = |json: &Value| {
+        json["contents"]["value"]
             .as_str()
             .unwrap_or_default()
             .to_owned()
@@ -359,7 +373,11 @@ async fn documents_without_a_file_or_a_folder() {
         let found = client.ok("textDocument/definition", params.clone()).await;
         assert_eq!(found[0]["uri"], json!(uri));
         let items = client.ok("textDocument/completion", params.clone()).await;
-        assert!(items["items"].as_array().is_some_and(|it| !it.is_empty()));
+        assert!(
+            items["items"]
+                .as_array()
+                .is_some_and(|items| !items.is_empty())
+        );
         params["newName"] = json!("v");
         let edit = client.ok("textDocument/rename", params).await;
         assert_eq!(
@@ -373,7 +391,7 @@ async fn documents_without_a_file_or_a_folder() {
 
 /// A text after an edit that inserts text.
 fn with_inserted(text: &str, edit: &Value) -> String {
-    let number = |it: &Value| it.as_u64().expect("a number") as usize;
+    let number = |value: &Value| value.as_u64().expect("a number") as usize;
     let start = &edit["range"]["start"];
     let lines = text.split_inclusive('\n').take(number(&start["line"]));
     let at = lines.map(str::len).sum::<usize>() + number(&start["character"]);
@@ -426,10 +444,10 @@ component c {
         }
         let found = client.ok("textDocument/diagnostic", document(&uri)).await;
         let mut found = found["items"].as_array().expect("diagnostics").clone();
-        found.retain(|it| {
-            it["code"]
+        found.retain(|json| {
+            json["code"]
                 .as_str()
-                .is_some_and(|it| it.starts_with("syntax"))
+                .is_some_and(|code| code.starts_with("syntax"))
         });
         assert_eq!(found.len(), 1, "{wrong}: {found:?}");
         let mut params = document(&uri);
@@ -464,7 +482,10 @@ async fn what_editors_fix_unasked_is_plain() {
         let action = &actions[0];
         assert_eq!(action["kind"], kind, "{actions}");
         let all = action["edit"]["changes"][&uri].as_array().expect("edits");
-        let all: Vec<&str> = all.iter().filter_map(|it| it["newText"].as_str()).collect();
+        let all: Vec<&str> = all
+            .iter()
+            .filter_map(|change| change["newText"].as_str())
+            .collect();
         assert_eq!(all, edits, "{action}");
     }
     client.finish().await;

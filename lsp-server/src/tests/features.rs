@@ -37,7 +37,7 @@ async fn start(capabilities: Value) -> (Client, Folder, String) {
 fn at(uri: &str, what: &str, nth: usize) -> Value {
     let (offset, _) = ARM.match_indices(what).nth(nth).expect("it occurs");
     let line = ARM[..offset].matches('\n').count();
-    let start = ARM[..offset].rfind('\n').map_or(0, |it| it + 1);
+    let start = ARM[..offset].rfind('\n').map_or(0, |arm| arm + 1);
     let mut params = document(uri);
     params["position"] = json!({ "line": line, "character": offset - start });
     params
@@ -61,7 +61,10 @@ async fn symbols_are_nested_or_flat_as_the_client_likes() {
         .await;
     let all = names(&symbols);
     for name in ["arm", "goal", "state", "motion", "init"] {
-        assert!(all.iter().any(|it| it == name), "{name} in {all:?}");
+        assert!(
+            all.iter().any(|candidate| candidate == name),
+            "{name} in {all:?}"
+        );
     }
     client.finish().await;
 
@@ -85,7 +88,10 @@ async fn semantic_tokens_leave_to_a_grammar_what_it_tells_as_well() {
         .ok("textDocument/semanticTokens/full", document(&uri))
         .await;
     let data = tokens["data"].as_array().expect("numbers").clone();
-    let types: Vec<u64> = data.chunks(5).filter_map(|it| it[3].as_u64()).collect();
+    let types: Vec<u64> = data
+        .chunks(5)
+        .filter_map(|chunk| chunk[3].as_u64())
+        .collect();
     let legend = crate::protocol::convert::semantic_tokens::legend().token_types;
     let lexical = [
         "comment",
@@ -123,7 +129,11 @@ async fn semantic_tokens_come_whole_as_a_change_and_in_part() {
         .await;
     let edits = delta["edits"].as_array().expect("edits");
     assert_eq!(edits.len(), 1);
-    assert!(edits[0]["data"].as_array().is_some_and(|it| it.len() <= 10));
+    assert!(
+        edits[0]["data"]
+            .as_array()
+            .is_some_and(|data| data.len() <= 10)
+    );
 
     params["previousResultId"] = json!("of another server");
     let whole = client
@@ -138,7 +148,7 @@ async fn semantic_tokens_come_whole_as_a_change_and_in_part() {
     assert!(
         part["data"]
             .as_array()
-            .is_some_and(|it| !it.is_empty() && it.len() < 50)
+            .is_some_and(|data| !data.is_empty() && data.len() < 50)
     );
     client.finish().await;
 }
@@ -186,7 +196,7 @@ async fn names_are_found_everywhere() {
         .as_array()
         .expect("a list")
         .iter()
-        .map(|it| it["uri"].as_str().expect("a URI").to_owned())
+        .map(|reference| reference["uri"].as_str().expect("a URI").to_owned())
         .collect();
     assert_eq!(files.len(), 3, "{references}");
     assert!(files.contains(&folder.uri("pose.idl")));
@@ -219,13 +229,13 @@ async fn regions_fold_expand_and_link() {
         .as_array()
         .expect("a list")
         .iter()
-        .find(|it| it["startLine"] == 5)
+        .find(|client| client["startLine"] == 5)
         .expect("the component's body");
     assert_eq!(body["endLine"], 12, "the closing brace stays visible");
     assert!(
         folds
             .as_array()
-            .is_some_and(|it| it.iter().any(|it| it["kind"] == "comment"))
+            .is_some_and(|client| client.iter().any(|client| client["kind"] == "comment"))
     );
 
     let mut params = document(&uri);
@@ -253,14 +263,16 @@ async fn what_dotgen_makes_of_a_document_can_be_looked_at() {
     let (mut client, _folder, uri) = start(json!({})).await;
     let tree = client.ok("dotgen/syntaxTree", document(&uri)).await;
     assert!(
-        tree.as_str().is_some_and(|it| it.contains("COMPONENT")),
+        tree.as_str().is_some_and(|tree| tree.contains("COMPONENT")),
         "{tree}"
     );
     let model = client.ok("dotgen/model", document(&uri)).await;
     assert_eq!(model["components"][0]["name"], "arm");
     let items = client.ok("dotgen/itemTree", document(&uri)).await;
     assert!(
-        items.as_str().is_some_and(|it| it.contains("\"motion\"")),
+        items
+            .as_str()
+            .is_some_and(|client| client.contains("\"motion\"")),
         "{items}"
     );
     let call = client.ok("dotgen/expandMacro", at(&uri, "RATE", 1)).await;
@@ -286,7 +298,7 @@ async fn prototypes_are_aligned_under_their_first_argument() {
     let hover = client.ok("textDocument/hover", params).await;
     let shown = hover["contents"]["value"].as_str().expect("a hover");
     let fences: Vec<&str> = shown.split("```").collect();
-    let of = |language: &str| fences.iter().find_map(|it| it.strip_prefix(language));
+    let of = |language: &str| fences.iter().find_map(|fence| fence.strip_prefix(language));
     assert_eq!(
         of("c\n"),
         Some(
@@ -325,10 +337,10 @@ async fn fixes_are_offered_where_they_apply() {
     assert_eq!(client.ok(method, action(0, Value::Null)).await, json!([]));
     let others = client.ok(method, action(1, json!(["refactor"]))).await;
     let mut others = others.as_array().into_iter().flatten();
-    assert!(others.all(|it| {
-        it["kind"]
+    assert!(others.all(|client| {
+        client["kind"]
             .as_str()
-            .is_some_and(|it| it.starts_with("refactor"))
+            .is_some_and(|kind| kind.starts_with("refactor"))
     }));
     client.finish().await;
 }
@@ -349,10 +361,12 @@ async fn fixes_are_offered_where_they_change_something() {
         params["range"] = json!({ "start": at, "end": at });
         params["context"] = json!({ "diagnostics": [], "only": ["quickfix"] });
         let actions = client.ok("textDocument/codeAction", params).await;
-        let shown = actions.as_array().expect("a list").iter().map(|it| {
-            let code = it["diagnostics"][0]["code"].as_str().unwrap_or_default();
-            let title = it["title"].as_str().expect("a title");
-            (format!("{code}: {title}"), it["isPreferred"] == true)
+        let shown = actions.as_array().expect("a list").iter().map(|action| {
+            let code = action["diagnostics"][0]["code"]
+                .as_str()
+                .unwrap_or_default();
+            let title = action["title"].as_str().expect("a title");
+            (format!("{code}: {title}"), action["isPreferred"] == true)
         });
         offered.push(shown.collect::<Vec<_>>());
     }

@@ -69,8 +69,8 @@ async fn templates_are_listed_with_their_options() {
         .await;
     let kind = |name: &str| {
         let all = list["templates"].as_array().unwrap();
-        let found = all.iter().find(|it| it["name"] == name);
-        found.map(|it| it["kind"].as_str().unwrap().to_owned())
+        let found = all.iter().find(|template| template["name"] == name);
+        found.map(|template| template["kind"].as_str().unwrap().to_owned())
     };
     assert_eq!(kind("names").as_deref(), Some("minijinja"));
     assert_eq!(kind("skeleton").as_deref(), Some("builtin"));
@@ -81,7 +81,7 @@ async fn templates_are_listed_with_their_options() {
     let options = options["options"].as_array().unwrap();
     let directory = options
         .iter()
-        .find(|it| it["flags"][1] == "--directory")
+        .find(|option| option["flags"][1] == "--directory")
         .unwrap();
     assert_eq!(directory["value"], "DIR");
     client.finish().await;
@@ -119,7 +119,7 @@ async fn files_are_offered_then_remembered_and_made_again() {
         .asked
         .iter()
         .rev()
-        .find(|it| it["method"] == "workspace/applyEdit");
+        .find(|message| message["method"] == "workspace/applyEdit");
     let edit = &edit.unwrap()["params"]["edit"];
     assert_eq!(edit["documentChanges"][0]["kind"], "create");
     assert_eq!(edit["changeAnnotations"], Value::Null, "asked once only");
@@ -344,8 +344,8 @@ async fn the_action_is_at_the_component_and_on_request() {
     };
     let titles = |actions: &Value| -> Vec<String> {
         let all = actions.as_array().unwrap().iter();
-        let all = all.filter(|it| it["command"]["command"].is_string());
-        all.map(|it| it["title"].as_str().unwrap().to_owned())
+        let all = all.filter(|action| action["command"]["command"].is_string());
+        all.map(|action| action["title"].as_str().unwrap().to_owned())
             .collect()
     };
     let method = "textDocument/codeAction";

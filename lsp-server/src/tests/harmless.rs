@@ -20,7 +20,7 @@ fn at_pose(uri: &str) -> Value {
 
 fn latin1(text: &str) -> Vec<u8> {
     text.chars()
-        .map(|it| u8::try_from(u32::from(it)).expect("Latin-1"))
+        .map(|character| u8::try_from(u32::from(character)).expect("Latin-1"))
         .collect()
 }
 

@@ -28,7 +28,7 @@ async fn the_end_of_input_ends_a_server_with_a_waiting_client() {
         .as_array()
         .expect("a list")
         .iter()
-        .map(|it| json!({ "uri": it["uri"], "value": it["resultId"] }))
+        .map(|report| json!({ "uri": report["uri"], "value": report["resultId"] }))
         .collect();
     client
         .begin(

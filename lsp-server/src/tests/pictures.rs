@@ -56,13 +56,16 @@ async fn draw(client: &mut Client, uri: &str, more: Value) -> Value {
 fn position(of: &str) -> Value {
     let text = text();
     let offset = text.find(of).expect("it occurs");
-    let start = text[..offset].rfind('\n').map_or(0, |it| it + 1);
+    let start = text[..offset].rfind('\n').map_or(0, |index| index + 1);
     json!({ "line": text[..offset].matches('\n').count(), "character": offset - start })
 }
 
 fn ids(answer: &Value) -> Vec<&str> {
     let nodes = answer["nodes"].as_array().expect("nodes");
-    nodes.iter().filter_map(|it| it["id"].as_str()).collect()
+    nodes
+        .iter()
+        .filter_map(|node| node["id"].as_str())
+        .collect()
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -98,7 +101,10 @@ async fn a_node_knows_its_place_and_its_codel() {
     let (mut client, _folder, uri) = start(json!({})).await;
     let answer = draw(&mut client, &uri, json!({ "owner": "move" })).await;
     let nodes = answer["nodes"].as_array().expect("nodes");
-    let up = nodes.iter().find(|it| it["id"] == "up").expect("the state");
+    let up = nodes
+        .iter()
+        .find(|node| node["id"] == "up")
+        .expect("the state");
     assert_eq!(up["place"]["uri"], uri.as_str());
     assert_eq!(
         up["place"]["selectionRange"]["start"],
@@ -154,8 +160,8 @@ async fn systems_and_locks() {
     let alone = draw(&mut client, &uri, json!({ "kind": "system" })).await;
     let unconnected = |answer: &Value| {
         let nodes = answer["nodes"].as_array().expect("nodes").clone();
-        let is = |it: &Value| {
-            let classes = it["classes"].as_array().expect("classes");
+        let is = |other: &Value| {
+            let classes = other["classes"].as_array().expect("classes");
             classes.contains(&json!("unconnected"))
         };
         nodes.iter().any(is)
@@ -178,14 +184,14 @@ async fn systems_and_locks() {
     let (mut client, _folder, uri) = start_beside(json!({}), &files).await;
     // The files of the workspace are being listed.
     let find = json!({ "query": "b" });
-    let found = |it: Value| {
-        it.as_array()
-            .is_some_and(|it| it.iter().any(|it| it["name"] == "b"))
+    let found = |json: Value| {
+        json.as_array()
+            .is_some_and(|json| json.iter().any(|json| json["name"] == "b"))
     };
     while !found(client.ok("workspace/symbol", find.clone()).await) {}
     let system = draw(&mut client, &uri, json!({ "kind": "system" })).await;
     let edges = system["edges"].as_array().expect("edges");
-    let into: Vec<&Value> = edges.iter().filter(|it| it["to"] == "lift").collect();
+    let into: Vec<&Value> = edges.iter().filter(|edge| edge["to"] == "lift").collect();
     assert_eq!(into.len(), 1, "{system}");
     assert_eq!(into[0]["from"], "b.p");
     assert!(!unconnected(&system));
@@ -205,9 +211,9 @@ async fn the_editor_shows_the_bytes_of_the_command_line() {
     ];
     let texts: Vec<(&str, String)> = names
         .iter()
-        .map(|it| (*it, read(&format!("examples/maneuver/{it}"))))
+        .map(|name| (*name, read(&format!("examples/maneuver/{name}"))))
         .collect();
-    let files: Vec<(&str, &str)> = texts.iter().map(|it| (it.0, it.1.as_str())).collect();
+    let files: Vec<(&str, &str)> = texts.iter().map(|text| (text.0, text.1.as_str())).collect();
     let folder = Folder::new(&files);
     let mut client = Client::start(folder.params(pulling())).await;
     let uri = folder.uri("maneuver.gen");
@@ -300,11 +306,11 @@ async fn a_system_is_opened_and_moved() {
     let lift = node(&after, "lift");
     assert_eq!(lift["open"], true);
     let lines = lift["lines"].as_array().expect("lines");
-    let task = lines.iter().position(|it| it == "task move · 10 ms");
+    let task = lines.iter().position(|line| line == "task move · 10 ms");
     let place = &lift["parts"][task.expect("the task is listed")];
     assert_eq!(place["selectionRange"]["start"], position("move {"));
     // The port moved with its component: their distance is unchanged.
-    let height = |it: &Value| it["height"].as_f64().expect("a number");
+    let height = |json: &Value| json["height"].as_f64().expect("a number");
     assert!(height(&after) < height(&before) + 200.0, "{after}");
     let wish = json!({ "kind": "system", "moved": { "lift.wanted": [0, 300] } });
     let apart = draw(&mut client, &uri, wish).await;
@@ -346,5 +352,5 @@ async fn what_is_open_in_another_folder_belongs_to_the_system() {
 /// A node of an answer.
 fn node<'a>(answer: &'a Value, id: &str) -> &'a Value {
     let mut nodes = answer["nodes"].as_array().expect("nodes").iter();
-    nodes.find(|it| it["id"] == id).expect("a node")
+    nodes.find(|node| node["id"] == id).expect("a node")
 }

@@ -10,15 +10,15 @@ const SCENARIO: &str = "scenario both {\n  use \"lamp.gen\";\n};\n";
 /// `LINE TITLE COMMAND` of the lenses with run commands.
 async fn lenses(client: &mut Client, uri: &str) -> Vec<String> {
     let lenses = client.ok("textDocument/codeLens", document(uri)).await;
-    let runs = |it: &Value| {
-        let command = it["command"]["command"].as_str()?;
-        let argument = &it["command"]["arguments"][0];
+    let runs = |other: &Value| {
+        let command = other["command"]["command"].as_str()?;
+        let argument = &other["command"]["arguments"][0];
         matches!(command, "dotgen.run" | "dotgen.simulate").then(|| {
             assert_eq!(argument, &json!({ "uri": uri }));
-            let line = &it["range"]["start"]["line"];
+            let line = &other["range"]["start"]["line"];
             format!(
                 "{line} {} {command}",
-                it["command"]["title"].as_str().expect("a title")
+                other["command"]["title"].as_str().expect("a title")
             )
         })
     };

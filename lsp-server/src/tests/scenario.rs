@@ -44,7 +44,7 @@ async fn start(scenario: &str) -> (Client, Folder, String, Value) {
     let text = scenario.replace("$0", "");
     client.open(&uri, &text).await;
     let line = text[..offset].matches('\n').count();
-    let start = text[..offset].rfind('\n').map_or(0, |it| it + 1);
+    let start = text[..offset].rfind('\n').map_or(0, |index| index + 1);
     let mut params = document(&uri);
     params["position"] = json!({ "line": line, "character": offset - start });
     (client, folder, uri, params)
@@ -61,7 +61,7 @@ async fn labels(scenario: &str) -> Vec<String> {
     client.finish().await;
     let items = list["items"].as_array().expect("a list").iter();
     items
-        .map(|it| it["label"].as_str().expect("text").to_owned())
+        .map(|json| json["label"].as_str().expect("text").to_owned())
         .collect()
 }
 
@@ -69,9 +69,9 @@ async fn labels(scenario: &str) -> Vec<String> {
 fn places(locations: &Value) -> Vec<String> {
     let all = locations.as_array().into_iter().flatten();
     let mut places: Vec<String> = all
-        .map(|it| {
-            let file = it["uri"].as_str().expect("a uri").rsplit('/').next();
-            let line = &it["range"]["start"]["line"];
+        .map(|location| {
+            let file = location["uri"].as_str().expect("a uri").rsplit('/').next();
+            let line = &location["range"]["start"]["line"];
             format!("{}:{line}", file.unwrap_or_default())
         })
         .collect();
@@ -246,10 +246,10 @@ async fn references_and_renames_cross_the_languages() {
         let changes = edit["documentChanges"].as_array().expect("a list");
         let mut counts: Vec<(String, usize)> = changes
             .iter()
-            .map(|it| {
-                let uri = it["textDocument"]["uri"].as_str().expect("a uri");
-                let edits = it["edits"].as_array().expect("a list");
-                assert!(edits.iter().all(|it| it["newText"] == "empty"));
+            .map(|change| {
+                let uri = change["textDocument"]["uri"].as_str().expect("a uri");
+                let edits = change["edits"].as_array().expect("a list");
+                assert!(edits.iter().all(|edit| edit["newText"] == "empty"));
                 (
                     uri.rsplit('/').next().unwrap_or_default().to_owned(),
                     edits.len(),
@@ -273,7 +273,9 @@ async fn the_outline_folds_and_formats() {
         .await;
     assert_eq!(symbols[0]["name"], "tank");
     let children = symbols[0]["children"].as_array().expect("a list").iter();
-    let names: Vec<&str> = children.filter_map(|it| it["name"].as_str()).collect();
+    let names: Vec<&str> = children
+        .filter_map(|child| child["name"].as_str())
+        .collect();
     assert_eq!(
         names,
         [
@@ -297,7 +299,7 @@ async fn the_outline_folds_and_formats() {
     // Only the blanks change, so that the cursor and the marks of the editor stay.
     let texts = edits
         .as_array()
-        .map(|it| it.iter().map(|it| &it["newText"]).collect());
+        .map(|edit| edit.iter().map(|edit| &edit["newText"]).collect());
     assert_eq!(texts, Some(vec![&json!("\n  "), &json!(" "), &json!("")]));
     params["range"] =
         json!({ "start": { "line": 4, "character": 0 }, "end": { "line": 5, "character": 0 } });
@@ -315,11 +317,11 @@ async fn fixes(scenario: &str) -> Vec<(String, String)> {
     let actions = client.ok("textDocument/codeAction", params).await;
     client.finish().await;
     let actions = actions.as_array().expect("a list").iter();
-    let fixes = actions.map(|it| {
-        let edit = &it["edit"]["documentChanges"][0];
-        assert_eq!(edit["textDocument"]["uri"], uri, "{it}");
-        let text = |it: &Value| it.as_str().expect("a text").to_owned();
-        (text(&it["title"]), text(&edit["edits"][0]["newText"]))
+    let fixes = actions.map(|action| {
+        let edit = &action["edit"]["documentChanges"][0];
+        assert_eq!(edit["textDocument"]["uri"], uri, "{action}");
+        let text = |value: &Value| value.as_str().expect("a text").to_owned();
+        (text(&action["title"]), text(&edit["edits"][0]["newText"]))
     });
     fixes.collect()
 }
@@ -435,7 +437,7 @@ async fn half_typed_text_is_survived() {
             .change(&uri, version, json!([{ "text": text }]))
             .await;
         let line = text[..offset].matches('\n').count();
-        let start = text[..offset].rfind('\n').map_or(0, |it| it + 1);
+        let start = text[..offset].rfind('\n').map_or(0, |index| index + 1);
         let mut params = document(&uri);
         params["position"] = json!({ "line": line, "character": offset - start });
         for method in [

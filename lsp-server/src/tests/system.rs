@@ -9,7 +9,9 @@ const POM: &str = "struct s { long x; };\ncomponent pom {\n  version \"1\"; lang
 /// A reader with `codels` codels that use the port.
 fn reader(name: &str, port: &str, codels: usize) -> String {
     let functions: String = (0..codels)
-        .map(|it| format!("  function f{it}() {{ codel {name}_f{it}(in {port}, out x); }};\n"))
+        .map(|codel| {
+            format!("  function f{codel}() {{ codel {name}_f{codel}(in {port}, out x); }};\n")
+        })
         .collect();
     format!(
         "struct s {{ long x; }};\ncomponent {name} {{\n  version \"1\"; lang \"c\"; email \"a@b\";\n  port in s {port};\n  ids {{ s x; }};\n{functions}}};\n"
@@ -22,7 +24,9 @@ async fn hover(client: &mut Client, uri: &str) -> Vec<String> {
     let hover = client.ok("textDocument/hover", params).await;
     let text = hover["contents"]["value"].as_str().expect("Markdown");
     assert!(text.contains("pom_t("), "{text}");
-    let facts = text.lines().filter(|it| it.contains("other components"));
+    let facts = text
+        .lines()
+        .filter(|line| line.contains("other components"));
     facts.map(str::to_owned).collect()
 }
 

@@ -106,7 +106,11 @@ async fn other_documents_are_left_alone_unless_their_language_says_so() {
     client.open_as(&said, "genom3-template", MODEL).await;
     let pushed = client.pushed(&said).await;
     assert_eq!(codes(&pushed["diagnostics"]), ["template/marker"]);
-    assert!(client.all().all(|it| it["params"]["uri"] != other));
+    assert!(
+        client
+            .all()
+            .all(|message| message["params"]["uri"] != other)
+    );
     client.finish().await;
 }
 
@@ -127,16 +131,19 @@ async fn the_client_is_asked_for_the_files_of_templates() {
         "client/registerCapability",
         "client/unregisterCapability",
     ];
-    let answers = answers.map(|it| (it, Value::Null)).to_vec();
+    let answers = answers.map(|answer| (answer, Value::Null)).to_vec();
     let mut client = Client::start_answering(folder.params(capabilities), answers).await;
     let uri = folder.uri("t/server/model.c");
     client.open_as(&uri, "c", MODEL).await;
     let sent = loop {
         let asked = client.asked.iter().rev();
-        let registered = asked.filter(|it| it["method"] == "client/registerCapability");
-        let mut all =
-            registered.flat_map(|it| it["params"]["registrations"].as_array().expect("a list"));
-        let sent = all.find(|it| it["method"] == "textDocument/didChange");
+        let registered = asked.filter(|message| message["method"] == "client/registerCapability");
+        let mut all = registered.flat_map(|message| {
+            message["params"]["registrations"]
+                .as_array()
+                .expect("a list")
+        });
+        let sent = all.find(|registration| registration["method"] == "textDocument/didChange");
         if let Some(sent) = sent
             && sent.to_string().contains("/t/server/**")
         {
@@ -150,11 +157,17 @@ async fn the_client_is_asked_for_the_files_of_templates() {
         .expect("a list")
         .clone();
     let patterns = |language: &str| -> Vec<String> {
-        let of = selector.iter().filter(|it| it["language"] == language);
-        of.map(|it| it["pattern"].as_str().expect("a glob").to_owned())
+        let of = selector
+            .iter()
+            .filter(|selector| selector["language"] == language);
+        of.map(|selector| selector["pattern"].as_str().expect("a glob").to_owned())
             .collect()
     };
-    let has = |language: &str, end: &str| patterns(language).iter().any(|it| it.ends_with(end));
+    let has = |language: &str, end: &str| {
+        patterns(language)
+            .iter()
+            .any(|pattern| pattern.ends_with(end))
+    };
     assert!(has("c", "**/codels/**") && has("c", "/t/server/**") && has("c", "/t/common/types.h"));
     assert!(has("tcl", "/t/common/util.tcl") && !has("tcl", "**/codels/**"));
     assert!(

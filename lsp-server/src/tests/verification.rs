@@ -25,23 +25,28 @@ fn telling(folder: &Folder) -> Value {
 async fn until(client: &mut Client, uri: &str, version: i64, status: &str) {
     let mut seen = Vec::new();
     loop {
-        let it = client.notification(STATUS).await;
-        if it["uri"] == uri && it["version"] == version && it["status"] == status {
+        let notification = client.notification(STATUS).await;
+        if notification["uri"] == uri
+            && notification["version"] == version
+            && notification["status"] == status
+        {
             return;
         }
         let settled = ["proved", "refuted", "gave-up", "nothing", "blocked"].map(Value::from);
         assert!(
-            it["uri"] != uri || it["version"] != version || !settled.contains(&it["status"]),
-            "{it} after {seen:?}"
+            notification["uri"] != uri
+                || notification["version"] != version
+                || !settled.contains(&notification["status"]),
+            "{notification} after {seen:?}"
         );
-        seen.push(it);
+        seen.push(notification);
     }
 }
 
 async fn lenses(client: &mut Client, uri: &str) -> Vec<String> {
     let lenses = client.ok("textDocument/codeLens", document(uri)).await;
     let lenses = lenses.as_array().cloned().unwrap_or_default();
-    let title = |it: &Value| it["command"]["title"].as_str().map(str::to_owned);
+    let title = |json: &Value| json["command"]["title"].as_str().map(str::to_owned);
     lenses.iter().filter_map(title).collect()
 }
 
@@ -54,7 +59,7 @@ async fn timing(client: &mut Client, uri: &str) -> Vec<String> {
         "timing/gave-up",
     ];
     all.into_iter()
-        .filter(|it| verified.contains(&it.as_str()))
+        .filter(|text| verified.contains(&text.as_str()))
         .collect()
 }
 
@@ -73,10 +78,10 @@ async fn a_longer_codel_misses_the_deadline_until_it_is_shorter_again() {
     until(&mut client, &uri, 2, "refuted").await;
     let report = client.ok("textDocument/diagnostic", document(&uri)).await;
     let miss = report["items"].as_array().expect("a list").iter();
-    let miss = miss.filter(|it| it["code"] == "timing/deadline-miss");
+    let miss = miss.filter(|miss| miss["code"] == "timing/deadline-miss");
     // `fast` is blocked by `t` for too long, and also misses its deadline.
     let miss: Vec<&Value> = miss
-        .filter(|it| it["range"]["start"]["line"] == 6)
+        .filter(|miss| miss["range"]["start"]["line"] == 6)
         .collect();
     assert_eq!(miss.len(), 1, "{report}");
     let message = miss[0]["message"].as_str().expect("text");
@@ -131,13 +136,17 @@ async fn an_edit_of_what_a_scenario_uses_makes_its_answer_stale_at_once() {
     // The number of cores of the first version may come in between.
     let mut seen = Vec::new();
     loop {
-        let it = client.notification(STATUS).await;
-        if it["status"] == "proved" {
+        let notification = client.notification(STATUS).await;
+        if notification["status"] == "proved" {
             continue;
         }
-        assert_eq!(it["uri"], scn.as_str(), "the specification has a scenario");
-        seen.push(it["status"].as_str().expect("a word").to_owned());
-        if it["status"] == "refuted" {
+        assert_eq!(
+            notification["uri"],
+            scn.as_str(),
+            "the specification has a scenario"
+        );
+        seen.push(notification["status"].as_str().expect("a word").to_owned());
+        if notification["status"] == "refuted" {
             break;
         }
     }
@@ -167,7 +176,7 @@ async fn an_edit_of_what_a_scenario_uses_makes_its_answer_stale_at_once() {
     let items = report["items"].as_array().expect("a list");
     let found = items
         .iter()
-        .find(|it| it["code"] == "timing/response-exceeded");
+        .find(|json| json["code"] == "timing/response-exceeded");
     assert_eq!(
         found.expect("it is there")["range"]["start"]["line"],
         7,
@@ -233,13 +242,17 @@ async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
     while client.notification(STATUS).await["status"] != "gave-up" {}
     let titles = lenses(&mut client, &uri).await;
     assert!(
-        titles.iter().any(|it| it.starts_with("? not settled")),
+        titles
+            .iter()
+            .any(|title| title.starts_with("? not settled")),
         "{titles:?}"
     );
     // The diagnostic names a remedy, and its fix applies that.
     let report = client.ok("textDocument/diagnostic", document(&uri)).await;
     let items = report["items"].as_array().expect("a list").iter();
-    let told: Vec<&Value> = items.filter(|it| it["code"] == "timing/gave-up").collect();
+    let told: Vec<&Value> = items
+        .filter(|json| json["code"] == "timing/gave-up")
+        .collect();
     let [told] = told[..] else {
         panic!("one for all tasks: {told:?}");
     };
@@ -253,7 +266,8 @@ async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
     question["context"] = json!({ "diagnostics": [told] });
     let actions = client.ok("textDocument/codeAction", question).await;
     let mut actions = actions.as_array().expect("a list").iter();
-    let write = actions.find(|it| it["title"] == "Write the verification scenario to pump.scn");
+    let write =
+        actions.find(|action| action["title"] == "Write the verification scenario to pump.scn");
     let write = write.expect("a fix");
     assert_eq!(write["kind"], "quickfix");
     assert_eq!(write["diagnostics"][0]["code"], "timing/gave-up");
@@ -277,10 +291,13 @@ fn lamp_and_pump() -> String {
 /// Waits until `number` checks of a specification's version are answered.
 async fn answered(client: &mut Client, number: u64) -> Value {
     loop {
-        let it = client.notification(STATUS).await;
-        assert!(it["answered"].as_u64() <= Some(number), "{it}");
-        if it["answered"].as_u64() == Some(number) {
-            return it;
+        let notification = client.notification(STATUS).await;
+        assert!(
+            notification["answered"].as_u64() <= Some(number),
+            "{notification}"
+        );
+        if notification["answered"].as_u64() == Some(number) {
+            return notification;
         }
     }
 }
@@ -328,7 +345,7 @@ async fn answers_are_shown_as_they_are_found() {
     assert_eq!(answer["checks"][3]["verdict"], "open");
     assert_eq!(answer["run"]["check"], 2, "the run that refutes it");
     let codels = answer["codels"].as_array().expect("a list").iter();
-    let mut odd = codels.filter(|it| it["path"] == "pump.a1.start");
+    let mut odd = codels.filter(|codel| codel["path"] == "pump.a1.start");
     assert_eq!(odd.next().expect("it has one")["wcet"], 1007.0);
 
     // An edit makes all answers stale at once, and none is reported for the new text.
@@ -348,7 +365,7 @@ async fn answers_are_shown_as_they_are_found() {
     assert_eq!(words, (&json!("running"), &Value::Null));
     answered(&mut client, 3).await;
     let titles = lenses(&mut client, &gen_uri).await;
-    let missed = |it: &&String| it.starts_with("✗ can be late");
+    let missed = |text: &&String| text.starts_with("✗ can be late");
     assert_eq!(titles.iter().filter(missed).count(), 1, "{titles:?}");
     client.finish_ignoring(STATUS).await;
 }
@@ -373,13 +390,13 @@ async fn one_answer_has_everything_a_panel_needs() {
     assert_eq!(checks[2]["slack"], "50 %");
     assert_eq!(checks[2]["location"]["range"]["start"]["line"], 4);
     let blocking = answer["blocking"].as_array().expect("a list");
-    let of = |codel: &str| blocking.iter().find(|it| it["codel"] == codel);
+    let of = |codel: &str| blocking.iter().find(|json| json["codel"] == codel);
     let by = &of("pump.fast.start").expect("it shares data")["by"][0];
     assert_eq!(by["through"], "`level` of the ids");
     let events = answer["run"]["events"].as_array().expect("a list");
-    let places = events.iter().map(|it| &it["location"]["uri"]);
+    let places = events.iter().map(|event| &event["location"]["uri"]);
     assert!(
-        { places }.any(|it| *it == folder.uri("pump.gen")),
+        { places }.any(|place| *place == folder.uri("pump.gen")),
         "{events:?}"
     );
 
@@ -426,7 +443,7 @@ async fn limits_are_looked_for_with_progress() {
     let answer = client.ok("dotgen/sensitivity", question.clone()).await;
     assert_eq!(answer["cores"], 1);
     let codels = answer["wcet"].as_array().expect("a list");
-    let main = codels.iter().find(|it| it["of"] == "pump.t.main");
+    let main = codels.iter().find(|codel| codel["of"] == "pump.t.main");
     let main = main.expect("it has a WCET");
     assert_eq!(main["now"], "4 ms");
     assert_eq!(main["extreme"], "9 ms");
@@ -465,7 +482,8 @@ async fn the_default_scenario_can_be_written_out() {
     question["context"] = json!({ "diagnostics": [] });
     let actions = client.ok("textDocument/codeAction", question).await;
     let mut actions = actions.as_array().expect("a list").iter();
-    let write = actions.find(|it| it["title"] == "Write the verification scenario to pump.scn");
+    let write =
+        actions.find(|action| action["title"] == "Write the verification scenario to pump.scn");
     let edits = &write.expect("it is offered")["edit"]["documentChanges"];
     assert_eq!(edits[0]["kind"], "create");
     let text = edits[1]["edits"][0]["newText"].as_str().expect("text");
@@ -509,7 +527,7 @@ async fn an_answer_refreshes_what_shows_it_and_no_colours() {
         "codeLens": { "refreshSupport": true },
         "semanticTokens": { "refreshSupport": true },
     });
-    let answers = refreshes.map(|it| (it, Value::Null)).to_vec();
+    let answers = refreshes.map(|text| (text, Value::Null)).to_vec();
     let mut client = Client::start_answering(params, answers).await;
     let uri = folder.uri("pump.gen");
     client.open(&uri, &pump("4 ms")).await;
@@ -521,7 +539,7 @@ async fn an_answer_refreshes_what_shows_it_and_no_colours() {
     }
     let asked = |client: &Client, what: &str| {
         let all = client.asked.iter();
-        all.filter(|it| it["method"] == what).count()
+        all.filter(|message| message["method"] == what).count()
     };
     let [diagnostics, lens, colours] = refreshes;
     // Every answer, and every edit that made an answer stale.
@@ -555,16 +573,16 @@ async fn what_is_assumed_stands_at_the_use_of_the_specification() {
     let message = found["message"].as_str().expect("text");
     assert!(message.starts_with("2 codels have no `wcet`"), "{message}");
     let related = found["relatedInformation"].as_array().expect("places");
-    let lines = related.iter().map(|it| {
-        assert_eq!(it["location"]["uri"], uri.as_str());
-        it["location"]["range"]["start"]["line"].as_u64()
+    let lines = related.iter().map(|related| {
+        assert_eq!(related["location"]["uri"], uri.as_str());
+        related["location"]["range"]["start"]["line"].as_u64()
     });
     assert_eq!(lines.collect::<Vec<_>>(), [Some(3), Some(4)]);
     // In the specification itself, only analysis reports it.
     client.open(&uri, &pump("4 ms")).await;
     until(&mut client, &scn, 1, "proved").await;
     let said = client.pulled(&uri).await;
-    let of_wcet = said.iter().filter(|it| it.contains("wcet"));
+    let of_wcet = said.iter().filter(|text| text.contains("wcet"));
     assert_eq!(of_wcet.collect::<Vec<_>>(), ["timing/missing-wcet"]);
     let off = json!({ "settings": { "dotgen": { "severity": { "timing-no-wcet": "off" } } } });
     client.notify("workspace/didChangeConfiguration", off).await;
@@ -583,7 +601,7 @@ async fn what_prevents_a_verification_stands_in_the_specification() {
     until(&mut client, &uri, 1, "blocked").await;
     let report = client.ok("textDocument/diagnostic", document(&uri)).await;
     let items = report["items"].as_array().expect("a list").iter();
-    let error = items.clone().find(|it| it["code"] == "scn-zero-period");
+    let error = items.clone().find(|json| json["code"] == "scn-zero-period");
     let range = &error.expect("it is an error")["range"]["start"];
     assert_eq!(
         (&range["line"], &range["character"]),
@@ -595,7 +613,10 @@ async fn what_prevents_a_verification_stands_in_the_specification() {
         .await;
     until(&mut client, &uri, 2, "proved").await;
     let said = client.pulled(&uri).await;
-    assert!(said.iter().all(|it| !it.starts_with("timing-")), "{said:?}");
+    assert!(
+        said.iter().all(|said| !said.starts_with("timing-")),
+        "{said:?}"
+    );
     client.finish_ignoring(STATUS).await;
 }
 
@@ -613,7 +634,7 @@ async fn what_was_given_up_names_the_setting_to_raise() {
     until(&mut client, &scn, 1, "gave-up").await;
     let report = client.ok("textDocument/diagnostic", document(&scn)).await;
     let items = report["items"].as_array().expect("a list").iter();
-    let mut gave_up = items.filter(|it| it["code"] == "timing/gave-up");
+    let mut gave_up = items.filter(|json| json["code"] == "timing/gave-up");
     let message = gave_up.next().expect("one of them")["message"].clone();
     let message = message.as_str().expect("text");
     assert!(
@@ -648,16 +669,23 @@ async fn each_check_is_answered_where_it_is_written() {
     until(&mut client, &scn, 1, "refuted").await;
     let report = client.ok("textDocument/diagnostic", document(&scn)).await;
     let exceeded = report["items"].as_array().expect("a list").iter();
-    let exceeded = exceeded.filter(|it| it["code"] == "timing/response-exceeded");
-    let lines: Vec<&Value> = exceeded.map(|it| &it["range"]["start"]["line"]).collect();
+    let exceeded = exceeded.filter(|json| json["code"] == "timing/response-exceeded");
+    let lines: Vec<&Value> = exceeded
+        .map(|json| &json["range"]["start"]["line"])
+        .collect();
     assert_eq!(lines, [3], "{report}");
     let lenses = client.ok("textDocument/codeLens", document(&scn)).await;
     let mut titles: Vec<(u64, &str)> = Vec::new();
-    for it in lenses.as_array().expect("a list") {
-        let line = it["range"]["start"]["line"].as_u64().expect("a line");
-        titles.push((line, it["command"]["title"].as_str().expect("text")));
+    for lens in lenses.as_array().expect("a list") {
+        let line = lens["range"]["start"]["line"].as_u64().expect("a line");
+        titles.push((line, lens["command"]["title"].as_str().expect("text")));
     }
-    let of = |line| titles.iter().find(|it| it.0 == line).map(|it| it.1);
+    let of = |line| {
+        titles
+            .iter()
+            .find(|title| title.0 == line)
+            .map(|title| title.1)
+    };
     assert_eq!(
         (of(2), of(3)),
         (Some("4 ms · proved"), Some("4 ms · refuted"))
@@ -679,9 +707,11 @@ async fn without_execution_times_no_lens_is_green() {
     until(&mut client, &scn, 1, "nothing").await;
     let mut titles = lenses(&mut client, &scn).await;
     titles.extend(lenses(&mut client, &uri).await);
-    let nothing = titles.iter().filter(|it| it.contains("nothing to verify"));
+    let nothing = titles
+        .iter()
+        .filter(|title| title.contains("nothing to verify"));
     assert!(nothing.count() >= 3, "{titles:?}");
-    let green = |it: &String| it.contains("proved") || it.contains('✓');
+    let green = |text: &String| text.contains("proved") || text.contains('✓');
     assert!(!titles.iter().any(green), "{titles:?}");
     client.finish_ignoring(STATUS).await;
 }

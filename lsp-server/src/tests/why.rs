@@ -35,8 +35,8 @@ async fn start() -> (Client, Folder, String) {
     client.open(&uri, LIFT).await;
     client.open(&folder.uri("ride.scn"), SCENARIO).await;
     loop {
-        let it = client.notification(STATUS).await;
-        if it["status"] == "refuted" {
+        let notification = client.notification(STATUS).await;
+        if notification["status"] == "refuted" {
             break;
         }
     }
@@ -49,7 +49,7 @@ async fn problem(client: &mut Client, uri: &str) -> Value {
     for _ in 0..100_000 {
         let report = client.ok("textDocument/diagnostic", document(uri)).await;
         let all = report["items"].as_array().cloned().unwrap_or_default();
-        let missed = |it: &&Value| it["code"] == "timing/deadline-miss";
+        let missed = |json: &&Value| json["code"] == "timing/deadline-miss";
         let found = all.iter().find(missed).cloned().unwrap_or_default();
         let helps = found["message"].as_str().unwrap_or_default();
         if helps.contains("it holds if") {
@@ -81,8 +81,8 @@ async fn a_missed_deadline_says_why_and_what_would_help_and_the_fix_makes_it_hol
     params["range"] = problem["range"].clone();
     params["context"] = json!({ "diagnostics": [], "only": ["quickfix"] });
     let actions = client.ok("textDocument/codeAction", params).await;
-    let of_remedy = |it: &&Value| {
-        let title = it["title"].as_str().unwrap_or_default();
+    let of_remedy = |json: &&Value| {
+        let title = json["title"].as_str().unwrap_or_default();
         title == "Set the execution time of `lift.report.start` to 6 ms, with which this holds"
     };
     let found = actions.as_array().into_iter().flatten().find(of_remedy);
@@ -92,11 +92,11 @@ async fn a_missed_deadline_says_why_and_what_would_help_and_the_fix_makes_it_hol
     assert_eq!(edit["range"]["start"]["line"], 6);
     client.change(&uri, 2, json!([edit_of(edit)])).await;
     loop {
-        let it = client.notification(STATUS).await;
-        if it["status"] == "proved" {
+        let notification = client.notification(STATUS).await;
+        if notification["status"] == "proved" {
             break;
         }
-        assert!(it["status"] != "gave-up", "{it}");
+        assert!(notification["status"] != "gave-up", "{notification}");
     }
     client.finish_ignoring(STATUS).await;
 }
@@ -112,8 +112,8 @@ async fn other_changes_that_make_it_hold_are_fixes_too() {
     let mut found = None;
     for _ in 0..100_000 {
         let actions = client.ok("textDocument/codeAction", params.clone()).await;
-        let of_period = |it: &&Value| {
-            let title = it["title"].as_str().unwrap_or_default();
+        let of_period = |json: &&Value| {
+            let title = json["title"].as_str().unwrap_or_default();
             title.starts_with("Set the period of `lift.control` to ")
         };
         let all = actions.as_array().into_iter().flatten();
@@ -130,19 +130,18 @@ async fn other_changes_that_make_it_hold_are_fixes_too() {
     let repairs = answer["repairs"].as_array().expect("a list").iter();
     let repairs: Vec<&str> = repairs.filter_map(Value::as_str).collect();
     assert!(
-        repairs.iter().any(
-            |it| it.contains("`steer` and `tell` do not wait for each other")
-                || it.contains("`tell` and `steer` do not wait for each other")
-        ),
+        repairs.iter().any(|repair| repair
+            .contains("`steer` and `tell` do not wait for each other")
+            || repair.contains("`tell` and `steer` do not wait for each other")),
         "{repairs:?}"
     );
     client.change(&uri, 2, json!([edit_of(edit)])).await;
     loop {
-        let it = client.notification(STATUS).await;
-        if it["status"] == "proved" {
+        let notification = client.notification(STATUS).await;
+        if notification["status"] == "proved" {
             break;
         }
-        assert!(it["status"] != "gave-up", "{it}");
+        assert!(notification["status"] != "gave-up", "{notification}");
     }
     client.finish_ignoring(STATUS).await;
 }
@@ -160,13 +159,13 @@ async fn the_run_comes_as_data_with_its_places() {
         (&json!(1), &json!("ms"))
     );
     let names = trace["lanes"].as_array().into_iter().flatten();
-    let names: Vec<&str> = names.filter_map(|it| it["name"].as_str()).collect();
+    let names: Vec<&str> = names.filter_map(|name| name["name"].as_str()).collect();
     assert!(
         names.ends_with(&["lift.control", "lift.report", "lift locks"]),
         "{names:?}"
     );
     let spans = trace["spans"].as_array().expect("a list");
-    let wait = spans.iter().find(|it| it["kind"] == "wait-lock");
+    let wait = spans.iter().find(|span| span["kind"] == "wait-lock");
     let wait = wait.unwrap_or_else(|| panic!("{trace}"));
     let holder = &wait["by"][0];
     assert_eq!(holder["name"], "report.start");
@@ -176,7 +175,7 @@ async fn the_run_comes_as_data_with_its_places() {
     assert!(
         trace["rules"]["wait"]
             .as_str()
-            .is_some_and(|it| it.contains("excludes"))
+            .is_some_and(|wait| wait.contains("excludes"))
     );
     let place = &trace["places"][step["place"].as_u64().expect("a place") as usize];
     assert_eq!(place["uri"], uri.as_str());
@@ -196,17 +195,17 @@ async fn a_run_goes_on_with_chosen_steps() {
     let whole = client.ok("dotgen/trace", document(&uri)).await;
     assert!(whole.get("next").is_none());
     let asked = |take: &[usize]| {
-        let mut it = document(&uri);
-        it["after"] = json!(3);
-        it["take"] = json!(take);
-        it
+        let mut document = document(&uri);
+        document["after"] = json!(3);
+        document["take"] = json!(take);
+        document
     };
     let first = client.ok("dotgen/trace", asked(&[])).await;
-    let steps = |it: &Value| it["steps"].as_array().expect("a list").clone();
+    let steps = |json: &Value| json["steps"].as_array().expect("a list").clone();
     assert!(steps(&first).len() < steps(&whole).len());
     assert_eq!(steps(&whole)[..4], steps(&first)[..4]);
     let choices = first["next"]["choices"].as_array().expect("a list");
-    assert!(choices.iter().all(|it| it.is_string()) && !choices.is_empty());
+    assert!(choices.iter().all(|choice| choice.is_string()) && !choices.is_empty());
     let taken = client.ok("dotgen/trace", asked(&[choices.len() - 1])).await;
     assert_eq!(taken["next"]["taken"], json!([steps(&first).len()]));
     assert!(

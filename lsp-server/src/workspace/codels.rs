@@ -52,7 +52,7 @@ pub(crate) fn is_code(path: &Utf8Path, language: Option<&str>) -> bool {
         "objective-cpp",
     ];
     matches!(path.extension(), Some("c" | "cc" | "cpp" | "cxx"))
-        || language.is_some_and(|it| languages.contains(&it))
+        || language.is_some_and(|language| languages.contains(&language))
 }
 
 /// True if a file is a header, by its name.
@@ -77,7 +77,7 @@ pub(crate) fn home(config: &FilesConfig, source: &Utf8Path) -> Option<Utf8PathBu
 impl ComparedFolders {
     /// The folders.
     pub(crate) fn folders(&self) -> impl Iterator<Item = &Folder> {
-        self.folders.iter().map(|it| &it.0)
+        self.folders.iter().map(|folder| &folder.0)
     }
 
     /// Folders with their findings, after configuration and comments are applied.

@@ -147,7 +147,7 @@ mod tests {
             documents.edit(&path, 2, edits, Encoding::Utf16),
             EditEffect::Changed
         );
-        assert_eq!(documents.text(&path).map(|it| &**it), Some("ab\n😀x\n"));
+        assert_eq!(documents.text(&path).map(|text| &**text), Some("ab\n😀x\n"));
         assert_eq!(documents.open_files()[&path].version, 2);
     }
 
@@ -168,6 +168,6 @@ mod tests {
             documents.edit(&path, 4, whole, encoding),
             EditEffect::Changed
         );
-        assert_eq!(documents.text(&path).map(|it| &**it), Some("new"));
+        assert_eq!(documents.text(&path).map(|text| &**text), Some("new"));
     }
 }

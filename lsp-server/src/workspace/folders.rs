@@ -88,14 +88,14 @@ impl Workspace {
     /// Reads folders, trust and settings from `initialize`. Returns the errors in the settings.
     pub(crate) fn initialize(&mut self, params: &InitializeParams) -> BTreeSet<String> {
         let options = params.initialization_options.as_ref();
-        let option = |name: &str| options.and_then(|it| it.get(name));
+        let option = |name: &str| options.and_then(|option| option.get(name));
         self.trusted = option("trusted").and_then(Value::as_bool).unwrap_or(false);
         let problems = match option("settings") {
             Some(settings) => self.set_editor_settings(std::slice::from_ref(settings)),
             None => BTreeSet::new(),
         };
         let folders = params.workspace_folders.clone().unwrap_or_default();
-        let mut uris: Vec<Uri> = folders.into_iter().map(|it| it.uri).collect();
+        let mut uris: Vec<Uri> = folders.into_iter().map(|folder| folder.uri).collect();
         if uris.is_empty() {
             #[allow(deprecated, reason = "older clients send nothing else")]
             uris.extend(params.root_uri.clone());
@@ -108,7 +108,7 @@ impl Workspace {
 
     fn add(&mut self, uri: Uri) {
         let path = uri::to_path(&uri);
-        if self.folders.iter().all(|it| it.path != path) {
+        if self.folders.iter().all(|folder| folder.path != path) {
             self.folders.push(Folder::new(Some(uri), path));
         }
     }
@@ -118,13 +118,14 @@ impl Workspace {
         let removed: Vec<_> = event
             .removed
             .iter()
-            .map(|it| uri::to_path(&it.uri))
+            .map(|folder| uri::to_path(&folder.uri))
             .collect();
-        self.folders.retain(|it| !removed.contains(&it.path));
+        self.folders
+            .retain(|folder| !removed.contains(&folder.path));
         self.files
             .retain(|file| !removed.iter().any(|folder| file.starts_with(folder)));
-        let kept = |it: &Utf8Path| !removed.iter().any(|folder| it.starts_with(folder));
-        self.projects.retain(|it| kept(&it.path));
+        let kept = |path: &Utf8Path| !removed.iter().any(|folder| path.starts_with(folder));
+        self.projects.retain(|project| kept(&project.path));
         Arc::make_mut(&mut self.templates).retain(kept);
         for folder in &event.added {
             self.add(folder.uri.clone());
@@ -147,7 +148,7 @@ impl Workspace {
                 _ => _ = self.files.insert(file),
             }
         }
-        scripts.retain(|it| it.file_name() == Some(SCRIPT));
+        scripts.retain(|script| script.file_name() == Some(SCRIPT));
         self.scenarios = Arc::new(scenarios);
         self.templates = Arc::new(Templates::new(scripts));
         configured
@@ -155,21 +156,21 @@ impl Workspace {
 
     /// Removes the files at or below a path. Returns true if there were any.
     pub(crate) fn remove(&mut self, path: &Utf8Path) -> bool {
-        let kept = |it: &Utf8Path| !it.starts_with(path);
+        let kept = |other: &Utf8Path| !other.starts_with(path);
         let before = self.files.len() + self.scenarios.len();
-        self.files.retain(|it| kept(it));
-        Arc::make_mut(&mut self.scenarios).retain(|it| kept(it));
+        self.files.retain(|file| kept(file));
+        Arc::make_mut(&mut self.scenarios).retain(|change| kept(change));
         Arc::make_mut(&mut self.templates).retain(kept);
         before != self.files.len() + self.scenarios.len()
     }
 
     /// Adds a directory with a `dotgen.toml`. Returns true if it is new.
     fn add_project(&mut self, directory: Option<&Utf8Path>) -> bool {
-        let known = |it: &Utf8Path| {
+        let known = |path: &Utf8Path| {
             let mut all = self.folders.iter().chain(&self.projects);
-            all.any(|known| known.path == it)
+            all.any(|known| known.path == path)
         };
-        let Some(directory) = directory.filter(|it| !known(it)) else {
+        let Some(directory) = directory.filter(|directory| !known(directory)) else {
             return false;
         };
         self.projects.push(Folder::new(None, directory.to_owned()));
@@ -199,11 +200,14 @@ impl Workspace {
         let mut problems = BTreeSet::new();
         let mut values = values.iter().map(|value| {
             let read = config::from_editor(value);
-            problems.extend(read.problems.into_iter().map(|it| it.message));
+            problems.extend(read.problems.into_iter().map(|problem| problem.message));
             read.settings
         });
         self.editor = values.next().unwrap_or_default();
-        let folders = self.folders.iter_mut().filter(|it| it.uri.is_some());
+        let folders = self
+            .folders
+            .iter_mut()
+            .filter(|folder| folder.uri.is_some());
         for folder in folders {
             folder.editor = values.next();
         }
@@ -219,7 +223,7 @@ impl Workspace {
             folder.file = ConfigFile::read(&folder.path);
         }
         self.projects
-            .retain(|it| it.path.join(config::FILE_NAME).is_file());
+            .retain(|project| project.path.join(config::FILE_NAME).is_file());
     }
 
     /// The configuration in force.
@@ -235,13 +239,13 @@ impl Workspace {
             folders.unwrap_or_else(|| Config::new(&self.editor, Utf8Path::new("/"), self.trusted));
         self.projects.iter().fold(all, |all, project| {
             let around = self.folders.iter();
-            let around = around.filter(|it| project.path.starts_with(&it.path));
-            let around = around.max_by_key(|it| it.path.as_str().len());
+            let around = around.filter(|folder| project.path.starts_with(&folder.path));
+            let around = around.max_by_key(|folder| folder.path.as_str().len());
             let editor = around
-                .and_then(|it| it.editor.as_ref())
+                .and_then(|folder| folder.editor.as_ref())
                 .unwrap_or(&self.editor);
             // Paths in the editor's settings are relative to the workspace folder.
-            let base = around.map_or(&project.path, |it| &it.path);
+            let base = around.map_or(&project.path, |folder| &folder.path);
             let own = project
                 .file
                 .settings
@@ -274,24 +278,24 @@ impl Workspace {
             .folders
             .iter()
             .chain(&self.projects)
-            .filter(|it| !it.file.problems.is_empty());
+            .filter(|folder| !folder.file.problems.is_empty());
         with_problems.map(of).collect()
     }
 
     /// The folders of the client.
     pub(crate) fn folder_uris(&self) -> impl Iterator<Item = Uri> {
-        self.folders.iter().filter_map(|it| it.uri.clone())
+        self.folders.iter().filter_map(|folder| folder.uri.clone())
     }
 
     /// The folders whose files belong to the workspace.
     pub(crate) fn scanned_folders(&self) -> Vec<Utf8PathBuf> {
-        let folders = self.folders.iter().filter(|it| it.uri.is_some());
-        folders.map(|it| it.path.clone()).collect()
+        let folders = self.folders.iter().filter(|folder| folder.uri.is_some());
+        folders.map(|folder| folder.path.clone()).collect()
     }
 
     /// True if a path is below a folder of the client.
     pub(crate) fn contains(&self, path: &Utf8Path) -> bool {
-        let mut folders = self.folders.iter().filter(|it| it.uri.is_some());
-        folders.any(|it| path.starts_with(&it.path))
+        let mut folders = self.folders.iter().filter(|folder| folder.uri.is_some());
+        folders.any(|folder| path.starts_with(&folder.path))
     }
 }

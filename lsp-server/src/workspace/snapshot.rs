@@ -159,7 +159,7 @@ impl Snapshot {
         items: &[T],
         f: impl Fn(&Snapshot, &T) -> R + Sync,
     ) -> Vec<R> {
-        parallel::map(items, || self.fork(), |it| f(self, it), &f)
+        parallel::map(items, || self.fork(), |argument| f(self, argument), &f)
     }
 
     /// The lines of a file; `None` if it cannot be read.
@@ -227,7 +227,7 @@ impl Snapshot {
             Some(open) => return open.kind,
             None if codels::is_header(path) => {
                 let config = self.config.codels_of(path);
-                config.is_some_and(|it| codels::home(it, path).is_some())
+                config.is_some_and(|config| codels::home(config, path).is_some())
             }
             None => codels::is_code(path, None),
         };
@@ -246,23 +246,23 @@ impl Snapshot {
     /// `dotgen.toml`, and the open files below that `dotgen.toml`. Without a `dotgen.toml`, open files
     /// without one in any folder.
     pub(crate) fn system_units(&self, path: &Utf8Path) -> Cancellable<Vec<UnitResult>> {
-        let folder = self.folders.iter().find(|it| path.starts_with(it));
+        let folder = self.folders.iter().find(|folder| path.starts_with(folder));
         let project = self.config.project(path);
         let mut paths: Vec<&Utf8Path> = self
             .roots
             .iter()
-            .filter(|it| {
-                let beside = folder.is_some_and(|folder| it.starts_with(folder));
-                beside || self.open.contains_key(*it)
+            .filter(|root| {
+                let beside = folder.is_some_and(|folder| root.starts_with(folder));
+                beside || self.open.contains_key(*root)
             })
-            .filter(|it| self.config.project(it) == project)
-            .map(|it| it.as_path())
+            .filter(|root| self.config.project(root) == project)
+            .map(|root| root.as_path())
             .collect();
         if paths.is_empty() {
             paths.push(path);
         }
         paths.sort();
-        let units = paths.into_iter().map(|it| self.analysis.root_unit(it));
+        let units = paths.into_iter().map(|path| self.analysis.root_unit(path));
         units.collect()
     }
 

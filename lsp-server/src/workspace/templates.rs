@@ -32,7 +32,7 @@ impl Templates {
             return self.remove(script);
         };
         let outside = files::outside(directory, &text);
-        let outside: BTreeSet<_> = outside.into_iter().filter(|it| it.is_file()).collect();
+        let outside: BTreeSet<_> = outside.into_iter().filter(|path| path.is_file()).collect();
         let before = self.0.insert(directory.to_owned(), outside.clone());
         before != Some(outside)
     }
@@ -41,33 +41,34 @@ impl Templates {
     pub(crate) fn remove(&mut self, script: &Utf8Path) -> bool {
         script
             .parent()
-            .is_some_and(|it| self.0.remove(it).is_some())
+            .is_some_and(|parent| self.0.remove(parent).is_some())
     }
 
     /// Keeps the templates in the directories for which `keep` is true.
     pub(crate) fn retain(&mut self, keep: impl Fn(&Utf8Path) -> bool) {
-        self.0.retain(|it, _| keep(it));
+        self.0.retain(|path, _| keep(path));
     }
 
     /// The template that a file belongs to: the template in a directory above it, or the one that names the
     /// file.
     pub(crate) fn home(&self, file: &Utf8Path) -> Option<Utf8PathBuf> {
         let mut around = file.ancestors().skip(1);
-        let around = around.find(|it| self.0.contains_key(*it) || it.join(SCRIPT).is_file());
+        let around = around
+            .find(|ancestor| self.0.contains_key(*ancestor) || ancestor.join(SCRIPT).is_file());
         let around = around.map(Utf8Path::to_owned);
         around.or_else(|| {
             let mut all = self.0.iter();
             let naming = all.find(|(_, outside)| outside.contains(file));
-            naming.map(|it| it.0.clone())
+            naming.map(|naming| naming.0.clone())
         })
     }
 
     /// Globs for all files of the templates.
     pub(crate) fn globs(&self) -> BTreeSet<String> {
         // Characters with a meaning in globs are replaced by `?`, which matches any character.
-        let plain = |it: &Utf8Path| it.as_str().replace(['*', '?', '{', '}', '[', ']'], "?");
-        let below = self.0.keys().map(|it| format!("{}/**", plain(it)));
-        let outside = self.0.values().flatten().map(|it| plain(it));
+        let plain = |path: &Utf8Path| path.as_str().replace(['*', '?', '{', '}', '[', ']'], "?");
+        let below = self.0.keys().map(|key| format!("{}/**", plain(key)));
+        let outside = self.0.values().flatten().map(|path| plain(path));
         below.chain(outside).collect()
     }
 }

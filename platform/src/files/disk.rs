@@ -39,9 +39,9 @@ impl Disk for SystemDisk {
 
     fn list(&self, directory: &Path) -> io::Result<Vec<Entry>> {
         let entries = std::fs::read_dir(directory)?.flatten();
-        let entry = |it: std::fs::DirEntry| Entry {
-            path: it.path(),
-            is_dir: it.file_type().is_ok_and(|it| it.is_dir()),
+        let entry = |entry: std::fs::DirEntry| Entry {
+            path: entry.path(),
+            is_dir: entry.file_type().is_ok_and(|file_type| file_type.is_dir()),
         };
         Ok(entries.map(entry).collect())
     }

@@ -73,7 +73,7 @@ mod tests {
         std::fs::write(&file, "component a {};\n").expect("written");
         let stamp = || {
             std::fs::metadata(&file)
-                .and_then(|it| it.modified())
+                .and_then(|metadata| metadata.modified())
                 .expect("a time")
         };
         assert_eq!(changed(&file), Some(stamp()), "no repository");

@@ -117,9 +117,9 @@ impl Loader for Vfs {
     fn list_dir(&self, path: &Utf8Path) -> Vec<DirEntry> {
         let entries = path.read_dir_utf8().into_iter().flatten();
         let entries = entries.filter_map(Result::ok).take(MAX_ENTRIES);
-        let convert = entries.map(|it| DirEntry {
-            name: it.file_name().to_owned(),
-            is_dir: it.path().is_dir(),
+        let convert = entries.map(|entry| DirEntry {
+            name: entry.file_name().to_owned(),
+            is_dir: entry.path().is_dir(),
         });
         convert.collect()
     }
@@ -180,9 +180,9 @@ fn missing(error: &std::io::Error) -> bool {
 /// The `.gen` files in a directory, without subdirectories, sorted.
 pub fn specifications_in(directory: &Utf8Path) -> Vec<Utf8PathBuf> {
     let entries = directory.read_dir_utf8().into_iter().flatten().flatten();
-    let paths = entries.map(|it| directory.join(it.file_name()));
+    let paths = entries.map(|entry| directory.join(entry.file_name()));
     let mut out: Vec<_> = paths
-        .filter(|it| it.extension() == Some("gen") && it.is_file())
+        .filter(|path| path.extension() == Some("gen") && path.is_file())
         .collect();
     out.sort();
     out
@@ -203,7 +203,10 @@ pub fn files_below(directory: &Utf8Path, extensions: &[&str]) -> Vec<Utf8PathBuf
         .filter_map(Result::ok)
         .filter(|entry| entry.path().is_file())
         .filter_map(|entry| Utf8PathBuf::from_path_buf(entry.into_path()).ok())
-        .filter(|path| path.extension().is_some_and(|it| extensions.contains(&it)))
+        .filter(|path| {
+            path.extension()
+                .is_some_and(|extension| extensions.contains(&extension))
+        })
         .collect();
     files.sort();
     files

@@ -125,7 +125,11 @@ mod linux {
     ) -> Result<(), landlock::RulesetError> {
         let read: BitFlags<AccessFs> = AccessFs::ReadFile | AccessFs::ReadDir;
         let run = read | AccessFs::Execute;
-        let program = program.map(|it| it.canonicalize().unwrap_or_else(|_| it.to_owned()));
+        let program = program.map(|program| {
+            program
+                .canonicalize()
+                .unwrap_or_else(|_| program.to_owned())
+        });
         let (libraries, data) = program.as_deref().map(needed).unwrap_or_default();
         Ruleset::default()
             .handle_access(AccessFs::from_all(REQUESTED_ABI))?
@@ -210,7 +214,7 @@ mod linux {
     }
 
     fn all(calls: &[i64]) -> Rules {
-        calls.iter().map(|it| (*it, Vec::new())).collect()
+        calls.iter().map(|call| (*call, Vec::new())).collect()
     }
 
     /// Changes of permissions and dates, which Landlock does not cover. They succeed without effect: Tcl
@@ -261,8 +265,8 @@ mod linux {
         let when = |argument: u8, operator: SeccompCmpOp, value: u64| {
             let condition =
                 SeccompCondition::new(argument, SeccompCmpArgLen::Qword, operator, value);
-            let rule = condition.and_then(|it| SeccompRule::new(vec![it]));
-            rule.map(|it| vec![it]).map_err(io::Error::other)
+            let rule = condition.and_then(|condition| SeccompRule::new(vec![condition]));
+            rule.map(|rule| vec![rule]).map_err(io::Error::other)
         };
         // Threads are allowed, processes are not.
         let thread = u64::from(libc::CLONE_THREAD.cast_unsigned());

@@ -51,7 +51,7 @@ pub(super) fn create(parent: Option<&Path>) -> io::Result<Box<dyn Folder>> {
     let parent = parent.canonicalize().unwrap_or(parent);
     let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent)?;
     let path = folder.path().to_owned();
-    let watched = Watcher::get().map(|it| it.folder(&path));
+    let watched = Watcher::get().map(|watcher| watcher.folder(&path));
     Ok(Box::new(Temporary {
         _lock: lock(&path, false),
         folder: Some(folder),
@@ -64,8 +64,8 @@ pub(super) fn create(parent: Option<&Path>) -> io::Result<Box<dyn Folder>> {
 /// too.
 pub(super) fn size(folder: &Path) -> u64 {
     let entries = walkdir::WalkDir::new(folder).into_iter().flatten();
-    let space = |it: walkdir::DirEntry| {
-        let length = it.metadata().map_or(0, |it| it.len());
+    let space = |entry: walkdir::DirEntry| {
+        let length = entry.metadata().map_or(0, |metadata| metadata.len());
         length.next_multiple_of(BLOCK).max(BLOCK)
     };
     entries.map(space).sum()
@@ -82,12 +82,16 @@ fn clean_up_in(parent: &Path) {
         let name = entry.file_name();
         let is_ours = name.as_encoded_bytes().starts_with(PREFIX.as_bytes());
         // The type of the entry itself: a link is not a folder.
-        if !is_ours || !entry.file_type().is_ok_and(|it| it.is_dir()) {
+        if !is_ours || !entry.file_type().is_ok_and(|file_type| file_type.is_dir()) {
             continue;
         }
-        let changed = entry.metadata().and_then(|it| it.modified());
-        let age = changed.map(|it| SystemTime::now().duration_since(it).unwrap_or_default());
-        if !age.is_ok_and(|it| it > MIN_LEFTOVER_AGE) {
+        let changed = entry.metadata().and_then(|metadata| metadata.modified());
+        let age = changed.map(|metadata| {
+            SystemTime::now()
+                .duration_since(metadata)
+                .unwrap_or_default()
+        });
+        if !age.is_ok_and(|age| age > MIN_LEFTOVER_AGE) {
             continue;
         }
         if let Some(_lock) = lock(&entry.path(), true) {
@@ -137,7 +141,7 @@ mod tests {
         let used = make("dotgen-used", old);
         let _lock = lock(&used, false).expect("a lock");
         clean_up_in(parent.path());
-        let there = [&left, &young, &other, &used].map(|it| it.exists());
+        let there = [&left, &young, &other, &used].map(|path| path.exists());
         assert_eq!(there, [false, true, true, true]);
     }
 

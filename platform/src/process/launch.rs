@@ -53,7 +53,7 @@ pub(super) fn renderer_arguments(resources: Resources) -> Vec<OsString> {
 }
 
 fn limits(out: &mut Vec<OsString>, resources: Resources) {
-    let time = resources.time.map(|it| it.as_secs());
+    let time = resources.time.map(|time| time.as_secs());
     for (option, value) in [
         ("--memory", resources.memory),
         ("--time", time),
@@ -180,7 +180,7 @@ fn die_with_parent(parent: i32) -> std::io::Result<()> {
     use rustix::process::{Signal, getppid, set_parent_process_death_signal};
     set_parent_process_death_signal(Some(Signal::KILL))?;
     // The parent may have ended before the call.
-    if getppid().map(|it| it.as_raw_nonzero().get()) != Some(parent) {
+    if getppid().map(|process| process.as_raw_nonzero().get()) != Some(parent) {
         return Err(std::io::Error::other("its parent has ended"));
     }
     Ok(())

@@ -95,11 +95,11 @@ pub(super) fn serve(mut pipe: impl Read) {
     let _ = pipe.read_to_end(&mut bytes);
     let mut items: Vec<&[u8]> = Vec::new();
     // A part after the last terminator is incomplete.
-    let end = bytes.iter().rposition(|it| *it == 0).unwrap_or(0);
-    for told in bytes[..end].split(|it| *it == 0) {
+    let end = bytes.iter().rposition(|byte| *byte == 0).unwrap_or(0);
+    for told in bytes[..end].split(|byte| *byte == 0) {
         match told.split_first() {
             Some((b'+', item)) => items.push(item),
-            Some((b'-', item)) => items.retain(|it| *it != item),
+            Some((b'-', item)) => items.retain(|byte| *byte != item),
             _ => {}
         }
     }
@@ -120,11 +120,11 @@ pub(super) fn serve(mut pipe: impl Read) {
 
 /// Makes the moves that are not made yet.
 pub(crate) fn carry_out(moves: &[Move]) {
-    for it in moves {
+    for movement in moves {
         // Fails for a move that the process has made itself.
-        let _ = match &it.to {
-            Some(to) => std::fs::rename(&it.from, to),
-            None => std::fs::remove_file(&it.from),
+        let _ = match &movement.to {
+            Some(to) => std::fs::rename(&movement.from, to),
+            None => std::fs::remove_file(&movement.from),
         };
     }
 }
@@ -133,9 +133,9 @@ pub(crate) fn carry_out(moves: &[Move]) {
 /// preceded by its length and a colon. An empty path stands for a removal.
 fn packed(moves: &[Move]) -> Vec<u8> {
     let mut item = b"m".to_vec();
-    for it in moves {
-        for path in [Some(&it.from), it.to.as_ref()] {
-            let path = path.map_or(&b""[..], |it| it.as_os_str().as_encoded_bytes());
+    for movement in moves {
+        for path in [Some(&movement.from), movement.to.as_ref()] {
+            let path = path.map_or(&b""[..], |path| path.as_os_str().as_encoded_bytes());
             item.extend(format!("{}:", path.len()).into_bytes());
             item.extend_from_slice(path);
         }
@@ -157,7 +157,7 @@ fn unpack(mut bytes: &[u8]) -> Vec<Move> {
 }
 
 fn first_path(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
-    let colon = bytes.iter().position(|it| *it == b':')?;
+    let colon = bytes.iter().position(|byte| *byte == b':')?;
     let length = str::from_utf8(&bytes[..colon]).ok()?.parse().ok()?;
     bytes[colon + 1..].split_at_checked(length)
 }
@@ -165,7 +165,7 @@ fn first_path(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
 fn end_group(id: &[u8]) {
     #[cfg(unix)]
     {
-        let id = str::from_utf8(id).ok().and_then(|it| it.parse().ok());
+        let id = str::from_utf8(id).ok().and_then(|text| text.parse().ok());
         if let Some(group) = id.and_then(rustix::process::Pid::from_raw) {
             let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
         }
@@ -212,7 +212,7 @@ mod tests {
         told.pop();
         serve(&*told);
         let content = |name: &str| std::fs::read_to_string(directory.path().join(name)).ok();
-        let text = |it: &str| Some(it.to_owned());
+        let text = |text: &str| Some(text.to_owned());
         assert_eq!(
             ["file:1", "file\n2", "second", "file3", "new3"].map(content),
             [text("new:1"), text("new\n2"), None, None, text("new3")]

@@ -89,8 +89,8 @@ impl<'s> Model<'s> {
         bounds: Vec<Option<Ticks>>,
     ) -> Self {
         Model {
-            timed: (system.codels.iter()).all(|it| it.upper > 0 || it.site.is_none()),
-            untimed: system.codels.iter().all(|it| it.upper == 0),
+            timed: (system.codels.iter()).all(|codel| codel.upper > 0 || codel.site.is_none()),
+            untimed: system.codels.iter().all(|codel| codel.upper == 0),
             preempts: preempts(system),
             priorities: system.priorities(),
             system,
@@ -105,10 +105,10 @@ impl<'s> Model<'s> {
     }
 
     pub(super) fn of_task(&self, task: usize) -> Limits {
-        let period = self.system.tasks.get(task).and_then(|it| it.period);
-        let period = period.map(|it| self.nanos(it));
+        let period = self.system.tasks.get(task).and_then(|task| task.period);
+        let period = period.map(|period| self.nanos(period));
         let known = self.bounds.get(task).copied().flatten();
-        let known = known.map(|it| self.nanos(it));
+        let known = known.map(|bound| self.nanos(bound));
         // If codels have no times, no bound is meaningful. A job is assumed to end within its period.
         let latest = match (known, period) {
             (Some(bound), Some(period)) if bound <= period && self.timed => Some(bound),
@@ -126,32 +126,32 @@ impl<'s> Model<'s> {
 
     /// Returns the least and greatest time of a codel in nanoseconds, if its runs show them.
     pub(super) fn limits(&self, codel: usize) -> (Option<i64>, Option<i64>) {
-        let Some(it) = self.system.codels.get(codel).filter(|_| !self.preempts) else {
+        let Some(definition) = self.system.codels.get(codel).filter(|_| !self.preempts) else {
             return (None, None);
         };
-        (Some(self.nanos(it.lower)), self.declared(codel))
+        (Some(self.nanos(definition.lower)), self.declared(codel))
     }
 
     /// Returns the greatest time of a codel in nanoseconds, if it has one.
     pub(super) fn declared(&self, codel: usize) -> Option<i64> {
-        let it = self.system.codels.get(codel)?;
-        (it.upper != FOREVER && it.upper > 0).then(|| self.nanos(it.upper))
+        let codel = self.system.codels.get(codel)?;
+        (codel.upper != FOREVER && codel.upper > 0).then(|| self.nanos(codel.upper))
     }
 
     pub(super) fn path(&self, codel: usize) -> String {
-        let it = self.system.codels.get(codel);
-        it.map_or(String::new(), |it| it.path.to_string())
+        let codel = self.system.codels.get(codel);
+        codel.map_or(String::new(), |codel| codel.path.to_string())
     }
 
     pub(super) fn last_name(&self, codel: usize) -> String {
-        let it = self.system.codels.get(codel);
-        it.map_or(String::new(), |it| it.path.own().to_owned())
+        let codel = self.system.codels.get(codel);
+        codel.map_or(String::new(), |codel| codel.path.own().to_owned())
     }
 
     pub(super) fn state_name(&self, machine: usize, state: usize) -> String {
         let machine = self.system.machines.get(machine);
-        let state = machine.and_then(|it| it.states.get(state));
-        state.map_or(String::new(), |it| it.name.clone())
+        let state = machine.and_then(|machine| machine.states.get(state));
+        state.map_or(String::new(), |state| state.name.clone())
     }
 
     /// Returns the thread of a task; `None` for an asynchronous codel with a thread of its own.
@@ -167,7 +167,7 @@ impl<'s> Model<'s> {
     pub(super) fn core(&self, task: usize, is_async: bool) -> Option<Option<u32>> {
         let own = is_async && self.system.platform.async_free;
         let needs = !own && !self.preempts && self.system.needs_core(task);
-        needs.then(|| self.system.tasks.get(task).and_then(|it| it.affinity))
+        needs.then(|| self.system.tasks.get(task).and_then(|task| task.affinity))
     }
 
     /// If threads with priorities are preempted, returns the core to which a task is bound, and its priority.
@@ -192,7 +192,7 @@ impl<'s> Model<'s> {
         let components = &self.system.components;
         let component = components
             .iter()
-            .position(|it| member.component.name == it.name);
+            .position(|component| member.component.name == component.name);
         let Some(component) = component else {
             return ResolvedKind::Mismatch(Mismatch::Component);
         };
@@ -204,16 +204,20 @@ impl<'s> Model<'s> {
                 let (automaton, permanent) = match site.codel.owner {
                     Owner::Task(task) => {
                         let task = parts.tasks.get(task as usize);
-                        let task = task.and_then(|&it| self.system.tasks.get(it));
-                        (task.and_then(|it| it.permanent), true)
+                        let task = task.and_then(|&task| self.system.tasks.get(task));
+                        (task.and_then(|task| task.permanent), true)
                     }
                     Owner::Service(service) => {
                         let service = parts.services.get(service as usize);
-                        let service = service.and_then(|&it| self.system.services.get(it));
-                        (service.and_then(|it| it.slots.first().copied()), false)
+                        let service =
+                            service.and_then(|&service| self.system.services.get(service));
+                        (
+                            service.and_then(|service| service.slots.first().copied()),
+                            false,
+                        )
                     }
                 };
-                let automaton = automaton.and_then(|it| self.system.automata.get(it));
+                let automaton = automaton.and_then(|automaton| self.system.automata.get(automaton));
                 let Some(automaton) = automaton else {
                     return none;
                 };
@@ -231,12 +235,12 @@ impl<'s> Model<'s> {
                     return none;
                 };
                 let service = parts.services.get(service as usize);
-                let service = service.and_then(|&it| self.system.services.get(it));
+                let service = service.and_then(|&service| self.system.services.get(service));
                 let Some(service) = service else { return none };
                 let mut all = service.validate.iter().chain(&service.simple).copied();
-                let is = |it: &usize| {
-                    let codel = self.system.codels.get(*it);
-                    codel.is_some_and(|it| it.site.is_some_and(|it| it.1 == site.codel))
+                let is = |index: &usize| {
+                    let codel = self.system.codels.get(*index);
+                    codel.is_some_and(|codel| codel.site.is_some_and(|other| other.1 == site.codel))
                 };
                 let Some(codel) = all.find(is) else {
                     return none;
@@ -253,13 +257,13 @@ impl<'s> Model<'s> {
 
     /// Looks up a service without a codel: the model has one in its place.
     fn attribute(&self, kind: &LineKind, instance: u32) -> ResolvedKind {
-        let of = |it: &&dotgen_timing::system::Service| {
-            let component = self.system.components.get(it.component);
+        let of = |service: &&dotgen_timing::system::Service| {
+            let component = self.system.components.get(service.component);
             let named = component.is_some_and(|of| of.name == kind.instance);
-            named && it.name == kind.service
+            named && service.name == kind.service
         };
         let service = self.system.services.iter().find(of);
-        let codel = service.and_then(|it| Some((it.component, *it.simple.first()?)));
+        let codel = service.and_then(|service| Some((service.component, *service.simple.first()?)));
         match codel {
             Some((component, codel)) => ResolvedKind::Control {
                 codel,
@@ -273,13 +277,16 @@ impl<'s> Model<'s> {
 
     fn at(&self, task: usize, number: usize, state: &str, kind: &LineKind) -> Option<StateOutcome> {
         let machine = self.system.machines.get(number)?;
-        let place = machine.states.iter().position(|it| it.name == state)?;
+        let place = machine
+            .states
+            .iter()
+            .position(|candidate| candidate.name == state)?;
         let of = machine.states.get(place)?;
         let to = event(&kind.to);
-        let is = |it: &Yield| match *it {
+        let is = |transition: &Yield| match *transition {
             Yield::Next(next) | Yield::Pause(next) => {
-                let paused = matches!(it, Yield::Pause(_));
-                let name = machine.states.get(next).map(|it| it.name.as_str());
+                let paused = matches!(transition, Yield::Pause(_));
+                let name = machine.states.get(next).map(|state| state.name.as_str());
                 paused == to.paused && name == Some(to.name)
             }
             Yield::End => !to.paused && to.name == "ether",
@@ -291,7 +298,10 @@ impl<'s> Model<'s> {
             None => CodelOutcome::Undeclared,
         };
         // The next state is expected, declared or not.
-        let next = machine.states.iter().position(|it| it.name == to.name);
+        let next = machine
+            .states
+            .iter()
+            .position(|state| state.name == to.name);
         let next = next.filter(|_| !matches!(led, CodelOutcome::Exception));
         Some(StateOutcome {
             instance: 0,
@@ -304,19 +314,19 @@ impl<'s> Model<'s> {
             codel: of.codel,
             is_async: of.is_async,
             to: led,
-            next: next.map(|it| (it, to.paused)),
+            next: next.map(|index| (index, to.paused)),
         })
     }
 
     /// Returns true if an event can be an exception of a codel. Every server can throw exceptions of `genom`.
     fn throws(&self, codel: usize, to: &str) -> bool {
-        let Some(it) = self.system.codels.get(codel) else {
+        let Some(codel) = self.system.codels.get(codel) else {
             return false;
         };
         if to.starts_with("::genom::") && to != "::genom::ok" {
             return true;
         }
-        let Some((component, of)) = it.site else {
+        let Some((component, of)) = codel.site else {
             return false;
         };
         let Some(member) = self.names.components.get(component) else {
@@ -326,28 +336,29 @@ impl<'s> Model<'s> {
             Owner::Task(task) => (None, Some(task)),
             Owner::Service(service) => {
                 let service = member.component.services.get(service as usize);
-                (service, service.and_then(|it| it.task))
+                (service, service.and_then(|service| service.task))
             }
         };
-        let task = task.and_then(|it| member.component.tasks.get(it as usize));
+        let task = task.and_then(|task| member.component.tasks.get(task as usize));
         let all = member.component.throws.iter();
-        let all = all.chain(own.iter().flat_map(|it| &it.throws));
-        let mut all = all.chain(task.iter().flat_map(|it| &it.throws));
-        all.any(|&it| member.spec.full_name(it).as_deref() == Some(to))
+        let all = all.chain(own.iter().flat_map(|service| &service.throws));
+        let mut all = all.chain(task.iter().flat_map(|task| &task.throws));
+        all.any(|&exception| member.spec.full_name(exception).as_deref() == Some(to))
     }
 
     /// Returns the codels in their states, and those of control tasks.
     pub(super) fn codels_of_threads(&self) -> impl Iterator<Item = usize> + '_ {
         let machines = self.system.automata.iter();
-        let machines = machines.filter_map(|it| self.system.machines.get(it.machine));
-        let states = machines.flat_map(|it| it.states.iter().map(|it| it.codel));
+        let machines = machines.filter_map(|machine| self.system.machines.get(machine.machine));
+        let states = machines.flat_map(|machine| machine.states.iter().map(|state| state.codel));
         let services = self.system.services.iter();
-        let services = services.flat_map(|it| it.validate.iter().chain(&it.simple).copied());
-        let real = |it: &usize| {
+        let services =
+            services.flat_map(|service| service.validate.iter().chain(&service.simple).copied());
+        let real = |index: &usize| {
             self.system
                 .codels
-                .get(*it)
-                .is_some_and(|it| it.site.is_some())
+                .get(*index)
+                .is_some_and(|codel| codel.site.is_some())
         };
         states.chain(services).filter(real)
     }
@@ -363,8 +374,8 @@ impl<'s> Model<'s> {
             let Some(machine) = self.system.machines.get(number) else {
                 continue;
             };
-            for (state, it) in machine.states.iter().enumerate() {
-                for (outcome, to) in it.yields.iter().enumerate() {
+            for (state, entry) in machine.states.iter().enumerate() {
+                for (outcome, to) in entry.yields.iter().enumerate() {
                     if taken.contains_key(&(number, state, outcome)) {
                         continue;
                     }
@@ -375,7 +386,7 @@ impl<'s> Model<'s> {
                     };
                     out.push(UntakenTransition {
                         machine: machine.name.clone(),
-                        from: it.name.clone(),
+                        from: entry.name.clone(),
                         to,
                     });
                 }

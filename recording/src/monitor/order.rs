@@ -95,21 +95,21 @@ impl RunOrder {
     ) {
         let excludes = |one: usize, other: usize| {
             let codel = system.codels.get(one);
-            codel.is_some_and(|it| it.conflicts.contains(other))
+            codel.is_some_and(|codel| codel.conflicts.contains(other))
         };
-        let component = |codel: usize| system.codels.get(codel).map(|it| it.component);
+        let component = |codel: usize| system.codels.get(codel).map(|codel| codel.component);
         let (mut together, mut busy) = (false, 0usize);
-        for it in self.recent.iter().rev() {
+        for earlier in self.recent.iter().rev() {
             // Runs are in order of their ends.
-            if it.ended <= run.asked {
+            if earlier.ended <= run.asked {
                 break;
             }
-            let one_process =
-                it.instance == run.instance || component(it.codel) != component(run.codel);
-            let overlaps = it.overlaps(&run);
-            let (first, second) = match it.began <= run.began {
-                true => (it, &run),
-                false => (&run, it),
+            let one_process = earlier.instance == run.instance
+                || component(earlier.codel) != component(run.codel);
+            let overlaps = earlier.overlaps(&run);
+            let (first, second) = match earlier.began <= run.began {
+                true => (earlier, &run),
+                false => (&run, earlier),
             };
             if overlaps && one_process && excludes(second.codel, first.codel) {
                 together = true;
@@ -126,15 +126,16 @@ impl RunOrder {
                     out.push((first.codel, OrderViolation::Overtaken(second.codel)));
                 }
             }
-            let same =
-                it.instance == run.instance && it.thread.is_some() && it.thread == run.thread;
+            let same = earlier.instance == run.instance
+                && earlier.thread.is_some()
+                && earlier.thread == run.thread;
             if overlaps && same && !together {
                 out.push((second.codel, OrderViolation::SameThread(first.codel)));
             }
             if overlaps
                 && !same
                 && self.cores.is_some()
-                && let (Some(Some(core)), Some(Some(other))) = (it.core, run.core)
+                && let (Some(Some(core)), Some(Some(other))) = (earlier.core, run.core)
                 && core == other
             {
                 out.push((second.codel, OrderViolation::SameCore(first.codel, core)));
@@ -145,7 +146,7 @@ impl RunOrder {
             {
                 out.push((first.codel, OrderViolation::SameCore(second.codel, core)));
             }
-            busy += usize::from(overlaps && it.core.is_some());
+            busy += usize::from(overlaps && earlier.core.is_some());
         }
         if let (Some(cores), true) = (self.cores, run.core.is_some())
             && busy + 1 > cores as usize
@@ -155,8 +156,11 @@ impl RunOrder {
                 out.push((run.codel, OrderViolation::Cores(max_cores_held, cores)));
             }
         }
-        let place = self.recent.iter().rposition(|it| it.ended <= run.ended);
-        self.recent.insert(place.map_or(0, |it| it + 1), run);
+        let place = self
+            .recent
+            .iter()
+            .rposition(|earlier| earlier.ended <= run.ended);
+        self.recent.insert(place.map_or(0, |place| place + 1), run);
         if self.recent.len() > MAX_KEPT_RUNS {
             self.recent.pop_front();
         }
@@ -165,13 +169,13 @@ impl RunOrder {
     /// Returns the greatest number of codels that hold a core at the same moment of a run.
     fn max_cores_held(&self, run: &CodelRun) -> usize {
         let recent = self.recent.iter().rev();
-        let recent = recent.take_while(|it| it.ended > run.began);
+        let recent = recent.take_while(|earlier| earlier.ended > run.began);
         let others: Vec<&CodelRun> = recent
-            .filter(|it| it.core.is_some() && it.overlaps(run))
+            .filter(|earlier| earlier.core.is_some() && earlier.overlaps(run))
             .collect();
-        let starts = others.iter().map(|it| it.began).chain([run.began]);
-        let starts = starts.filter(|&it| run.executes_at(it));
-        let at = |moment: i64| others.iter().filter(|it| it.executes_at(moment)).count() + 1;
+        let starts = others.iter().map(|run| run.began).chain([run.began]);
+        let starts = starts.filter(|&start| run.executes_at(start));
+        let at = |moment: i64| others.iter().filter(|run| run.executes_at(moment)).count() + 1;
         starts.map(at).max().unwrap_or(0)
     }
 }

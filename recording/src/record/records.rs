@@ -54,7 +54,8 @@ fn records(
         match (opcode, body) {
             (op::CHUNK, _) if is_file => {
                 let length = u64::from_le_bytes(length);
-                let available = usize::try_from(length).map_or(rest.len(), |it| it.min(rest.len()));
+                let available =
+                    usize::try_from(length).map_or(rest.len(), |length| length.min(rest.len()));
                 chunk(rest.get(..available).unwrap_or_default(), each)?;
             }
             (op::DATA_END, Some(_)) if is_file => return ControlFlow::Continue(()),

@@ -48,7 +48,10 @@ fn a_recording_is_read_up_to_any_byte() {
     let data = read_data(&bytes).expect("a recording");
     let topics: Vec<&str> = data.topics.values().map(String::as_str).collect();
     assert_eq!((topics, data.broken), (vec!["/sail/wind"], None));
-    let messages = data.messages.iter().map(|it| (it.at, it.text.as_slice()));
+    let messages = data
+        .messages
+        .iter()
+        .map(|message| (message.at, message.text.as_slice()));
     assert_eq!(
         messages.collect::<Vec<_>>(),
         [(0, b"{}".as_slice()), (1, b"{}")]
@@ -66,7 +69,7 @@ fn a_recording_is_read_up_to_any_byte() {
         assert!(counts.last() <= Some(&count), "{length}");
         counts.push(count);
         // A run without end ends with its last step.
-        let last = cut.steps.last().map_or(0, |it| it.time);
+        let last = cut.steps.last().map_or(0, |step| step.time);
         assert!([last, 70].contains(&cut.about.end), "{length}");
         assert_eq!(cut.about.scenario, "sailing");
         assert!(cut.about.outside);

@@ -95,24 +95,24 @@ pub struct Step {
 impl Step {
     /// Returns the step that corresponds to a possible action.
     pub fn new(system: &TimedSystem, stepper: &Stepper, action: Action) -> Step {
-        let task = |it: usize| system.task_path(it);
-        let component = |it: usize| system.components[it].name.clone();
-        let client = |it: usize| system.clients[it].name.clone();
+        let task = |task: usize| system.task_path(task);
+        let component = |component: usize| system.components[component].name.clone();
+        let client = |client: usize| system.clients[client].name.clone();
         let thread = |executor: usize| match stepper.work(executor) {
             Some(work) => subject_name(system, &work),
             None => format!("#{executor}"),
         };
         let what = |executor: usize| {
             let work = stepper.work(executor);
-            work.map_or(String::new(), |it| describe_work(system, &it))
+            work.map_or(String::new(), |work| describe_work(system, &work))
         };
         let none = String::new;
         let (rule, of, what, to) = match action {
-            Action::Tick { task: it } => (Rule::Tick, task(it), none(), none()),
-            Action::Release { task: it } => (Rule::Release, task(it), none(), none()),
-            Action::Grant { task: it } => (Rule::Grant, task(it), none(), none()),
-            Action::Begin { task: it } => (Rule::Pass, task(it), none(), none()),
-            Action::Wake { task: it } => (Rule::Wake, task(it), none(), none()),
+            Action::Tick { task: index } => (Rule::Tick, task(index), none(), none()),
+            Action::Release { task: index } => (Rule::Release, task(index), none(), none()),
+            Action::Grant { task: index } => (Rule::Grant, task(index), none(), none()),
+            Action::Begin { task: index } => (Rule::Pass, task(index), none(), none()),
+            Action::Wake { task: index } => (Rule::Wake, task(index), none(), none()),
             Action::Ticket { executor } => (Rule::Ticket, thread(executor), what(executor), none()),
             Action::Acquire { executor } => (Rule::Locks, thread(executor), what(executor), none()),
             Action::Finish { executor, outcome } => {
@@ -121,7 +121,7 @@ impl Step {
                     Some(Work::Delay { .. }) => Rule::Delay,
                     _ => Rule::End,
                 };
-                let to = work.map_or(none(), |it| outcome_of(system, &it, outcome));
+                let to = work.map_or(none(), |work| outcome_of(system, &work, outcome));
                 (rule, thread(executor), what(executor), to)
             }
             Action::Preempt { executor, by } => (
@@ -131,16 +131,20 @@ impl Step {
                 none(),
             ),
             Action::Ready { executor } => (Rule::Ready, format!("#{executor}"), none(), none()),
-            Action::Reply { component: it } => (Rule::Reply, component(it), none(), none()),
-            Action::Shut { component: it } => (Rule::Shut, component(it), none(), none()),
-            Action::Signal { component: it } => (Rule::Signal, component(it), none(), none()),
-            Action::Proceed { client: it, next } => {
-                (Rule::Proceed, client(it), none(), next.to_string())
-            }
-            Action::Request { client: it, next } => {
-                let what = stepper.requests(it);
-                let what = what.map_or(none(), |it| system.service_path(it));
-                (Rule::Request, client(it), what, next.to_string())
+            Action::Reply { component: index } => (Rule::Reply, component(index), none(), none()),
+            Action::Shut { component: index } => (Rule::Shut, component(index), none(), none()),
+            Action::Signal { component: index } => (Rule::Signal, component(index), none(), none()),
+            Action::Proceed {
+                client: index,
+                next,
+            } => (Rule::Proceed, client(index), none(), next.to_string()),
+            Action::Request {
+                client: index,
+                next,
+            } => {
+                let what = stepper.requests(index);
+                let what = what.map_or(none(), |request| system.service_path(request));
+                (Rule::Request, client(index), what, next.to_string())
             }
             // Not a step of a run.
             Action::Mark { .. } => (Rule::Proceed, none(), none(), none()),
@@ -157,11 +161,11 @@ impl Step {
     /// Returns the step of an interruption from outside, by the place of the activity.
     pub fn abort(system: &TimedSystem, stepper: &Stepper, place: usize) -> Step {
         let service = stepper.activity(place);
-        let service = service.and_then(|it| system.automata.get(it)?.service);
+        let service = service.and_then(|service| system.automata.get(service)?.service);
         Step {
             time: stepper.now(),
             rule: Rule::Abort,
-            of: service.map_or(String::new(), |it| system.service_path(it)),
+            of: service.map_or(String::new(), |service| system.service_path(service)),
             what: place.to_string(),
             to: String::new(),
         }
@@ -218,9 +222,17 @@ fn outcome_of(system: &TimedSystem, work: &Work, outcome: usize) -> String {
             automaton, state, ..
         } => {
             let machine = system.machine_of(automaton);
-            let name = |it: usize| machine.states.get(it).map_or("", |it| it.name.as_str());
-            let yields = machine.states.get(state).map(|it| it.yields.as_slice());
-            match yields.and_then(|it| it.get(outcome)) {
+            let name = |index: usize| {
+                machine
+                    .states
+                    .get(index)
+                    .map_or("", |state| state.name.as_str())
+            };
+            let yields = machine
+                .states
+                .get(state)
+                .map(|state| state.yields.as_slice());
+            match yields.and_then(|state| state.get(outcome)) {
                 Some(&Yield::Next(to)) => name(to).to_owned(),
                 Some(&Yield::Pause(to)) => format!("pause::{}", name(to)),
                 Some(Yield::End) => "ether".to_owned(),

@@ -90,41 +90,44 @@ impl<'s> HostedComponents<'s> {
                 continue;
             };
             let member = &names.components[name];
-            let it = member.component.codel(site);
-            out.functions[at] = it.name.to_string();
-            let events = it.yields.iter();
+            let definition = member.component.codel(site);
+            out.functions[at] = definition.name.to_string();
+            let events = definition.yields.iter();
             out.declared[at] = events
-                .filter_map(|it| member.spec.full_name(it.event))
+                .filter_map(|event| member.spec.full_name(event.event))
                 .collect();
-            if codel.upper != FOREVER && it.wcet.is_some() {
+            if codel.upper != FOREVER && definition.wcet.is_some() {
                 let limit = (nanos * Ratio::from_integer(i128::from(codel.upper))).to_integer();
                 out.limits[at] = u64::try_from(limit).ok();
             }
             let part = out.components[codel.component].as_ref();
-            if part.is_some_and(|part| !part.missing.contains(&it.name)) {
-                let number = member.component.all_codels().position(|it| it == site);
-                out.codels[at] = number.and_then(|it| u32::try_from(it).ok());
+            if part.is_some_and(|part| !part.missing.contains(&definition.name)) {
+                let number = member
+                    .component
+                    .all_codels()
+                    .position(|codel| codel == site);
+                out.codels[at] = number.and_then(|number| u32::try_from(number).ok());
             }
         }
         for (&(name, index), &service) in &built.services {
             let component = names.components[name].component;
             out.services[service] = (name, index);
-            let it = &component.services[index as usize];
-            if it.kind == ServiceKind::Attribute {
+            let definition = &component.services[index as usize];
+            if definition.kind == ServiceKind::Attribute {
                 let number = component.all_codels().count() + index as usize;
                 out.copies[service] = u32::try_from(number).ok();
             }
             let values = Values::new(names.components[name].spec);
             let given = inputs(&system.service_path(service));
             out.inputs[service] = given.unwrap_or_else(|| {
-                let defaults = values.inputs(it, &serde_json::Map::new());
+                let defaults = values.inputs(definition, &serde_json::Map::new());
                 defaults.unwrap_or_default()
             });
         }
         out.connect(prepared, names, settings);
         for (&name, &component) in &built.components {
             let remotes = names.components[name].component.remotes.iter();
-            let service = |it| built.services.get(&provider(names, name, it)?).copied();
+            let service = |remote| built.services.get(&provider(names, name, remote)?).copied();
             out.remotes[component] = remotes.map(service).collect();
         }
         out
@@ -202,7 +205,7 @@ impl<'s> HostedComponents<'s> {
     /// Returns true if a codel may end with an event of this full name.
     pub fn declares(&self, codel: usize, event: &str) -> bool {
         let declared = self.declared.get(codel);
-        declared.is_some_and(|it| it.iter().any(|it| it == event))
+        declared.is_some_and(|string| string.iter().any(|name| name == event))
     }
 
     /// Returns the stated execution time of a codel, in nanoseconds.
@@ -214,7 +217,11 @@ impl<'s> HostedComponents<'s> {
     pub fn counts(&self, system: &TimedSystem) -> (usize, usize) {
         let real = self.codels.iter().flatten().count();
         // The copies of attributes are codels of no specification, and count as neither.
-        let all = system.codels.iter().filter(|it| it.site.is_some()).count();
+        let all = system
+            .codels
+            .iter()
+            .filter(|codel| codel.site.is_some())
+            .count();
         (real, all.saturating_sub(real))
     }
 }
@@ -225,21 +232,29 @@ fn provider(names: &Names<'_>, asking: usize, remote: &Remote) -> Option<(usize,
     let own = &names.components[asking];
     let interface = &own.spec.components.get(remote.interface as usize)?.name;
     let all = names.components.iter().enumerate();
-    let mut found = all.filter(|(name, it)| {
-        let mut provided = it.component.provides.iter();
-        let named = |&of: &u32| it.spec.components.get(of as usize).map(|it| &it.name);
+    let mut found = all.filter(|(name, member)| {
+        let mut provided = member.component.provides.iter();
+        let named = |&of: &u32| {
+            member
+                .spec
+                .components
+                .get(of as usize)
+                .map(|component| &component.name)
+        };
         let provides = provided.any(|of| named(of) == Some(interface));
-        *name != asking && (it.component.name == *interface || provides)
+        *name != asking && (member.component.name == *interface || provides)
     });
     let (name, member) = found.next()?;
     if found.next().is_some() {
         return None;
     }
     let mut services = (0u32..).zip(&member.component.services);
-    let (number, service) = services.find(|it| it.1.name == remote.name)?;
+    let (number, service) = services.find(|service| service.1.name == remote.name)?;
     let shape = |spec, params: &[Param]| -> Vec<_> {
-        let crosses = params.iter().filter(|it| is_input(it) || is_output(it));
-        let layout = |it: &Param| (it.dir, Values::new(spec).layout(it.ty));
+        let crosses = params
+            .iter()
+            .filter(|param| is_input(param) || is_output(param));
+        let layout = |param: &Param| (param.dir, Values::new(spec).layout(param.ty));
         crosses.map(layout).collect()
     };
     let alike = shape(own.spec, &remote.params) == shape(member.spec, &service.params);

@@ -16,12 +16,12 @@ impl Live<'_> {
     pub(super) fn begin_and_end_requests(&mut self, stepper: &Stepper) {
         for place in 0..self.places.len() {
             let service = stepper.activity(place);
-            let service = service.and_then(|it| self.system.automata[it].service);
-            let component = service.map(|it| self.system.services[it].component);
+            let service = service.and_then(|service| self.system.automata[service].service);
+            let component = service.map(|service| self.system.services[service].component);
             match (&self.places[place], component) {
                 (Some(_), None) => {
-                    if let Some(it) = self.places[place].take() {
-                        self.finish(it);
+                    if let Some(place) = self.places[place].take() {
+                        self.finish(place);
                     }
                 }
                 (None, Some(component)) => self.places[place] = self.pending[component].take(),
@@ -35,17 +35,17 @@ impl Live<'_> {
                     // service.
                     let places = self.places.iter_mut().flatten();
                     let youngest = places
-                        .filter(|it| {
-                            it.service == service && self.system.services[service].activity
+                        .filter(|place| {
+                            place.service == service && self.system.services[service].activity
                         })
-                        .max_by_key(|it| it.number);
-                    if let Some(it) = self.pending[component].as_mut().or(youngest) {
-                        it.refused |= refused;
+                        .max_by_key(|place| place.number);
+                    if let Some(instance) = self.pending[component].as_mut().or(youngest) {
+                        instance.refused |= refused;
                     }
                 }
                 None => {
-                    if let Some(it) = self.pending[component].take() {
-                        self.finish(it);
+                    if let Some(instance) = self.pending[component].take() {
+                        self.finish(instance);
                     }
                 }
             }
@@ -62,21 +62,23 @@ impl Live<'_> {
             // The outside request may have been aborted meanwhile.
             true => {
                 let all = &mut self.wanted[component];
-                let first = all.front().is_some_and(|it| it.service == service);
+                let first = all
+                    .front()
+                    .is_some_and(|request| request.service == service);
                 first.then(|| all.pop_front()).flatten()
             }
             false => None,
         };
         let (_, index) = self.parts.services[service];
         let inputs = match &wanted {
-            Some(it) => it.inputs.as_slice(),
+            Some(request) => request.inputs.as_slice(),
             None => self.parts.inputs[service].as_slice(),
         };
         if self.alive[component] && self.parts.of(component).is_some() {
             self.hosts.make(component, index, number, inputs);
         }
         self.pending[component] = Some(Instance {
-            wanted: wanted.map(|it| it.id),
+            wanted: wanted.map(|request| request.id),
             failed: None,
             state: None,
             ended: false,
@@ -87,28 +89,29 @@ impl Live<'_> {
     }
 
     /// Ends a request.
-    fn finish(&mut self, it: Instance) {
-        let service = &self.system.services[it.service];
+    fn finish(&mut self, instance: Instance) {
+        let service = &self.system.services[instance.service];
         let component = service.component;
-        let (_, index) = self.parts.services[it.service];
+        let (_, index) = self.parts.services[instance.service];
         let hosted = self.alive[component] && self.parts.of(component).is_some();
-        let well = !it.refused && it.failed.is_none() && (!service.activity || it.ended);
+        let well =
+            !instance.refused && instance.failed.is_none() && (!service.activity || instance.ended);
         let mut outputs = Some(Vec::new());
         if hosted {
-            if let (true, Some(copies)) = (well, self.parts.copies[it.service]) {
-                self.copy(component, copies, it.number);
+            if let (true, Some(copies)) = (well, self.parts.copies[instance.service]) {
+                self.copy(component, copies, instance.number);
             }
             outputs = match self.alive[component] {
-                true => self.hosts.end(component, index, it.number),
+                true => self.hosts.end(component, index, instance.number),
                 false => None,
             };
         }
-        let Some(id) = it.wanted else { return };
-        let answer = match (it.failed, outputs) {
+        let Some(id) = instance.wanted else { return };
+        let answer = match (instance.failed, outputs) {
             (_, None) => return self.answer_failed(id, COMPONENT_LOST),
             (_, Some(outputs)) if well => RequestReply::Done(outputs),
             (Some((exception, detail)), _) => RequestReply::Failed { exception, detail },
-            (None, _) if it.refused => RequestReply::Failed {
+            (None, _) if instance.refused => RequestReply::Failed {
                 exception: "::genom::disallowed".to_owned(),
                 detail: Vec::new(),
             },
@@ -161,23 +164,30 @@ impl Live<'_> {
         let Some(component) = self.parts.outside(client) else {
             return true;
         };
-        let wanted = self.wanted.get(component).and_then(|it| it.front());
+        let wanted = self
+            .wanted
+            .get(component)
+            .and_then(|requests| requests.front());
         let steps = &self.system.clients[client].steps;
-        let requests = steps.get(step).and_then(|it| it.requests());
-        wanted.is_some_and(|it| requests == Some(it.service))
+        let requests = steps.get(step).and_then(|step| step.requests());
+        wanted.is_some_and(|request| requests == Some(request.service))
     }
 
     /// Interrupts aborted outside requests. `tell` gets the place of each one before the interruption.
     pub fn abort(&mut self, stepper: &mut Stepper, tell: &mut dyn FnMut(&Stepper, usize)) {
         for id in std::mem::take(&mut self.aborts) {
-            let of = |it: &Option<Instance>| it.as_ref().is_some_and(|it| it.wanted == Some(id));
+            let of = |instance: &Option<Instance>| {
+                instance
+                    .as_ref()
+                    .is_some_and(|instance| instance.wanted == Some(id))
+            };
             if let Some(place) = self.places.iter().position(of) {
                 tell(stepper, place);
                 stepper.interrupt(place);
             }
             let mut waiting = None;
             for all in &mut self.wanted {
-                if let Some(at) = all.iter().position(|it| it.id == id) {
+                if let Some(at) = all.iter().position(|request| request.id == id) {
                     waiting = all.remove(at);
                 }
             }
@@ -195,12 +205,12 @@ impl Live<'_> {
         else {
             return;
         };
-        let Some(it) = self.instance(work) else {
+        let Some(instance) = self.instance(work) else {
             return;
         };
-        let changed = it.state.replace(state) != Some(state);
+        let changed = instance.state.replace(state) != Some(state);
         // A codel that requested the activity gets no reports.
-        let wanted = it.wanted.filter(|id| id & CODEL_REQUEST_BIT == 0);
+        let wanted = instance.wanted.filter(|id| id & CODEL_REQUEST_BIT == 0);
         if let (true, Some(id)) = (changed, wanted) {
             let machine = &self.system.machines[self.system.automata[automaton].machine];
             self.hosts.entered(id, &machine.states[state].name);
@@ -211,19 +221,24 @@ impl Live<'_> {
     /// activities already answered.
     pub fn accept(&mut self, stepper: &Stepper, told: &mut Vec<u32>) {
         for place in 0..self.places.len() {
-            let Some(it) = &self.places[place] else {
+            let Some(place) = &self.places[place] else {
                 continue;
             };
-            let component = self.system.services[it.service].component;
+            let component = self.system.services[place.service].component;
             let handled = stepper.handling(component).is_some();
-            if let (Some(id), false) = (it.wanted, handled)
-                && !told.contains(&it.number)
+            if let (Some(id), false) = (place.wanted, handled)
+                && !told.contains(&place.number)
             {
-                told.push(it.number);
+                told.push(place.number);
                 self.answer(id, RequestReply::Accepted);
             }
         }
-        told.retain(|number| self.places.iter().flatten().any(|it| it.number == *number));
+        told.retain(|number| {
+            self.places
+                .iter()
+                .flatten()
+                .any(|place| place.number == *number)
+        });
     }
 
     /// Handles the call of a remote service by a codel. On the virtual clock there is no answer, because no

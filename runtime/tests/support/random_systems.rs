@@ -32,5 +32,5 @@ pub(crate) mod systems {
 
 /// Compiles each specification alone; `None` if one has errors, as machines are random.
 pub(crate) fn load(texts: &[String]) -> Option<Vec<UnitResult>> {
-    texts.iter().map(|it| unit(it).ok()).collect()
+    texts.iter().map(|text| unit(text).ok()).collect()
 }

@@ -28,13 +28,13 @@ impl Name {
     /// The name, after macro expansion; empty in a broken tree.
     pub fn text(&self, map: &ExpansionMap) -> SmolStr {
         self.ident_token()
-            .map_or_else(SmolStr::default, |it| map.text(&it))
+            .map_or_else(SmolStr::default, |token| map.text(&token))
     }
 
     /// The range to report for this name: the identifier, or the macro call it comes from.
     pub fn range(&self, map: &ExpansionMap) -> TextRange {
         self.ident_token()
-            .map_or_else(|| self.syntax().text_range(), |it| map.range(&it))
+            .map_or_else(|| self.syntax().text_range(), |token| map.range(&token))
     }
 }
 
@@ -42,13 +42,13 @@ impl NameRef {
     /// The name, after macro expansion; empty in a broken tree.
     pub fn text(&self, map: &ExpansionMap) -> SmolStr {
         self.ident_token()
-            .map_or_else(SmolStr::default, |it| map.text(&it))
+            .map_or_else(SmolStr::default, |token| map.text(&token))
     }
 
     /// The range to report for this name: the identifier, or the macro call it comes from.
     pub fn range(&self, map: &ExpansionMap) -> TextRange {
         self.ident_token()
-            .map_or_else(|| self.syntax().text_range(), |it| map.range(&it))
+            .map_or_else(|| self.syntax().text_range(), |token| map.range(&token))
     }
 }
 
@@ -57,7 +57,7 @@ impl Path {
     pub fn is_absolute(&self) -> bool {
         significant(self.syntax())
             .next()
-            .is_some_and(|it| it.kind() == COLON2)
+            .is_some_and(|element| element.kind() == COLON2)
     }
 }
 
@@ -65,8 +65,8 @@ impl BaseType {
     /// The words of the type, in order: `unsigned long long` has three.
     pub fn words(&self) -> impl Iterator<Item = SyntaxKind> {
         tokens(self.syntax())
-            .map(|it| it.kind())
-            .filter(|it| it.is_reserved_word())
+            .map(|token| token.kind())
+            .filter(|kind| kind.is_reserved_word())
     }
 }
 
@@ -90,7 +90,7 @@ pub enum LiteralKind {
 impl Literal {
     /// The literal's token; the first of adjacent strings.
     pub fn token(&self) -> Option<SyntaxToken> {
-        tokens(self.syntax()).find(|it| it.kind().is_literal())
+        tokens(self.syntax()).find(|token| token.kind().is_literal())
     }
 
     /// The sort of the literal. A string without an end counts as a string.
@@ -105,7 +105,7 @@ impl Literal {
             CHAR => LiteralKind::Char(token),
             _ => LiteralKind::Strings(
                 tokens(self.syntax())
-                    .filter(|it| matches!(it.kind(), STRING | OPEN_STRING))
+                    .filter(|token| matches!(token.kind(), STRING | OPEN_STRING))
                     .collect(),
             ),
         })
@@ -115,7 +115,7 @@ impl Literal {
 impl PrefixExpr {
     /// `-`, `+` or `~`.
     pub fn op_token(&self) -> Option<SyntaxToken> {
-        tokens(self.syntax()).find(|it| matches!(it.kind(), MINUS | PLUS | TILDE))
+        tokens(self.syntax()).find(|token| matches!(token.kind(), MINUS | PLUS | TILDE))
     }
 }
 
@@ -124,21 +124,21 @@ impl BinaryExpr {
     pub fn lhs(&self) -> Option<Expr> {
         self.syntax()
             .children_with_tokens()
-            .take_while(|it| !is_binary_operator(it.kind()))
-            .find_map(|it| Expr::cast(it.into_node()?))
+            .take_while(|element| !is_binary_operator(element.kind()))
+            .find_map(|element| Expr::cast(element.into_node()?))
     }
 
     /// `| ^ & << >> + - * / %`
     pub fn op_token(&self) -> Option<SyntaxToken> {
-        tokens(self.syntax()).find(|it| is_binary_operator(it.kind()))
+        tokens(self.syntax()).find(|token| is_binary_operator(token.kind()))
     }
 
     /// The operand after the operator.
     pub fn rhs(&self) -> Option<Expr> {
         self.syntax()
             .children_with_tokens()
-            .skip_while(|it| !is_binary_operator(it.kind()))
-            .find_map(|it| Expr::cast(it.into_node()?))
+            .skip_while(|element| !is_binary_operator(element.kind()))
+            .find_map(|element| Expr::cast(element.into_node()?))
     }
 }
 
@@ -167,7 +167,7 @@ impl Property {
     /// The word that names the property. For codels that is `codel`, also after `async`.
     pub fn keyword_token(&self) -> Option<SyntaxToken> {
         match self {
-            Property::CodelProperty(it) => it.codel_token(),
+            Property::CodelProperty(property) => property.codel_token(),
             _ => keyword(self.syntax()),
         }
     }
@@ -183,7 +183,8 @@ impl CodelProperty {
 impl Quantity {
     /// `s`, `ms`, `us`, `k` or `M`.
     pub fn unit_token(&self) -> Option<SyntaxToken> {
-        tokens(self.syntax()).find(|it| matches!(it.kind(), S_KW | MS_KW | US_KW | K_KW | M_KW))
+        tokens(self.syntax())
+            .find(|token| matches!(token.kind(), S_KW | MS_KW | US_KW | K_KW | M_KW))
     }
 
     /// The unit directly follows a number literal, without a blank (language reference, D29).
@@ -194,8 +195,9 @@ impl Quantity {
         if let Some(token) = map.virtual_token(&unit) {
             return token.glued;
         }
-        unit.prev_token()
-            .is_some_and(|it| matches!(it.kind(), INT | FLOAT) && !it.text_range().is_empty())
+        unit.prev_token().is_some_and(|token| {
+            matches!(token.kind(), INT | FLOAT) && !token.text_range().is_empty()
+        })
     }
 }
 
@@ -216,7 +218,7 @@ impl State {
 impl TypedParam {
     /// `in`, `out` or `inout`.
     pub fn dir_token(&self) -> Option<SyntaxToken> {
-        tokens(self.syntax()).find(|it| matches!(it.kind(), IN_KW | OUT_KW | INOUT_KW))
+        tokens(self.syntax()).find(|token| matches!(token.kind(), IN_KW | OUT_KW | INOUT_KW))
     }
 }
 
@@ -224,12 +226,12 @@ impl PathParam {
     /// `ids`, `local`, `port` or `remote`.
     pub fn source_token(&self) -> Option<SyntaxToken> {
         tokens(self.syntax())
-            .find(|it| matches!(it.kind(), IDS_KW | LOCAL_KW | PORT_KW | REMOTE_KW))
+            .find(|token| matches!(token.kind(), IDS_KW | LOCAL_KW | PORT_KW | REMOTE_KW))
     }
 
     /// `in`, `out` or `inout`.
     pub fn dir_token(&self) -> Option<SyntaxToken> {
-        tokens(self.syntax()).find(|it| matches!(it.kind(), IN_KW | OUT_KW | INOUT_KW))
+        tokens(self.syntax()).find(|token| matches!(token.kind(), IN_KW | OUT_KW | INOUT_KW))
     }
 }
 
@@ -257,12 +259,16 @@ pub enum DirectiveKind {
 impl Directive {
     /// The word after `#`.
     pub fn keyword_token(&self) -> Option<SyntaxToken> {
-        tokens(self.syntax()).find(|it| it.kind() == IDENT || it.kind().is_keyword())
+        tokens(self.syntax()).find(|token| token.kind() == IDENT || token.kind().is_keyword())
     }
 
     /// The meaning of the directive. `_Pragma("…")` in the text is a pragma.
     pub fn kind(&self) -> DirectiveKind {
-        match self.keyword_token().as_ref().map_or("", |it| it.text()) {
+        match self
+            .keyword_token()
+            .as_ref()
+            .map_or("", |token| token.text())
+        {
             "include" => DirectiveKind::Include,
             "define" => DirectiveKind::Define,
             "undef" => DirectiveKind::Undef,
@@ -328,13 +334,13 @@ impl PragmaArg {
 fn tokens(node: &SyntaxNode) -> impl Iterator<Item = SyntaxToken> {
     node.children_with_tokens()
         .filter_map(SyntaxElement::into_token)
-        .filter(|it| !it.kind().is_trivia())
+        .filter(|token| !token.kind().is_trivia())
 }
 
 /// The children of a node that the grammar put there.
 fn significant(node: &SyntaxNode) -> impl Iterator<Item = SyntaxElement> {
-    node.children_with_tokens().filter(|it| {
-        !it.kind().is_trivia() && !matches!(it.kind(), DIRECTIVE | INACTIVE | MACRO_CALL)
+    node.children_with_tokens().filter(|element| {
+        !element.kind().is_trivia() && !matches!(element.kind(), DIRECTIVE | INACTIVE | MACRO_CALL)
     })
 }
 
@@ -343,5 +349,5 @@ fn keyword(node: &SyntaxNode) -> Option<SyntaxToken> {
     significant(node)
         .next()
         .and_then(SyntaxElement::into_token)
-        .filter(|it| it.kind().is_keyword())
+        .filter(|token| token.kind().is_keyword())
 }

@@ -90,22 +90,22 @@ impl AstNode for Item {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Item::Directive(it) => it.syntax(),
-            Item::Module(it) => it.syntax(),
-            Item::ConstDecl(it) => it.syntax(),
-            Item::TypedefDecl(it) => it.syntax(),
-            Item::NativeDecl(it) => it.syntax(),
-            Item::ExceptionDecl(it) => it.syntax(),
-            Item::TypeDecl(it) => it.syntax(),
-            Item::ForwardDecl(it) => it.syntax(),
-            Item::Component(it) => it.syntax(),
-            Item::Ids(it) => it.syntax(),
-            Item::Task(it) => it.syntax(),
-            Item::Port(it) => it.syntax(),
-            Item::Service(it) => it.syntax(),
-            Item::Member(it) => it.syntax(),
-            Item::Case(it) => it.syntax(),
-            Item::Property(it) => it.syntax(),
+            Item::Directive(node) => node.syntax(),
+            Item::Module(node) => node.syntax(),
+            Item::ConstDecl(node) => node.syntax(),
+            Item::TypedefDecl(node) => node.syntax(),
+            Item::NativeDecl(node) => node.syntax(),
+            Item::ExceptionDecl(node) => node.syntax(),
+            Item::TypeDecl(node) => node.syntax(),
+            Item::ForwardDecl(node) => node.syntax(),
+            Item::Component(node) => node.syntax(),
+            Item::Ids(node) => node.syntax(),
+            Item::Task(node) => node.syntax(),
+            Item::Port(node) => node.syntax(),
+            Item::Service(node) => node.syntax(),
+            Item::Member(node) => node.syntax(),
+            Item::Case(node) => node.syntax(),
+            Item::Property(node) => node.syntax(),
         }
     }
 }
@@ -753,19 +753,19 @@ impl AstNode for Property {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Property::StringProperty(it) => it.syntax(),
-            Property::RequiresProperty(it) => it.syntax(),
-            Property::DurationProperty(it) => it.syntax(),
-            Property::InterfacesProperty(it) => it.syntax(),
-            Property::ThrowsProperty(it) => it.syntax(),
-            Property::PriorityProperty(it) => it.syntax(),
-            Property::SchedulingProperty(it) => it.syntax(),
-            Property::StackProperty(it) => it.syntax(),
-            Property::TaskProperty(it) => it.syntax(),
-            Property::ServicesProperty(it) => it.syntax(),
-            Property::ValidateProperty(it) => it.syntax(),
-            Property::LocalProperty(it) => it.syntax(),
-            Property::CodelProperty(it) => it.syntax(),
+            Property::StringProperty(node) => node.syntax(),
+            Property::RequiresProperty(node) => node.syntax(),
+            Property::DurationProperty(node) => node.syntax(),
+            Property::InterfacesProperty(node) => node.syntax(),
+            Property::ThrowsProperty(node) => node.syntax(),
+            Property::PriorityProperty(node) => node.syntax(),
+            Property::SchedulingProperty(node) => node.syntax(),
+            Property::StackProperty(node) => node.syntax(),
+            Property::TaskProperty(node) => node.syntax(),
+            Property::ServicesProperty(node) => node.syntax(),
+            Property::ValidateProperty(node) => node.syntax(),
+            Property::LocalProperty(node) => node.syntax(),
+            Property::CodelProperty(node) => node.syntax(),
         }
     }
 }
@@ -941,15 +941,15 @@ impl AstNode for TypeSpec {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            TypeSpec::BaseType(it) => it.syntax(),
-            TypeSpec::StringType(it) => it.syntax(),
-            TypeSpec::SequenceType(it) => it.syntax(),
-            TypeSpec::OptionalType(it) => it.syntax(),
-            TypeSpec::FixedType(it) => it.syntax(),
-            TypeSpec::NamedType(it) => it.syntax(),
-            TypeSpec::Struct(it) => it.syntax(),
-            TypeSpec::Union(it) => it.syntax(),
-            TypeSpec::Enum(it) => it.syntax(),
+            TypeSpec::BaseType(node) => node.syntax(),
+            TypeSpec::StringType(node) => node.syntax(),
+            TypeSpec::SequenceType(node) => node.syntax(),
+            TypeSpec::OptionalType(node) => node.syntax(),
+            TypeSpec::FixedType(node) => node.syntax(),
+            TypeSpec::NamedType(node) => node.syntax(),
+            TypeSpec::Struct(node) => node.syntax(),
+            TypeSpec::Union(node) => node.syntax(),
+            TypeSpec::Enum(node) => node.syntax(),
         }
     }
 }
@@ -1027,11 +1027,11 @@ impl AstNode for Expr {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Expr::Literal(it) => it.syntax(),
-            Expr::PathExpr(it) => it.syntax(),
-            Expr::ParenExpr(it) => it.syntax(),
-            Expr::PrefixExpr(it) => it.syntax(),
-            Expr::BinaryExpr(it) => it.syntax(),
+            Expr::Literal(node) => node.syntax(),
+            Expr::PathExpr(node) => node.syntax(),
+            Expr::ParenExpr(node) => node.syntax(),
+            Expr::PrefixExpr(node) => node.syntax(),
+            Expr::BinaryExpr(node) => node.syntax(),
         }
     }
 }
@@ -2234,8 +2234,8 @@ impl AstNode for Param {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Param::TypedParam(it) => it.syntax(),
-            Param::PathParam(it) => it.syntax(),
+            Param::TypedParam(node) => node.syntax(),
+            Param::PathParam(node) => node.syntax(),
         }
     }
 }
@@ -2436,8 +2436,8 @@ impl AstNode for PathStep {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            PathStep::MemberStep(it) => it.syntax(),
-            PathStep::IndexStep(it) => it.syntax(),
+            PathStep::MemberStep(node) => node.syntax(),
+            PathStep::IndexStep(node) => node.syntax(),
         }
     }
 }
@@ -2521,8 +2521,8 @@ impl AstNode for Designator {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Designator::MemberDesignator(it) => it.syntax(),
-            Designator::IndexDesignator(it) => it.syntax(),
+            Designator::MemberDesignator(node) => node.syntax(),
+            Designator::IndexDesignator(node) => node.syntax(),
         }
     }
 }

@@ -78,7 +78,7 @@ fn enum_variants(grammar: &Grammar, node: Node) -> Option<Vec<String>> {
     };
     alternatives
         .iter()
-        .map(|it| match it {
+        .map(|alternative| match alternative {
             Rule::Node(node) => Some(grammar[*node].name.clone()),
             _ => None,
         })
@@ -138,7 +138,7 @@ fn collect(grammar: &Grammar, rule: &Rule, label: Option<&str>, many: bool, acc:
 }
 
 fn push(acc: &mut Vec<Field>, field: Field) {
-    match acc.iter().find(|it| it.name == field.name) {
+    match acc.iter().find(|other| other.name == field.name) {
         Some(old) => assert!(old.shape == field.shape, "two meanings of {}", field.name),
         None => acc.push(field),
     }
@@ -149,7 +149,9 @@ fn token_kind(text: &str) -> Option<SyntaxKind> {
         "#ident" => Some(SyntaxKind::IDENT),
         "#text" => None,
         _ => {
-            let found = SyntaxKind::spellings().iter().find(|(_, it)| *it == text);
+            let found = SyntaxKind::spellings()
+                .iter()
+                .find(|(_, spelling)| *spelling == text);
             Some(found.unwrap_or_else(|| panic!("unknown token {text}")).0)
         }
     }
@@ -204,24 +206,24 @@ fn generate_enum(
     let nested = |variant: &str| {
         grammar
             .iter()
-            .find(|it| grammar[*it].name == variant)
-            .is_some_and(|it| enums.contains_key(&it))
+            .find(|node| grammar[*node].name == variant)
+            .is_some_and(|grammar| enums.contains_key(&grammar))
     };
     let _ = writeln!(
         out,
         "\n#[derive(Debug, Clone, PartialEq, Eq, Hash)]\npub enum {name} {{"
     );
-    for it in variants {
-        let _ = writeln!(out, "{it}({it}),");
+    for variant in variants {
+        let _ = writeln!(out, "{variant}({variant}),");
     }
     let _ = writeln!(out, "}}\nimpl AstNode for {name} {{");
     let tests: Vec<String> = variants
         .iter()
-        .map(|it| {
-            if nested(it) {
-                format!("{it}::can_cast(kind)")
+        .map(|variant| {
+            if nested(variant) {
+                format!("{variant}::can_cast(kind)")
             } else {
-                format!("kind == {}", snake(it).to_uppercase())
+                format!("kind == {}", snake(variant).to_uppercase())
             }
         })
         .collect();
@@ -231,26 +233,29 @@ fn generate_enum(
         tests.join(" || ")
     );
     out.push_str("fn cast(syntax: SyntaxNode) -> Option<Self> { match syntax.kind() {\n");
-    for it in variants {
-        let _ = if nested(it) {
+    for variant in variants {
+        let _ = if nested(variant) {
             writeln!(
                 out,
-                "kind if {it}::can_cast(kind) => {it}::cast(syntax).map({name}::{it}),"
+                "kind if {variant}::can_cast(kind) => {variant}::cast(syntax).map({name}::{variant}),"
             )
         } else {
-            let kind = snake(it).to_uppercase();
-            writeln!(out, "{kind} => {it}::cast(syntax).map({name}::{it}),")
+            let kind = snake(variant).to_uppercase();
+            writeln!(
+                out,
+                "{kind} => {variant}::cast(syntax).map({name}::{variant}),"
+            )
         };
     }
     out.push_str("_ => None,\n} }\nfn syntax(&self) -> &SyntaxNode { match self {\n");
-    for it in variants {
-        let _ = writeln!(out, "{name}::{it}(it) => it.syntax(),");
+    for variant in variants {
+        let _ = writeln!(out, "{name}::{variant}(node) => node.syntax(),");
     }
     out.push_str("} }\n}\n");
-    for it in variants {
+    for variant in variants {
         let _ = writeln!(
             out,
-            "impl From<{it}> for {name} {{ fn from(node: {it}) -> {name} {{ {name}::{it}(node) }} }}"
+            "impl From<{variant}> for {name} {{ fn from(node: {variant}) -> {name} {{ {name}::{variant}(node) }} }}"
         );
     }
 }

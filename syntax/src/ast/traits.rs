@@ -75,7 +75,7 @@ pub mod support {
     pub fn token(parent: &SyntaxNode, kind: SyntaxKind) -> Option<SyntaxToken> {
         parent
             .children_with_tokens()
-            .filter_map(|it| it.into_token())
-            .find(|it| it.kind() == kind)
+            .filter_map(|element| element.into_token())
+            .find(|token| token.kind() == kind)
     }
 }

@@ -13,46 +13,51 @@ fn check(text: &str, expect: Expect) {
         &text[start..raw.start(range.end as usize).max(start)]
     };
     let operand = |operand: &Operand| {
-        let name = operand.name.as_ref().map(|it| at(&it.range));
+        let name = operand.name.as_ref().map(|name| at(&name.range));
         format!("{name:?} then {:?}", tokens(&operand.rest))
     };
     let kind = match &directive.kind {
-        DirectiveKind::Include(it) => {
+        DirectiveKind::Include(include) => {
             format!(
                 "include {:?} at {:?} then {:?}",
-                it.form,
-                at(&it.range),
-                tokens(&it.rest)
+                include.form,
+                at(&include.range),
+                tokens(&include.rest)
             )
         }
-        DirectiveKind::Define(it) => {
-            let params = it.params.as_ref().map(|it| {
-                let names: Vec<&str> = it.names.iter().map(|it| at(&it.range)).collect();
-                let dots = if it.variadic { " ..." } else { "" };
-                let broken = if it.well_formed { "" } else { " broken" };
+        DirectiveKind::Define(define) => {
+            let params = define.params.as_ref().map(|param| {
+                let names: Vec<&str> = param.names.iter().map(|name| at(&name.range)).collect();
+                let dots = if param.variadic { " ..." } else { "" };
+                let broken = if param.well_formed { "" } else { " broken" };
                 format!("({}{dots}{broken})", names.join(" "))
             });
-            let name = it.name.as_ref().map(|it| at(&it.range));
-            let glued = if it.glued { " glued" } else { "" };
+            let name = define.name.as_ref().map(|name| at(&name.range));
+            let glued = if define.glued { " glued" } else { "" };
             format!(
                 "define {name:?} {params:?} as {:?}{glued}",
-                tokens(&it.body)
+                tokens(&define.body)
             )
         }
-        DirectiveKind::Undef(it) => format!("undef {}", operand(it)),
-        DirectiveKind::Ifdef(it) => format!("ifdef {}", operand(it)),
-        DirectiveKind::Ifndef(it) => format!("ifndef {}", operand(it)),
-        DirectiveKind::If(it) => format!("if {:?}", tokens(it)),
-        DirectiveKind::Elif(it) => format!("elif {:?}", tokens(it)),
-        DirectiveKind::Else(it) => format!("else {:?}", tokens(it)),
-        DirectiveKind::Endif(it) => format!("endif {:?}", tokens(it)),
-        DirectiveKind::Line(it) => format!("line {:?}", tokens(it)),
-        DirectiveKind::Pragma(it) => {
+        DirectiveKind::Undef(undef) => format!("undef {}", operand(undef)),
+        DirectiveKind::Ifdef(ifdef) => format!("ifdef {}", operand(ifdef)),
+        DirectiveKind::Ifndef(ifndef) => format!("ifndef {}", operand(ifndef)),
+        DirectiveKind::If(range) => format!("if {:?}", tokens(range)),
+        DirectiveKind::Elif(elif) => format!("elif {:?}", tokens(elif)),
+        DirectiveKind::Else(otherwise) => format!("else {:?}", tokens(otherwise)),
+        DirectiveKind::Endif(endif) => format!("endif {:?}", tokens(endif)),
+        DirectiveKind::Line(line) => format!("line {:?}", tokens(line)),
+        DirectiveKind::Pragma(pragma) => {
             let words: Vec<String> = std::iter::zip(
-                it.name.iter().map(|it| &it.text),
-                it.name.iter().map(|it| &it.range),
+                pragma.name.iter().map(|name| &name.text),
+                pragma.name.iter().map(|name| &name.range),
             )
-            .chain(it.args.iter().map(|it| (&it.text, &it.range)))
+            .chain(
+                pragma
+                    .args
+                    .iter()
+                    .map(|argument| (&argument.text, &argument.range)),
+            )
             .map(|(text, range)| format!("{text:?} at {:?}", at(range)))
             .collect();
             format!("pragma {}", words.join(", "))
@@ -174,9 +179,13 @@ fn pragmas() {
     );
     check("#pragma", expect![[r##""#pragma": pragma "##]]);
     let pragma = Pragma::from_operator(r#""requires \"tiny\" \\\"x""#, TextRange::default());
-    let words: Vec<&str> = pragma.args.iter().map(|it| it.text.as_str()).collect();
+    let words: Vec<&str> = pragma
+        .args
+        .iter()
+        .map(|argument| argument.text.as_str())
+        .collect();
     assert_eq!(
-        pragma.name.as_ref().map(|it| it.text.as_str()),
+        pragma.name.as_ref().map(|name| name.text.as_str()),
         Some("requires")
     );
     assert_eq!(words, ["tiny", "\\", "x"]);

@@ -22,7 +22,7 @@ fn bytes() -> impl Strategy<Value = Vec<u8>> {
         ])
         .prop_map(<[u8]>::to_vec),
     ];
-    proptest::collection::vec(piece, 0..8).prop_map(|it| it.concat())
+    proptest::collection::vec(piece, 0..8).prop_map(|bytes| bytes.concat())
 }
 
 proptest! {
@@ -31,7 +31,7 @@ proptest! {
         let text = decode(bytes.clone());
         prop_assert_eq!(encode(&text).into_owned(), bytes.clone());
         prop_assert_eq!(first_escape(&shown(&text)).is_some(), has_real_escape(&bytes));
-        if String::from_utf8(bytes.clone()).is_ok_and(|it| first_escape(&it).is_none()) {
+        if String::from_utf8(bytes.clone()).is_ok_and(|text| first_escape(&text).is_none()) {
             prop_assert_eq!(text.as_bytes(), &bytes[..], "valid text is not touched");
         }
     }
@@ -41,7 +41,7 @@ proptest! {
         bytes in bytes(), new in any::<String>(), from in any::<prop::sample::Index>(), to in any::<prop::sample::Index>()
     ) {
         let text = decode(bytes.clone());
-        let places: Vec<usize> = text.char_indices().map(|it| it.0).chain([text.len()]).collect();
+        let places: Vec<usize> = text.char_indices().map(|pair| pair.0).chain([text.len()]).collect();
         let (from, to) = (from.index(places.len()), to.index(places.len()));
         let (from, to) = (places[from.min(to)], places[from.max(to)]);
         let edited = format!("{}{}{}", &text[..from], escape(&new), &text[to..]);

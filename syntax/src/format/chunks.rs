@@ -178,9 +178,9 @@ struct ErrorRanges {
 impl ErrorRanges {
     fn new(ranges: &[TextRange]) -> ErrorRanges {
         let mut ranges = ranges.to_vec();
-        ranges.sort_by_key(|it| it.start());
-        let greatest = |end: &mut TextSize, it: &TextRange| {
-            *end = it.end().max(*end);
+        ranges.sort_by_key(|range| range.start());
+        let greatest = |end: &mut TextSize, range: &TextRange| {
+            *end = range.end().max(*end);
             Some(*end)
         };
         let ends = ranges.iter().scan(TextSize::new(0), greatest).collect();
@@ -190,7 +190,9 @@ impl ErrorRanges {
     /// Returns true if an error is in a node. An error next to the node is not in it: otherwise white space
     /// between them, which formatting changes, would make a difference.
     fn touches(&self, range: TextRange) -> bool {
-        let before = self.ranges.partition_point(|it| it.start() < range.end());
+        let before = self
+            .ranges
+            .partition_point(|other| other.start() < range.end());
         before > 0 && range.start() < self.ends[before - 1]
     }
 }

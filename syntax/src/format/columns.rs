@@ -81,7 +81,7 @@ pub(super) fn runs(
         if !first[i] || next[i].is_none() {
             continue;
         }
-        let run: Vec<usize> = std::iter::successors(Some(i), |&it| next[it]).collect();
+        let run: Vec<usize> = std::iter::successors(Some(i), |&chunk| next[chunk]).collect();
         runs.push(run);
     }
     runs.sort_by_key(|run| columns[run[0]]);
@@ -107,8 +107,8 @@ fn lines(chunks: &[Chunk]) -> Vec<Vec<usize>> {
 pub(super) fn targets(page: &Page<'_>, runs: &mut AlignedColumns) -> Vec<Option<usize>> {
     let mut out = vec![None; page.chunks.len()];
     let mut line = 0;
-    let number = |it: &ChunkLayout| {
-        line += it.space.matches('\n').count();
+    let number = |layout: &ChunkLayout| {
+        line += layout.space.matches('\n').count();
         line
     };
     let numbers: Vec<usize> = page.printed.iter().map(number).collect();
@@ -142,13 +142,17 @@ fn consecutive_parts(numbers: &[usize], page: &Page<'_>, run: &[usize]) -> Vec<V
     let mut out: Vec<Vec<usize>> = Vec::new();
     for i in run.iter().copied().filter(in_line) {
         match out.last_mut() {
-            Some(part) if part.last().is_some_and(|&it| numbers[i] - numbers[it] == 1) => {
+            Some(part)
+                if part
+                    .last()
+                    .is_some_and(|&index| numbers[i] - numbers[index] == 1) =>
+            {
                 part.push(i)
             }
             _ => out.push(vec![i]),
         }
     }
-    out.retain(|it| it.len() > 1);
+    out.retain(|out| out.len() > 1);
     out
 }
 

@@ -38,7 +38,7 @@ impl<'a> Page<'a> {
             .rev()
             .map(|i| {
                 let next = self.printed.get(i + 1);
-                if next.is_none_or(|it| it.space.contains('\n')) {
+                if next.is_none_or(|layout| layout.space.contains('\n')) {
                     end = self.end_before(i + 1);
                 }
                 end

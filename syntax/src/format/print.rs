@@ -68,8 +68,8 @@ impl<'a> Printer<'a> {
             (_, old) => old.tab(),
         };
         let (mut starts, mut ends) = (Ruler::new(text, tab), Ruler::new(text, old_unit.tab()));
-        let old_columns = chunks.iter().map(|it| starts.column(it.span().start));
-        let old_ends = chunks.iter().map(|it| ends.column(it.span().end));
+        let old_columns = chunks.iter().map(|chunk| starts.column(chunk.span().start));
+        let old_ends = chunks.iter().map(|chunk| ends.column(chunk.span().end));
         Printer {
             page: Page {
                 text,
@@ -140,9 +140,15 @@ impl<'a> Printer<'a> {
 
     fn space(&mut self, i: usize, runs: &columns::AlignedColumns) -> String {
         let chunk = &self.page.chunks[i];
-        let before = i.checked_sub(1).map(|it| &self.page.chunks[it]);
+        let before = i
+            .checked_sub(1)
+            .map(|difference| &self.page.chunks[difference]);
         // Depths only grow from one open list to the next.
-        while self.open.pop_if(|it| it.depth > chunk.list_depth).is_some() {}
+        while self
+            .open
+            .pop_if(|open| open.depth > chunk.list_depth)
+            .is_some()
+        {}
         match rules::gap(self.page.text, before, chunk) {
             Gap::Keep => self.page.original(i).to_owned(),
             Gap::None => String::new(),
@@ -193,7 +199,7 @@ impl<'a> Printer<'a> {
                 .page
                 .chunks
                 .get(i + 1)
-                .is_some_and(|it| it.newlines == 0);
+                .is_some_and(|chunk| chunk.newlines == 0);
             let usual = if goes_on && chunk.is(L_PAREN) { 2 } else { 1 };
             self.open_list(depth, (old, self.column), Continuation::Units(usual));
         }
@@ -238,7 +244,7 @@ impl<'a> Printer<'a> {
         };
         let column = |way: Continuation| match way {
             Continuation::Units(count) => anchor.1 + count * self.page.unit.columns(),
-            Continuation::Under => first.map_or(anchor.1, |it| it.1),
+            Continuation::Under => first.map_or(anchor.1, |pair| pair.1),
         };
         // No text is moved beyond the width that was within it.
         let rest = self.rest_of_line(i);
@@ -260,8 +266,8 @@ impl<'a> Printer<'a> {
 
     /// Returns true if a line that was short enough must be broken here because it no longer is.
     fn breaks(&self, i: usize) -> bool {
-        let ends = |&it: &usize| {
-            let (before, chunk) = (&self.page.chunks[it - 1], &self.page.chunks[it]);
+        let ends = |&index: &usize| {
+            let (before, chunk) = (&self.page.chunks[index - 1], &self.page.chunks[index]);
             chunk.newlines > 0 || rules::may_break(self.page.text, before, chunk)
         };
         let end = (i + 1..self.page.chunks.len()).find(ends);
@@ -278,20 +284,20 @@ impl<'a> Printer<'a> {
     fn rest_of_line(&self, i: usize) -> usize {
         let end = self.page.chunks[i + 1..]
             .iter()
-            .position(|it| it.newlines > 0 || it.kind == ChunkKind::TrailingComment)
-            .map_or(self.page.chunks.len(), |it| i + 1 + it);
+            .position(|chunk| chunk.newlines > 0 || chunk.kind == ChunkKind::TrailingComment)
+            .map_or(self.page.chunks.len(), |index| i + 1 + index);
         let text =
             &self.page.text[self.page.chunks[i].span().start..self.page.chunks[end - 1].span().end];
-        text.lines().next().map_or(0, |it| it.chars().count())
+        text.lines().next().map_or(0, |line| line.chars().count())
     }
 
     /// Line breaks before a piece. Indentation that already reaches the column is left as it is.
     fn newlines(&self, i: usize, count: usize, column: usize) -> String {
         let mut out = self.line_end.repeat(count);
         let old = self.page.original(i);
-        let old = &old[old.rfind('\n').map_or(0, |it| it + 1)..];
+        let old = &old[old.rfind('\n').map_or(0, |index| index + 1)..];
         let begins = i == 0 || self.page.chunks[i].newlines > 0;
-        let fits = begins && old.bytes().all(|it| matches!(it, b' ' | b'\t'));
+        let fits = begins && old.bytes().all(|byte| matches!(byte, b' ' | b'\t'));
         if fits && advance(0, old, self.page.unit.tab()) == column {
             out.push_str(old);
         } else {
@@ -332,7 +338,11 @@ impl<'a> Printer<'a> {
         let (old, new) = (self.page.old_columns[i], self.page.printed[i].column);
         let comment = matches!(chunk.kind, ChunkKind::Comment | ChunkKind::TrailingComment);
         // A token on the last line of the comment would move as well.
-        let ends = self.page.chunks.get(i + 1).is_none_or(|it| it.newlines > 0);
+        let ends = self
+            .page
+            .chunks
+            .get(i + 1)
+            .is_none_or(|chunk| chunk.newlines > 0);
         if !comment || !ends || chunk.ends_line || chunk.frozen || old == new {
             return;
         }

@@ -64,16 +64,16 @@ pub(super) fn of(text: &str, chunks: &[Chunk]) -> Option<Unit> {
         }
         let start = chunk.span().start;
         let line = &text[line_start(text, start)..start];
-        if line.len() == level && line.bytes().all(|it| it == b'\t') {
+        if line.len() == level && line.bytes().all(|byte| byte == b'\t') {
             tabs += 1;
             continue;
         }
         let columns = column(text, start, TAB);
-        if let Some(at) = USUAL.iter().position(|it| it * level == columns) {
+        if let Some(at) = USUAL.iter().position(|usual| usual * level == columns) {
             spaces[at] += 1;
         }
     }
-    let best = (0..USUAL.len()).rev().max_by_key(|&it| spaces[it])?;
+    let best = (0..USUAL.len()).rev().max_by_key(|&space| spaces[space])?;
     match spaces[best] {
         0 if tabs == 0 => None,
         votes if votes >= tabs => Some(Unit::Spaces(USUAL[best])),
@@ -83,7 +83,7 @@ pub(super) fn of(text: &str, chunks: &[Chunk]) -> Option<Unit> {
 
 /// The offset at which the line of an offset begins.
 pub(super) fn line_start(text: &str, at: usize) -> usize {
-    text[..at].rfind('\n').map_or(0, |it| it + 1)
+    text[..at].rfind('\n').map_or(0, |index| index + 1)
 }
 
 /// Column of an offset.
@@ -123,9 +123,10 @@ pub(super) fn advance(column: usize, text: &str, tab: usize) -> usize {
         Some(at) => (0, &text[at + 1..]),
         None => (column, text),
     };
-    line.chars().fold(start, |column, it| match it {
-        '\t' => column / tab * tab + tab,
-        '\r' => column,
-        _ => column + 1,
-    })
+    line.chars()
+        .fold(start, |column, character| match character {
+            '\t' => column / tab * tab + tab,
+            '\r' => column,
+            _ => column + 1,
+        })
 }

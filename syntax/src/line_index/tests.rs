@@ -79,7 +79,7 @@ proptest! {
     fn agrees_with_counting(text in "[a\\n\\ré😀漢]{0,30}") {
         let index = LineIndex::new(&text);
         for encoding in [Utf8, Utf16, Utf32] {
-            for offset in (0..=text.len()).filter(|&it| text.is_char_boundary(it)) {
+            for offset in (0..=text.len()).filter(|&index| text.is_char_boundary(index)) {
                 let expected = naive(&text, offset, encoding);
                 let size = TextSize::new(offset as u32);
                 prop_assert_eq!(index.line_col(size, encoding), expected, "{:?}", offset);

@@ -109,12 +109,13 @@ impl<'a> Input<'a> {
             return None;
         };
         let before = self.text.get(..self.raw.start(*raw as usize))?;
-        let line = &before[before.rfind('\n').map_or(0, |it| it + 1)..];
-        line.chars().try_fold(0, |column, it| match it {
-            ' ' => Some(column + 1),
-            '\t' => Some(column / TAB * TAB + TAB),
-            _ => None,
-        })
+        let line = &before[before.rfind('\n').map_or(0, |index| index + 1)..];
+        line.chars()
+            .try_fold(0, |column, character| match character {
+                ' ' => Some(column + 1),
+                '\t' => Some(column / TAB * TAB + TAB),
+                _ => None,
+            })
     }
 
     fn push(&mut self, kind: SyntaxKind, text: &str, element: usize) {
@@ -184,7 +185,7 @@ impl<'a> Input<'a> {
             return false;
         };
         let between = self.text.get(usize::from(end)..usize::from(start));
-        i >= self.len() || between.is_some_and(|it| it.contains(['\n', '\r']))
+        i >= self.len() || between.is_some_and(|text| text.contains(['\n', '\r']))
     }
 
     /// The macro that token `i` comes out of. A token with a line join inside is its own macro.
@@ -212,7 +213,7 @@ impl<'a> Input<'a> {
         self.elements[..element]
             .iter()
             .rev()
-            .find_map(|it| match it {
+            .find_map(|element| match element {
                 Element::Call { first, end } => Some((*first, *end)),
                 _ => None,
             })

@@ -41,7 +41,7 @@ pub(super) enum RepairPlace {
 impl RawRepair {
     /// The repair in terms of the text. `None` if a macro made the text.
     pub(super) fn locate(self, input: &Input<'_>) -> Option<Repair> {
-        let real = |it: usize| input.macro_name(it).is_none();
+        let real = |index: usize| input.macro_name(index).is_none();
         let range = match self.place {
             RepairPlace::Behind(token) => TextRange::empty(input.end_before(token)?),
             RepairPlace::Before(token) if real(token) => {
@@ -73,11 +73,15 @@ impl Parser<'_> {
         }
         let word = self.current_text();
         let all = SyntaxKind::spellings();
-        let candidates = all.iter().filter(|it| keywords.contains(it.0));
-        let Some(spelling) = nearest(&word, candidates.map(|it| it.1)) else {
+        let candidates = all.iter().filter(|spelling| keywords.contains(spelling.0));
+        let Some(spelling) = nearest(&word, candidates.map(|candidate| candidate.1)) else {
             return false;
         };
-        let Some(kind) = all.iter().find(|it| it.1 == spelling).map(|it| it.0) else {
+        let Some(kind) = all
+            .iter()
+            .find(|candidate| candidate.1 == spelling)
+            .map(|spelling| spelling.0)
+        else {
             return false;
         };
         self.respelt = Some((self.pos, kind));

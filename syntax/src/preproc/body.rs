@@ -58,7 +58,7 @@ pub(crate) fn lower_define(
             }
             let names = &params.names[..params.names.len().min(MAX_PARAMS)];
             for (i, param) in names.iter().enumerate() {
-                if names[..i].iter().any(|it| it.text == param.text) {
+                if names[..i].iter().any(|name| name.text == param.text) {
                     problems.push(Preprocessing::ParameterTwice {
                         name: name.text.clone(),
                         param: param.text.clone(),
@@ -67,7 +67,7 @@ pub(crate) fn lower_define(
                 }
             }
             MacroKind::Function {
-                params: names.iter().map(|it| it.text.clone()).collect(),
+                params: names.iter().map(|name| name.text.clone()).collect(),
                 variadic: params.variadic,
             }
         }
@@ -114,7 +114,7 @@ fn lower_body(
         if token.kind == HASH2 {
             token.role = Role::Paste;
         } else if is_word(token.kind, &token.text) {
-            let param = params.and_then(|it| it.iter().position(|param| *param == token.text));
+            let param = params.and_then(|node| node.iter().position(|param| *param == token.text));
             if let Some(param) = param {
                 token.role = Role::Param(param as u32);
             } else if token.text == "__VA_ARGS__" {
@@ -157,7 +157,7 @@ fn lower_body(
         body = lowered;
     }
 
-    let edge = |it: Option<&BodyToken>| it.is_some_and(BodyToken::is_paste);
+    let edge = |token: Option<&BodyToken>| token.is_some_and(BodyToken::is_paste);
     if edge(body.first()) || edge(body.last()) {
         if problems.is_empty() {
             problems.push(Preprocessing::PasteAtEdge {

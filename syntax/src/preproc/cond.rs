@@ -86,7 +86,7 @@ fn lexemes(
     let mut rest = tokens;
     while let Some((token, after)) = rest.split_first() {
         rest = after;
-        let glued = rest.first().filter(|it| !it.spaced);
+        let glued = rest.first().filter(|token| !token.spaced);
         if is_word(token.kind, &token.text) {
             let mut value = false;
             if token.text == "defined" {
@@ -99,7 +99,7 @@ fn lexemes(
                     [name, after @ ..] => (Some(name), after),
                     [] => (None, rest),
                 };
-                let name = name.filter(|it| is_word(it.kind, &it.text));
+                let name = name.filter(|name| is_word(name.kind, &name.text));
                 let name = name.ok_or(Preprocessing::DefinedWithoutName)?;
                 value = is_defined(&name.text);
                 rest = after;
@@ -125,12 +125,12 @@ fn lexemes(
             _ => {
                 let pair = glued.and_then(|next| {
                     let pair = format!("{}{}", token.text, next.text);
-                    PAIRS.into_iter().find(|&it| it == pair)
+                    PAIRS.into_iter().find(|&known| known == pair)
                 });
                 if let Some(pair) = pair {
                     rest = rest.get(1..).unwrap_or_default();
                     lexemes.push(Lexeme::Operator(pair));
-                } else if let Some(single) = SINGLES.into_iter().find(|&it| it == token.text) {
+                } else if let Some(single) = SINGLES.into_iter().find(|&text| text == token.text) {
                     lexemes.push(Lexeme::Operator(single));
                 } else {
                     return Err(Preprocessing::BadToken {
@@ -156,7 +156,7 @@ fn number(text: &str) -> Result<Value, Preprocessing> {
         _ => (text, 10),
     };
     let len = digits
-        .find(|it: char| !it.is_digit(radix))
+        .find(|digit: char| !digit.is_digit(radix))
         .unwrap_or(digits.len());
     let (digits, suffix) = digits.split_at(len);
     let suffix = suffix.to_ascii_lowercase();
@@ -170,10 +170,13 @@ fn number(text: &str) -> Result<Value, Preprocessing> {
         });
     }
     let mut bits = 0u64;
-    for digit in digits.chars().filter_map(|it| it.to_digit(radix)) {
+    for digit in digits
+        .chars()
+        .filter_map(|character| character.to_digit(radix))
+    {
         bits = bits
             .checked_mul(u64::from(radix))
-            .and_then(|it| it.checked_add(u64::from(digit)))
+            .and_then(|number| number.checked_add(u64::from(digit)))
             .ok_or_else(|| Preprocessing::TooLarge {
                 number: spelled.into(),
             })?;
@@ -209,7 +212,7 @@ fn character(text: &str) -> Result<Value, Preprocessing> {
                 };
                 i64::from_str_radix(digits, radix)
                     .ok()
-                    .filter(|&it| it >= 0 && !digits.starts_with('+'))
+                    .filter(|&number| number >= 0 && !digits.starts_with('+'))
                     .ok_or_else(wrong)?
             }
         },
@@ -279,7 +282,7 @@ impl Parser<'_> {
                 return Err(Preprocessing::NoColon);
             }
             let no = self.conditional()?;
-            value = value.and_then(|it| if it.bits != 0 { yes } else { no });
+            value = value.and_then(|binary| if binary.bits != 0 { yes } else { no });
         }
         self.depth -= 1;
         Ok(value)
@@ -321,17 +324,17 @@ impl Parser<'_> {
         }
         let mut value = self.primary()?;
         for operator in operators.into_iter().rev() {
-            value = value.map(|it| match operator {
-                "!" => Value::bool_value(it.bits == 0),
+            value = value.map(|value| match operator {
+                "!" => Value::bool_value(value.bits == 0),
                 "~" => Value {
-                    bits: !it.bits,
-                    ..it
+                    bits: !value.bits,
+                    ..value
                 },
                 "-" => Value {
-                    bits: it.bits.wrapping_neg(),
-                    ..it
+                    bits: value.bits.wrapping_neg(),
+                    ..value
                 },
-                _ => it,
+                _ => value,
             });
         }
         Ok(value)
@@ -368,14 +371,14 @@ fn apply(operator: &str, lhs: MaybeValue, rhs: MaybeValue) -> MaybeValue {
             return if lhs?.bits == 0 {
                 lhs.map(|_| Value::bool_value(false))
             } else {
-                rhs.map(|it| Value::bool_value(it.bits != 0))
+                rhs.map(|value| Value::bool_value(value.bits != 0))
             };
         }
         "||" => {
             return if lhs?.bits != 0 {
                 Some(Value::bool_value(true))
             } else {
-                rhs.map(|it| Value::bool_value(it.bits != 0))
+                rhs.map(|value| Value::bool_value(value.bits != 0))
             };
         }
         _ => {}

@@ -185,7 +185,7 @@ impl MacroEnv {
                 .collect()
         } else {
             self.iter()
-                .filter(|it| mentioned.words.contains(&it.name))
+                .filter(|definition| mentioned.words.contains(&definition.name))
                 .collect()
         };
         while let Some(definition) = queue.pop() {

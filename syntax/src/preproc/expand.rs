@@ -278,7 +278,10 @@ impl<'a> Expander<'a> {
             let is_name = is_word(token.kind, &token.text);
             let is_paren = token.kind == L_PAREN;
             if is_name {
-                let site = run.env.get(&token.text).map(|it| it.site.clone());
+                let site = run
+                    .env
+                    .get(&token.text)
+                    .map(|environment| environment.site.clone());
                 self.record(&token, site.as_ref());
             }
             out.push(token);
@@ -401,7 +404,7 @@ impl<'a> Expander<'a> {
                 last.push(token);
             }
         };
-        let end = run.source.as_deref().map(|it| it.next);
+        let end = run.source.as_deref().map(|source| source.next);
         match stop {
             ArgumentsEnd::Closed => {}
             ArgumentsEnd::End | ArgumentsEnd::Directive | ArgumentsEnd::Limit => {
@@ -418,10 +421,10 @@ impl<'a> Expander<'a> {
                     self.problems.push(CallProblem { kind, end: None });
                 }
                 // Tokens of the text are read again.
-                let from = start.map_or(u32::MAX, |it| it.next);
+                let from = start.map_or(u32::MAX, |start| start.next);
                 let read = opening.into_iter().chain(args.into_iter().flatten());
                 return Err(read
-                    .filter(|it| !matches!(it.origin, Origin::Argument(i) if i >= from))
+                    .filter(|argument| !matches!(argument.origin, Origin::Argument(i) if i >= from))
                     .collect());
             }
         }
@@ -484,7 +487,9 @@ impl<'a> Expander<'a> {
                 }],
                 Role::Stringize(param) => {
                     vec![stringize(
-                        args.spelled.get(param as usize).map_or(&[][..], |it| it),
+                        args.spelled
+                            .get(param as usize)
+                            .map_or(&[][..], |spelled| spelled),
                     )]
                 }
                 Role::Param(param) if pasted => args
@@ -497,7 +502,9 @@ impl<'a> Expander<'a> {
             if let Some(first) = operand.first_mut() {
                 first.spaced = token.spaced;
             }
-            let too_long = operand.iter().any(|it| it.text.len() > MAX_TOKEN_LEN);
+            let too_long = operand
+                .iter()
+                .any(|operand| operand.text.len() > MAX_TOKEN_LEN);
             if too_long || operand.len() + out.len() > self.budget {
                 self.take_from_budget(usize::MAX, definition);
                 return Vec::new();

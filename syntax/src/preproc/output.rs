@@ -80,7 +80,7 @@ impl Preprocessed {
     /// The `ordinal`-th `#define` of the file, active or not; see [`MacroSite`].
     pub fn define_directive(&self, ordinal: u32) -> Option<&Directive> {
         self.directives.iter().find(
-            |it| matches!(&it.kind, DirectiveKind::Define(define) if define.ordinal == ordinal),
+            |directive| matches!(&directive.kind, DirectiveKind::Define(define) if define.ordinal == ordinal),
         )
     }
 
@@ -88,7 +88,7 @@ impl Preprocessed {
     pub fn include_ordinal(&self, directive: u32) -> Option<u32> {
         let found = self
             .includes
-            .binary_search_by_key(&directive, |it| it.directive);
+            .binary_search_by_key(&directive, |include| include.directive);
         found.ok().map(|ordinal| ordinal as u32)
     }
 }

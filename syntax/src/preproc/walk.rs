@@ -131,7 +131,7 @@ impl Walker<'_> {
     fn finish(mut self) -> Preprocessed {
         if let (Some(conditional), false) = (self.conditionals.last(), self.open_comment) {
             let opening = self.out.directives.get(conditional.opening);
-            let related = opening.map(|it| (it.range, "the conditional begins here"));
+            let related = opening.map(|directive| (directive.range, "the conditional begins here"));
             let end = self.text.len();
             self.report(PpError {
                 kind: Preprocessing::OpenConditional,
@@ -151,10 +151,10 @@ impl Walker<'_> {
                 });
             }
         }
-        uses.sort_by_key(|it| it.range.start());
-        uses.dedup_by_key(|it| it.range);
+        uses.sort_by_key(|usage| usage.range.start());
+        uses.dedup_by_key(|usage| usage.range);
         self.out.macro_uses = uses;
-        self.out.errors.sort_by_key(|it| it.range.start());
+        self.out.errors.sort_by_key(|error| error.range.start());
         self.out.exit_env = self.env;
         self.out
     }
@@ -230,7 +230,12 @@ impl Walker<'_> {
                     if literal.is_some() {
                         rest.nth(2);
                     }
-                    self.emit_pragma_operator(end, end, range, literal.map(|it| (it, range)));
+                    self.emit_pragma_operator(
+                        end,
+                        end,
+                        range,
+                        literal.map(|literal| (literal, range)),
+                    );
                 }
                 kind => {
                     self.out
@@ -269,7 +274,7 @@ impl Walker<'_> {
                 let close = line
                     .take_while(|&i| self.raw.kind(i) != NEWLINE)
                     .find(|&i| self.raw.kind(i) == R_PAREN);
-                (close.map_or(open + 1, |it| it + 1), None)
+                (close.map_or(open + 1, |close| close + 1), None)
             }
             _ => (first + 1, None),
         };
@@ -334,8 +339,8 @@ impl Walker<'_> {
         let index = self.out.directives.len();
         self.out.directives.push(directive.clone());
         let taken = self.execute(&directive, index);
-        if let Some(it) = self.out.directives.get_mut(index) {
-            it.taken = taken;
+        if let Some(directive) = self.out.directives.get_mut(index) {
+            directive.taken = taken;
         }
         self.out.elements.push(Element::Directive {
             first,
@@ -467,7 +472,7 @@ impl Walker<'_> {
             let spans_lines = self
                 .text
                 .get(std::ops::Range::from(range))
-                .is_some_and(|it| it.contains(['\n', '\r']));
+                .is_some_and(|text| text.contains(['\n', '\r']));
             let at = match problem.end {
                 Some(end) if spans_lines => self.span(end.saturating_sub(1), end),
                 _ => range,
@@ -506,7 +511,7 @@ fn report_stray_directive(text: &str) -> Preprocessing {
         shown.push('…');
     }
     let shown = shown.into();
-    if text.bytes().any(|it| (1..=4).contains(&it)) {
+    if text.bytes().any(|byte| (1..=4).contains(&byte)) {
         Preprocessing::Control { shown }
     } else if text.starts_with('#') {
         Preprocessing::StrayHash { shown }

@@ -53,8 +53,9 @@ impl Sink<'_> {
                 + 1,
             kind,
         };
-        let of_name =
-            |name: &Option<Name>, kind| name.iter().map(|it| of_range(it.range, kind)).collect();
+        let of_name = |name: &Option<Name>, kind| {
+            name.iter().map(|name| of_range(name.range, kind)).collect()
+        };
         let of_tokens = |range: &std::ops::Range<u32>, kind| {
             vec![DirectiveNode {
                 first: range.start,
@@ -63,41 +64,48 @@ impl Sink<'_> {
             }]
         };
         match &directive.kind {
-            DirectiveKind::Include(it) => match &it.form {
+            DirectiveKind::Include(include) => match &include.form {
                 IncludeForm::Quoted(_) | IncludeForm::Angled(_) => {
-                    vec![of_range(it.range, INCLUDE_PATH)]
+                    vec![of_range(include.range, INCLUDE_PATH)]
                 }
                 IncludeForm::Macro(tokens) => of_tokens(tokens, INCLUDE_PATH),
             },
-            DirectiveKind::Define(it) => {
-                let mut parts: Vec<DirectiveNode> = of_name(&it.name, NAME);
-                if it.params.is_some()
+            DirectiveKind::Define(define) => {
+                let mut parts: Vec<DirectiveNode> = of_name(&define.name, NAME);
+                if define.params.is_some()
                     && let Some(name) = parts.last()
                 {
-                    let last = (name.end..it.body.start)
+                    let last = (name.end..define.body.start)
                         .rev()
                         .find(|&i| self.raw.kind(i as usize) == R_PAREN);
                     parts.push(DirectiveNode {
                         first: name.end,
-                        end: last.map_or(name.end, |it| it + 1),
+                        end: last.map_or(name.end, |index| index + 1),
                         kind: MACRO_PARAMS,
                     });
                 }
-                parts.extend(of_tokens(&it.body, MACRO_BODY));
+                parts.extend(of_tokens(&define.body, MACRO_BODY));
                 parts
             }
-            DirectiveKind::Undef(it) | DirectiveKind::Ifdef(it) | DirectiveKind::Ifndef(it) => {
-                let mut parts: Vec<DirectiveNode> = of_name(&it.name, NAME_REF);
-                parts.extend(of_tokens(&it.rest, DIRECTIVE_TEXT));
+            DirectiveKind::Undef(undef)
+            | DirectiveKind::Ifdef(undef)
+            | DirectiveKind::Ifndef(undef) => {
+                let mut parts: Vec<DirectiveNode> = of_name(&undef.name, NAME_REF);
+                parts.extend(of_tokens(&undef.rest, DIRECTIVE_TEXT));
                 parts
             }
-            DirectiveKind::If(it) | DirectiveKind::Elif(it) => of_tokens(it, CONDITION),
-            DirectiveKind::Else(it) | DirectiveKind::Endif(it) | DirectiveKind::Line(it) => {
-                of_tokens(it, DIRECTIVE_TEXT)
-            }
-            DirectiveKind::Pragma(it) if !it.operator => {
-                let mut parts: Vec<DirectiveNode> = of_name(&it.name, NAME_REF);
-                parts.extend(it.args.iter().map(|it| of_range(it.range, PRAGMA_ARG)));
+            DirectiveKind::If(range) | DirectiveKind::Elif(range) => of_tokens(range, CONDITION),
+            DirectiveKind::Else(otherwise)
+            | DirectiveKind::Endif(otherwise)
+            | DirectiveKind::Line(otherwise) => of_tokens(otherwise, DIRECTIVE_TEXT),
+            DirectiveKind::Pragma(pragma) if !pragma.operator => {
+                let mut parts: Vec<DirectiveNode> = of_name(&pragma.name, NAME_REF);
+                parts.extend(
+                    pragma
+                        .args
+                        .iter()
+                        .map(|argument| of_range(argument.range, PRAGMA_ARG)),
+                );
                 parts
             }
             DirectiveKind::Pragma(_) => Vec::new(),
@@ -105,7 +113,7 @@ impl Sink<'_> {
                 let after = directive
                     .keyword
                     .as_ref()
-                    .map_or(first + 1, |it| of_range(it.range, NAME).end);
+                    .map_or(first + 1, |keyword| of_range(keyword.range, NAME).end);
                 let text = |i: &u32| !self.raw.kind(*i as usize).is_trivia();
                 match ((after..end).find(text), (after..end).rfind(text)) {
                     (Some(first), Some(last)) => of_tokens(&(first..last + 1), DIRECTIVE_TEXT),
@@ -165,7 +173,7 @@ impl Sink<'_> {
         match element {
             rowan::NodeOrToken::Node(node) => {
                 self.builder.start_node(SyntaxKind::from_raw(node.kind().0));
-                node.children().for_each(|it| self.green(it));
+                node.children().for_each(|child| self.green(child));
                 self.builder.finish_node();
             }
             rowan::NodeOrToken::Token(token) => self

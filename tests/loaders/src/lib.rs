@@ -69,8 +69,8 @@ pub fn unit(text: &str) -> Result<UnitResult, String> {
     let host = AnalysisHost::new(Arc::new(EmptyLoader));
     let unit = host.analysis().batch(&input).expect("nobody cancels");
     let mut errors = unit.diagnostics.iter();
-    match errors.find(|it| it.severity == Severity::Error) {
-        Some(it) => Err(it.message.clone()),
+    match errors.find(|error| error.severity == Severity::Error) {
+        Some(error) => Err(error.message.clone()),
         None => Ok(unit),
     }
 }

@@ -20,7 +20,7 @@ struct Memory(Arc<BTreeMap<Utf8PathBuf, Arc<str>>>);
 impl Loader for Memory {
     fn read(&self, path: &Utf8Path) -> FileContent {
         match self.0.get(path) {
-            Some(it) => FileContent::Text(it.to_string()),
+            Some(text) => FileContent::Text(text.to_string()),
             None => FileContent::Missing,
         }
     }
@@ -36,7 +36,7 @@ impl Files for Memory {
     }
 
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
-        let below = |it: &Utf8PathBuf| it.strip_prefix(folder).ok().map(Utf8Path::to_owned);
+        let below = |path: &Utf8PathBuf| path.strip_prefix(folder).ok().map(Utf8Path::to_owned);
         let files: Vec<_> = self.0.keys().filter_map(below).collect();
         (!files.is_empty()).then_some(files)
     }

@@ -41,7 +41,7 @@ pub(super) fn serve(input: &[u8]) {
             output
         });
         let hello = json!({ "jsonrpc": "2.0", "id": 1, "method": "initialize", "params": { "capabilities": {} } });
-        let lines = input.split(|it| *it == b'\n');
+        let lines = input.split(|byte| *byte == b'\n');
         for line in std::iter::once(hello.to_string().as_bytes()).chain(lines) {
             let head = format!("Content-Length: {}\r\n\r\n", line.len());
             let sent = async {
@@ -67,13 +67,15 @@ pub(super) fn serve(input: &[u8]) {
 fn frames(mut output: &[u8]) {
     while !output.is_empty() {
         let text = String::from_utf8_lossy(&output[..output.len().min(200)]).into_owned();
-        let end = output.windows(4).position(|it| it == b"\r\n\r\n");
+        let end = output.windows(4).position(|window| window == b"\r\n\r\n");
         let end = end.unwrap_or_else(|| panic!("no end of the header: {text}"));
         let head = String::from_utf8_lossy(&output[..end]);
         let length = head
             .lines()
-            .find_map(|it| it.strip_prefix("Content-Length: "));
-        let length: usize = length.and_then(|it| it.parse().ok()).expect("a length");
+            .find_map(|line| line.strip_prefix("Content-Length: "));
+        let length: usize = length
+            .and_then(|length| length.parse().ok())
+            .expect("a length");
         let body = output
             .get(end + 4..end + 4 + length)
             .expect("a whole message");

@@ -14,9 +14,9 @@ const COMPONENT: &str = include_str!("../../../examples/pump/pump.gen");
 pub(super) fn read(input: &[u8]) {
     let text = encoding::decode(input.to_vec());
     let parse = scn::parse(&text);
-    for it in &parse.errors {
-        assert!(text.get(it.range.clone()).is_some(), "{it:?}");
-        assert!(!it.message.is_empty(), "{it:?}");
+    for error in &parse.errors {
+        assert!(text.get(error.range.clone()).is_some(), "{error:?}");
+        assert!(!error.message.is_empty(), "{error:?}");
     }
     if let Some(once) = scn::format(&text) {
         let solid = |text: &str| -> String { text.split_whitespace().collect() };
@@ -41,14 +41,17 @@ pub(super) fn read(input: &[u8]) {
         })
         .expect("nothing cancels");
     let names = scn::names::Names::new(&[&unit.spec]);
-    for it in names.unknown_names(&parse.scenario) {
-        assert!(text.get(it.range.clone()).is_some(), "{it:?}");
+    for unknown_name in names.unknown_names(&parse.scenario) {
+        assert!(
+            text.get(unknown_name.range.clone()).is_some(),
+            "{unknown_name:?}"
+        );
     }
     drop(names.references(&parse.scenario));
     drop(scn::outline::outline(&text, &parse.scenario));
-    let sum = input
-        .iter()
-        .fold(0usize, |sum, it| sum.wrapping_mul(31) + usize::from(*it));
+    let sum = input.iter().fold(0usize, |sum, byte| {
+        sum.wrapping_mul(31) + usize::from(*byte)
+    });
     let mut offset = sum % (text.len() + 1);
     while !text.is_char_boundary(offset) {
         offset -= 1;

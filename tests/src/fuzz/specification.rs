@@ -44,19 +44,22 @@ pub(super) fn analyse(input: &[u8]) {
     });
     let analysis = host.analysis();
     let diagnostics = analysis.diagnostics(path).expect("nothing cancels");
-    for it in &diagnostics {
-        assert!(!it.message.is_empty(), "a finding without words: {it:?}");
-        is_in(&text, &it.range);
-        for fix in &it.fixes {
-            for edit in fix.edits.iter().filter(|it| it.path == path) {
+    for diagnostic in &diagnostics {
+        assert!(
+            !diagnostic.message.is_empty(),
+            "a finding without words: {diagnostic:?}"
+        );
+        is_in(&text, &diagnostic.range);
+        for fix in &diagnostic.fixes {
+            for edit in fix.edits.iter().filter(|edit| edit.path == path) {
                 is_in(&text, &edit.range);
             }
         }
     }
     // The place depends on the text alone, so that a fault repeats.
-    let sum = input
-        .iter()
-        .fold(0usize, |sum, it| sum.wrapping_mul(31) + usize::from(*it));
+    let sum = input.iter().fold(0usize, |sum, byte| {
+        sum.wrapping_mul(31) + usize::from(*byte)
+    });
     let mut offset = sum % (text.len() + 1);
     while !text.is_char_boundary(offset) {
         offset -= 1;
@@ -66,11 +69,11 @@ pub(super) fn analyse(input: &[u8]) {
         offset,
     };
     let hover = analysis.hover(&at).expect("nothing cancels");
-    if let Some(it) = hover {
-        is_in(&text, &it.range);
+    if let Some(hover) = hover {
+        is_in(&text, &hover.range);
     }
-    for it in analysis.completions(&at).expect("nothing cancels") {
-        is_in(&text, &it.replace);
+    for completion in analysis.completions(&at).expect("nothing cancels") {
+        is_in(&text, &completion.replace);
     }
     drop(analysis.goto_definition(&at));
     drop(analysis.references(&at, true));
@@ -85,7 +88,11 @@ pub(super) fn analyse(input: &[u8]) {
 pub(super) fn format(input: &[u8]) {
     let text = encoding::decode(input.to_vec());
     let once = formatted(&text);
-    let solid = |text: &str| -> String { text.chars().filter(|it| !is_blank(*it)).collect() };
+    let solid = |text: &str| -> String {
+        text.chars()
+            .filter(|character| !is_blank(*character))
+            .collect()
+    };
     assert_eq!(
         solid(&text),
         solid(&once),
@@ -107,15 +114,15 @@ fn formatted(text: &str) -> String {
     let parse = dotgen_syntax::parse_text(text);
     let root = parse.syntax();
     assert_eq!(root.text().to_string(), text, "the tree is not its text");
-    let broken: Vec<_> = parse.errors.iter().map(|it| it.range).collect();
+    let broken: Vec<_> = parse.errors.iter().map(|error| error.range).collect();
     format::apply(
         text,
         &format::format(&root, &broken, None, &Options::default()),
     )
 }
 
-fn is_blank(it: char) -> bool {
-    matches!(it, ' ' | '\t' | '\n' | '\r' | '\u{b}' | '\u{c}')
+fn is_blank(character: char) -> bool {
+    matches!(character, ' ' | '\t' | '\n' | '\r' | '\u{b}' | '\u{c}')
 }
 
 /// Ranges are of the text, between characters.

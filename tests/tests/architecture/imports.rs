@@ -22,16 +22,16 @@ impl Imports {
         let mut texts = BTreeMap::new();
         for entry in walkdir::WalkDir::new(&source).into_iter().flatten() {
             let path = entry.path().strip_prefix(&source).expect("below it");
-            let Some(name) = path.to_str().and_then(|it| it.strip_suffix(".rs")) else {
+            let Some(name) = path.to_str().and_then(|text| text.strip_suffix(".rs")) else {
                 continue;
             };
             let mut module: Module = name.split(['/', '\\']).map(str::to_owned).collect();
             if matches!(name, "lib" | "main") {
                 module.clear();
             }
-            let of_tests = |it: &String| {
+            let of_tests = |text: &String| {
                 matches!(
-                    it.as_str(),
+                    text.as_str(),
                     "tests" | "fixture" | "generator" | "test_support"
                 )
             };
@@ -61,7 +61,7 @@ impl Imports {
                     named.push(path);
                 }
             }
-            named.extend(paths(&rest).filter_map(|it| out.absolute(module, &it)));
+            named.extend(paths(&rest).filter_map(|path| out.absolute(module, &path)));
             out.named.insert(module.clone(), named);
             out.aliases.insert(module.clone(), aliases);
         }
@@ -79,7 +79,7 @@ impl Imports {
             }
             "self" => rest = &rest[1..],
             "super" => {
-                while rest.first().is_some_and(|it| it == "super") {
+                while rest.first().is_some_and(|path| path == "super") {
                     at.pop();
                     rest = &rest[1..];
                 }
@@ -107,7 +107,9 @@ impl Imports {
             }
             let passed = path.get(length).and_then(|name| {
                 let aliases = self.aliases.get(&path[..length])?;
-                aliases.get(name).filter(|it| it[..] != path[..=length])
+                aliases
+                    .get(name)
+                    .filter(|alias| alias[..] != path[..=length])
             });
             match passed {
                 Some(to) => path = [&to[..], &path[length + 1..]].concat(),
@@ -127,9 +129,10 @@ impl Imports {
         for (module, named) in &self.named {
             for path in named {
                 let home = self.home(path);
-                let in_circle = |it: &[String]| {
-                    it.strip_prefix(&folder[..])
-                        .and_then(|it| circle.get(it.first()?))
+                let in_circle = |names: &[String]| {
+                    names
+                        .strip_prefix(&folder[..])
+                        .and_then(|rest| circle.get(rest.first()?))
                 };
                 let (from, to) = (in_circle(module), in_circle(&home));
                 if from.is_some() && to.is_some() && from != to {
@@ -164,12 +167,12 @@ impl Imports {
                 let forth = reached(&graph, start);
                 let circle: BTreeSet<String> = forth
                     .into_iter()
-                    .filter(|it| reached(&graph, it).contains(start))
+                    .filter(|text| reached(&graph, text).contains(start))
                     .cloned()
                     .collect();
                 if circle.contains(start) && seen.insert(start) {
-                    let known = |it: &(String, BTreeSet<String>)| {
-                        it.0 == folder.join("::") && it.1 == circle
+                    let known = |pair: &(String, BTreeSet<String>)| {
+                        pair.0 == folder.join("::") && pair.1 == circle
                     };
                     if !out.iter().any(known) {
                         out.push((folder.join("::"), circle));
@@ -186,14 +189,17 @@ pub(crate) fn script_import_cycles(folder: &Path) -> Vec<(String, BTreeSet<Strin
     let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for entry in walkdir::WalkDir::new(folder).into_iter().flatten() {
         let path = entry.path();
-        if path.extension().is_none_or(|it| it != "ts") {
+        if path.extension().is_none_or(|extension| extension != "ts") {
             continue;
         }
         let text = std::fs::read_to_string(path).expect("UTF-8");
         let directory = path.parent().unwrap_or(folder);
-        let imports = text.split(" from './").skip(1).map(|it| (directory, it));
+        let imports = text
+            .split(" from './")
+            .skip(1)
+            .map(|part| (directory, part));
         let above = directory.parent().unwrap_or(folder);
-        let above = text.split(" from '../").skip(1).map(|it| (above, it));
+        let above = text.split(" from '../").skip(1).map(|part| (above, part));
         let named = imports.chain(above).filter_map(|(directory, rest)| {
             let (name, _) = rest.split_once('\'')?;
             let file = directory.join(format!("{name}.ts"));
@@ -203,9 +209,11 @@ pub(crate) fn script_import_cycles(folder: &Path) -> Vec<(String, BTreeSet<Strin
         graph.insert(own.display().to_string(), named.collect());
     }
     assert!(!graph.is_empty(), "no scripts in {}", folder.display());
-    let in_circle = |it: &&String| reached(&graph, it).contains(it);
+    let in_circle = |text: &&String| reached(&graph, text).contains(text);
     let names = graph.keys().filter(in_circle);
-    names.map(|it| (it.clone(), graph[it].clone())).collect()
+    names
+        .map(|name| (name.clone(), graph[name].clone()))
+        .collect()
 }
 
 /// What can be reached from a node by at least one arrow.
@@ -249,8 +257,9 @@ fn uses(code: &str) -> (Vec<(Module, String)>, String) {
     let mut rest = String::new();
     let mut left = code;
     while let Some(at) = left.find("use ") {
-        let word = !left[..at].ends_with(|it: char| it.is_alphanumeric() || it == '_');
-        let end = left[at..].find(';').map(|it| at + it);
+        let word = !left[..at]
+            .ends_with(|character: char| character.is_alphanumeric() || character == '_');
+        let end = left[at..].find(';').map(|index| at + index);
         let (true, Some(end)) = (word, end) else {
             rest += &left[..at + 4];
             left = &left[at + 4..];
@@ -268,7 +277,7 @@ fn uses(code: &str) -> (Vec<(Module, String)>, String) {
 fn tree(before: &[String], text: &str, out: &mut Vec<(Module, String)>) {
     let text = text.trim().trim_start_matches("::");
     let (path, group) = match text.split_once('{') {
-        Some((path, group)) => (path, group.rsplit_once('}').map(|it| it.0)),
+        Some((path, group)) => (path, group.rsplit_once('}').map(|pair| pair.0)),
         None => (text, None),
     };
     let (path, alias) = match path.split_once(" as ") {
@@ -278,10 +287,10 @@ fn tree(before: &[String], text: &str, out: &mut Vec<(Module, String)>) {
     let own = path
         .split("::")
         .map(str::trim)
-        .filter(|it| !it.is_empty() && *it != "*");
+        .filter(|part| !part.is_empty() && *part != "*");
     let mut full: Module = before.to_vec();
     full.extend(own.map(str::to_owned));
-    if full.len() > 1 && full.last().is_some_and(|it| it == "self") {
+    if full.len() > 1 && full.last().is_some_and(|module| module == "self") {
         full.pop();
     }
     let Some(group) = group else {
@@ -309,10 +318,12 @@ fn tree(before: &[String], text: &str, out: &mut Vec<(Module, String)>) {
 
 /// Paths in code that begin with `crate::` or `super::`.
 fn paths(code: &str) -> impl Iterator<Item = Module> {
-    let is_path = |it: char| it.is_alphanumeric() || it == '_' || it == ':';
-    code.split(move |it| !is_path(it)).filter_map(|word| {
-        let path: Module = word.split("::").map(str::to_owned).collect();
-        let relative = matches!(path[0].as_str(), "crate" | "super") && path.len() > 1;
-        relative.then_some(path)
-    })
+    let is_path =
+        |character: char| character.is_alphanumeric() || character == '_' || character == ':';
+    code.split(move |character| !is_path(character))
+        .filter_map(|word| {
+            let path: Module = word.split("::").map(str::to_owned).collect();
+            let relative = matches!(path[0].as_str(), "crate" | "super") && path.len() > 1;
+            relative.then_some(path)
+        })
 }

@@ -11,9 +11,9 @@ const INSTANCES: usize = 3;
 /// instances are added to `left`.
 pub(super) fn activities(system: &TimedSystem, left: &mut [Option<Refusal>]) -> Vec<Vec<Activity>> {
     let mut out: Vec<Vec<Activity>> = vec![Vec::new(); system.tasks.len()];
-    for (task, it) in system.tasks.iter().enumerate() {
-        let permanent = it.permanent.map(|it| Activity {
-            machine: system.automata[it].machine,
+    for (task, entry) in system.tasks.iter().enumerate() {
+        let permanent = entry.permanent.map(|automaton| Activity {
+            machine: system.automata[automaton].machine,
             permanent: true,
             again: false,
             interrupted: false,
@@ -21,19 +21,19 @@ pub(super) fn activities(system: &TimedSystem, left: &mut [Option<Refusal>]) -> 
         out[task].extend(permanent);
     }
     let requested = system.requested();
-    for (service, it) in system.services.iter().enumerate() {
-        if !requested[service] || !it.activity {
+    for (service, entry) in system.services.iter().enumerate() {
+        if !requested[service] || !entry.activity {
             continue;
         }
         let interrupts =
             |by: &usize| requested[*by] && system.services[*by].interrupts.contains(&service);
         let often = requests(system, service);
         // At most one instance of an activity that interrupts itself has begun and not ended.
-        let (instances, again) = match (it.interrupts.contains(&service), often) {
+        let (instances, again) = match (entry.interrupts.contains(&service), often) {
             (true, often) => (1, often != Some(1)),
             (false, often) => (often.unwrap_or(usize::MAX), false),
         };
-        let Some(&slot) = it.slots.first() else {
+        let Some(&slot) = entry.slots.first() else {
             continue;
         };
         let automaton = &system.automata[slot];
@@ -56,8 +56,8 @@ pub(super) fn activities(system: &TimedSystem, left: &mut [Option<Refusal>]) -> 
 fn requests(system: &TimedSystem, service: usize) -> Option<usize> {
     let mut often = 0;
     for client in &system.clients {
-        for (step, it) in client.steps.iter().enumerate() {
-            if it.requests() != Some(service) {
+        for (step, entry) in client.steps.iter().enumerate() {
+            if entry.requests() != Some(service) {
                 continue;
             }
             if client.comes_again(step) {

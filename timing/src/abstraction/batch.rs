@@ -61,10 +61,10 @@ impl<'m> Batches<'m> {
             return None;
         }
         let mut all = Vec::new();
-        for (thread, it) in model.threads.iter().enumerate() {
+        for (thread, entry) in model.threads.iter().enumerate() {
             let rests = 0..model.cycle_automaton(thread)?.rests.len();
             let turns: Vec<Option<Turn>> = rests.map(|at| turn(model, thread, at)).collect();
-            if it.contends || turns.iter().all(Option::is_none) {
+            if entry.contends || turns.iter().all(Option::is_none) {
                 return None;
             }
             all.push(turns);
@@ -78,14 +78,14 @@ impl<'m> Batches<'m> {
 
     /// Takes the busy window at the beginning of a state, if the window proves all its deadlines.
     pub(super) fn follow(&self, s: &State, out: &mut Out) -> bool {
-        let rests = |it: usize| {
-            let ready = s.when[it].ready;
+        let rests = |thread: usize| {
+            let ready = s.when[thread].ready;
             // The end of a first pass starts another task, whose ticks count from then on.
-            let starts = self.model.threads[it].successor.is_some();
-            s.is(it, Stage::Waiting)
-                && (s.done[it].cycle == Cycle::Measured || !starts)
+            let starts = self.model.threads[thread].successor.is_some();
+            s.is(thread, Stage::Waiting)
+                && (s.done[thread].cycle == Cycle::Measured || !starts)
                 && ready.from == ready.to
-                && ready.from == self.model.threads[it].tick(i64::from(s.done[it].next) - 1)
+                && ready.from == self.model.threads[thread].tick(i64::from(s.done[thread].next) - 1)
         };
         if !(0..self.model.threads.len()).all(rests) {
             return false;
@@ -107,13 +107,15 @@ impl<'m> Batches<'m> {
                 done.at = turn.then as u16;
             }
         }
-        let over = jobs.iter().map(|it| it.end).max().unwrap_or(0);
-        for (it, thread) in self.model.threads.iter().enumerate() {
-            let tick = thread.tick(i64::from(s.done[it].next) - 1);
-            s.when[it].ready = Span::at(tick);
-            s.when[it].since = tick;
+        let over = jobs.iter().map(|job| job.end).max().unwrap_or(0);
+        for (index, thread) in self.model.threads.iter().enumerate() {
+            let tick = thread.tick(i64::from(s.done[index].next) - 1);
+            s.when[index].ready = Span::at(tick);
+            s.when[index].since = tick;
         }
-        s.free_to.iter_mut().for_each(|it| *it = over.max(*it));
+        s.free_to
+            .iter_mut()
+            .for_each(|number| *number = over.max(*number));
         s.normalise(self.model);
         out.states.push(s);
         true
@@ -122,19 +124,19 @@ impl<'m> Batches<'m> {
     /// Returns the jobs that are done before the next release, with bounds on their ends by which all jobs
     /// keep their deadlines.
     fn window(&self, s: &State) -> Option<Vec<Job>> {
-        let ready = |it: usize| s.when[it].ready.from;
-        let mut at: Vec<usize> = s.done.iter().map(|it| it.at as usize).collect();
+        let ready = |index: usize| s.when[index].ready.from;
+        let mut at: Vec<usize> = s.done.iter().map(|progress| progress.at as usize).collect();
         let begin = (0..s.done.len()).map(ready).min()?;
         // Work that is still under way at the beginning of the window.
-        let rest: i64 = s.free_to.iter().map(|it| (it - begin).max(0)).sum();
+        let rest: i64 = s.free_to.iter().map(|number| (number - begin).max(0)).sum();
         let mut until = begin;
         let mut jobs: Vec<Job> = Vec::new();
         let mut taken = vec![0i64; s.done.len()];
         loop {
             for (thread, taken) in taken.iter_mut().enumerate() {
-                let it = &self.model.threads[thread];
+                let entry = &self.model.threads[thread];
                 loop {
-                    let release = ready(thread) + *taken * it.period;
+                    let release = ready(thread) + *taken * entry.period;
                     if release > until {
                         break;
                     }
@@ -143,7 +145,7 @@ impl<'m> Batches<'m> {
                     jobs.push(Job {
                         thread,
                         release,
-                        deadline: release + it.period,
+                        deadline: release + entry.period,
                         work: turn.work,
                         measured: *taken > 0 || s.done[thread].cycle == Cycle::Measured,
                         end: release + turn.work,
@@ -154,9 +156,9 @@ impl<'m> Batches<'m> {
             if jobs.len() > JOBS || until - begin > self.model.hyperperiod {
                 return None;
             }
-            jobs.sort_by_key(|it| it.release);
+            jobs.sort_by_key(|job| job.release);
             self.bound(&mut jobs, begin, rest)?;
-            let over = jobs.iter().map(|it| it.end).max()?;
+            let over = jobs.iter().map(|job| job.end).max()?;
             // The window ends when all jobs released so far are done.
             if over <= until {
                 return Some(jobs);
@@ -172,7 +174,7 @@ impl<'m> Batches<'m> {
         // Fixed-point iteration from below, which finds the least bounds.
         for _ in 0..ROUNDS {
             let ends: Vec<i64> = (0..jobs.len())
-                .map(|it| self.end(jobs, it, (begin, rest), backlog[it]))
+                .map(|job| self.end(jobs, job, (begin, rest), backlog[job]))
                 .collect::<Option<_>>()?;
             let mut changed = false;
             for (job, end) in jobs.iter_mut().zip(ends) {
@@ -203,25 +205,26 @@ impl<'m> Batches<'m> {
         };
         let others = || {
             let all = jobs.iter().enumerate();
-            all.filter(|&(it, _)| it != number).map(|(_, it)| it)
+            all.filter(|&(index, _)| index != number)
+                .map(|(_, job)| job)
         };
-        let under_way = |it: &&Job| it.release <= job.release && it.end > job.release;
+        let under_way = |other: &&Job| other.release <= job.release && other.end > job.release;
         // While the job waits, all cores work: on earlier work …
         let left = (begin + rest - job.release).max(0).min(rest);
         let mut last: Vec<i64> = others()
             .filter(under_way)
-            .filter(|it| !first(it))
-            .map(|it| it.work)
+            .filter(|job| !first(job))
+            .map(|job| job.work)
             .collect();
-        last.sort_unstable_by_key(|it| -it);
+        last.sort_unstable_by_key(|work| -work);
         if self.model.policy == Policy::Fifo {
             last.clear();
         }
         let last: i64 = last.iter().take(self.cores as usize).sum();
         let before: i64 = others()
             .filter(under_way)
-            .filter(|it| first(it))
-            .map(|it| it.work)
+            .filter(|job| first(job))
+            .map(|job| job.work)
             .sum();
         let mut present = left + last + before;
         if self.cores == 1 {
@@ -233,8 +236,9 @@ impl<'m> Batches<'m> {
             if begins + job.work >= job.deadline {
                 return None;
             }
-            let later = others().filter(|it| it.release > job.release && it.release <= begins);
-            let more: i64 = later.filter(|it| first(it)).map(|it| it.work).sum();
+            let later =
+                others().filter(|other| other.release > job.release && other.release <= begins);
+            let more: i64 = later.filter(|job| first(job)).map(|job| job.work).sum();
             let next = job.release + (present + more) / self.cores;
             if next <= begins {
                 return Some(begins + job.work);
@@ -250,7 +254,7 @@ fn backlog(jobs: &[Job], begin: i64, rest: i64) -> Vec<i64> {
     let mut out = Vec::with_capacity(jobs.len());
     for job in jobs {
         let (mut left, mut now) = (rest, begin);
-        for other in jobs.iter().filter(|it| it.release <= job.release) {
+        for other in jobs.iter().filter(|other| other.release <= job.release) {
             left = (left - (other.release - now)).max(0) + other.work;
             now = other.release;
         }
@@ -278,10 +282,10 @@ fn turn(model: &Model, thread: usize, from: usize) -> Option<Turn> {
             return None;
         }
         let until = before + i64::from(codel.upper);
-        for it in &place.then {
-            match *it {
+        for successor in &place.then {
+            match *successor {
                 Successor::Goes(next) => todo.push((next, until)),
-                Successor::Rests(next) if then.is_none_or(|it| it == next) => {
+                Successor::Rests(next) if then.is_none_or(|index| index == next) => {
                     then = Some(next);
                     work = until.max(work);
                 }

@@ -55,7 +55,9 @@ pub(super) struct Rest {
 impl CycleAutomaton {
     /// Returns the rest in which the permanent activity, alone, has paused at a state.
     pub(super) fn paused_at(&self, state: usize) -> Option<usize> {
-        self.paused.iter().position(|it| *it == Some(state))
+        self.paused
+            .iter()
+            .position(|candidate| *candidate == Some(state))
     }
 }
 
@@ -145,7 +147,11 @@ impl Builder<'_> {
         self.out.rests.push(Rest::default());
         self.out.paused.push(None);
         let mut at = vec![ActivityPosition::Before; self.activities.len()];
-        if self.activities.first().is_some_and(|it| it.permanent) {
+        if self
+            .activities
+            .first()
+            .is_some_and(|activity| activity.permanent)
+        {
             at[0] = ActivityPosition::Next(self.begins(0, self.machine(0).start), false);
         }
         self.out.rests[0].begins = self.proceed(&at);
@@ -153,16 +159,20 @@ impl Builder<'_> {
 
     /// Returns the number of a situation.
     fn number(&mut self, situation: AutomatonState) -> Successor {
-        if let Some(&it) = self.known.get(&situation) {
-            return it;
+        if let Some(&successor) = self.known.get(&situation) {
+            return successor;
         }
-        let (it, number) = match situation.1 {
+        let (successor, number) = match situation.1 {
             Some(_) => {
                 self.out.places.push(Place::default());
                 let number = self.out.places.len() - 1;
                 (Successor::Goes(number), number)
             }
-            None if situation.0.iter().all(|it| *it == ActivityPosition::Over) => {
+            None if situation
+                .0
+                .iter()
+                .all(|position| *position == ActivityPosition::Over) =>
+            {
                 return Successor::Ends;
             }
             None => {
@@ -175,9 +185,9 @@ impl Builder<'_> {
                 (Successor::Rests(number), number)
             }
         };
-        self.known.insert(situation.clone(), it);
+        self.known.insert(situation.clone(), successor);
         self.todo.push((situation, number));
-        it
+        successor
     }
 
     fn place(&mut self, at: &[ActivityPosition], executes: usize, number: usize) {
@@ -191,24 +201,32 @@ impl Builder<'_> {
         let following = followers(machine, visited);
         let mut next: Vec<ActivityPosition> = following
             .into_iter()
-            .map(|it| ActivityPosition::Goes(it, *stops))
+            .map(|follower| ActivityPosition::Goes(follower, *stops))
             .collect();
-        next.extend(state.yields.iter().filter_map(|it| match *it {
-            Yield::Next(_) => None,
-            Yield::Pause(to) => Some(ActivityPosition::Pauses(to, *stops)),
-            Yield::End => Some(over.clone()),
-        }));
+        next.extend(
+            state
+                .yields
+                .iter()
+                .filter_map(|transition| match *transition {
+                    Yield::Next(_) => None,
+                    Yield::Pause(to) => Some(ActivityPosition::Pauses(to, *stops)),
+                    Yield::End => Some(over.clone()),
+                }),
+        );
         let throws = self.system.codels[codel].throws;
-        let with = |it: ActivityPosition| {
+        let with = |position: ActivityPosition| {
             let mut at = at.to_vec();
-            at[executes] = it;
+            at[executes] = position;
             at
         };
         let all: Vec<Vec<ActivityPosition>> = next.into_iter().map(with).collect();
         let thrown = throws.then(|| with(self.after_failure(executes, *stops).unwrap_or(over)));
-        let mut then: Vec<Successor> = all.iter().flat_map(|it| self.proceed(it)).collect();
+        let mut then: Vec<Successor> = all
+            .iter()
+            .flat_map(|position| self.proceed(position))
+            .collect();
         then.dedup();
-        let thrown = thrown.map_or(Vec::new(), |it| self.proceed(&it));
+        let thrown = thrown.map_or(Vec::new(), |exception| self.proceed(&exception));
         self.out.places[number] = Place {
             codel,
             then,
@@ -218,15 +236,15 @@ impl Builder<'_> {
 
     fn rest(&mut self, at: &[ActivityPosition], number: usize) {
         let mut begins = Vec::new();
-        for it in self.begin_pass(at, true) {
-            begins.extend(self.proceed_in_pass(&it));
+        for positions in self.begin_pass(at, true) {
+            begins.extend(self.proceed_in_pass(&positions));
         }
         // A task asks for a core only if it has work, unless the activity to begin is interrupted meanwhile.
-        if self.activities.iter().all(|it| !it.interrupted) {
-            begins.retain(|it| matches!(it, Successor::Goes(_)));
+        if self.activities.iter().all(|activity| !activity.interrupted) {
+            begins.retain(|successor| matches!(successor, Successor::Goes(_)));
         }
         let mut all = at.iter().enumerate();
-        let paused = all.any(|(activity, it)| match it {
+        let paused = all.any(|(activity, position)| match position {
             ActivityPosition::Pauses(_, stops) => self.after_failure(activity, *stops).is_none(),
             _ => false,
         });
@@ -252,10 +270,10 @@ impl Builder<'_> {
             return None;
         }
         let states = &self.machine(activity).states;
-        let throws = |it: &&State| self.system.codels[it.codel].throws;
+        let throws = |state: &&State| self.system.codels[state.codel].throws;
         states.iter().find(throws)?;
-        let mut yields = states.iter().flat_map(|it| &it.yields);
-        yields.find_map(|it| match *it {
+        let mut yields = states.iter().flat_map(|state| &state.yields);
+        yields.find_map(|state| match *state {
             Yield::Pause(to) => Some(ActivityPosition::Pauses(to, stops)),
             _ => None,
         })
@@ -263,14 +281,18 @@ impl Builder<'_> {
 
     /// Returns the possible successors in a pass, or after it.
     fn proceed(&mut self, at: &[ActivityPosition]) -> Vec<Successor> {
-        let next = at.iter().any(|it| matches!(it, ActivityPosition::Next(..)));
-        let goes = at.iter().any(|it| matches!(it, ActivityPosition::Goes(..)));
+        let next = at
+            .iter()
+            .any(|position| matches!(position, ActivityPosition::Next(..)));
+        let goes = at
+            .iter()
+            .any(|position| matches!(position, ActivityPosition::Goes(..)));
         if next || !goes {
             return self.proceed_in_pass(at);
         }
         let mut out = Vec::new();
-        for it in self.begin_pass(at, false) {
-            out.extend(self.proceed_in_pass(&it));
+        for positions in self.begin_pass(at, false) {
+            out.extend(self.proceed_in_pass(&positions));
         }
         out
     }
@@ -278,7 +300,8 @@ impl Builder<'_> {
     /// Returns the possible successors in a pass. The permanent activity has the first slot; the slots of
     /// others are not known.
     fn proceed_in_pass(&mut self, at: &[ActivityPosition]) -> Vec<Successor> {
-        let next = (0..at.len()).filter(|&it| matches!(at[it], ActivityPosition::Next(..)));
+        let next =
+            (0..at.len()).filter(|&position| matches!(at[position], ActivityPosition::Next(..)));
         let mut next: Vec<usize> = next.collect();
         if next.first() == Some(&0) && self.activities[0].permanent {
             next.truncate(1);
@@ -286,10 +309,12 @@ impl Builder<'_> {
         if next.is_empty() {
             return vec![self.number((at.to_vec(), None))];
         }
-        let all = next.into_iter().map(|it| (at.to_vec(), Some(it)));
+        let all = next
+            .into_iter()
+            .map(|position| (at.to_vec(), Some(position)));
         all.collect::<Vec<_>>()
             .into_iter()
-            .map(|it| self.number(it))
+            .map(|pair| self.number(pair))
             .collect()
     }
 
@@ -297,8 +322,8 @@ impl Builder<'_> {
     /// activities.
     fn begin_pass(&self, at: &[ActivityPosition], first: bool) -> Vec<Vec<ActivityPosition>> {
         let mut out: Vec<Vec<ActivityPosition>> = vec![Vec::new()];
-        for (activity, it) in at.iter().enumerate() {
-            let mut ways = vec![match it {
+        for (activity, position) in at.iter().enumerate() {
+            let mut ways = vec![match position {
                 ActivityPosition::Goes(visited, stops) => {
                     ActivityPosition::Next(visited.clone(), *stops)
                 }
@@ -307,13 +332,13 @@ impl Builder<'_> {
                 }
                 other => other.clone(),
             }];
-            if let ActivityPosition::Pauses(_, stops) = it
+            if let ActivityPosition::Pauses(_, stops) = position
                 && first
                 && self.after_failure(activity, *stops).is_some()
             {
-                ways.push(it.clone());
+                ways.push(position.clone());
             }
-            match it {
+            match position {
                 ActivityPosition::Before if first && !self.activities[activity].permanent => {
                     let start = self.machine(activity).start;
                     ways.push(ActivityPosition::Next(self.begins(activity, start), false));

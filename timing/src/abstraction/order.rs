@@ -11,20 +11,23 @@ use crate::system::{CodelSet, FOREVER, TimedSystem};
 /// Sets the starts and successors of all tasks, and the interference with their first passes. For now
 /// successors are numbers of tasks. `enough`: no task waits for a core.
 pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) {
-    let periodic = (0..system.tasks.len()).filter(|&it| system.tasks[it].period.is_some());
-    let first_tick = periodic.map(|it| first_tick(system, it)).min();
+    let periodic = (0..system.tasks.len()).filter(|&task| system.tasks[task].period.is_some());
+    let first_tick = periodic.map(|task| first_tick(system, task)).min();
     for component in &system.components {
         let mut before: Option<usize> = None;
         let mut start = Start::AT_ONCE;
         let mut earlier: Vec<(OtherThread, bool)> = Vec::new();
         for &task in &component.tasks {
-            let number = threads.iter().position(|it| it.task == task);
+            let number = threads.iter().position(|thread| thread.task == task);
             if let Some(number) = number {
-                let others = earlier.iter().filter(|it| !it.1).map(|it| it.0.clone());
-                let it = &mut threads[number];
-                it.early = interference(system, &others.collect::<Vec<_>>());
-                it.start = start;
-                it.started = before.is_some() && start.after.is_some();
+                let others = earlier
+                    .iter()
+                    .filter(|pair| !pair.1)
+                    .map(|pair| pair.0.clone());
+                let thread = &mut threads[number];
+                thread.early = interference(system, &others.collect::<Vec<_>>());
+                thread.start = start;
+                thread.started = before.is_some() && start.after.is_some();
                 if let Some(before) = before.filter(|_| start.after.is_some()) {
                     threads[before].successor = Some(task);
                 }
@@ -32,9 +35,10 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
             } else {
                 // Until the first tick, tasks without a period have the cores to themselves.
                 let alone = before.is_none()
-                    && (start.after).is_some_and(|it| first_tick.is_none_or(|tick| it.to < tick));
+                    && (start.after)
+                        .is_some_and(|span| first_tick.is_none_or(|tick| span.to < tick));
                 let has_core = enough || alone || !system.needs_core(task);
-                let others = earlier.iter().map(|it| it.0.clone());
+                let others = earlier.iter().map(|pair| pair.0.clone());
                 start = start.then(first_pass(
                     system,
                     task,
@@ -45,7 +49,7 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
             let mut codels = CodelSet::default();
             if let Some(automaton) = system.tasks[task].permanent {
                 let states = system.machine_of(automaton).states.iter();
-                states.for_each(|it| codels.insert(it.codel));
+                states.for_each(|state| codels.insert(state.codel));
             }
             let component = system.tasks[task].component;
             earlier.push((OtherThread { component, codels }, number.is_some()));
@@ -55,9 +59,9 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
 
 /// Returns the first tick of a task with a period, under the semantics of the servers.
 pub(super) fn first_tick(system: &TimedSystem, task: usize) -> i64 {
-    let it = &system.tasks[task];
-    i64::from(match it.delay {
-        0 => it.period.unwrap_or(0),
+    let task = &system.tasks[task];
+    i64::from(match task.delay {
+        0 => task.period.unwrap_or(0),
         delay => delay,
     })
 }
@@ -68,16 +72,17 @@ fn first_pass(system: &TimedSystem, task: usize, others: &[OtherThread], has_cor
         after: None,
         fails: true,
     };
-    let it = &system.tasks[task];
-    if it.period.is_some() || !has_core {
+    let task = &system.tasks[task];
+    if task.period.is_some() || !has_core {
         return unknown;
     }
-    let machine = it.permanent.map(|it| system.machine_of(it));
-    let Some(state) = machine.and_then(|it| it.states.get(it.start)) else {
+    let machine = task.permanent.map(|automaton| system.machine_of(automaton));
+    let Some(state) = machine.and_then(|machine| machine.states.get(machine.start)) else {
         return Start::AT_ONCE;
     };
     let codel = &system.codels[state.codel];
-    let waits = interference(system, others).map_or(Some(0), |it| it.longest[state.codel]);
+    let waits = interference(system, others)
+        .map_or(Some(0), |interference| interference.longest[state.codel]);
     match waits.filter(|_| codel.upper != FOREVER) {
         None => unknown,
         Some(waits) => Start {

@@ -23,7 +23,7 @@ impl OtherThread {
 /// Returns true if some codel of `first` waits for some codel of `second`.
 pub(super) fn waits(system: &TimedSystem, first: &CodelSet, second: &CodelSet) -> bool {
     let mut first = first.iter();
-    first.any(|it| system.codels[it].conflicts.intersects(second))
+    first.any(|codel_set| system.codels[codel_set].conflicts.intersects(second))
 }
 
 /// Returns all of these threads. `codels` are the codels that each task may execute, and `followed` the tasks
@@ -35,16 +35,16 @@ pub(super) fn others(
 ) -> Vec<OtherThread> {
     let requested = system.requested();
     let mut out: Vec<OtherThread> = Vec::new();
-    for (component, it) in system.components.iter().enumerate() {
+    for (component, entry) in system.components.iter().enumerate() {
         let mut handled = CodelSet::default();
-        for &service in it.services.iter().filter(|it| requested[**it]) {
+        for &service in entry.services.iter().filter(|service| requested[**service]) {
             let service = &system.services[service];
             let own = service.validate.iter().chain(&service.simple);
-            own.for_each(|&it| handled.insert(it));
+            own.for_each(|&validate| handled.insert(validate));
         }
-        let tasks = it.tasks.iter().filter(|it| !followed(**it));
-        let all = tasks.map(|&it| codels[it].clone()).chain([handled]);
-        let all = all.filter(|it| !it.is_empty());
+        let tasks = entry.tasks.iter().filter(|task| !followed(**task));
+        let all = tasks.map(|&task| codels[task].clone()).chain([handled]);
+        let all = all.filter(|codel| !codel.is_empty());
         out.extend(all.map(|codels| OtherThread { component, codels }));
     }
     out
@@ -69,29 +69,36 @@ pub(super) fn interference(system: &TimedSystem, others: &[OtherThread]) -> Opti
         waits_for: CodelSet::default(),
         longest: vec![Some(0); system.codels.len()],
     };
-    for it in others {
-        for codel in it.codels.iter() {
+    for thread in others {
+        for codel in thread.codels.iter() {
             let conflicts = system.codels[codel].conflicts.iter();
-            conflicts.for_each(|it| out.waits_for.insert(it));
+            conflicts.for_each(|conflict| out.waits_for.insert(conflict));
         }
     }
-    for (number, it) in others.iter().enumerate() {
+    for (number, thread) in others.iter().enumerate() {
         let awaited = |codel: usize| {
-            let mut rest = others.iter().enumerate().filter(|it| it.0 != number);
+            let mut rest = others.iter().enumerate().filter(|pair| pair.0 != number);
             let mut one = CodelSet::default();
             one.insert(codel);
             rest.any(|(_, other)| waits(system, &other.codels, &one))
         };
-        let own: Vec<(usize, bool)> = it.codels.iter().map(|it| (it, awaited(it))).collect();
+        let own: Vec<(usize, bool)> = thread
+            .codels
+            .iter()
+            .map(|codel| (codel, awaited(codel)))
+            .collect();
         for (codel, longest) in out.longest.iter_mut().enumerate() {
             let conflicts = &system.codels[codel].conflicts;
             let waits = own
                 .iter()
-                .filter(|(it, awaited)| *awaited || conflicts.contains(*it));
-            let longest_of_it = waits.map(|it| system.codels[it.0].upper).max().unwrap_or(0);
+                .filter(|(index, awaited)| *awaited || conflicts.contains(*index));
+            let longest_of_it = waits
+                .map(|wait| system.codels[wait.0].upper)
+                .max()
+                .unwrap_or(0);
             *longest = longest
                 .filter(|_| longest_of_it != FOREVER)
-                .map(|it| it + i64::from(longest_of_it));
+                .map(|number| number + i64::from(longest_of_it));
         }
     }
     Some(out)

@@ -80,7 +80,7 @@ impl<'m> Search<'m> {
             // A search with a small budget is tried again with batches.
             let is_last = self.budget >= AFTER_MISS;
             if looked_at > AFTER_MISS || over {
-                let missed = self.worst.iter().position(|it| *it == MISSED);
+                let missed = self.worst.iter().position(|number| *number == MISSED);
                 if let Some(thread) = missed.filter(|_| is_last) {
                     let task = self.model.threads[thread].task;
                     return Err(Refusal::MayMiss { task });
@@ -100,7 +100,7 @@ impl<'m> Search<'m> {
             let batch = self
                 .batches
                 .as_ref()
-                .is_some_and(|it| it.follow(&s, &mut out));
+                .is_some_and(|batch| batch.follow(&s, &mut out));
             if !batch {
                 self.model.follow(&s, &mut out)?;
             }

@@ -24,8 +24,8 @@ pub(super) enum End {
 }
 
 impl From<Successor> for End {
-    fn from(it: Successor) -> Self {
-        match it {
+    fn from(successor: Successor) -> Self {
+        match successor {
             Successor::Goes(place) => End::GoesOn(place),
             Successor::Rests(rest) => End::Pauses(rest),
             Successor::Ends => End::Ends,
@@ -54,20 +54,20 @@ impl Model<'_> {
             steps: 0,
         };
         let mut all = vec![blank];
-        for (thread, it) in self.threads.iter().enumerate() {
-            if it.started {
+        for (thread, entry) in self.threads.iter().enumerate() {
+            if entry.started {
                 continue;
             }
             let before = std::mem::take(&mut all);
             for mut s in before {
-                let tick = (Span::at(it.tick(0)), 1);
-                if it.start.after.is_none() {
+                let tick = (Span::at(entry.tick(0)), 1);
+                if entry.start.after.is_none() {
                     self.may_start(&mut s, thread, 0);
                     all.push(s);
-                } else if it.paused.is_empty() {
+                } else if entry.paused.is_empty() {
                     all.extend(self.start(s, thread, Span::at(0), End::Ends));
                 } else {
-                    all.extend(it.paused.iter().map(|&at| {
+                    all.extend(entry.paused.iter().map(|&at| {
                         let mut s = s.clone();
                         self.release(&mut s, thread, tick, Cycle::Measured, at);
                         s
@@ -77,7 +77,7 @@ impl Model<'_> {
         }
         let settled = all.into_iter().flat_map(|s| self.settle(s));
         let mut out: Vec<State> = settled.collect();
-        out.iter_mut().for_each(|it| it.normalise(self));
+        out.iter_mut().for_each(|state| state.normalise(self));
         out
     }
 
@@ -94,25 +94,25 @@ impl Model<'_> {
         let skips = cycle == Cycle::Measured
             && self
                 .cycle_automaton(thread)
-                .is_some_and(|it| it.rests[at].skips);
-        let it = &mut s.done[thread];
-        it.stage = match skips {
+                .is_some_and(|automaton| automaton.rests[at].skips);
+        let progress = &mut s.done[thread];
+        progress.stage = match skips {
             true => Stage::Idle,
             false => Stage::Waiting,
         };
-        it.cycle = cycle;
-        it.at = at as u16;
-        it.next = next as i32;
+        progress.cycle = cycle;
+        progress.at = at as u16;
+        progress.next = next as i32;
         s.when[thread].ready = ready;
         s.when[thread].since = ready.from;
     }
 
     /// Lets a task be started at any time between a tick and the next one, or later.
     fn may_start(&self, s: &mut State, thread: usize, tick: i64) {
-        let it = &self.threads[thread];
+        let entry = &self.threads[thread];
         let between = Span {
-            from: it.tick(tick),
-            to: it.tick(tick + 1),
+            from: entry.tick(tick),
+            to: entry.tick(tick + 1),
         };
         self.release(s, thread, (between, tick + 1), Cycle::FirstPass, 0);
         s.done[thread].stage = Stage::Idle;
@@ -122,17 +122,17 @@ impl Model<'_> {
     /// idle, or started, from `from` on. `next` is the number of the next tick, not counting ticks before
     /// that moment. Several such ticks count as one.
     fn releases(&self, thread: usize, from: Span, next: i64) -> Vec<(Span, i64)> {
-        let it = &self.threads[thread];
+        let thread = &self.threads[thread];
         let mut out = Vec::new();
-        if from.from <= it.tick(next) {
-            out.push((Span::at(it.tick(next)), next + 1));
+        if from.from <= thread.tick(next) {
+            out.push((Span::at(thread.tick(next)), next + 1));
         }
         let mut tick = next;
-        while it.tick(tick) <= from.to {
+        while thread.tick(tick) <= from.to {
             // This tick was the last one before.
             let kept = Span {
-                from: from.from.max(it.tick(tick)),
-                to: from.to.min(it.tick(tick + 1)),
+                from: from.from.max(thread.tick(tick)),
+                to: from.to.min(thread.tick(tick + 1)),
             };
             tick += 1;
             if kept.from <= kept.to && !out.contains(&(kept, tick)) {
@@ -169,10 +169,10 @@ impl Model<'_> {
                 s.free_to.sort_unstable();
             }
             if cycle == Cycle::Measured {
-                let it = &self.threads[thread];
-                let late = end.to - it.tick(next);
-                if late / it.period > LATE {
-                    return Err(Refusal::MayMiss { task: it.task });
+                let entry = &self.threads[thread];
+                let late = end.to - entry.tick(next);
+                if late / entry.period > LATE {
+                    return Err(Refusal::MayMiss { task: entry.task });
                 }
                 let response = match late < 0 {
                     true => end.to - s.when[thread].since,
@@ -245,8 +245,9 @@ impl Model<'_> {
 
     /// Removes a task that has nothing left to execute.
     fn leave(&self, s: &mut State, thread: usize) {
-        let it = &mut s.done[thread];
-        (it.stage, it.cycle, it.at, it.next) = (Stage::Gone, Cycle::Measured, 0, 0);
+        let progress = &mut s.done[thread];
+        (progress.stage, progress.cycle, progress.at, progress.next) =
+            (Stage::Gone, Cycle::Measured, 0, 0);
     }
 
     /// Starts the next task after the first pass of a task. After a failure, no further task is started.
@@ -297,9 +298,9 @@ impl Model<'_> {
     /// Returns the possible beginnings of a job after a rest.
     pub(super) fn begins(&self, s: &State, thread: usize) -> Vec<End> {
         match self.cycle_automaton(thread) {
-            Some(it) => {
-                let begins = it.rests[s.done[thread].at as usize].begins.iter();
-                begins.map(|it| End::from(*it)).collect()
+            Some(automaton) => {
+                let begins = automaton.rests[s.done[thread].at as usize].begins.iter();
+                begins.map(|successor| End::from(*successor)).collect()
             }
             None => vec![End::Ends],
         }

@@ -100,12 +100,12 @@ impl State {
     }
 
     pub(super) fn all(&self, stage: Stage) -> impl Iterator<Item = usize> + '_ {
-        (0..self.done.len()).filter(move |&it| self.is(it, stage))
+        (0..self.done.len()).filter(move |&index| self.is(index, stage))
     }
 
     /// Returns the threads that have been started and have work left.
     fn live(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.done.len()).filter(|&it| self.done[it].stage.is_live())
+        (0..self.done.len()).filter(|&index| self.done[index].stage.is_live())
     }
 
     /// Widens the intervals to contain those of another state with the same key. Returns true if they already
@@ -132,17 +132,21 @@ impl State {
 
     /// Clears irrelevant data, and counts times from the hyperperiod in which the oldest job was released.
     pub(super) fn normalise(&mut self, model: &Model) {
-        let Some(now) = self.live().map(|it| self.when[it].ready.from).min() else {
+        let Some(now) = self.live().map(|index| self.when[index].ready.from).min() else {
             return;
         };
         // No core is granted before some task is ready.
-        self.free_from.iter_mut().for_each(|it| *it = now.max(*it));
-        self.free_to.iter_mut().for_each(|it| *it = now.max(*it));
+        self.free_from
+            .iter_mut()
+            .for_each(|number| *number = now.max(*number));
+        self.free_to
+            .iter_mut()
+            .for_each(|number| *number = now.max(*number));
         self.given = self.given.max(now);
         let mut earliest = vec![i64::MAX; model.groups];
-        for it in self.live() {
-            let group = &mut earliest[model.threads[it].group];
-            *group = (*group).min(self.when[it].ready.from);
+        for thread in self.live() {
+            let group = &mut earliest[model.threads[thread].group];
+            *group = (*group).min(self.when[thread].ready.from);
         }
         for (group, &earliest) in earliest.iter().enumerate() {
             let begun = &mut self.begun[group];
@@ -151,24 +155,25 @@ impl State {
                 _ => begun.max(Span::at(earliest)),
             };
         }
-        for (it, thread) in model.threads.iter().enumerate() {
-            let over = self.when[it].held.to <= earliest[thread.group];
+        for (index, thread) in model.threads.iter().enumerate() {
+            let over = self.when[index].held.to <= earliest[thread.group];
             if over || !thread.contends {
-                self.done[it].held = 0;
+                self.done[index].held = 0;
             }
-            if self.done[it].held == 0 {
-                self.when[it].held = Span::default();
+            if self.done[index].held == 0 {
+                self.when[index].held = Span::default();
             }
-            if !self.done[it].stage.is_live() {
-                self.when[it].ready = Span::default();
-                self.when[it].since = 0;
+            if !self.done[index].stage.is_live() {
+                self.when[index].ready = Span::default();
+                self.when[index].since = 0;
             }
         }
         self.shift(model);
     }
 
     fn shift(&mut self, model: &Model) {
-        let release = |it: usize| model.threads[it].tick(i64::from(self.done[it].next) - 1);
+        let release =
+            |thread: usize| model.threads[thread].tick(i64::from(self.done[thread].next) - 1);
         let Some(oldest) = self.live().map(release).min() else {
             return;
         };
@@ -177,25 +182,25 @@ impl State {
         if by == 0 {
             return;
         }
-        for (it, thread) in model.threads.iter().enumerate() {
-            let live = self.done[it].stage.is_live();
-            if self.done[it].stage == Stage::Off {
-                let next = i64::from(self.done[it].next) - by / thread.period;
+        for (index, thread) in model.threads.iter().enumerate() {
+            let live = self.done[index].stage.is_live();
+            if self.done[index].stage == Stage::Off {
+                let next = i64::from(self.done[index].next) - by / thread.period;
                 // All times are at least 0, so that an earlier tick makes no difference.
-                self.done[it].next = next.max(thread.last_before_zero()) as i32;
+                self.done[index].next = next.max(thread.last_before_zero()) as i32;
             }
             if live {
-                self.done[it].next -= (by / thread.period) as i32;
-                self.when[it].ready.shift(by);
-                self.when[it].since -= by;
+                self.done[index].next -= (by / thread.period) as i32;
+                self.when[index].ready.shift(by);
+                self.when[index].since -= by;
             }
-            if self.done[it].held != 0 {
-                self.when[it].held.shift(by);
+            if self.done[index].held != 0 {
+                self.when[index].held.shift(by);
             }
         }
         let all = self.free_from.iter_mut().chain(&mut self.free_to);
-        all.for_each(|it| *it -= by);
-        self.begun.iter_mut().for_each(|it| it.shift(by));
+        all.for_each(|number| *number -= by);
+        self.begun.iter_mut().for_each(|span| span.shift(by));
         self.given -= by;
     }
 }
@@ -210,8 +215,8 @@ fn lower(one: &mut i64, other: i64) -> bool {
 pub(super) fn not_before(s: &State, time: i64) -> State {
     let mut s = s.clone();
     let active: Vec<usize> = s.all(Stage::Active).collect();
-    for it in active {
-        let ready = &mut s.when[it].ready;
+    for index in active {
+        let ready = &mut s.when[index].ready;
         // The codel may have been ready before, and waited for its locks until now.
         *ready = ready.max(Span::at(time));
     }

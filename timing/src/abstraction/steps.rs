@@ -14,7 +14,7 @@ impl Model<'_> {
     /// Writes the successors of a state. Each run that reaches the state continues in one of them.
     pub(super) fn follow(&self, s: &State, out: &mut Out) -> Result<(), Refusal> {
         if let Some((group, until)) = self.next_independent_group(s) {
-            let own = |&it: &usize| self.threads[it].group == group;
+            let own = |&thread: &usize| self.threads[thread].group == group;
             for thread in s.all(Stage::Active).filter(own) {
                 if self.earliest(s, thread) <= until {
                     self.begin_codel(s, thread, until, out)?;
@@ -23,8 +23,8 @@ impl Model<'_> {
             return Ok(());
         }
         // Next step of all, in the order of time: no other step comes earlier.
-        let active = s.all(Stage::Active).map(|it| self.latest(s, it));
-        let ticks = s.all(Stage::Idle).map(|it| s.when[it].ready.to);
+        let active = s.all(Stage::Active).map(|thread| self.latest(s, thread));
+        let ticks = s.all(Stage::Idle).map(|index| s.when[index].ready.to);
         let until = active.chain(ticks).min().unwrap_or(i64::MAX);
         let given = self.next_core_grant(s).unwrap_or(i64::MAX).min(until);
         for thread in s.all(Stage::Active) {
@@ -61,7 +61,10 @@ impl Model<'_> {
             *group = (*group).min(self.latest(s, thread));
             holder = holder.min(s.when[thread].ready.from);
         }
-        let core = s.free_from.first().map_or(holder, |it| holder.min(*it));
+        let core = s
+            .free_from
+            .first()
+            .map_or(holder, |number| holder.min(*number));
         let core = core.max(s.given);
         for thread in s.all(Stage::Waiting) {
             let group = &mut until[self.threads[thread].group];
@@ -75,7 +78,7 @@ impl Model<'_> {
                 *group = i64::MAX;
             }
         }
-        let (group, &until) = until.iter().enumerate().min_by_key(|it| it.1)?;
+        let (group, &until) = until.iter().enumerate().min_by_key(|pair| pair.1)?;
         (until != i64::MAX).then_some((group, until))
     }
 
@@ -97,12 +100,12 @@ impl Model<'_> {
     /// Returns the time at which all of these codels have ended, as far as they have begun. Codels of the
     /// task itself have ended.
     fn ends_of(&self, s: &State, thread: usize, codels: &CodelSet) -> Option<Span> {
-        let it = &self.threads[thread];
-        if !it.contends {
+        let entry = &self.threads[thread];
+        if !entry.contends {
             return None;
         }
         let others = (0..self.threads.len()).filter(|&other| {
-            other != thread && self.threads[other].group == it.group && s.done[other].held != 0
+            other != thread && self.threads[other].group == entry.group && s.done[other].held != 0
         });
         let holders = others.filter(|&other| codels.contains(s.done[other].held as usize - 1));
         holders
@@ -114,7 +117,7 @@ impl Model<'_> {
     fn earliest(&self, s: &State, thread: usize) -> i64 {
         let ready = s.when[thread].ready.from;
         match self.holders(s, thread).filter(|_| !self.queue) {
-            Some(it) => it.from.max(ready),
+            Some(holder) => holder.from.max(ready),
             None => ready,
         }
     }
@@ -124,7 +127,7 @@ impl Model<'_> {
     fn latest(&self, s: &State, thread: usize) -> i64 {
         let ready = s.when[thread].ready.to;
         match self.holders(s, thread).filter(|_| !self.queue) {
-            Some(it) => it.to.max(ready),
+            Some(holder) => holder.to.max(ready),
             None => ready,
         }
     }
@@ -138,10 +141,10 @@ impl Model<'_> {
         until: i64,
         out: &mut Out,
     ) -> Result<(), Refusal> {
-        let it = &self.threads[thread];
+        let entry = &self.threads[thread];
         let Some(place) = self
             .cycle_automaton(thread)
-            .and_then(|it| it.places.get(s.done[thread].at as usize))
+            .and_then(|automaton| automaton.places.get(s.done[thread].at as usize))
         else {
             return Ok(());
         };
@@ -151,29 +154,30 @@ impl Model<'_> {
             from: self.earliest(&s, thread),
             to: self.latest(&s, thread).min(until),
         };
-        if it.contends {
+        if entry.contends {
             let ticket = begin;
             if self.queue {
                 // After the previous codel of the queue, and not while a conflicting codel executes.
-                begin = begin.max(s.begun[it.group]);
+                begin = begin.max(s.begun[entry.group]);
                 if let Some(holders) = self.holders(&s, thread) {
                     begin = begin.max(holders);
                 }
                 // First passes come before requests, and before the start of tasks that are declared later.
                 let others = match s.done[thread].cycle {
-                    Cycle::FirstPass => &it.early,
-                    _ => &self.interference[it.group],
+                    Cycle::FirstPass => &entry.early,
+                    _ => &self.interference[entry.group],
                 };
                 if let Some(others) = others {
                     let awaited = self.ends_of(&s, thread, &others.waits_for);
-                    begin.to = begin.to.max(awaited.map_or(begin.to, |it| it.to));
+                    begin.to = begin.to.max(awaited.map_or(begin.to, |span| span.to));
                     let longest = others.longest[place.codel];
-                    begin.to += longest.ok_or(Refusal::Endless { task: it.task })?;
+                    begin.to += longest.ok_or(Refusal::Endless { task: entry.task })?;
                 }
             }
             // This codel comes first, so all others of the group take their tickets (or, without a queue,
             // begin) no earlier.
-            let others = |&other: &usize| other != thread && self.threads[other].group == it.group;
+            let others =
+                |&other: &usize| other != thread && self.threads[other].group == entry.group;
             let others: Vec<usize> = s.all(Stage::Active).filter(others).collect();
             for other in others {
                 let ready = &mut s.when[other].ready;
@@ -182,7 +186,7 @@ impl Model<'_> {
                     false => *ready = ready.max(begin),
                 }
             }
-            s.begun[it.group] = begin;
+            s.begun[entry.group] = begin;
         }
         let codel = &self.system.codels[place.codel];
         let end = Span {
@@ -190,15 +194,15 @@ impl Model<'_> {
             to: begin.to + i64::from(codel.upper),
         };
         (s.done[thread].held, s.when[thread].held) = (0, Span::default());
-        if it.contends && self.waited_for[place.codel] {
+        if entry.contends && self.waited_for[place.codel] {
             s.done[thread].held = place.codel as u32 + 1;
             s.when[thread].held = end;
         }
         // A failure in the first pass means that the component never starts.
         let fails = !place.thrown.is_empty() && s.done[thread].cycle == Cycle::FirstPass;
         let thrown = place.thrown.iter().filter(|_| !fails);
-        for &it in place.then.iter().chain(thrown) {
-            self.end_codel(s.clone(), thread, end, End::from(it), out)?;
+        for &exception in place.then.iter().chain(thrown) {
+            self.end_codel(s.clone(), thread, end, End::from(exception), out)?;
         }
         if fails {
             self.end_codel(s, thread, end, End::Fails, out)?;
@@ -209,7 +213,10 @@ impl Model<'_> {
     /// Returns the latest time of the next grant of a core, if a task waits for one and a core is known to be
     /// free by then.
     fn next_core_grant(&self, s: &State) -> Option<i64> {
-        let released = s.all(Stage::Waiting).map(|it| s.when[it].ready.to).min()?;
+        let released = s
+            .all(Stage::Waiting)
+            .map(|index| s.when[index].ready.to)
+            .min()?;
         // Other threads may hold the cores that are free first.
         Some(released.max(*s.free_to.get(self.lent)?))
     }
@@ -242,9 +249,9 @@ impl Model<'_> {
 
     /// Returns the deadline of the job of a waiting task, unless the job is that of a kept tick.
     fn deadline(&self, s: &State, thread: usize) -> Option<i64> {
-        let it = &self.threads[thread];
-        let tick = it.tick(i64::from(s.done[thread].next) - 1);
-        (s.when[thread].ready == Span::at(tick)).then_some(tick + it.period)
+        let entry = &self.threads[thread];
+        let tick = entry.tick(i64::from(s.done[thread].next) - 1);
+        (s.when[thread].ready == Span::at(tick)).then_some(tick + entry.period)
     }
 
     fn give_core(

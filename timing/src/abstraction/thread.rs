@@ -25,7 +25,7 @@ impl Start {
         Start {
             after: self
                 .after
-                .and_then(|it| pass.after.map(|pass| it.plus(pass))),
+                .and_then(|span| pass.after.map(|pass| span.plus(pass))),
             fails: self.fails || pass.fails,
         }
     }

@@ -47,8 +47,10 @@ pub fn remedy(
     settings.checks.retain_mut(|asked| {
         let number = written;
         written += 1;
-        let answered = |it: &CheckReport| {
-            it.id.written == number && it.of == check.of && it.verdict != Verdict::Unknown
+        let answered = |report: &CheckReport| {
+            report.id.written == number
+                && report.of == check.of
+                && report.verdict != Verdict::Unknown
         };
         match &mut asked.kind {
             CheckKind::Schedulable(of) | CheckKind::NoOverdue(of) | CheckKind::Response(of, _) => {
@@ -61,6 +63,11 @@ pub fn remedy(
     let trial = Trial::new(&names, settings, limits(report, options), cancel, None);
     let suspects = suspects(check).into_iter().take(MAX_CODELS_TRIED);
     let by_codel = { suspects }.find_map(|codel| trial.wcet(&codel));
-    let waits = || check.reason.iter().any(|it| it.awaited == Awaited::Core);
+    let waits = || {
+        check
+            .reason
+            .iter()
+            .any(|reason| reason.awaited == Awaited::Core)
+    };
     by_codel.or_else(|| waits().then(|| trial.cores()).flatten())
 }

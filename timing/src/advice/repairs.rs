@@ -52,34 +52,34 @@ enum Candidate {
 
 impl Candidate {
     fn describe(&self, trial: &Trial) -> String {
-        let task = |it: &usize| trial.built().system.task_path(*it);
+        let task = |task: &usize| trial.built().system.task_path(*task);
         match self {
-            Candidate::Policy(it) => format!("policy {}", it.name()),
+            Candidate::Policy(policy) => format!("policy {}", policy.name()),
             Candidate::Cores => "more cores".to_owned(),
             Candidate::Wcet(codel) => format!("less time for {codel}"),
             Candidate::Lock(copies, other) => format!("{copies} apart from {other}"),
-            Candidate::Period(it) => format!("a longer period for {}", task(it)),
-            Candidate::Delay(it) => format!("a later start of {}", task(it)),
+            Candidate::Period(period) => format!("a longer period for {}", task(period)),
+            Candidate::Delay(delay) => format!("a later start of {}", task(delay)),
         }
     }
 
     fn tried(&self, trial: &Trial) -> Option<Change> {
         match self {
-            Candidate::Policy(it) => trial.policy(*it),
+            Candidate::Policy(policy) => trial.policy(*policy),
             Candidate::Cores => trial.cores(),
             Candidate::Wcet(codel) => trial.wcet(codel),
             Candidate::Lock(copies, other) => trial.apart(copies, other),
-            Candidate::Period(it) => trial.period(*it),
-            Candidate::Delay(it) => trial.delay(*it),
+            Candidate::Period(period) => trial.period(*period),
+            Candidate::Delay(delay) => trial.delay(*delay),
         }
     }
 }
 
 /// Returns true if a deadline or a limit is certainly missed.
-fn misses(it: &CheckReport) -> bool {
-    let limited = it.kind.is_deadline() || it.kind.is_time();
-    let fails = it.verdict == Verdict::Refuted && !it.rounded;
-    limited && (fails || it.exceeds())
+fn misses(report: &CheckReport) -> bool {
+    let limited = report.kind.is_deadline() || report.kind.is_time();
+    let fails = report.verdict == Verdict::Refuted && !report.rounded;
+    limited && (fails || report.exceeds())
 }
 
 /// Callbacks for progress: the change to be tried, and each change that was found.
@@ -99,7 +99,7 @@ pub fn repairs(
     (cancel, time_limit): (&Cancel, Option<Duration>),
     (trying, tell): RepairCallbacks<'_>,
 ) -> Repairs {
-    let missed: Vec<&CheckReport> = report.checks.iter().filter(|it| misses(it)).collect();
+    let missed: Vec<&CheckReport> = report.checks.iter().filter(|check| misses(check)).collect();
     if missed.is_empty() {
         return Repairs::default();
     }
@@ -107,10 +107,13 @@ pub fn repairs(
     let mut settings = settings(scenario, options);
     // A check without an answer cannot be required of a change.
     let asked = |written: usize| {
-        let mut own = report.checks.iter().filter(|it| it.id.written == written);
-        let kept = |it: &CheckReport| {
-            let limited = it.kind.is_deadline() || it.kind.is_time();
-            limited && matches!(it.verdict, Verdict::Proved | Verdict::Refuted)
+        let mut own = report
+            .checks
+            .iter()
+            .filter(|check| check.id.written == written);
+        let kept = |report: &CheckReport| {
+            let limited = report.kind.is_deadline() || report.kind.is_time();
+            limited && matches!(report.verdict, Verdict::Proved | Verdict::Refuted)
         };
         own.clone().next().is_some() && own.all(kept)
     };
@@ -124,7 +127,7 @@ pub fn repairs(
         bytes: limits.bytes / together,
         ..limits
     };
-    let end = time_limit.map(|it| Instant::now() + it);
+    let end = time_limit.map(|limit| Instant::now() + limit);
     let trial = Trial::new(&names, settings, limits, cancel, end);
     let candidates = candidates(&trial, &missed);
     let late = || end.is_some_and(|end| Instant::now() > end);
@@ -132,15 +135,15 @@ pub fn repairs(
         &candidates,
         together,
         cancel,
-        &|done, it| {
+        &|done, candidate| {
             trying(RepairProgress {
                 done,
                 of: candidates.len(),
-                trying: it.describe(&trial),
+                trying: candidate.describe(&trial),
             })
         },
-        &|it| it.tried(&trial),
-        &|it| it.iter().for_each(tell),
+        &|candidate| candidate.tried(&trial),
+        &|change| change.iter().for_each(tell),
     );
     let mut changes: Vec<Change> = found.into_iter().flatten().flatten().collect();
     changes.sort_by(|a, b| {
@@ -159,24 +162,27 @@ fn candidates(trial: &Trial, missed: &[&CheckReport]) -> Vec<Candidate> {
     let system = &trial.built().system;
     let executed = system.executed();
     let mut codels: Vec<_> = (system.codels.iter().zip(executed))
-        .filter(|(it, executed)| *executed && it.site.is_some() && it.upper != FOREVER)
-        .map(|it| it.0)
+        .filter(|(codel, executed)| *executed && codel.site.is_some() && codel.upper != FOREVER)
+        .map(|pair| pair.0)
         .collect();
-    codels.sort_by_key(|it| std::cmp::Reverse(it.upper));
-    let of_system = |path: &CodelName| codels.iter().any(|it| it.path == *path);
-    let blamed = missed.iter().flat_map(|it| suspects(it)).filter(of_system);
-    let others = codels.iter().map(|it| it.path.clone());
-    let blamed_tasks = distinct(missed.iter().flat_map(|it| tasks(it)));
+    codels.sort_by_key(|codel| std::cmp::Reverse(codel.upper));
+    let of_system = |path: &CodelName| codels.iter().any(|codel| codel.path == *path);
+    let blamed = missed
+        .iter()
+        .flat_map(|report| suspects(report))
+        .filter(of_system);
+    let others = codels.iter().map(|codel| codel.path.clone());
+    let blamed_tasks = distinct(missed.iter().flat_map(|report| tasks(report)));
     let mut tasks: Vec<usize> = (0..system.tasks.len())
-        .filter(|&it| system.tasks[it].period.is_some())
+        .filter(|&task| system.tasks[task].period.is_some())
         .collect();
-    let place = |it: &usize| {
-        let path = system.task_name(*it);
-        let place = blamed_tasks.iter().position(|it| *it == path);
+    let place = |index: &usize| {
+        let path = system.task_name(*index);
+        let place = blamed_tasks.iter().position(|task| *task == path);
         place.unwrap_or(usize::MAX)
     };
     tasks.sort_by_key(place);
-    let pairs = distinct(missed.iter().flat_map(|it| waited_for(it)));
+    let pairs = distinct(missed.iter().flat_map(|report| waited_for(report)));
     let mut out: Vec<Candidate> = POLICIES.map(Candidate::Policy).into();
     out.push(Candidate::Cores);
     let codels = distinct(blamed.chain(others));
@@ -187,7 +193,7 @@ fn candidates(trial: &Trial, missed: &[&CheckReport]) -> Vec<Candidate> {
             |copies: &CodelName, other: &CodelName| Candidate::Lock(copies.clone(), other.clone());
         [pair(&holds, &waits), pair(&waits, &holds)]
     }));
-    out.extend(tasks.iter().map(|&it| Candidate::Delay(it)));
-    out.extend(tasks.iter().map(|&it| Candidate::Period(it)));
+    out.extend(tasks.iter().map(|&task| Candidate::Delay(task)));
+    out.extend(tasks.iter().map(|&task| Candidate::Period(task)));
     out
 }

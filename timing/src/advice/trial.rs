@@ -70,9 +70,9 @@ impl<'t> Trial<'t> {
         let checks = &report.checks;
         if report.has_errors() || checks.is_empty() {
             Verdict::Unknown
-        } else if let Some(it) = checks.iter().find(|it| it.verdict != Verdict::Proved) {
-            it.verdict
-        } else if checks.iter().any(|it| it.exceeds()) {
+        } else if let Some(check) = checks.iter().find(|check| check.verdict != Verdict::Proved) {
+            check.verdict
+        } else if checks.iter().any(|check| check.exceeds()) {
             Verdict::Refuted
         } else {
             Verdict::Proved
@@ -96,7 +96,7 @@ impl<'t> Trial<'t> {
     /// Finds the longest execution time of a codel with which the checks hold.
     pub(super) fn wcet(&self, path: &CodelName) -> Option<Change> {
         let system = &self.built.system;
-        let codel = system.codels.iter().find(|it| it.path == *path)?;
+        let codel = system.codels.iter().find(|codel| codel.path == *path)?;
         let (lower, upper) = (codel.lower, codel.upper);
         let fixed = self.settings.durations == Durations::Fixed;
         // A codel must take time, and its greatest time cannot be below its least time.
@@ -113,7 +113,7 @@ impl<'t> Trial<'t> {
             return None;
         }
         let at_most = self.seconds(bisect(least, upper, holds, &mut false));
-        let c = codel.site.map(|it| it.0);
+        let c = codel.site.map(|site| site.0);
         Some(Change::Wcet {
             codel: path.to_owned(),
             now: self.shown(self.seconds(upper)),
@@ -162,15 +162,22 @@ impl<'t> Trial<'t> {
     /// Finds an offset of a task with which the checks hold: the first of some parts of its period.
     pub(super) fn delay(&self, task: usize) -> Option<Change> {
         let (c, declared) = self.declared(task)?;
-        let it = &self.built.system.tasks[task];
-        let (path, period, now) = (self.built.system.task_path(task), it.period?, it.delay);
-        let parts = (1..OFFSETS).map(|it| u64::from(period) * u64::from(it) / u64::from(OFFSETS));
-        let mut parts: Vec<Ticks> = parts.filter_map(|it| Ticks::try_from(it).ok()).collect();
-        parts.retain(|&it| it > now);
+        let definition = &self.built.system.tasks[task];
+        let (path, period, now) = (
+            self.built.system.task_path(task),
+            definition.period?,
+            definition.delay,
+        );
+        let parts =
+            (1..OFFSETS).map(|offset| u64::from(period) * u64::from(offset) / u64::from(OFFSETS));
+        let mut parts: Vec<Ticks> = parts
+            .filter_map(|ticks| Ticks::try_from(ticks).ok())
+            .collect();
+        parts.retain(|&index| index > now);
         parts.dedup();
         let with = |ticks: &Ticks| {
             let delay = (Path::of(&path), self.seconds(*ticks));
-            self.with(|it| it.delay = Some(delay))
+            self.with(|settings| settings.delay = Some(delay))
         };
         let needed = self.seconds(parts.into_iter().find(with)?);
         let member = self.names.components[c];
@@ -182,7 +189,7 @@ impl<'t> Trial<'t> {
             seconds: needed,
             src: Some((
                 member.spec_index,
-                task.delay.as_ref().map_or(task.src, |it| it.src),
+                task.delay.as_ref().map_or(task.src, |delay| delay.src),
             )),
         })
     }
@@ -191,16 +198,16 @@ impl<'t> Trial<'t> {
     /// all other codels with which it shares nothing else.
     pub(super) fn apart(&self, codel: &CodelName, other: &CodelName) -> Option<Change> {
         let codels = &self.built.system.codels;
-        let find = |path: &CodelName| codels.iter().find(|it| it.path == *path);
+        let find = |path: &CodelName| codels.iter().find(|codel| codel.path == *path);
         let ports = SharedPorts::new(self.names, &self.settings);
         let (copies, through) = (find(codel)?, ports.through(find(codel)?, find(other)?));
-        let shares_less = |it: &&Codel| {
-            let words = ports.through(copies, it);
-            !words.is_empty() && words.iter().all(|it| through.contains(it))
+        let shares_less = |codel: &&Codel| {
+            let words = ports.through(copies, codel);
+            !words.is_empty() && words.iter().all(|word| through.contains(word))
         };
         let others = codels.iter().filter(shares_less);
-        let others: Vec<CodelName> = others.map(|it| it.path.clone()).collect();
-        self.with(|it| it.apart = Some((codel.clone(), others)))
+        let others: Vec<CodelName> = others.map(|codel| codel.path.clone()).collect();
+        self.with(|settings| settings.apart = Some((codel.clone(), others)))
             .then(|| Change::Lock {
                 codel: codel.clone(),
                 other: other.clone(),
@@ -211,7 +218,7 @@ impl<'t> Trial<'t> {
     /// Finds the least number of additional cores with which the checks hold.
     pub(super) fn cores(&self) -> Option<Change> {
         let now = self.settings.cores?;
-        let enough = |needed: &u32| self.with(|it| it.cores = Some(*needed));
+        let enough = |needed: &u32| self.with(|settings| settings.cores = Some(*needed));
         let needed = (now + 1..=now + MORE_CORES).find(enough)?;
         Some(Change::Cores { now, needed })
     }
@@ -220,14 +227,14 @@ impl<'t> Trial<'t> {
     pub(super) fn policy(&self, needed: Policy) -> Option<Change> {
         let now = self.settings.policy();
         let useful = self.settings.cores.is_some() && needed != now;
-        let holds = useful && self.with(|it| it.stated_policy = Some(needed));
+        let holds = useful && self.with(|settings| settings.stated_policy = Some(needed));
         holds.then_some(Change::Policy { now, needed })
     }
 
     /// Returns the component of a task, as in [`Names::components`], and the index of the task there.
     fn declared(&self, task: usize) -> Option<(usize, usize)> {
         let mut tasks = self.built.tasks.iter();
-        let ((c, t), _) = tasks.find(|it| *it.1 == task)?;
+        let ((c, t), _) = tasks.find(|candidate| *candidate.1 == task)?;
         Some((*c, *t as usize))
     }
 }

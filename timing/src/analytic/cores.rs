@@ -16,7 +16,8 @@ impl Analysis<'_> {
         if !system.needs_core(task) {
             return Some(0);
         }
-        let others = (0..system.tasks.len()).filter(|&it| it != task && system.needs_core(it));
+        let others =
+            (0..system.tasks.len()).filter(|&index| index != task && system.needs_core(index));
         let mut demand = Demand::default();
         // Number of other tasks that may hold a core for ever, and of those that do so even after a single
         // grant.
@@ -30,15 +31,15 @@ impl Analysis<'_> {
                 None => held_for_ever += 1,
             }
             match work.and_then(|work| self.jobs(other, work, 0)) {
-                Some(it) => demand.jobs.extend((it.work > 0).then_some(it)),
+                Some(job) => demand.jobs.extend((job.work > 0).then_some(job)),
                 None => kept += 1,
             }
         }
         if system.platform.policy == Policy::Edf
             && let Some(period) = system.tasks[task].period
         {
-            for it in &mut demand.jobs {
-                it.released = period.checked_sub(it.period).map(u64::from);
+            for job in &mut demand.jobs {
+                job.released = period.checked_sub(job.period).map(u64::from);
             }
         }
         let cores = u64::from(cores);
@@ -59,25 +60,25 @@ impl Analysis<'_> {
         let Some(cores) = system.platform.cores else {
             return false;
         };
-        let on_cores = (0..system.tasks.len()).filter(|&it| system.needs_core(it));
+        let on_cores = (0..system.tasks.len()).filter(|&task| system.needs_core(task));
         let (periodic, endless): (Vec<usize>, Vec<usize>) =
-            on_cores.partition(|&it| system.tasks[it].period.is_some());
-        let first_tick = periodic.iter().map(|&it| self.first_tick(it)).min();
-        let at_once = |&it: &usize| {
-            let asks = self.started[it];
-            self.always_endless(it) && asks.is_some_and(|it| Some(it) < first_tick)
+            on_cores.partition(|&task| system.tasks[task].period.is_some());
+        let first_tick = periodic.iter().map(|&index| self.first_tick(index)).min();
+        let at_once = |&task: &usize| {
+            let asks = self.started[task];
+            self.always_endless(task) && asks.is_some_and(|number| Some(number) < first_tick)
         };
         periodic.contains(&task)
-            && !periodic.iter().any(|&it| system.runs_apart(it))
+            && !periodic.iter().any(|&task| system.runs_apart(task))
             && endless.len() + 1 == cores as usize
             && endless.iter().all(at_once)
     }
 
     /// Returns true if a cycle of an aperiodic task can last for ever.
     fn may_be_endless(&self, task: usize) -> bool {
-        let it = &self.system.tasks[task];
-        it.period.is_none()
-            && it.permanent.is_some_and(|a| {
+        let task = &self.system.tasks[task];
+        task.period.is_none()
+            && task.permanent.is_some_and(|a| {
                 let machine = self.system.machine_of(a);
                 (0..machine.states.len()).any(|state| !can_pause(machine, state))
             })

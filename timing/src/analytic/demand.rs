@@ -49,13 +49,15 @@ impl Jobs {
         match self.kind {
             Kind::First(tick) => (self.releases(window, tick).saturating_mul(self.work), 0),
             Kind::Late(carried) => {
-                let released = self.released.map_or(0, |it| self.releases(it, 0));
+                let released = self.released.map_or(0, |number| self.releases(number, 0));
                 let count = carried + released.min(self.releases(window, 0));
                 (count.saturating_mul(self.work), 0)
             }
             Kind::Punctual(response) => {
                 let least = u64::from(self.period) - response;
-                let most = self.released.map_or(0, |it| self.releases(it, least));
+                let most = self
+                    .released
+                    .map_or(0, |number| self.releases(number, least));
                 let offset = least + self.work;
                 let count = most.min(self.releases(window, offset));
                 let Some(before) = count.checked_sub(1) else {
@@ -112,22 +114,24 @@ impl Demand {
     fn within(&self, window: u64) -> Option<(u64, u64)> {
         let mut jobs = self.once;
         let mut slope = 0;
-        for it in &self.jobs {
-            let (demand, at_end) = it.demand(window);
+        for job in &self.jobs {
+            let (demand, at_end) = job.demand(window);
             jobs = jobs.checked_add(demand)?;
             slope += at_end;
         }
         // During every break another task must be at work.
         let mut done = vec![0u64; self.stretches.len()];
         for _ in 0..ROUNDS {
-            let all = done.iter().try_fold(jobs, |sum, &it| sum.checked_add(it))?;
+            let all = done
+                .iter()
+                .try_fold(jobs, |sum, &number| sum.checked_add(number))?;
             if all > HORIZON {
                 return None;
             }
             let stretch = |i: usize| {
-                let it = self.stretches[i];
-                let breaks = it.gap.map_or(0, |gap| (all - done[i]) / gap);
-                it.work.checked_mul(1 + breaks)
+                let stretch = self.stretches[i];
+                let breaks = stretch.gap.map_or(0, |gap| (all - done[i]) / gap);
+                stretch.work.checked_mul(1 + breaks)
             };
             let next: Vec<u64> = (0..done.len()).map(stretch).collect::<Option<_>>()?;
             if next == done {
@@ -150,7 +154,7 @@ impl Demand {
             } else if demand + slope < servers.checked_mul(window + 1)? {
                 return Some(window);
             } else if slope >= servers {
-                let changes = self.jobs.iter().map(|it| it.change(window));
+                let changes = self.jobs.iter().map(|job| job.change(window));
                 changes.min().unwrap_or(window + 1)
             } else {
                 window + 1

@@ -18,12 +18,12 @@ pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
     let live: Vec<Option<FxHashSet<ActiveInstances>>> = system
         .clients
         .iter()
-        .map(|it| situations(system, it))
+        .map(|client| situations(system, client))
         .collect();
     let of_task = |task: usize| {
-        let it = &system.tasks[task];
-        let permanent: Vec<usize> = it.permanent.into_iter().collect();
-        let all = || FxHashSet::from_iter([[&permanent[..], &it.slots[..]].concat()]);
+        let definition = &system.tasks[task];
+        let permanent: Vec<usize> = definition.permanent.into_iter().collect();
+        let all = || FxHashSet::from_iter([[&permanent[..], &definition.slots[..]].concat()]);
         // An activity with threads of its own frees its slot at its end, independently of jobs.
         if system.runs_apart(task) {
             return all().into_iter().collect();
@@ -32,7 +32,7 @@ pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
         for live in &live {
             let with = |set: &Vec<usize>| -> Option<Vec<Vec<usize>>> {
                 let live = live.as_ref()?.iter();
-                let more = live.map(|it| with_slots(system, task, set, it));
+                let more = live.map(|live| with_slots(system, task, set, live));
                 Some(more.collect())
             };
             let next: Option<Vec<Vec<Vec<usize>>>> = sets.iter().map(with).collect();
@@ -42,11 +42,11 @@ pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
             };
             sets = next.into_iter().flatten().collect();
             let within = |one: &Vec<usize>, other: &Vec<usize>| {
-                one.len() < other.len() && one.iter().all(|it| other.contains(it))
+                one.len() < other.len() && one.iter().all(|index| other.contains(index))
             };
             let most = sets
                 .iter()
-                .filter(|&it| !sets.iter().any(|other| within(it, other)));
+                .filter(|&names| !sets.iter().any(|other| within(names, other)));
             sets = most.cloned().collect();
             if sets.len() > COMBINATIONS {
                 sets = all();
@@ -87,8 +87,11 @@ type ActiveInstances = Vec<(usize, Vec<usize>)>;
 /// lists already contain as many more instances as would find a slot.
 fn situations(system: &TimedSystem, client: &Client) -> Option<FxHashSet<ActiveInstances>> {
     let mut seen: FxHashSet<(usize, ActiveInstances)> = FxHashSet::default();
-    let mut stack: Vec<(usize, ActiveInstances)> =
-        client.first.iter().map(|&it| (it, Vec::new())).collect();
+    let mut stack: Vec<(usize, ActiveInstances)> = client
+        .first
+        .iter()
+        .map(|&index| (index, Vec::new()))
+        .collect();
     while let Some((at, live)) = stack.pop() {
         if !seen.insert((at, live.clone())) {
             continue;
@@ -106,21 +109,21 @@ fn situations(system: &TimedSystem, client: &Client) -> Option<FxHashSet<ActiveI
                 ref trackers,
                 ..
             } => {
-                for (_, it) in &mut live {
-                    it.retain(|it| !trackers.contains(it));
+                for (_, instances) in &mut live {
+                    instances.retain(|instance| !trackers.contains(instance));
                 }
-                let already = live.iter().filter(|it| it.0 == service).count();
+                let already = live.iter().filter(|entry| entry.0 == service).count();
                 if already < system.services[service].slots.len() {
                     live.push((service, trackers.clone()));
                 }
                 live.sort_unstable();
             }
             ClientAction::AwaitEnded(tracker) | ClientAction::AwaitOutcome(tracker, _) => {
-                live.retain(|it| !it.1.contains(&tracker));
+                live.retain(|pair| !pair.1.contains(&tracker));
             }
             ClientAction::AwaitAccepted | ClientAction::AwaitAny | ClientAction::Delay(..) => {}
         }
         stack.extend(step.next.iter().map(|&next| (next, live.clone())));
     }
-    Some(seen.into_iter().map(|it| it.1).collect())
+    Some(seen.into_iter().map(|names| names.1).collect())
 }

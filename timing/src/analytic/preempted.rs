@@ -55,7 +55,7 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
     let lengths: Vec<Option<Ticks>> = (0..system.tasks.len())
         .map(|task| cycle(system, task, &requests))
         .collect();
-    let mut bounds: Vec<Option<u64>> = lengths.iter().map(|it| it.map(u64::from)).collect();
+    let mut bounds: Vec<Option<u64>> = lengths.iter().map(|length| length.map(u64::from)).collect();
     for _ in 0..ROUNDS {
         let next: Vec<Option<u64>> = (0..system.tasks.len())
             .map(|task| {
@@ -70,7 +70,7 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
         if next == bounds {
             let bound = |task: usize| {
                 after_tick(system, &bounds, task)?;
-                bounds[task].and_then(|it| Ticks::try_from(it).ok())
+                bounds[task].and_then(|bound| Ticks::try_from(bound).ok())
             };
             return (0..system.tasks.len()).map(bound).collect();
         }
@@ -83,14 +83,14 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
 /// if a tick may be kept again and again. A first cycle may begin between two ticks, except for the first
 /// task of a component. Then the next cycle begins late, and ends before the tick after that.
 fn after_tick(system: &TimedSystem, bounds: &[Option<u64>], task: usize) -> Option<u64> {
-    let it = &system.tasks[task];
-    let first = system.components[it.component].tasks.first() == Some(&task);
+    let definition = &system.tasks[task];
+    let first = system.components[definition.component].tasks.first() == Some(&task);
     let most = if first {
         bounds[task]?
     } else {
         bounds[task]?.checked_mul(2)?
     };
-    (most < u64::from(it.period?)).then_some(most)
+    (most < u64::from(definition.period?)).then_some(most)
 }
 
 /// The work of other threads in a window of time.
@@ -112,8 +112,8 @@ fn meanwhile(
         work: 0,
         endless: 0,
     };
-    for it in threads {
-        let work = match it.work {
+    for thread in threads {
+        let work = match thread.work {
             Work::Endless => {
                 out.endless += 1;
                 continue;
@@ -136,7 +136,7 @@ impl WindowWork {
     /// Returns the longest time for which this work can keep a thread from the cores.
     fn delay(&self, system: &TimedSystem) -> Option<u64> {
         let left = system.platform.cores?.checked_sub(self.endless)?;
-        let tied = system.tasks.iter().any(|it| it.affinity.is_some());
+        let tied = system.tasks.iter().any(|task| task.affinity.is_some());
         match (tied, self.endless) {
             // A thread may wait for its core while other cores idle.
             (true, 0) => Some(self.work),
@@ -148,20 +148,20 @@ impl WindowWork {
 }
 
 fn threads(system: &TimedSystem, priorities: &[u64], requests: &[Option<u32>]) -> Vec<Thread> {
-    let requested: Vec<bool> = requests.iter().map(|it| *it != Some(0)).collect();
+    let requested: Vec<bool> = requests.iter().map(|request| *request != Some(0)).collect();
     let upper = |codel: usize| u64::from(system.codels[codel].upper);
     let mut out = Vec::new();
-    for (task, it) in system.tasks.iter().enumerate() {
-        let machines = it
+    for (task, entry) in system.tasks.iter().enumerate() {
+        let machines = entry
             .permanent
             .iter()
-            .chain(&it.slots)
+            .chain(&entry.slots)
             .map(|&a| system.machine_of(a));
         let idles = machines
-            .flat_map(|it| &it.states)
-            .all(|it| upper(it.codel) == 0);
+            .flat_map(|machine| &machine.states)
+            .all(|state| upper(state.codel) == 0);
         let each = work(system, task, requests, 0);
-        let work = match (it.period, each) {
+        let work = match (entry.period, each) {
             _ if idles => continue,
             (Some(period), Some(each)) => Work::Cycles {
                 task,
@@ -175,15 +175,15 @@ fn threads(system: &TimedSystem, priorities: &[u64], requests: &[Option<u32>]) -
             out.push(Thread { priority, work });
         }
     }
-    for (component, it) in system.components.iter().enumerate() {
+    for (component, entry) in system.components.iter().enumerate() {
         let mut total = Some(0u64);
-        for &service in it.services.iter().filter(|&&it| requested[it]) {
+        for &service in entry.services.iter().filter(|&&service| requested[service]) {
             let of = &system.services[service];
             let each: u64 = of
                 .validate
                 .iter()
                 .chain(&of.simple)
-                .map(|&it| upper(it))
+                .map(|&validate| upper(validate))
                 .sum();
             if each > 0 {
                 let all = requests[service].and_then(|count| each.checked_mul(u64::from(count)));
@@ -207,11 +207,14 @@ fn delaying<'t>(
     threads: &'t [Thread],
     task: usize,
 ) -> Vec<&'t Thread> {
-    let is_own = |it: &Thread| matches!(it.work, Work::Cycles { task: of, .. } if of == task);
+    let is_own =
+        |thread: &Thread| matches!(thread.work, Work::Cycles { task: of, .. } if of == task);
     // Threads of the same component can delay the task, even at the head of the queue without a core.
     let own = system.components[system.tasks[task].component].tasks.iter();
-    let last = own.map(|&it| priorities[it]).max().unwrap_or(u64::MAX);
+    let last = own.map(|&task| priorities[task]).max().unwrap_or(u64::MAX);
     let any = system.platform.policy != Policy::Priority;
-    let others = threads.iter().filter(|it| !is_own(it));
-    others.filter(|it| any || it.priority <= last).collect()
+    let others = threads.iter().filter(|thread| !is_own(thread));
+    others
+        .filter(|thread| any || thread.priority <= last)
+        .collect()
 }

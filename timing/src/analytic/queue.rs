@@ -30,14 +30,14 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
         .collect();
     let bound = |task: usize| {
         let length = cycles[task]?.checked_add(core_wait(system, task, &cycles)?)?;
-        let it = &system.tasks[task];
-        let first = system.components[it.component].tasks.first() == Some(&task);
+        let definition = &system.tasks[task];
+        let first = system.components[definition.component].tasks.first() == Some(&task);
         let most = if first {
             length
         } else {
             length.checked_mul(2)?
         };
-        (most < it.period?).then_some(length)
+        (most < definition.period?).then_some(length)
     };
     let simple = is_within_components(system);
     tasks.map(|task| bound(task).filter(|_| simple)).collect()
@@ -46,25 +46,25 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
 /// Returns the longest time for which a task waits for a core, in base units. `cycles` are the lengths of the
 /// cycles of all tasks, from the grant of a core on; `None`: a cycle may hold its core for ever.
 fn core_wait(system: &TimedSystem, task: usize, cycles: &[Option<Ticks>]) -> Option<Ticks> {
-    let needing = |it: &usize| system.needs_core(*it);
-    let others = (0..cycles.len()).filter(|it| *it != task && needing(it));
+    let needing = |index: &usize| system.needs_core(*index);
+    let others = (0..cycles.len()).filter(|cycle| *cycle != task && needing(cycle));
     // An aperiodic task that is woken continues its cycle, and may begin more in it.
-    let is_bounded = |it: &usize| system.tasks[*it].period.is_some();
+    let is_bounded = |task: &usize| system.tasks[*task].period.is_some();
     let others: Vec<Option<Ticks>> = others
-        .map(|it| cycles[it].filter(|_| is_bounded(&it)))
+        .map(|cycle| cycles[cycle].filter(|_| is_bounded(&cycle)))
         .collect();
-    let cores = system.platform.cores.map(|it| it as usize);
+    let cores = system.platform.cores.map(|core| core as usize);
     if !needing(&task) || cores.is_none_or(|cores| cores > others.len()) {
         return Some(0);
     }
-    let tied = system.tasks.iter().any(|it| it.affinity.is_some());
+    let tied = system.tasks.iter().any(|task| task.affinity.is_some());
     if system.platform.policy != Policy::Fifo || tied {
         return None;
     }
-    let held = others.iter().filter(|it| it.is_none()).count();
+    let held = others.iter().filter(|cycle| cycle.is_none()).count();
     let left = cores?.checked_sub(held).filter(|&left| left > 0)?;
     let mut ahead = others.into_iter().flatten();
-    let ahead = ahead.try_fold(0u32, |sum, it| sum.checked_add(it))?;
+    let ahead = ahead.try_fold(0u32, |sum, cycle| sum.checked_add(cycle))?;
     Some(ahead / left as Ticks)
 }
 
@@ -72,7 +72,7 @@ fn core_wait(system: &TimedSystem, task: usize, cycles: &[Option<Ticks>]) -> Opt
 pub(super) fn is_within_components(system: &TimedSystem) -> bool {
     system.codels.iter().all(|codel| {
         let mut others = codel.conflicts.iter();
-        others.all(|it| system.codels[it].component == codel.component)
+        others.all(|conflict| system.codels[conflict].component == codel.component)
     })
 }
 
@@ -83,7 +83,7 @@ pub(super) fn requests(system: &TimedSystem) -> Vec<Option<u32>> {
         for (at, step) in client.steps.iter().enumerate() {
             if let ClientAction::Send { service, .. } = step.action {
                 let again = client.comes_again(at);
-                out[service] = out[service].filter(|_| !again).map(|it| it + 1);
+                out[service] = out[service].filter(|_| !again).map(|number| number + 1);
             }
         }
     }
@@ -92,8 +92,8 @@ pub(super) fn requests(system: &TimedSystem) -> Vec<Option<u32>> {
 
 /// Returns the longest time of a cycle, including its waits in the lock queue, in base units.
 pub(super) fn cycle(system: &TimedSystem, task: usize, requests: &[Option<u32>]) -> Option<Ticks> {
-    let it = &system.tasks[task];
-    let component = &system.components[it.component];
+    let definition = &system.tasks[task];
+    let component = &system.components[definition.component];
     let mut blocking: Ticks = 0;
     for &other in component.tasks.iter().filter(|&&other| other != task) {
         blocking = blocking.checked_add(longest_waited_for(system, &codels_of(system, other))?)?;
@@ -101,8 +101,8 @@ pub(super) fn cycle(system: &TimedSystem, task: usize, requests: &[Option<u32>])
     let control: Vec<usize> = (component.services.iter())
         .filter(|&&service| requests[service] != Some(0))
         .flat_map(|&service| {
-            let it = &system.services[service];
-            it.validate.iter().chain(&it.simple).copied()
+            let service = &system.services[service];
+            service.validate.iter().chain(&service.simple).copied()
         })
         .collect();
     blocking = blocking.checked_add(longest_waited_for(system, &control)?)?;
@@ -116,20 +116,22 @@ pub(super) fn work(
     requests: &[Option<u32>],
     blocking: Ticks,
 ) -> Option<Ticks> {
-    let it = &system.tasks[task];
+    let task = &system.tasks[task];
     let mut length: Ticks = 0;
-    if let Some(permanent) = it.permanent {
+    if let Some(permanent) = task.permanent {
         length = turn(system, system.machine_of(permanent), blocking)?;
     }
     // At most as many instances as places, and of each service at most as many as are requested.
     let mut instances: Vec<(Ticks, u32)> = Vec::new();
-    for &a in &it.slots {
-        let most = system.automata[a].service.and_then(|it| requests[it]);
+    for &a in &task.slots {
+        let most = system.automata[a]
+            .service
+            .and_then(|service| requests[service]);
         let time = turn(system, system.machine_of(a), blocking)?;
-        instances.push((time, most.unwrap_or(it.places).min(it.places)));
+        instances.push((time, most.unwrap_or(task.places).min(task.places)));
     }
-    instances.sort_unstable_by_key(|it| std::cmp::Reverse(it.0));
-    let mut left = it.places;
+    instances.sort_unstable_by_key(|instance| std::cmp::Reverse(instance.0));
+    let mut left = task.places;
     for (time, most) in instances {
         let count = most.min(left);
         length = length.checked_add(time.checked_mul(count)?)?;
@@ -139,22 +141,25 @@ pub(super) fn work(
 }
 
 fn codels_of(system: &TimedSystem, task: usize) -> Vec<usize> {
-    let it = &system.tasks[task];
-    let machines = it.permanent.iter().chain(&it.slots);
+    let task = &system.tasks[task];
+    let machines = task.permanent.iter().chain(&task.slots);
     let states = machines.flat_map(|&a| &system.machine_of(a).states);
-    states.map(|it| it.codel).collect()
+    states.map(|state| state.codel).collect()
 }
 
 /// Returns the longest time of the given codels, among those for which some codel waits.
 fn longest_waited_for(system: &TimedSystem, codels: &[usize]) -> Option<Ticks> {
-    let waited_for = |it: usize| {
+    let waited_for = |index: usize| {
         system
             .codels
             .iter()
-            .any(|codel| codel.conflicts.contains(it))
+            .any(|codel| codel.conflicts.contains(index))
     };
-    let times = codels.iter().filter(|&&it| waited_for(it));
-    let longest = times.map(|&it| system.codels[it].upper).max().unwrap_or(0);
+    let times = codels.iter().filter(|&&codel| waited_for(codel));
+    let longest = times
+        .map(|&time| system.codels[time].upper)
+        .max()
+        .unwrap_or(0);
     (longest != FOREVER).then_some(longest)
 }
 
@@ -173,7 +178,7 @@ fn turn(system: &TimedSystem, machine: &Machine, blocking: Ticks) -> Option<Tick
         let limit = machine.loop_limit.filter(|_| !machine.rounds)?;
         let once = times
             .iter()
-            .try_fold(0u32, |sum, &it| sum.checked_add(it))?;
+            .try_fold(0u32, |sum, &time| sum.checked_add(time))?;
         return once.checked_mul(2)?.checked_mul(u32::from(limit));
     }
     // After an interruption, the machine continues with `stop` between two codels.
@@ -197,13 +202,13 @@ fn way(
     state: usize,
     known: &mut [Option<Ticks>],
 ) -> Option<Ticks> {
-    if let Some(it) = known[state] {
-        return Some(it);
+    if let Some(tick) = known[state] {
+        return Some(tick);
     }
     // An automaton that has paused may have to execute `stop` in a later pass of the same cycle.
     let mut rest = of_stop;
-    for it in &machine.states[state].yields {
-        if let Yield::Next(next) = *it {
+    for transition in &machine.states[state].yields {
+        if let Yield::Next(next) = *transition {
             rest = rest.max(way(machine, times, of_stop, next, known)?);
         }
     }

@@ -34,7 +34,7 @@ pub fn reaction_bound(system: &TimedSystem, ways: &[Vec<usize>]) -> Option<Ticks
         system,
         requests: &requests,
     };
-    ways.iter().filter_map(|it| tasks.way(it)).min()
+    ways.iter().filter_map(|way| tasks.way(way)).min()
 }
 
 struct Tasks<'s> {
@@ -81,21 +81,21 @@ impl Tasks<'_> {
     /// Returns the task whose permanent activity executes a codel in every cycle, except possibly the first.
     fn executes(&self, codel: usize) -> Option<(usize, &Machine)> {
         let system = self.system;
-        let has = |machine: &Machine| machine.states.iter().any(|it| it.codel == codel);
-        let mut all = system.tasks.iter().enumerate().filter_map(|(task, it)| {
-            let machine = system.machine_of(it.permanent?);
+        let has = |machine: &Machine| machine.states.iter().any(|state| state.codel == codel);
+        let mut all = system.tasks.iter().enumerate().filter_map(|(task, entry)| {
+            let machine = system.machine_of(entry.permanent?);
             has(machine).then_some((task, machine))
         });
         let (task, machine) = all.next().filter(|_| all.next().is_none())?;
-        let yields = || machine.states.iter().flat_map(|it| &it.yields);
-        let ends = yields().any(|it| *it == Yield::End);
-        let mut resumed = yields().filter_map(|it| match *it {
+        let yields = || machine.states.iter().flat_map(|state| &state.yields);
+        let ends = yields().any(|transition| *transition == Yield::End);
+        let mut resumed = yields().filter_map(|transition| match *transition {
             Yield::Pause(state) => Some(state),
             _ => None,
         });
         let always = !ends
             && pauseless_cycles(machine).is_empty()
-            && resumed.all(|it| meets(machine, it, codel));
+            && resumed.all(|state| meets(machine, state, codel));
         always.then_some((task, machine))
     }
 
@@ -118,7 +118,7 @@ impl Tasks<'_> {
     /// Returns the index of a task in its component.
     fn place(&self, task: usize) -> Option<usize> {
         let component = &self.system.components[self.system.tasks[task].component];
-        component.tasks.iter().position(|it| *it == task)
+        component.tasks.iter().position(|index| *index == task)
     }
 
     /// Returns the latest end of the first cycle that executes a stage.
@@ -126,10 +126,10 @@ impl Tasks<'_> {
         let component = &self.system.components[self.system.tasks[stage.task].component];
         let mut at: Ticks = 0;
         for &task in component.tasks.iter().take(self.place(stage.task)? + 1) {
-            let it = &self.system.tasks[task];
+            let definition = &self.system.tasks[task];
             // A tick that has come is kept; otherwise the next tick comes after a period, the first one
             // possibly later.
-            let tick = it.period?.checked_add(it.delay)?;
+            let tick = definition.period?.checked_add(definition.delay)?;
             at = at.checked_add(tick)?.checked_add(self.length(task)?)?;
         }
         match meets(stage.machine, stage.machine.start, stage.first) {
@@ -147,8 +147,8 @@ fn meets(machine: &Machine, state: usize, codel: usize) -> bool {
         if machine.states[at].codel == codel || std::mem::replace(&mut seen[at], true) {
             continue;
         }
-        for it in &machine.states[at].yields {
-            match *it {
+        for transition in &machine.states[at].yields {
+            match *transition {
                 Yield::Next(next) => todo.push(next),
                 Yield::Pause(_) | Yield::End => return false,
             }
@@ -159,9 +159,9 @@ fn meets(machine: &Machine, state: usize, codel: usize) -> bool {
 
 /// Returns true if a turn that has executed a codel executes another one after it, whatever the yields.
 fn follows(machine: &Machine, codel: usize, next: usize) -> bool {
-    let mut states = machine.states.iter().filter(|it| it.codel == codel);
-    states.all(|it| {
-        it.yields.iter().all(|it| match *it {
+    let mut states = machine.states.iter().filter(|state| state.codel == codel);
+    states.all(|candidate| {
+        candidate.yields.iter().all(|transition| match *transition {
             Yield::Next(state) => meets(machine, state, next),
             Yield::Pause(_) | Yield::End => false,
         })

@@ -33,7 +33,7 @@ pub(super) fn excluded(system: &TimedSystem) -> Vec<CodelSet> {
     let mut sets: Vec<CodelSet> = system
         .codels
         .iter()
-        .map(|it| it.conflicts.clone())
+        .map(|codel| codel.conflicts.clone())
         .collect();
     let mut changed = system.platform.semantics.locks == LockRule::Fifo;
     while std::mem::take(&mut changed) {
@@ -41,9 +41,9 @@ pub(super) fn excluded(system: &TimedSystem) -> Vec<CodelSet> {
             let members: Vec<usize> = sets[i].iter().collect();
             for member in members {
                 let more: Vec<usize> = sets[member].iter().collect();
-                for it in more {
-                    if !sets[i].contains(it) {
-                        sets[i].insert(it);
+                for conflict in more {
+                    if !sets[i].contains(conflict) {
+                        sets[i].insert(conflict);
                         changed = true;
                     }
                 }
@@ -74,26 +74,36 @@ impl Analysis<'_> {
             true => self.upper(codel),
             false => Some(0),
         };
-        for (task, it) in self.system.tasks.iter().enumerate().filter(|it| of(it.0)) {
-            if it.period.is_some() {
-                let start = it.permanent.map_or(Some(0), |a| self.start_up(a, &cost));
+        for (task, entry) in self
+            .system
+            .tasks
+            .iter()
+            .enumerate()
+            .filter(|pair| of(pair.0))
+        {
+            if entry.period.is_some() {
+                let start = entry.permanent.map_or(Some(0), |a| self.start_up(a, &cost));
                 let parties = match own == Some(task) && !self.system.runs_apart(task) {
                     true => &[],
                     false => &self.parties[task][..],
                 };
-                let jobs = parties.iter().map(|it| self.turns(it, &cost));
-                let most = jobs.max_by_key(|it| it.unwrap_or(u64::MAX));
+                let jobs = parties.iter().map(|party| self.turns(party, &cost));
+                let most = jobs.max_by_key(|job| job.unwrap_or(u64::MAX));
                 let job = most.unwrap_or(Some(0));
                 if (start, job) != (Some(0), Some(0)) {
                     out.jobs.push(Rival { task, start, job });
                 }
                 continue;
             }
-            for &automaton in it.permanent.iter().chain(&it.slots) {
+            for &automaton in entry.permanent.iter().chain(&entry.slots) {
                 let machine = self.system.machine_of(automaton);
-                if machine.states.iter().any(|it| cost(it.codel) != Some(0)) {
+                if machine
+                    .states
+                    .iter()
+                    .any(|state| cost(state.codel) != Some(0))
+                {
                     // Activities begin again at any time.
-                    let alone = it.slots.is_empty();
+                    let alone = entry.slots.is_empty();
                     let found = alone.then(|| self.stretches(machine, &cost));
                     out.stretches.push(found.flatten());
                 }
@@ -118,10 +128,10 @@ impl Analysis<'_> {
         let lower = |state: usize| self.system.codels[machine.states[state].codel].lower;
         let cost = |state: usize| cost(machine.states[state].codel);
         let breaks = |state: usize| cost(state) == Some(0) && lower(state) > 0;
-        let gaps = (0..machine.states.len()).filter(|&it| breaks(it));
+        let gaps = (0..machine.states.len()).filter(|&state| breaks(state));
         Some(Stretches {
-            work: Ways::stretches(machine, &|it| !breaks(it)).costliest(&cost)?,
-            gap: gaps.map(|it| u64::from(lower(it))).min(),
+            work: Ways::stretches(machine, &|index| !breaks(index)).costliest(&cost)?,
+            gap: gaps.map(|gap| u64::from(lower(gap))).min(),
         })
     }
 
@@ -134,8 +144,9 @@ impl Analysis<'_> {
                 };
                 let service = &self.system.services[service];
                 let codels = service.validate.iter().chain(&service.simple);
-                let mut codels = codels.filter(|&&it| excluded.contains(it));
-                let work = codels.try_fold(0u64, |sum, &it| sum.checked_add(self.upper(it)?))?;
+                let mut codels = codels.filter(|&&codel| excluded.contains(codel));
+                let work =
+                    codels.try_fold(0u64, |sum, &codel| sum.checked_add(self.upper(codel)?))?;
                 if work > 0 && on_cycle(client, at) {
                     return None;
                 }
@@ -149,12 +160,12 @@ impl Analysis<'_> {
 fn on_cycle(client: &Client, at: usize) -> bool {
     let mut seen = vec![false; client.steps.len()];
     let mut stack: Vec<usize> = client.steps[at].next.clone();
-    while let Some(it) = stack.pop() {
-        if it == at {
+    while let Some(step) = stack.pop() {
+        if step == at {
             return true;
         }
-        if it < client.steps.len() && !std::mem::replace(&mut seen[it], true) {
-            stack.extend(&client.steps[it].next);
+        if step < client.steps.len() && !std::mem::replace(&mut seen[step], true) {
+            stack.extend(&client.steps[step].next);
         }
     }
     false

@@ -11,8 +11,8 @@ const COMBINATIONS: usize = 2_000;
 
 /// Returns the states in which a new turn of a machine can begin, except the first one.
 pub(super) fn resumed(machine: &Machine) -> impl Iterator<Item = usize> + '_ {
-    let yields = machine.states.iter().flat_map(|it| &it.yields);
-    yields.filter_map(|it| match *it {
+    let yields = machine.states.iter().flat_map(|state| &state.yields);
+    yields.filter_map(|transition| match *transition {
         Yield::Pause(state) => Some(state),
         _ => None,
     })
@@ -50,13 +50,13 @@ impl Ways {
         let begin = |state| beginning(machine, machine.loop_limit, state);
         let mut vertices: Vec<Visited> = Vec::new();
         let mut known: FxHashMap<Visited, usize> = FxHashMap::default();
-        let mut number = |vertices: &mut Vec<Visited>, it: Visited| {
-            *known.entry(it.clone()).or_insert_with(|| {
-                vertices.push(it);
+        let mut number = |vertices: &mut Vec<Visited>, visited: Visited| {
+            *known.entry(visited.clone()).or_insert_with(|| {
+                vertices.push(visited);
                 vertices.len() - 1
             })
         };
-        for state in from.into_iter().filter(|&it| through(it)) {
+        for state in from.into_iter().filter(|&index| through(index)) {
             number(&mut vertices, begin(state));
         }
         let mut next = Vec::new();
@@ -64,19 +64,21 @@ impl Ways {
             let mut following = followers(machine, vertex);
             if beyond_pauses {
                 let yields = machine.states[vertex.0].yields.iter();
-                following.extend(yields.filter_map(|it| match *it {
+                following.extend(yields.filter_map(|transition| match *transition {
                     Yield::Pause(state) => Some(begin(state)),
                     _ => None,
                 }));
             }
-            following.retain(|it| through(it.0));
-            let numbers = following.into_iter().map(|it| number(&mut vertices, it));
+            following.retain(|follower| through(follower.0));
+            let numbers = following
+                .into_iter()
+                .map(|follower| number(&mut vertices, follower));
             next.push(numbers.collect());
             if vertices.len() > COMBINATIONS {
                 let limit = machine.loop_limit;
                 return Ways {
                     at: (0..machine.states.len())
-                        .filter(|&it| through(it))
+                        .filter(|&state| through(state))
                         .collect(),
                     next: Vec::new(),
                     often: Some(limit.filter(|_| !machine.rounds && !beyond_pauses)),
@@ -84,7 +86,7 @@ impl Ways {
             }
         }
         Ways {
-            at: vertices.into_iter().map(|it| it.0).collect(),
+            at: vertices.into_iter().map(|vertex| vertex.0).collect(),
             next,
             often: None,
         }
@@ -98,7 +100,9 @@ impl Ways {
     /// Returns the greatest cost of a path; `None` if there is none, or it is not found.
     pub(super) fn costliest(&self, cost: &dyn Fn(usize) -> Option<u64>) -> Option<u64> {
         let costs: Vec<u64> = self.states().map(cost).collect::<Option<_>>()?;
-        let sum = costs.iter().try_fold(0u64, |sum, &it| sum.checked_add(it));
+        let sum = costs
+            .iter()
+            .try_fold(0u64, |sum, &cost| sum.checked_add(cost));
         if sum == Some(0) {
             return sum;
         }

@@ -100,18 +100,18 @@ pub fn sensitivity(
         &questions,
         asked.together,
         cancel,
-        &|done, it| {
+        &|done, parameter| {
             tell(InterimResult::Asking(&Progress {
                 done,
                 of: questions.len(),
-                asking: it.describe(),
+                asking: parameter.describe(),
             }))
         },
-        &|it| asked.one(it),
-        &|it| match it {
-            Ok(DerivedValue::Cores(it)) => tell(InterimResult::Cores(it)),
-            Ok(DerivedValue::Wcet(it)) => tell(InterimResult::Wcet(it)),
-            Ok(DerivedValue::Period(it)) => tell(InterimResult::Period(it)),
+        &|parameter| asked.one(parameter),
+        &|derived_value| match derived_value {
+            Ok(DerivedValue::Cores(core)) => tell(InterimResult::Cores(core)),
+            Ok(DerivedValue::Wcet(wcet)) => tell(InterimResult::Wcet(wcet)),
+            Ok(DerivedValue::Period(period)) => tell(InterimResult::Period(period)),
             Err(_) => {}
         },
     );
@@ -127,9 +127,9 @@ pub fn sensitivity(
     };
     for answer in answers.into_iter().flatten() {
         match answer? {
-            DerivedValue::Cores(it) => out.minimum_cores = it,
-            DerivedValue::Wcet(it) => out.wcet.push(it),
-            DerivedValue::Period(it) => out.period.push(it),
+            DerivedValue::Cores(core) => out.minimum_cores = core,
+            DerivedValue::Wcet(wcet) => out.wcet.push(wcet),
+            DerivedValue::Period(period) => out.period.push(period),
         }
     }
     out.next_to_break = out.next_to_break();
@@ -150,31 +150,36 @@ fn questions(system: &TimedSystem) -> Vec<Parameter> {
     tasks.sort_by(|&a, &b| near(b).total_cmp(&near(a)));
     let executed = system.executed();
     let asked = |id: &usize| {
-        let it = &system.codels[*id];
-        executed[*id] && it.site.is_some() && it.upper != FOREVER
+        let codel = &system.codels[*id];
+        executed[*id] && codel.site.is_some() && codel.upper != FOREVER
     };
     let mut codels: Vec<usize> = (0..system.codels.len()).filter(asked).collect();
-    codels.sort_by_key(|&it| std::cmp::Reverse(system.codels[it].upper));
+    codels.sort_by_key(|&codel| std::cmp::Reverse(system.codels[codel].upper));
     let mut out = vec![Parameter::Cores];
     for task in tasks {
         if system.tasks[task].period.is_some() {
             out.push(Parameter::Period(Path::of(&system.task_path(task))));
         }
-        let automata = system.automata.iter().filter(|it| it.task == task);
-        let machines: Vec<usize> = automata.map(|it| it.machine).collect();
+        let automata = system
+            .automata
+            .iter()
+            .filter(|automaton| automaton.task == task);
+        let machines: Vec<usize> = automata.map(|automaton| automaton.machine).collect();
         let is_own = |codel: &usize| {
-            let mut states = machines.iter().flat_map(|&it| &system.machines[it].states);
-            states.any(|it| it.codel == *codel)
+            let mut states = machines
+                .iter()
+                .flat_map(|&machine| &system.machines[machine].states);
+            states.any(|state| state.codel == *codel)
         };
         let (own, others) = codels.into_iter().partition(is_own);
         codels = others;
         let own: Vec<usize> = own;
-        let of = |it: &usize| Parameter::Wcet(Path::of(&system.codels[*it].path));
+        let of = |codel: &usize| Parameter::Wcet(Path::of(&system.codels[*codel].path));
         out.extend(own.iter().map(of));
     }
     // Codels of control tasks.
     let rest = codels.iter();
-    out.extend(rest.map(|&it| Parameter::Wcet(Path::of(&system.codels[it].path))));
+    out.extend(rest.map(|&codel| Parameter::Wcet(Path::of(&system.codels[codel].path))));
     out
 }
 
@@ -182,21 +187,21 @@ impl Sensitivity {
     /// Returns the most critical value, among those that hold now and have a limit: the WCET or the period
     /// that can change by the smallest factor.
     fn next_to_break(&self) -> Option<NextToBreak> {
-        let factor = |it: &Extreme| match (it.now, it.extreme) {
-            (Value::Time(now), Some(Value::Time(extreme))) if !it.fails_now && now > 0.0 => {
+        let factor = |limit: &Extreme| match (limit.now, limit.extreme) {
+            (Value::Time(now), Some(Value::Time(extreme))) if !limit.fails_now && now > 0.0 => {
                 Some((extreme / now).max(now / extreme.max(f64::MIN_POSITIVE)))
             }
             _ => None,
         };
-        let wcet = self.wcet.iter().map(|it| (it, Quantity::Wcet));
-        let period = self.period.iter().map(|it| (it, Quantity::Period));
-        let known = wcet.chain(period).filter_map(|(it, quantity)| {
+        let wcet = self.wcet.iter().map(|wcet| (wcet, Quantity::Wcet));
+        let period = self.period.iter().map(|period| (period, Quantity::Period));
+        let known = wcet.chain(period).filter_map(|(extreme, quantity)| {
             Some(NextToBreak {
                 quantity,
-                of: it.of.clone(),
-                now: it.now,
-                extreme: it.extreme?,
-                factor: factor(it)?,
+                of: extreme.of.clone(),
+                now: extreme.now,
+                extreme: extreme.extreme?,
+                factor: factor(extreme)?,
             })
         });
         known.min_by(|a, b| a.factor.total_cmp(&b.factor))

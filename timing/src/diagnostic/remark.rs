@@ -147,21 +147,24 @@ impl Remark {
 /// state cycles of one machine. Other diagnostics and the order remain.
 pub fn together(all: &[Diagnostic]) -> Vec<Diagnostic> {
     let mut groups: Vec<Vec<&Diagnostic>> = Vec::new();
-    for it in all {
+    for diagnostic in all {
         let joins = |group: &&mut Vec<&Diagnostic>| {
             let first = group[0];
-            let spec = |it: &Diagnostic| it.places.first().map(|it| it.spec);
-            let pair = first.remark.as_ref().zip(it.remark.as_ref());
+            let spec = |diagnostic: &Diagnostic| diagnostic.places.first().map(|place| place.spec);
+            let pair = first.remark.as_ref().zip(diagnostic.remark.as_ref());
             pair.is_some_and(|(a, b)| a.joins(b))
-                && first.range == it.range
-                && spec(first) == spec(it)
+                && first.range == diagnostic.range
+                && spec(first) == spec(diagnostic)
         };
         match groups.iter_mut().find(joins) {
-            Some(group) => group.push(it),
-            None => groups.push(vec![it]),
+            Some(group) => group.push(diagnostic),
+            None => groups.push(vec![diagnostic]),
         }
     }
-    groups.into_iter().map(|it| joined(&it)).collect()
+    groups
+        .into_iter()
+        .map(|diagnostics| joined(&diagnostics))
+        .collect()
 }
 
 fn joined(group: &[&Diagnostic]) -> Diagnostic {
@@ -170,16 +173,16 @@ fn joined(group: &[&Diagnostic]) -> Diagnostic {
         return out;
     };
     let mut others: Vec<&Remark> = Vec::new();
-    for &it in &group[1..] {
+    for &diagnostic in &group[1..] {
         // A codel of several states is named once.
-        let known = |place: &Place| out.places.iter().any(|it| it.at() == place.at());
-        let is_codel = matches!(it.remark.as_deref(), Some(Remark::NoWcet { .. }));
-        if is_codel && it.places.iter().all(known) {
+        let known = |place: &Place| out.places.iter().any(|other| other.at() == place.at());
+        let is_codel = matches!(diagnostic.remark.as_deref(), Some(Remark::NoWcet { .. }));
+        if is_codel && diagnostic.places.iter().all(known) {
             continue;
         }
-        others.extend(it.remark.as_deref());
-        for place in &it.places {
-            if out.places.iter().all(|it| it.at() != place.at()) {
+        others.extend(diagnostic.remark.as_deref());
+        for place in &diagnostic.places {
+            if out.places.iter().all(|other| other.at() != place.at()) {
                 out.places.push(place.clone());
             }
         }
@@ -191,7 +194,7 @@ fn joined(group: &[&Diagnostic]) -> Diagnostic {
 fn words(first: &Remark, others: &[&Remark]) -> String {
     let count = others.len() + 1;
     let all = std::iter::once(&first).chain(others);
-    let mut names: Vec<&str> = all.map(|it| it.name()).collect();
+    let mut names: Vec<&str> = all.map(|remark| remark.name()).collect();
     names.truncate(NAMED);
     let mut names = names.join(", ");
     if count > NAMED {
@@ -234,7 +237,7 @@ fn words(first: &Remark, others: &[&Remark]) -> String {
             task,
             period,
         } => {
-            let [time, period] = [time, period].map(|it| quantity::time(*it));
+            let [time, period] = [time, period].map(|time| quantity::time(*time));
             format!(
                 "while {head} waits for {codel}, which takes up to {time}, the lock queue stands still: {task}, which shares \
                  nothing with it, waits behind and can miss its period of {period}; shorten what {codel} does with \
@@ -255,7 +258,7 @@ fn words(first: &Remark, others: &[&Remark]) -> String {
             task,
             period,
         } => {
-            let [time, period] = [time, period].map(|it| quantity::time(*it));
+            let [time, period] = [time, period].map(|time| quantity::time(*time));
             format!(
                 "{codel} holds a port for up to {time}; {other} waits for it meanwhile, and {task} can miss its period of \
                  {period}; let {codel} work on a `local` copy, and use the port in a short codel of its own"

@@ -153,18 +153,18 @@ impl<R: Rules> Graph<'_, R> {
                         next_ids.push(at as u32);
                         continue;
                     }
-                    let mut it = Encoded::default();
-                    encode(self.rules.frame(), &next, &mut it);
+                    let mut encoding = Encoded::default();
+                    encode(self.rules.frame(), &next, &mut encoding);
                     let jump = match edge {
                         Edge::Pass(jump) => u64::from(jump),
                         Edge::Act(_) => 0,
                     };
                     let time = visits[at].time + jump;
-                    let id = match ids.get(&it) {
+                    let id = match ids.get(&encoding) {
                         Some(&id) => id,
                         None => {
-                            bytes += weight(&it);
-                            let state = Rc::new(it);
+                            bytes += weight(&encoding);
+                            let state = Rc::new(encoding);
                             ids.insert(state.clone(), visits.len() as u32);
                             visits.push(Visit {
                                 state,
@@ -204,11 +204,11 @@ impl<R: Rules> Graph<'_, R> {
     /// Returns, by state, whether the obligation is still open; `None` if the search must end.
     fn unanswered(&self, visits: &[Visit]) -> Option<Vec<bool>> {
         let mut open = Vec::with_capacity(visits.len());
-        for (i, it) in visits.iter().enumerate() {
+        for (i, visit) in visits.iter().enumerate() {
             if i.is_multiple_of(STEPS_PER_POLL) && self.cancel.is_too_late() {
                 return None;
             }
-            let s = decode(self.rules.frame(), &it.state.key, &it.state.dims);
+            let s = decode(self.rules.frame(), &visit.state.key, &visit.state.dims);
             open.push(self.open(&s));
         }
         Some(open)
@@ -249,8 +249,8 @@ impl<R: Rules> Graph<'_, R> {
         path.reverse();
         let mut run = Run::default();
         let mut time = 0;
-        for &it in &path[1..] {
-            let visit = &visits[it as usize];
+        for &path in &path[1..] {
+            let visit = &visits[path as usize];
             time = visit.time;
             if let Edge::Act(action) = visit.edge {
                 run.steps.push((time, action));
@@ -259,8 +259,8 @@ impl<R: Rules> Graph<'_, R> {
         let stuck = cycle.len() == 1 && successors[cycle[0] as usize] == [cycle[0]];
         run.end = time;
         let forever = {
-            let it = &visits[cycle[0] as usize].state;
-            let s = decode(self.rules.frame(), &it.key, &it.dims);
+            let state = &visits[cycle[0] as usize].state;
+            let s = decode(self.rules.frame(), &state.key, &state.dims);
             self.rules.next_moment(&s, &|_| false).is_none()
         };
         if stuck && forever {
@@ -268,9 +268,9 @@ impl<R: Rules> Graph<'_, R> {
         }
         run.cycle = Some(run.steps.len());
         let mut enabled = Enabled::default();
-        for (i, &it) in cycle.iter().enumerate() {
+        for (i, &visit) in cycle.iter().enumerate() {
             let to = &visits[cycle[(i + 1) % cycle.len()] as usize].state;
-            let from = &visits[it as usize].state;
+            let from = &visits[visit as usize].state;
             let s = decode(self.rules.frame(), &from.key, &from.dims);
             for (edge, next, _) in self.successors(&s, &mut enabled) {
                 let mut encoded = Encoded::default();
@@ -290,11 +290,13 @@ impl<R: Rules> Graph<'_, R> {
 }
 
 /// Returns the bytes of a visited state: its own, those of the visit, of the index and of the successors.
-fn weight(it: &Encoded) -> usize {
+fn weight(encoding: &Encoded) -> usize {
     let list = size_of::<Vec<u32>>();
     let counts = 2 * size_of::<usize>();
     let index = 2 * size_of::<(Rc<Encoded>, u32)>();
-    let own = size_of::<Encoded>() + it.key.capacity() + it.dims.capacity() * size_of::<Ticks>();
+    let own = size_of::<Encoded>()
+        + encoding.key.capacity()
+        + encoding.dims.capacity() * size_of::<Ticks>();
     own + counts + index + 2 * (size_of::<Visit>() + list)
 }
 
@@ -332,8 +334,8 @@ impl<R: Rules> Graph<'_, R> {
                         stack.push((next, 0));
                     }
                     1 => {
-                        let from = stack.iter().position(|&(it, _)| it == next)?;
-                        return Some(stack[from..].iter().map(|&(it, _)| it).collect());
+                        let from = stack.iter().position(|&(number, _)| number == next)?;
+                        return Some(stack[from..].iter().map(|&(number, _)| number).collect());
                     }
                     _ => {}
                 }

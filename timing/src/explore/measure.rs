@@ -39,9 +39,9 @@ impl Timing {
             return 0;
         };
         let oldest = l.observer_clock(s, observer).map(|clock| s.t[clock]);
-        let open = l.stages(observer).filter(|&it| l.is_open_at(s, it));
-        let ages = open.map(|it| l.stage_clock(it).map(|clock| s.t[clock]));
-        ages.filter(|&it| it == oldest).count()
+        let open = l.stages(observer).filter(|&stage| l.is_open_at(s, stage));
+        let ages = open.map(|stage| l.stage_clock(stage).map(|clock| s.t[clock]));
+        ages.filter(|&age| age == oldest).count()
     }
 
     /// Returns the present age of the measured obligation in base units, and the number of obligations of
@@ -90,9 +90,15 @@ impl Gauge {
     /// Returns the gauges of a [`Watch`]: first responses, then pairs of predicates.
     pub(super) fn of(watch: &Watch, how: &MeasurementMode) -> Vec<Gauge> {
         let responses = watch.response.iter();
-        let responses = responses.map(|it| (Timing::Response(it.task), it.limit, it.most));
+        let responses = responses.map(|response| {
+            (
+                Timing::Response(response.task),
+                response.limit,
+                response.most,
+            )
+        });
         let withins = watch.within.iter().enumerate();
-        let withins = withins.map(|(i, it)| (Timing::Within(i), it.limit, None));
+        let withins = withins.map(|(i, bound)| (Timing::Within(i), bound.limit, None));
         responses
             .chain(withins)
             .map(|(of, limit, most)| Gauge {

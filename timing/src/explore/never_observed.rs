@@ -25,11 +25,11 @@ pub struct TaskWithoutJob {
 impl NeverObserved {
     /// Returns all subjects, before any state is known.
     pub(super) fn of(watch: &Watch, orbits: &Orbits) -> NeverObserved {
-        let responses = watch.response.iter().map(|it| &it.task);
+        let responses = watch.response.iter().map(|response| &response.task);
         let tasks = watch.schedulable.iter().chain(&watch.overdue);
         let mut jobs: Vec<TaskWithoutJob> = Vec::new();
         for &task in tasks.chain(responses) {
-            if jobs.iter().all(|it| it.task != task) {
+            if jobs.iter().all(|job| job.task != task) {
                 let start_up = Some(0);
                 jobs.push(TaskWithoutJob { task, start_up });
             }
@@ -43,9 +43,9 @@ impl NeverObserved {
     /// Returns the atoms of predicates.
     pub(super) fn of_predicates(predicates: &[Predicate], orbits: &Orbits) -> NeverObserved {
         let mut out = NeverObserved::default();
-        for it in predicates {
-            it.atoms(&mut |atom| {
-                if out.atoms.iter().all(|it| it.0 != *atom) {
+        for predicate in predicates {
+            predicate.atoms(&mut |atom| {
+                if out.atoms.iter().all(|candidate| candidate.0 != *atom) {
                     out.atoms.push((atom.clone(), orbits.of_atom(atom)));
                 }
             });
@@ -57,24 +57,24 @@ impl NeverObserved {
     pub(super) fn look<R: Rules>(&mut self, rules: &R, s: &State, orbits: &Orbits) {
         let has_job = |&task: &usize| rules.job(s, task) != TaskStatus::Idle;
         self.jobs
-            .retain(|it| !orbits.of_task(it.task).iter().any(has_job));
-        for it in &mut self.jobs {
-            let now = rules.awaits_start_up(s, it.task);
+            .retain(|job| !orbits.of_task(job.task).iter().any(has_job));
+        for job in &mut self.jobs {
+            let now = rules.awaits_start_up(s, job.task);
             // Tasks are started in order, so the later one counts.
-            it.start_up = it.start_up.zip(now).map(|(one, other)| one.max(other));
+            job.start_up = job.start_up.zip(now).map(|(one, other)| one.max(other));
         }
         self.atoms.retain(|(atom, alike)| {
-            !rules.atom(s, atom) && !alike.iter().any(|it| rules.atom(s, it))
+            !rules.atom(s, atom) && !alike.iter().any(|atom| rules.atom(s, atom))
         });
     }
 
     /// Returns the reason why a task has no job; `None` if the task has a job.
     pub fn job(&self, task: usize) -> Option<TaskWithoutJob> {
-        self.jobs.iter().copied().find(|it| it.task == task)
+        self.jobs.iter().copied().find(|job| job.task == task)
     }
 
     /// Returns true if an atom never holds.
     pub fn has(&self, atom: &Atom) -> bool {
-        self.atoms.iter().any(|it| it.0 == *atom)
+        self.atoms.iter().any(|candidate| candidate.0 == *atom)
     }
 }

@@ -19,11 +19,13 @@ pub(crate) fn predicate<R: Rules>(
     rules: &R,
     before: Option<&State>,
     now: &State,
-    it: &Predicate,
+    predicate: &Predicate,
 ) -> bool {
     match before {
-        Some(before) => it.eval(&|a, is_now| rules.atom(if is_now { now } else { before }, a)),
-        None => it.eval_still(&|a| rules.atom(now, a)),
+        Some(before) => {
+            predicate.eval(&|a, is_now| rules.atom(if is_now { now } else { before }, a))
+        }
+        None => predicate.eval_still(&|a| rules.atom(now, a)),
     }
 }
 

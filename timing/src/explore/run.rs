@@ -94,9 +94,9 @@ impl Run {
     /// Returns the run up to the second of two moments, repeating for ever from the first moment on.
     pub(crate) fn repeating(&self, (from, to): (u64, u64)) -> Run {
         let steps = self.steps.iter().copied();
-        let steps: Vec<_> = steps.take_while(|it| it.0 <= to).collect();
+        let steps: Vec<_> = steps.take_while(|step| step.0 <= to).collect();
         Run {
-            cycle: steps.iter().position(|it| it.0 > from),
+            cycle: steps.iter().position(|step| step.0 > from),
             steps,
             end: to,
             left_out: false,
@@ -109,10 +109,15 @@ impl Run {
         let end = self.end + u64::from(more);
         let within = |a: u64, b: u64| {
             let steps = self.steps.iter().copied();
-            steps.filter(move |it| a < it.0 && it.0 <= b)
+            steps.filter(move |step| a < step.0 && step.0 <= b)
         };
         let mut run = Run {
-            steps: self.steps.iter().copied().filter(|it| it.0 <= to).collect(),
+            steps: self
+                .steps
+                .iter()
+                .copied()
+                .filter(|step| step.0 <= to)
+                .collect(),
             end,
             cycle: None,
             left_out: false,
@@ -121,7 +126,7 @@ impl Run {
         for round in 1..=rounds {
             let shift = round * (to - from);
             let again = within(from, to).map(|(time, action)| (time + shift, action));
-            run.steps.extend(again.filter(|it| it.0 < end));
+            run.steps.extend(again.filter(|pair| pair.0 < end));
             if run.steps.len() > MAX_STEPS_OF_REPETITION {
                 return None;
             }
@@ -218,8 +223,8 @@ fn told<R: Rules>(rules: &R, run: &Run) -> (Vec<Moment>, Vec<usize>) {
         rules.apply(&mut s, action);
         let told = out.len();
         rules.tell((&before, &s), Some(action), now, &mut out);
-        for it in &mut out[told..] {
-            it.action = Some(action);
+        for moment in &mut out[told..] {
+            moment.action = Some(action);
         }
         ends.push(out.len());
     }
@@ -248,5 +253,5 @@ fn began_in_step<R: Rules>(
     let l = rules.frame();
     l.is_executing(after, executor)
         && (!l.is_executing(before, executor)
-            || matches!(action, Action::Finish { executor: it, .. } if it == executor))
+            || matches!(action, Action::Finish { executor: finished, .. } if finished == executor))
 }

@@ -53,7 +53,7 @@ pub(super) fn explore_by<R: Reduced>(
     let mut findings = until_measured(rules, watch, &mut gauges, limits, cancel, news);
     // A time that grew suspiciously is measured alone, so that clocks do not multiply.
     for (i, gauge) in gauges.iter().enumerate() {
-        let given_up = findings.stopped.is_some_and(|it| it != Stop::Answered);
+        let given_up = findings.stopped.is_some_and(|stop| stop != Stop::Answered);
         if gauge.how != MeasurementMode::Alone || given_up {
             continue;
         }
@@ -96,8 +96,8 @@ fn until_measured<R: Reduced>(
             return control.findings(&layers);
         };
         carry_over = control.into_carry_over(&layers);
-        for it in layers.of_all_alike(&diverging) {
-            gauges[it.gauge].note(it);
+        for divergence in layers.of_all_alike(&diverging) {
+            gauges[divergence.gauge].note(divergence);
         }
     }
 }

@@ -43,11 +43,11 @@ impl<T> Segments<T> {
     }
 
     /// Adds a value. Returns its index.
-    pub(crate) fn push(&mut self, it: T) -> usize {
+    pub(crate) fn push(&mut self, element: T) -> usize {
         let place = self.room(1);
         let segment = &mut self.segments[self.current];
         let before = segment.capacity();
-        segment.push(it);
+        segment.push(element);
         self.capacity += segment.capacity() - before;
         place
     }

@@ -143,9 +143,9 @@ impl Places {
     pub(crate) fn frame(mut self, clocks: &Clocks, own: usize) -> (Frame, usize) {
         let mut count = 0;
         let stages: Vec<Range<usize>> = (clocks.within.iter())
-            .map(|it| {
-                count += it.count;
-                count - it.count..count
+            .map(|stages| {
+                count += stages.count;
+                count - stages.count..count
             })
             .collect();
         let observer_base = self.discrete(count);
@@ -155,8 +155,8 @@ impl Places {
         let clock_base = self.t;
         let mut clock = |wanted: &bool| wanted.then(|| self.times(1));
         let response = clocks.response.iter().map(&mut clock).collect();
-        let each =
-            (clocks.within.iter()).flat_map(|it| std::iter::repeat_n(&it.measured, it.count));
+        let each = (clocks.within.iter())
+            .flat_map(|stages| std::iter::repeat_n(&stages.measured, stages.count));
         let stage_clock = each.map(&mut clock).collect();
         let first_own = self.times(own);
         let frame = Frame {
@@ -248,7 +248,7 @@ impl Frame {
     pub(crate) fn executing<'s>(&self, s: &'s State) -> impl Iterator<Item = usize> + 's {
         let phases = self.phases(s).iter().enumerate();
         phases
-            .filter(|&(_, &it)| it & phase::EXECUTING != 0)
+            .filter(|&(_, &number)| number & phase::EXECUTING != 0)
             .map(|(e, _)| e)
     }
 
@@ -295,7 +295,7 @@ impl Frame {
     /// Returns true if an obligation of an observer is open.
     #[inline]
     pub(crate) fn is_open(&self, s: &State, observer: usize) -> bool {
-        (self.stages(observer)).any(|it| self.is_open_at(s, it))
+        (self.stages(observer)).any(|stage| self.is_open_at(s, stage))
     }
 
     /// Returns the clock of the oldest open obligation of an observer, if the observer has clocks. An
@@ -303,7 +303,7 @@ impl Frame {
     #[inline]
     pub(crate) fn observer_clock(&self, s: &State, observer: usize) -> Option<usize> {
         let stages = self.stages(observer);
-        let oldest = (stages.clone().rev()).find(|&it| self.is_open_at(s, it));
+        let oldest = (stages.clone().rev()).find(|&stage| self.is_open_at(s, stage));
         self.stage_clock[oldest.unwrap_or(stages.start)]
     }
 

@@ -313,7 +313,7 @@ impl<R: Rules> Walker<R> {
         let l = self.rules.frame();
         for executor in 0..l.executors() {
             let now = l.phase(&self.s, executor);
-            let was = before.map_or(phase::REST, |it| l.phase(it, executor));
+            let was = before.map_or(phase::REST, |state| l.phase(state, executor));
             if now == phase::REST || (now == was && ended != Some(executor)) {
                 continue;
             }
@@ -376,8 +376,8 @@ impl<R: Rules> Walk for Walker<R> {
         let mut met = Vec::new();
         self.observe(None, &mut met);
         self.beginnings(None, None, seen);
-        for (predicate, it) in self.reach.iter().enumerate() {
-            if observe::predicate(&self.rules, None, &self.s, it) {
+        for (predicate, entry) in self.reach.iter().enumerate() {
+            if observe::predicate(&self.rules, None, &self.s, entry) {
                 seen.push(Seen::Reached { predicate });
             }
         }
@@ -409,7 +409,7 @@ impl<R: Rules> Walk for Walker<R> {
             Action::Request { client, .. } => {
                 let at = self.rules.position(&self.before, client);
                 let step = self.rules.system().clients[client].steps.get(at);
-                if let Some(service) = step.and_then(|it| it.requests()) {
+                if let Some(service) = step.and_then(|step| step.requests()) {
                     seen.push(Seen::Requested { client, service });
                 }
             }
@@ -426,9 +426,9 @@ impl<R: Rules> Walk for Walker<R> {
                 seen.push(Seen::Missed { task });
             }
         }
-        for (predicate, it) in self.reach.iter().enumerate() {
-            if observe::predicate(&self.rules, Some(&self.before), &self.s, it)
-                && !it.eval_still(&|atom| self.rules.atom(&self.before, atom))
+        for (predicate, entry) in self.reach.iter().enumerate() {
+            if observe::predicate(&self.rules, Some(&self.before), &self.s, entry)
+                && !entry.eval_still(&|atom| self.rules.atom(&self.before, atom))
             {
                 seen.push(Seen::Reached { predicate });
             }

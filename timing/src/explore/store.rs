@@ -71,10 +71,10 @@ pub(crate) fn decode_to(l: &Frame, key: &[u8], dims: &[Ticks], s: &mut State) {
     l.clear(s);
     let mut at = 0;
     let small = &key[..s.d.len()];
-    if small.iter().fold(0, |most, &it| most.max(it)) < 255 {
+    if small.iter().fold(0, |most, &key| most.max(key)) < 255 {
         at = small.len();
-        for (value, &it) in s.d.iter_mut().zip(small) {
-            *value = u16::from(it);
+        for (value, &key) in s.d.iter_mut().zip(small) {
+            *value = u16::from(key);
         }
     } else {
         for value in &mut s.d {
@@ -148,34 +148,34 @@ impl Default for Covering {
 }
 
 impl Shape {
-    fn covers(self, cover: &[Ticks], it: &[Ticks]) -> bool {
+    fn covers(self, cover: &[Ticks], ticks: &[Ticks]) -> bool {
         let at = 2 * self.windows;
         match self.covering {
             Covering {
                 inclusion: true, ..
             } => {}
             // A joined box stands for all of its parts.
-            Covering { union: true, .. } if cover[at..] == it[at..] => {}
-            _ => return cover == it,
+            Covering { union: true, .. } if cover[at..] == ticks[at..] => {}
+            _ => return cover == ticks,
         }
-        let (wide, narrow) = (&cover[..2 * self.windows], &it[..2 * self.windows]);
+        let (wide, narrow) = (&cover[..2 * self.windows], &ticks[..2 * self.windows]);
         wide.chunks_exact(2)
             .zip(narrow.chunks_exact(2))
             .all(|(w, n)| w[0] <= n[0] && n[1] <= w[1])
             && cover[2 * self.windows..]
                 .iter()
-                .zip(&it[2 * self.windows..])
+                .zip(&ticks[2 * self.windows..])
                 .all(|(c, i)| c >= i)
     }
 
     /// If the union of two boxes is a box, makes `it` that box.
-    fn join(self, other: &[Ticks], it: &mut [Ticks]) -> bool {
-        if !self.covering.union || other[2 * self.windows..] != it[2 * self.windows..] {
+    fn join(self, other: &[Ticks], ticks: &mut [Ticks]) -> bool {
+        if !self.covering.union || other[2 * self.windows..] != ticks[2 * self.windows..] {
             return false;
         }
         let mut differing = None;
         for i in 0..self.windows {
-            if other[2 * i..2 * i + 2] != it[2 * i..2 * i + 2] {
+            if other[2 * i..2 * i + 2] != ticks[2 * i..2 * i + 2] {
                 if differing.is_some() {
                     return false;
                 }
@@ -184,12 +184,12 @@ impl Shape {
         }
         let Some(i) = differing else { return true };
         let (a, b) = (other[2 * i], other[2 * i + 1]);
-        let (c, d) = (it[2 * i], it[2 * i + 1]);
+        let (c, d) = (ticks[2 * i], ticks[2 * i + 1]);
         if a > d.saturating_add(1) || c > b.saturating_add(1) {
             return false;
         }
-        it[2 * i] = a.min(c);
-        it[2 * i + 1] = b.max(d);
+        ticks[2 * i] = a.min(c);
+        ticks[2 * i + 1] = b.max(d);
         true
     }
 }
@@ -246,25 +246,25 @@ impl Store {
     /// tags of covers that became part of the new cover, and returns the tag of the new cover.
     pub(crate) fn insert(
         &mut self,
-        it: &Encoded,
+        encoding: &Encoded,
         tag: u32,
         mut on_join: impl FnMut(u32, u32) -> u32,
     ) -> Option<u32> {
-        let hash = hash(&it.key);
+        let hash = hash(&encoding.key);
         let shape = Shape {
-            windows: (it.dims.len() - self.clocks) / 2,
+            windows: (encoding.dims.len() - self.clocks) / 2,
             covering: self.covering,
         };
         let found = self.table.find(hash, |k| {
             let key = &self.keys[k as usize];
-            key.hash == hash && self.bytes_of(key) == it.key
+            key.hash == hash && self.bytes_of(key) == encoding.key
         });
         let k = match found {
             Some(k) => k,
             None => {
                 let k = self.keys.push(Key {
-                    start: self.key_bytes.extend(&it.key),
-                    len: it.key.len() as u32,
+                    start: self.key_bytes.extend(&encoding.key),
+                    len: encoding.key.len() as u32,
                     hash,
                     first: NONE,
                 }) as u32;
@@ -278,14 +278,14 @@ impl Store {
         while cover != NONE {
             let record = &self.covers[cover as usize];
             let dims = self.dims.slice(record.start, record.len as usize);
-            if shape.covers(dims, &it.dims) {
+            if shape.covers(dims, &encoding.dims) {
                 return None;
             }
             cover = record.next;
         }
 
         // Join the box with adjoining covers, until there are none; drop covers that it contains.
-        let mut dims: SmallVec<[Ticks; 32]> = SmallVec::from_slice(&it.dims);
+        let mut dims: SmallVec<[Ticks; 32]> = SmallVec::from_slice(&encoding.dims);
         let mut tag = tag;
         // A join may let covers adjoin that were examined before, so the list is examined again.
         let mut again = true;
@@ -327,22 +327,22 @@ impl Store {
     }
 
     /// Returns true if one of the covers contains a state.
-    pub(crate) fn holds(&self, it: &Encoded) -> bool {
-        let windows = (it.dims.len() - self.clocks) / 2;
+    pub(crate) fn holds(&self, encoding: &Encoded) -> bool {
+        let windows = (encoding.dims.len() - self.clocks) / 2;
         let shape = Shape {
             windows,
             covering: self.covering,
         };
-        self.find(&it.key)
-            .any(|(dims, _)| shape.covers(dims, &it.dims))
+        self.find(&encoding.key)
+            .any(|(dims, _)| shape.covers(dims, &encoding.dims))
     }
 
     /// Returns the covers of the key with these bytes.
     pub(crate) fn find(&self, key: &[u8]) -> impl Iterator<Item = (&[Ticks], u32)> {
         let hash = hash(key);
         let found = self.table.find(hash, |k| {
-            let it = &self.keys[k as usize];
-            it.hash == hash && self.bytes_of(it) == key
+            let entry = &self.keys[k as usize];
+            entry.hash == hash && self.bytes_of(entry) == key
         });
         found.into_iter().flat_map(|k| self.covers(k))
     }
@@ -397,11 +397,11 @@ fn hash(key: &[u8]) -> u64 {
 }
 
 /// Returns true if a box of this layout contains a point (or smaller box).
-pub(crate) fn holds(layout: &Frame, cover: &[Ticks], it: &[Ticks]) -> bool {
+pub(crate) fn holds(layout: &Frame, cover: &[Ticks], ticks: &[Ticks]) -> bool {
     let clocks = layout.clocks();
     Shape {
-        windows: (it.len() - clocks) / 2,
+        windows: (ticks.len() - clocks) / 2,
         covering: Covering::default(),
     }
-    .covers(cover, it)
+    .covers(cover, ticks)
 }

@@ -90,8 +90,8 @@ impl Predicate {
     /// Calls `found` with every atom.
     pub(crate) fn atoms(&self, found: &mut impl FnMut(&Atom)) {
         match self {
-            Predicate::Atom(it) | Predicate::Leave(it) => found(it),
-            Predicate::Not(it) => it.atoms(found),
+            Predicate::Atom(atom) | Predicate::Leave(atom) => found(atom),
+            Predicate::Not(predicate) => predicate.atoms(found),
             Predicate::And(one, other) | Predicate::Or(one, other) => {
                 one.atoms(found);
                 other.atoms(found);
@@ -104,25 +104,26 @@ impl Predicate {
     pub(crate) fn is_vacuous(&self, absent: &dyn Fn(&Atom) -> bool) -> bool {
         match self {
             Predicate::And(one, other) => one.is_vacuous(absent) && other.is_vacuous(absent),
-            Predicate::Not(it) => match &**it {
+            Predicate::Not(predicate) => match &**predicate {
                 Predicate::Atom(_) | Predicate::Leave(_) => false,
                 Predicate::Or(one, other) => {
-                    let not = |it: &Predicate| Predicate::Not(Box::new(it.clone()));
+                    let not = |predicate: &Predicate| Predicate::Not(Box::new(predicate.clone()));
                     not(one).is_vacuous(absent) && not(other).is_vacuous(absent)
                 }
-                it => it.is_settled(absent, false),
+                predicate => predicate.is_settled(absent, false),
             },
-            it => it.is_settled(absent, true),
+            predicate => predicate.is_settled(absent, true),
         }
     }
 
     /// Returns true if the predicate always has this value because of the `absent` atoms.
     fn is_settled(&self, absent: &dyn Fn(&Atom) -> bool, value: bool) -> bool {
         match self {
-            Predicate::Atom(it) | Predicate::Leave(it) => !value && absent(it),
-            Predicate::Not(it) => it.is_settled(absent, !value),
+            Predicate::Atom(atom) | Predicate::Leave(atom) => !value && absent(atom),
+            Predicate::Not(predicate) => predicate.is_settled(absent, !value),
             Predicate::And(one, other) | Predicate::Or(one, other) => {
-                let [one, other] = [one, other].map(|it| it.is_settled(absent, value));
+                let [one, other] =
+                    [one, other].map(|predicate| predicate.is_settled(absent, value));
                 // A conjunction is true if all operands are, a disjunction if one is.
                 match matches!(self, Predicate::And(..)) == value {
                     true => one && other,
@@ -136,9 +137,9 @@ impl Predicate {
     /// present state (`true`) or in the previous one (`false`).
     pub(crate) fn eval(&self, atom: &impl Fn(&Atom, bool) -> bool) -> bool {
         match self {
-            Predicate::Atom(it) => atom(it, true),
-            Predicate::Leave(it) => atom(it, false) && !atom(it, true),
-            Predicate::Not(it) => !it.eval(atom),
+            Predicate::Atom(proposition) => atom(proposition, true),
+            Predicate::Leave(proposition) => atom(proposition, false) && !atom(proposition, true),
+            Predicate::Not(predicate) => !predicate.eval(atom),
             Predicate::And(one, other) => one.eval(atom) && other.eval(atom),
             Predicate::Or(one, other) => one.eval(atom) || other.eval(atom),
         }
@@ -146,6 +147,6 @@ impl Predicate {
 
     /// Returns the value in a state that is not being entered: no atom is being left.
     pub(crate) fn eval_still(&self, atom: &impl Fn(&Atom) -> bool) -> bool {
-        self.eval(&|it, _| atom(it))
+        self.eval(&|proposition, _| atom(proposition))
     }
 }

@@ -19,8 +19,8 @@ pub(crate) fn components_of(names: &Names, built: &Built, pred: &Pred, out: &mut
                     .system
                     .clients
                     .iter()
-                    .find(|it| it.name == first.value);
-                for step in client.iter().flat_map(|it| &it.steps) {
+                    .find(|client| client.name == first.value);
+                for step in client.iter().flat_map(|client| &client.steps) {
                     if let crate::system::ClientAction::Send { service, .. } = step.action {
                         let number = built.system.services[service].component;
                         out.extend(
@@ -34,7 +34,7 @@ pub(crate) fn components_of(names: &Names, built: &Built, pred: &Pred, out: &mut
                 }
             }
         }
-        Pred::Not(it) => components_of(names, built, it, out),
+        Pred::Not(predicate) => components_of(names, built, predicate, out),
         Pred::And(one, other) | Pred::Or(one, other) => {
             components_of(names, built, one, out);
             components_of(names, built, other, out);
@@ -47,11 +47,11 @@ pub(crate) fn resolve(names: &Names, built: &Built, pred: &Pred) -> Result<Predi
     Ok(match pred {
         Pred::Atom(path) => atom(names, built, path)?,
         Pred::Leave(path) => match atom(names, built, path)? {
-            Predicate::Atom(it) => Predicate::Leave(it),
+            Predicate::Atom(atom) => Predicate::Leave(atom),
             // A negated atom is left when the atom becomes true; only `void` is built like this.
             other => other,
         },
-        Pred::Not(it) => Predicate::Not(Box::new(resolve(names, built, it)?)),
+        Pred::Not(predicate) => Predicate::Not(Box::new(resolve(names, built, predicate)?)),
         Pred::And(one, other) => Predicate::And(
             Box::new(resolve(names, built, one)?),
             Box::new(resolve(names, built, other)?),
@@ -74,9 +74,9 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
         (1, Some(last)) if STATUSES.contains(&last.value.as_str()) => Some(last),
         _ => return Err(names.unknown(path, &targets)),
     };
-    let word = status.map_or("", |it| it.value.as_str());
+    let word = status.map_or("", |status| status.value.as_str());
     let wrong = || {
-        let range = status.map_or(path.range(), |it| it.range.clone());
+        let range = status.map_or(path.range(), |status| status.range.clone());
         let message = format!("`{}` has no status `{word}`", path.text());
         Err(Diagnostic::error("scn-wrong-status", range, message))
     };
@@ -136,7 +136,7 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
                 return Err(Diagnostic::error("scn-not-executed", path.range(), message));
             };
             let states = &built.system.machines[machine].states;
-            let Some(state) = states.iter().position(|it| it.name == *state) else {
+            let Some(state) = states.iter().position(|candidate| candidate.name == *state) else {
                 return Err(names.unknown(path, &targets));
             };
             Atom::State {
@@ -159,7 +159,7 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
                     .system
                     .codels
                     .iter()
-                    .position(|it| it.site == Some((c, site))),
+                    .position(|codel| codel.site == Some((c, site))),
                 phase,
             }
         }
@@ -185,20 +185,20 @@ fn client(built: &Built, path: &Path) -> Result<Option<Atom>, Diagnostic> {
         return Ok(None);
     };
     let clients = &built.system.clients;
-    let Some(k) = clients.iter().position(|it| it.name == first.value) else {
+    let Some(k) = clients.iter().position(|client| client.name == first.value) else {
         return Ok(None);
     };
     let steps: Vec<usize> = match path.names.get(1) {
         None => vec![clients[k].done()],
         Some(label) => (0..clients[k].steps.len())
-            .filter(|&it| clients[k].steps[it].label.as_ref() == Some(&label.value))
+            .filter(|&step| clients[k].steps[step].label.as_ref() == Some(&label.value))
             .collect(),
     };
     if steps.is_empty() || path.names.len() > 2 {
         let message = format!(
             "client `{}` has no step `{}`; label one as `name: send …;`",
             first.value,
-            path.names.last().map_or("", |it| it.value.as_str())
+            path.names.last().map_or("", |name| name.value.as_str())
         );
         return Err(Diagnostic::error("scn-unknown-step", path.range(), message));
     }
@@ -214,7 +214,7 @@ pub(crate) fn task(names: &Names, path: &Path) -> Result<(usize, u32), Diagnosti
                 .component
                 .tasks
                 .iter()
-                .map(|it| it.name.as_str())
+                .map(|task| task.name.as_str())
                 .collect();
             format!(
                 "`{}` is no task; there is {}",

@@ -63,7 +63,7 @@ impl TimeUnit {
     /// Returns a value in this unit as text for readers.
     pub fn show_value(self, value: Value) -> String {
         match value {
-            Value::Time(it) => self.show(it),
+            Value::Time(time) => self.show(time),
             Value::Unbounded => "unbounded".to_owned(),
         }
     }

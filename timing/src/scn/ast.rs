@@ -54,8 +54,8 @@ impl Path {
 
     /// Returns a path that is not part of a text.
     pub fn of(text: &str) -> Path {
-        let names = text.split('.').map(|it| Spanned {
-            value: it.to_owned(),
+        let names = text.split('.').map(|part| Spanned {
+            value: part.to_owned(),
             range: 0..0,
         });
         Path {
@@ -65,7 +65,7 @@ impl Path {
 
     /// Returns the path as written, without blanks.
     pub fn text(&self) -> String {
-        let names: Vec<&str> = self.names.iter().map(|it| it.value.as_str()).collect();
+        let names: Vec<&str> = self.names.iter().map(|name| name.value.as_str()).collect();
         names.join(".")
     }
 }
@@ -408,7 +408,7 @@ impl Pred {
     pub(crate) fn parts(&self) -> Box<dyn Iterator<Item = &Pred> + '_> {
         match self {
             Pred::Atom(_) | Pred::Leave(_) => Box::new(std::iter::once(self)),
-            Pred::Not(it) => it.parts(),
+            Pred::Not(predicate) => predicate.parts(),
             Pred::And(one, other) | Pred::Or(one, other) => {
                 Box::new(one.parts().chain(other.parts()))
             }
@@ -420,14 +420,16 @@ impl Pred {
         match self {
             Pred::Atom(path) => path.text(),
             Pred::Leave(path) => format!("leave {}", path.text()),
-            Pred::Not(it) => match **it {
-                Pred::Atom(_) | Pred::Leave(_) | Pred::Not(_) => format!("not {}", it.text()),
-                _ => format!("not ({})", it.text()),
+            Pred::Not(predicate) => match **predicate {
+                Pred::Atom(_) | Pred::Leave(_) | Pred::Not(_) => {
+                    format!("not {}", predicate.text())
+                }
+                _ => format!("not ({})", predicate.text()),
             },
             Pred::And(one, other) => {
-                let side = |it: &Pred| match it {
-                    Pred::Or(..) => format!("({})", it.text()),
-                    _ => it.text(),
+                let side = |predicate: &Pred| match predicate {
+                    Pred::Or(..) => format!("({})", predicate.text()),
+                    _ => predicate.text(),
                 };
                 format!("{} and {}", side(one), side(other))
             }

@@ -87,32 +87,32 @@ pub fn complete(text: &str, scenario: &Scenario, names: &Names, offset: usize) -
     let tokens = lex(text);
     let at = tokens
         .iter()
-        .find(|it| it.range.start < offset && offset <= it.range.end);
+        .find(|token| token.range.start < offset && offset <= token.range.end);
     let nothing = Completions::Of {
         replace: offset..offset,
         items: Vec::new(),
     };
-    match at.map(|it| (it.kind, &it.range)) {
+    match at.map(|token| (token.kind, &token.range)) {
         Some((Kind::LineComment | Kind::UnclosedComment, _)) => return nothing,
-        Some((Kind::BlockComment, it)) if offset < it.end => return nothing,
-        Some((Kind::Text, it)) if offset < it.end => {
-            return Completions::File(it.start + 1..it.end - 1);
+        Some((Kind::BlockComment, range)) if offset < range.end => return nothing,
+        Some((Kind::Text, range)) if offset < range.end => {
+            return Completions::File(range.start + 1..range.end - 1);
         }
-        Some((Kind::UnclosedText, it)) => return Completions::File(it.start + 1..it.end),
-        Some((Kind::Number, it)) if offset == it.end => return nothing,
+        Some((Kind::UnclosedText, range)) => return Completions::File(range.start + 1..range.end),
+        Some((Kind::Number, range)) if offset == range.end => return nothing,
         _ => {}
     }
     let before: Vec<&Token> = tokens
         .iter()
-        .filter(|it| !it.kind.is_trivia() && it.range.end <= offset)
+        .filter(|token| !token.kind.is_trivia() && token.range.end <= offset)
         .collect();
     // The name under the cursor is replaced; the path before it determines the proposals.
-    let under = at.filter(|it| it.kind == Kind::Name);
-    let replace = under.map_or(offset..offset, |it| it.range.clone());
+    let under = at.filter(|token| token.kind == Kind::Name);
+    let replace = under.map_or(offset..offset, |token| token.range.clone());
     let done = match under {
-        Some(it) => before
+        Some(token) => before
             .iter()
-            .filter(|b| b.range.end <= it.range.start)
+            .filter(|b| b.range.end <= token.range.start)
             .count(),
         None => before.len(),
     };
@@ -163,7 +163,7 @@ fn statement<'t, 's>(text: &str, tokens: &'s [&'t Token]) -> (Block, &'s [&'t To
 
 fn word<'t>(text: &'t str, token: Option<&&Token>) -> &'t str {
     match token {
-        Some(it) if matches!(it.kind, Kind::Name | Kind::Star) => &text[it.range.clone()],
+        Some(token) if matches!(token.kind, Kind::Name | Kind::Star) => &text[token.range.clone()],
         _ => "",
     }
 }
@@ -179,7 +179,11 @@ struct Finder<'f> {
 impl<'f> Finder<'f> {
     fn fill(&mut self, block: Block, mut statement: &[&Token]) {
         // `NAME :` before a step.
-        if block == Block::Steps && statement.get(1).is_some_and(|it| it.kind == Kind::Colon) {
+        if block == Block::Steps
+            && statement
+                .get(1)
+                .is_some_and(|statement| statement.kind == Kind::Colon)
+        {
             statement = &statement[2..];
         }
         let first = word(self.text, statement.first());
@@ -246,7 +250,9 @@ impl<'f> Finder<'f> {
                 self.path(PathKind::TaskOrActivity, rest);
             }
             "connect" => {
-                let to = rest.iter().position(|it| word(self.text, Some(it)) == "to");
+                let to = rest
+                    .iter()
+                    .position(|token| word(self.text, Some(token)) == "to");
                 match to {
                     Some(to) => {
                         if rest[to + 1..].is_empty() {
@@ -267,7 +273,7 @@ impl<'f> Finder<'f> {
     }
 
     fn check(&mut self, mut rest: &[&Token]) {
-        if rest.get(1).is_some_and(|it| it.kind == Kind::Colon) {
+        if rest.get(1).is_some_and(|token| token.kind == Kind::Colon) {
             rest = &rest[2..];
         }
         let Some((first, rest)) = rest.split_first() else {
@@ -337,16 +343,18 @@ impl<'f> Finder<'f> {
     fn sent_labels(&mut self) {
         let tokens = lex(self.text);
         let before: Vec<&Token> = (tokens.iter())
-            .filter(|it| !it.kind.is_trivia() && it.range.end <= self.replace.start)
+            .filter(|token| !token.kind.is_trivia() && token.range.end <= self.replace.start)
             .collect();
         let is = |at: usize, what: &str| word(self.text, before.get(at)) == what;
-        let Some(client) = (0..before.len()).rev().find(|&it| is(it, "client")) else {
+        let Some(client) = (0..before.len()).rev().find(|&token| is(token, "client")) else {
             return;
         };
         let name = word(self.text, before.get(client + 1)).to_owned();
         let mut labels: Vec<String> = Vec::new();
         for at in client..before.len() {
-            let colon = before.get(at + 1).is_some_and(|it| it.kind == Kind::Colon);
+            let colon = before
+                .get(at + 1)
+                .is_some_and(|token| token.kind == Kind::Colon);
             let label = word(self.text, before.get(at)).to_owned();
             if colon && is(at + 2, "send") && !labels.contains(&label) {
                 labels.push(label);
@@ -364,13 +372,13 @@ impl<'f> Finder<'f> {
             self.items.push(Completion {
                 label: word.to_owned(),
                 kind: CompletionKind::Word,
-                detail: known.map_or(String::new(), |it| it.meaning.to_owned()),
+                detail: known.map_or(String::new(), |word| word.meaning.to_owned()),
             });
         }
     }
 
     fn rules<T>(&mut self, rules: &[(&str, T)]) {
-        let words: Vec<&str> = rules.iter().map(|it| it.0).collect();
+        let words: Vec<&str> = rules.iter().map(|rule| rule.0).collect();
         self.words(&words);
     }
 
@@ -386,7 +394,7 @@ impl<'f> Finder<'f> {
     fn unit(&mut self, rest: &[&Token]) -> bool {
         let after = rest
             .last()
-            .is_some_and(|it| matches!(it.kind, Kind::Number | Kind::CloseBracket));
+            .is_some_and(|token| matches!(token.kind, Kind::Number | Kind::CloseBracket));
         if after {
             for unit in ["ms", "us", "s"] {
                 self.items.push(Completion {
@@ -424,8 +432,10 @@ impl<'f> Finder<'f> {
         if self.unit(rest) {
             return;
         }
-        let after = |it: &&Token| {
-            it.kind == Kind::Arrow || it.kind == Kind::Comma || word(self.text, Some(it)) == "via"
+        let after = |token: &&Token| {
+            token.kind == Kind::Arrow
+                || token.kind == Kind::Comma
+                || word(self.text, Some(token)) == "via"
         };
         let Some(last) = rest.iter().rposition(after) else {
             self.path(PathKind::Port, rest);
@@ -503,7 +513,7 @@ impl<'f> Finder<'f> {
                     }
                     (PathKind::Codel, Target::Task(..) | Target::Service(..)) => {
                         let codels = self.names.after(Some(&member)).into_iter();
-                        out.extend(codels.map(|(state, it)| (format!("{path}.{state}"), it)));
+                        out.extend(codels.map(|(state, codel)| (format!("{path}.{state}"), codel)));
                         false
                     }
                     _ => false,
@@ -519,22 +529,22 @@ impl<'f> Finder<'f> {
     /// Adds one name of a predicate's path at a time, with statuses, clients and the words between. Every
     /// place is one for a predicate, so it returns true.
     fn predicate(&mut self, rest: &[&Token], sequence: bool) -> bool {
-        let after_operand = rest.last().is_some_and(|it| match it.kind {
+        let after_operand = rest.last().is_some_and(|token| match token.kind {
             Kind::CloseParen => true,
             Kind::Name => !matches!(
-                word(self.text, Some(it)),
+                word(self.text, Some(token)),
                 "and" | "or" | "not" | "leave" | "then"
             ),
             _ => false,
         });
         if after_operand {
             self.words(&["and", "or"]);
-            if sequence && rest.iter().any(|it| it.kind == Kind::Implies) {
+            if sequence && rest.iter().any(|token| token.kind == Kind::Implies) {
                 self.words(&["then"]);
             }
             return true;
         }
-        let path = self.written(rest).map(|it| it.1).unwrap_or_default();
+        let path = self.written(rest).map(|pair| pair.1).unwrap_or_default();
         if path.names.is_empty() {
             for (label, target) in self.names.after(None) {
                 self.push(label, &target);
@@ -559,10 +569,12 @@ impl<'f> Finder<'f> {
             }
         } else if let [name] = path.names.as_slice() {
             let mut labels = Vec::new();
-            let client = self.clients().find(|it| it.name.value == name.value);
+            let client = self
+                .clients()
+                .find(|client| client.name.value == name.value);
             client
                 .into_iter()
-                .for_each(|it| steps(&it.steps, &mut labels));
+                .for_each(|client| steps(&client.steps, &mut labels));
             for label in labels {
                 let target = Target::Step(name.value.clone(), label.clone());
                 self.push(label, &target);
@@ -572,7 +584,7 @@ impl<'f> Finder<'f> {
     }
 
     fn clients(&self) -> impl Iterator<Item = &'f super::ast::Client> + use<'f> {
-        self.scenario.items.iter().filter_map(|it| match it {
+        self.scenario.items.iter().filter_map(|item| match item {
             Item::Client(client) => Some(client),
             _ => None,
         })
@@ -594,13 +606,13 @@ fn steps(list: &[Step], out: &mut Vec<String>) {
         match (&step.label, &step.kind) {
             (Some(label), _) => out.push(label.value.clone()),
             (None, StepKind::Send(path)) => {
-                out.extend(path.names.last().map(|it| it.value.clone()));
+                out.extend(path.names.last().map(|name| name.value.clone()));
             }
             _ => {}
         }
         match &step.kind {
             StepKind::Repeat(_, body) => steps(body, out),
-            StepKind::Choice(branches) => branches.iter().for_each(|it| steps(it, out)),
+            StepKind::Choice(branches) => branches.iter().for_each(|branch| steps(branch, out)),
             _ => {}
         }
     }

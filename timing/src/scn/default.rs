@@ -27,7 +27,7 @@ pub struct Platform {
 /// Returns the default scenario for a platform.
 pub fn default_text_on(components: &[&Component], files: &[String], platform: Platform) -> String {
     let name = match components {
-        [it] => it.name.to_string(),
+        [component] => component.name.to_string(),
         _ => "all".to_owned(),
     };
     let mut out = format!("scenario {name} {{\n");
@@ -51,8 +51,8 @@ pub fn default_text_on(components: &[&Component], files: &[String], platform: Pl
             component
                 .services
                 .iter()
-                .filter(|it| it.kind != ServiceKind::Activity || it.task.is_some())
-                .map(move |it| format!("{}.{}", component.name, it.name))
+                .filter(|service| service.kind != ServiceKind::Activity || service.task.is_some())
+                .map(move |service| format!("{}.{}", component.name, service.name))
         })
         .collect();
     if !services.is_empty() {

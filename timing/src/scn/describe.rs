@@ -29,31 +29,34 @@ pub fn describe(
     names: &Names,
     offset: usize,
 ) -> Option<Description> {
-    let touches = |it: &Range<usize>| it.start <= offset && offset <= it.end;
+    let touches = |range: &Range<usize>| range.start <= offset && offset <= range.end;
     let references = names.references(scenario);
-    if let Some(it) = references.into_iter().find(|it| touches(&it.range)) {
-        if let Target::Status(status) = &it.target {
-            return of_word(status, it.range);
+    if let Some(reference) = references
+        .into_iter()
+        .find(|reference| touches(&reference.range))
+    {
+        if let Target::Status(status) = &reference.target {
+            return of_word(status, reference.range);
         }
-        let (form, meaning) = names.describe(&it.target);
+        let (form, meaning) = names.describe(&reference.target);
         return Some(Description {
-            range: it.range,
+            range: reference.range,
             form,
             meaning,
         });
     }
     let token = lex(text)
         .into_iter()
-        .find(|it| it.kind == Kind::Name && touches(&it.range))?;
+        .find(|lex| lex.kind == Kind::Name && touches(&lex.range))?;
     of_word(&text[token.range.clone()], token.range)
 }
 
 fn of_word(word: &str, range: Range<usize>) -> Option<Description> {
-    let it = words::find(word)?;
+    let word = words::find(word)?;
     Some(Description {
         range,
-        form: it.form.to_owned(),
-        meaning: it.meaning.to_owned(),
+        form: word.form.to_owned(),
+        meaning: word.meaning.to_owned(),
     })
 }
 
@@ -63,60 +66,68 @@ impl Names<'_> {
         let component = |c: usize| self.components[c].component;
         match target {
             &Target::Component(c) => {
-                let it = component(c);
-                let (tasks, services) = (it.tasks.len(), it.services.len());
+                let component = component(c);
+                let (tasks, services) = (component.tasks.len(), component.services.len());
                 let meaning = format!("{tasks} tasks, {services} services");
-                (format!("component {}", it.name), meaning)
+                (format!("component {}", component.name), meaning)
             }
             &Target::Task(c, t) => {
-                let it = &component(c).tasks[t as usize];
-                let meaning = match &it.period {
+                let task = &component(c).tasks[t as usize];
+                let meaning = match &task.period {
                     Some(period) => format!("period {}", time(period)),
                     None => "aperiodic: runs whenever something is runnable in it".to_owned(),
                 };
-                (format!("task {}.{}", component(c).name, it.name), meaning)
+                (format!("task {}.{}", component(c).name, task.name), meaning)
             }
             &Target::Service(c, s) => {
-                let it = &component(c).services[s as usize];
-                let kind = match it.kind {
+                let service = &component(c).services[s as usize];
+                let kind = match service.kind {
                     ServiceKind::Attribute => "attribute",
                     ServiceKind::Function => "function",
                     ServiceKind::Activity => "activity",
                 };
                 let tasks = &component(c).tasks;
-                let meaning = match it.task.and_then(|t| tasks.get(t as usize)) {
+                let meaning = match service.task.and_then(|t| tasks.get(t as usize)) {
                     Some(task) => format!("runs in task `{}`", task.name),
                     None => "runs in the control task".to_owned(),
                 };
-                (format!("{kind} {}.{}", component(c).name, it.name), meaning)
+                (
+                    format!("{kind} {}.{}", component(c).name, service.name),
+                    meaning,
+                )
             }
             &Target::Port(c, p) => {
-                let it = &component(c).ports[p as usize];
-                let dir = match it.dir {
+                let port = &component(c).ports[p as usize];
+                let dir = match port.dir {
                     PortDir::In => "in",
                     PortDir::Out => "out",
                 };
-                let form = format!("port {dir} {}.{}", component(c).name, it.name);
+                let form = format!("port {dir} {}.{}", component(c).name, port.name);
                 (
                     form,
                     "an output port is one lock for all that use it".to_owned(),
                 )
             }
             Target::State(c, owner, index, state) => {
-                let it = codel_at(component(*c), *owner, *index);
-                let meaning = it.map_or(String::new(), |it| of_codel(it, Some(state)));
+                let codel = codel_at(component(*c), *owner, *index);
+                let meaning = codel.map_or(String::new(), |codel| of_codel(codel, Some(state)));
                 (
-                    it.map_or(String::new(), |it| format!("codel<{state}> {}", it.name)),
+                    codel.map_or(String::new(), |codel| {
+                        format!("codel<{state}> {}", codel.name)
+                    }),
                     meaning,
                 )
             }
             &Target::Codel(c, s, index) => {
-                let it = codel_at(component(c), Owner::Service(s), index);
-                let form = it.map_or(String::new(), |it| match it.kind {
-                    CodelKind::Validate => format!("validate {}", it.name),
-                    _ => format!("codel {}", it.name),
+                let codel = codel_at(component(c), Owner::Service(s), index);
+                let form = codel.map_or(String::new(), |codel| match codel.kind {
+                    CodelKind::Validate => format!("validate {}", codel.name),
+                    _ => format!("codel {}", codel.name),
                 });
-                (form, it.map_or(String::new(), |it| of_codel(it, None)))
+                (
+                    form,
+                    codel.map_or(String::new(), |codel| of_codel(codel, None)),
+                )
             }
             Target::Client(name) => (
                 format!("client {name}"),
@@ -130,7 +141,7 @@ impl Names<'_> {
                 let known = words::find(status);
                 (
                     status.clone(),
-                    known.map_or(String::new(), |it| it.meaning.to_owned()),
+                    known.map_or(String::new(), |word| word.meaning.to_owned()),
                 )
             }
         }
@@ -141,17 +152,25 @@ impl Names<'_> {
         let member = |c: usize| (self.components[c].spec_index, self.components[c].component);
         let (c, src) = match target {
             &Target::Component(c) => (c, Some(member(c).1.src)),
-            &Target::Task(c, t) => (c, member(c).1.tasks.get(t as usize).map(|it| it.src)),
-            &Target::Service(c, s) => (c, member(c).1.services.get(s as usize).map(|it| it.src)),
-            &Target::Port(c, p) => (c, member(c).1.ports.get(p as usize).map(|it| it.src)),
+            &Target::Task(c, t) => (c, member(c).1.tasks.get(t as usize).map(|task| task.src)),
+            &Target::Service(c, s) => (
+                c,
+                member(c)
+                    .1
+                    .services
+                    .get(s as usize)
+                    .map(|service| service.src),
+            ),
+            &Target::Port(c, p) => (c, member(c).1.ports.get(p as usize).map(|port| port.src)),
             Target::State(c, owner, index, state) => {
                 let codel = codel_at(member(*c).1, *owner, *index);
-                let trigger = codel.and_then(|it| it.triggers.iter().find(|it| it.name == *state));
-                (*c, trigger.map(|it| it.src))
+                let trigger = codel
+                    .and_then(|codel| codel.triggers.iter().find(|trigger| trigger.name == *state));
+                (*c, trigger.map(|trigger| trigger.src))
             }
             &Target::Codel(c, s, index) => {
                 let codel = codel_at(member(c).1, Owner::Service(s), index);
-                (c, codel.map(|it| it.src))
+                (c, codel.map(|codel| codel.src))
             }
             Target::Client(_) | Target::Step(..) | Target::Status(_) => return None,
         };
@@ -163,30 +182,30 @@ fn codel_at(component: &Component, owner: Owner, index: u32) -> Option<&Codel> {
     component.codels_of(owner).get(index as usize)
 }
 
-fn of_codel(it: &Codel, state: Option<&str>) -> String {
+fn of_codel(codel: &Codel, state: Option<&str>) -> String {
     let mut parts = Vec::new();
-    if let (Some(state), true) = (state, it.triggers.len() > 1) {
+    if let (Some(state), true) = (state, codel.triggers.len() > 1) {
         parts.push(format!("one of the states of this codel is `{state}`"));
     }
-    parts.push(match &it.wcet {
+    parts.push(match &codel.wcet {
         Some(wcet) => format!("takes at most {}", time(wcet)),
         None => "has no `wcet`: takes no time".to_owned(),
     });
-    if !it.yields.is_empty() {
-        let yields = it.yields.iter().map(|it| match it.paused {
-            true => format!("pause::{}", it.name),
-            false => it.name.to_string(),
+    if !codel.yields.is_empty() {
+        let yields = codel.yields.iter().map(|state| match state.paused {
+            true => format!("pause::{}", state.name),
+            false => state.name.to_string(),
         });
         parts.push(format!("yields {}", yields.collect::<Vec<_>>().join(", ")));
     }
     parts.join("; ")
 }
 
-fn time(it: &Quantity) -> String {
-    let micros = *it.value.numer() as f64 / *it.value.denom() as f64 * 1e6;
+fn time(quantity: &Quantity) -> String {
+    let micros = *quantity.value.numer() as f64 / *quantity.value.denom() as f64 * 1e6;
     match micros {
-        it if it >= 1e6 => format!("{} s", it / 1e6),
-        it if it >= 1e3 => format!("{} ms", it / 1e3),
-        it => format!("{it} us"),
+        number if number >= 1e6 => format!("{} s", number / 1e6),
+        number if number >= 1e3 => format!("{} ms", number / 1e3),
+        number => format!("{number} us"),
     }
 }

@@ -16,12 +16,12 @@ use super::parse;
 pub fn setting(text: &str, word: &str, value: &str) -> Option<(Range<usize>, String)> {
     let tokens: Vec<Token> = lex(text)
         .into_iter()
-        .filter(|it| !it.kind.is_trivia())
+        .filter(|lex| !lex.kind.is_trivia())
         .collect();
     let of = |at: usize| {
         tokens
             .get(at)
-            .map_or("", |it: &Token| &text[it.range.clone()])
+            .map_or("", |token: &Token| &text[token.range.clone()])
     };
     let mut depth = 0;
     let (mut found, mut last_use) = (None, None);
@@ -30,9 +30,9 @@ pub fn setting(text: &str, word: &str, value: &str) -> Option<(Range<usize>, Str
         match of(at) {
             "{" => depth += 1,
             "}" => depth -= 1,
-            it if starts && (it == word || it == "use") => {
-                let end = (at..tokens.len()).find(|&it| of(it) == ";")?;
-                if it == "use" {
+            name if starts && (name == word || name == "use") => {
+                let end = (at..tokens.len()).find(|&token| of(token) == ";")?;
+                if name == "use" {
                     last_use = Some(tokens[end].range.end);
                 } else if end > at + 1 {
                     found = Some(tokens[at + 1].range.start..tokens[end - 1].range.end);
@@ -53,13 +53,13 @@ pub fn setting(text: &str, word: &str, value: &str) -> Option<(Range<usize>, Str
 /// microsecond.
 pub fn longest(text: &str, codel: &str, at_most: Seconds) -> Option<(Range<usize>, String)> {
     let items = parse(text).scenario.items.into_iter();
-    let (path, interval, unit) = items.rev().find_map(|it| match it {
+    let (path, interval, unit) = items.rev().find_map(|item| match item {
         Item::Duration(path, interval, unit) if path.text() == codel => {
             Some((path, interval, unit))
         }
         _ => None,
     })?;
-    let micros = |it: Seconds| it / Unit::Microseconds.seconds();
+    let micros = |seconds: Seconds| seconds / Unit::Microseconds.seconds();
     let lower = unit.seconds() * Ratio::from_integer(i128::from(interval.lower));
     let upper = micros(at_most);
     if !upper.is_integer() {
@@ -70,7 +70,7 @@ pub fn longest(text: &str, codel: &str, at_most: Seconds) -> Option<(Range<usize
     let start = path.range().end;
     let end = lex(text)
         .into_iter()
-        .find(|it| it.range.start >= start && it.kind == Kind::Semicolon)?
+        .find(|lex| lex.range.start >= start && lex.kind == Kind::Semicolon)?
         .range
         .start;
     Some((start..end, format!(" [{lower}, {upper}] us")))

@@ -72,7 +72,7 @@ impl<'a> Names<'a> {
             .flat_map(|(spec_index, &spec)| {
                 let members = spec.components.iter();
                 members
-                    .filter(|it| it.kind == ComponentKind::Component)
+                    .filter(|member| member.kind == ComponentKind::Component)
                     .map(move |component| Member {
                         spec_index,
                         spec,
@@ -86,14 +86,14 @@ impl<'a> Names<'a> {
     /// Follows a path as far as possible. Returns one target per name that was resolved.
     pub fn follow(&self, path: &Path) -> Vec<Target> {
         let mut out = Vec::new();
-        let mut names = path.names.iter().map(|it| it.value.as_str());
+        let mut names = path.names.iter().map(|name| name.value.as_str());
         let Some(first) = names.next() else {
             return out;
         };
         let Some(c) = self
             .components
             .iter()
-            .position(|it| it.component.name == first)
+            .position(|component| component.component.name == first)
         else {
             return out;
         };
@@ -103,11 +103,14 @@ impl<'a> Names<'a> {
             return out;
         };
         let third = names.next();
-        let task = component.tasks.iter().position(|it| it.name == second);
-        let service = component.services.iter().position(|it| it.name == second);
-        let port = component.ports.iter().position(|it| it.name == second);
+        let task = component.tasks.iter().position(|task| task.name == second);
+        let service = component
+            .services
+            .iter()
+            .position(|service| service.name == second);
+        let port = component.ports.iter().position(|port| port.name == second);
         // Tasks and services may share a name; the one with the requested state is meant.
-        let has = |owner: Owner| third.is_some_and(|it| self.state(c, owner, it).is_some());
+        let has = |owner: Owner| third.is_some_and(|name| self.state(c, owner, name).is_some());
         let owner = match (task.map(|t| t as u32), service.map(|s| s as u32)) {
             (Some(t), Some(s)) if has(Owner::Service(s)) && !has(Owner::Task(t)) => {
                 Some(Owner::Service(s))
@@ -139,7 +142,7 @@ impl<'a> Names<'a> {
         let component = self.components[c].component;
         for (index, codel) in (0..).zip(component.codels_of(owner)) {
             if codel.kind == CodelKind::Fsm {
-                if codel.triggers.iter().any(|it| it.name == name) {
+                if codel.triggers.iter().any(|trigger| trigger.name == name) {
                     return Some(Target::State(c, owner, index, name.to_owned()));
                 }
             } else if let Owner::Service(s) = owner
@@ -185,7 +188,7 @@ impl<'a> Names<'a> {
             Some(_) => {
                 let before: Vec<&str> = path.names[..followed.len()]
                     .iter()
-                    .map(|it| it.value.as_str())
+                    .map(|name| name.value.as_str())
                     .collect();
                 format!("`{}` has nothing called", before.join("."))
             }
@@ -225,19 +228,19 @@ impl<'a> Names<'a> {
         let mut out = Vec::new();
         match target {
             None => {
-                for (c, it) in self.components.iter().enumerate() {
-                    out.push((it.component.name.to_string(), Target::Component(c)));
+                for (c, component) in self.components.iter().enumerate() {
+                    out.push((component.component.name.to_string(), Target::Component(c)));
                 }
             }
             Some(&Target::Component(c)) => {
-                let it = self.components[c].component;
-                for (i, task) in (0..).zip(&it.tasks) {
+                let component = self.components[c].component;
+                for (i, task) in (0..).zip(&component.tasks) {
                     out.push((task.name.to_string(), Target::Task(c, i)));
                 }
-                for (i, service) in (0..).zip(&it.services) {
+                for (i, service) in (0..).zip(&component.services) {
                     out.push((service.name.to_string(), Target::Service(c, i)));
                 }
-                for (i, port) in (0..).zip(&it.ports) {
+                for (i, port) in (0..).zip(&component.ports) {
                     out.push((port.name.to_string(), Target::Port(c, i)));
                 }
             }
@@ -297,7 +300,7 @@ impl<'a> Names<'a> {
                 aborted_labels(&client.name.value, &client.steps, &mut out);
             }
         }
-        out.sort_by_key(|it| it.range.start);
+        out.sort_by_key(|reference| reference.range.start);
         out
     }
 }
@@ -316,7 +319,7 @@ fn aborted_labels(client: &str, list: &[Step], out: &mut Vec<Reference>) {
             }
             StepKind::Repeat(_, body) => aborted_labels(client, body, out),
             StepKind::Choice(branches) => {
-                (branches.iter()).for_each(|it| aborted_labels(client, it, out));
+                (branches.iter()).for_each(|branch| aborted_labels(client, branch, out));
             }
             _ => {}
         }
@@ -327,7 +330,7 @@ fn client_references(scenario: &Scenario, path: &Path, out: &mut Vec<Reference>)
     let Some(first) = path.names.first() else {
         return;
     };
-    let client = scenario.items.iter().find_map(|it| match it {
+    let client = scenario.items.iter().find_map(|item| match item {
         Item::Client(client) if client.name.value == first.value => Some(client),
         _ => None,
     });
@@ -362,8 +365,8 @@ pub fn for_each_path<'s>(scenario: &'s Scenario, each: &mut impl FnMut(&'s Path)
                 if let CheckKind::Chain(_, chain, _) = &check.kind {
                     chain.paths().for_each(&mut *each);
                 }
-                for it in check.kind.predicates() {
-                    pred(it, each);
+                for predicate in check.kind.predicates() {
+                    pred(predicate, each);
                 }
             }
             _ => {}
@@ -383,15 +386,15 @@ fn steps<'s>(list: &'s [Step], each: &mut impl FnMut(&'s Path)) {
             }
             StepKind::Delay(..) => {}
             StepKind::Repeat(_, body) => steps(body, each),
-            StepKind::Choice(branches) => branches.iter().for_each(|it| steps(it, each)),
+            StepKind::Choice(branches) => branches.iter().for_each(|branch| steps(branch, each)),
         }
     }
 }
 
-fn pred<'s>(it: &'s Pred, each: &mut impl FnMut(&'s Path)) {
-    match it {
+fn pred<'s>(predicate: &'s Pred, each: &mut impl FnMut(&'s Path)) {
+    match predicate {
         Pred::Atom(path) | Pred::Leave(path) => each(path),
-        Pred::Not(it) => pred(it, each),
+        Pred::Not(predicate) => pred(predicate, each),
         Pred::And(one, other) | Pred::Or(one, other) => {
             pred(one, each);
             pred(other, each);

@@ -52,7 +52,7 @@ pub fn outline(text: &str, scenario: &Scenario) -> Vec<Entry> {
             Item::Client(client) => {
                 let mut steps = Vec::new();
                 labelled(&client.steps, &mut steps);
-                let end = client.steps.last().map_or(0, |it| it.range.end);
+                let end = client.steps.last().map_or(0, |step| step.range.end);
                 let name = client.name.range.clone();
                 children.push(Entry {
                     name: client.name.value.clone(),
@@ -68,10 +68,10 @@ pub fn outline(text: &str, scenario: &Scenario) -> Vec<Entry> {
                 let whole = what.join(" ").trim_end_matches(';').to_owned();
                 let name = check.name.as_ref();
                 children.push(Entry {
-                    name: name.map_or(whole, |it| it.value.clone()),
+                    name: name.map_or(whole, |name| name.value.clone()),
                     kind: EntryKind::Check,
                     range: check.range.clone(),
-                    selection: name.map_or(check.range.clone(), |it| it.range.clone()),
+                    selection: name.map_or(check.range.clone(), |name| name.range.clone()),
                     children: Vec::new(),
                 });
             }
@@ -101,7 +101,7 @@ fn labelled(steps: &[Step], out: &mut Vec<Entry>) {
         }
         match &step.kind {
             StepKind::Repeat(_, body) => labelled(body, out),
-            StepKind::Choice(branches) => branches.iter().for_each(|it| labelled(it, out)),
+            StepKind::Choice(branches) => branches.iter().for_each(|branch| labelled(branch, out)),
             _ => {}
         }
     }

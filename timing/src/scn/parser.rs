@@ -87,7 +87,7 @@ impl<'t> Parser<'t> {
         errors.truncate(50);
         let tokens = tokens
             .into_iter()
-            .filter(|it| !it.kind.is_trivia() && it.kind != Kind::Unknown)
+            .filter(|token| !token.kind.is_trivia() && token.kind != Kind::Unknown)
             .collect();
         Parser {
             text,

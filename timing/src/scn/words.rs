@@ -24,7 +24,7 @@ pub fn is_word(name: &str) -> bool {
 
 /// Returns the meaning of a word as an item, a check or a step.
 pub(super) fn find(name: &str) -> Option<&'static Word> {
-    WORDS.iter().find(|it| it.word == name)
+    WORDS.iter().find(|word| word.word == name)
 }
 
 const WORDS: &[Word] = &[

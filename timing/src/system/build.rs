@@ -72,7 +72,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
         },
     };
     let included: Vec<usize> = (0..names.components.len())
-        .filter(|&it| include(it))
+        .filter(|&component| include(component))
         .collect();
     builder.choose_rules();
     builder.override_durations();
@@ -89,7 +89,9 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
     let out = &mut builder.out;
     exclude_codels(names, settings, &included, out);
     if let Some((one, others)) = &settings.apart {
-        others.iter().for_each(|it| out.system.separate(one, it));
+        others
+            .iter()
+            .for_each(|name| out.system.separate(one, name));
     }
     let preempts = matches!(settings.policy(), ast::Policy::Priority | ast::Policy::Fair);
     // If an operating system grants cores, control tasks need cores as well.
@@ -100,10 +102,10 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
     };
     let needing = control_tasks
         + (0..out.system.tasks.len())
-            .filter(|&it| out.system.needs_core(it))
+            .filter(|&task| out.system.needs_core(task))
             .count();
     // Tasks bound to the same core wait for each other, however many other cores there are.
-    let tied = out.system.tasks.iter().any(|it| it.affinity.is_some());
+    let tied = out.system.tasks.iter().any(|task| task.affinity.is_some());
     let cores = out.system.platform.cores.filter(|_| !tied);
     if cores.is_some_and(|cores| cores as usize >= needing) {
         // With at least as many cores as tasks, all policies are equivalent (section 9).

@@ -88,9 +88,9 @@ pub(crate) fn chain(
     if !relevant.contains(&ends.1) || !relevant.contains(&ends.0) {
         return Err(no_path_diagnostic(asked));
     }
-    for it in &mut uses {
-        it.reads.retain(|it| relevant.contains(it));
-        it.writes.retain(|it| relevant.contains(it));
+    for usage in &mut uses {
+        usage.reads.retain(|pair| relevant.contains(pair));
+        usage.writes.retain(|pair| relevant.contains(pair));
     }
     let (ways, more) = ways(&uses, &ends);
     let mut shared: BTreeMap<&Key, usize> = BTreeMap::new();
@@ -109,9 +109,11 @@ pub(crate) fn chain(
     let place = |key: &Key| match &key.0 {
         Root::Variable(c, s, _) => {
             let list = local.get(&(*c, *s))?;
-            Some(DataPlace::Local(list.iter().position(|it| *it == key)?))
+            Some(DataPlace::Local(
+                list.iter().position(|local| *local == key)?,
+            ))
         }
-        _ => shared.get(key).map(|&it| DataPlace::Shared(it)),
+        _ => shared.get(key).map(|&index| DataPlace::Shared(index)),
     };
     let places = |list: &BTreeSet<Key>| list.iter().filter_map(place).collect();
     let number = |key: &Key| shared.get(key).copied().unwrap_or(0);
@@ -119,15 +121,20 @@ pub(crate) fn chain(
         kind: asked.kind,
         shared: shared.len(),
         locals: local.values().map(Vec::len).max().unwrap_or(0),
-        reads: uses.iter().map(|it| places(&it.reads)).collect(),
-        writes: uses.iter().map(|it| places(&it.writes)).collect(),
-        carries: uses.iter().map(|it| it.carries).collect(),
+        reads: uses.iter().map(|usage| places(&usage.reads)).collect(),
+        writes: uses.iter().map(|usage| places(&usage.writes)).collect(),
+        carries: uses.iter().map(|usage| usage.carries).collect(),
         first: number(&ends.0),
         last: number(&ends.1),
         external,
     };
-    let on_way = |it: &&DataAccesses| !it.writes.is_empty() || !it.reads.is_empty();
-    let mut components: Vec<usize> = uses.iter().filter(on_way).map(|it| it.component).collect();
+    let on_way =
+        |accesses: &&DataAccesses| !accesses.writes.is_empty() || !accesses.reads.is_empty();
+    let mut components: Vec<usize> = uses
+        .iter()
+        .filter(on_way)
+        .map(|usage| usage.component)
+        .collect();
     components.extend([first.0, last.0]);
     components.sort_unstable();
     components.dedup();
@@ -181,7 +188,7 @@ impl Flow<'_> {
             [] => Ok((c, p)),
             [one] => Ok(*one),
             several => {
-                let several = several.iter().map(|&it| format!("`{}`", self.port(it)));
+                let several = several.iter().map(|&pair| format!("`{}`", self.port(pair)));
                 let message = format!(
                     "`{}` is connected to several outputs; name one of them: {}",
                     path.text(),
@@ -215,18 +222,18 @@ impl Flow<'_> {
             self.named(id)
         };
         let all: Vec<Vec<(ParamDir, Key)>> = (0..live.len()).map(named).collect();
-        let mut keys: BTreeSet<&Key> = all.iter().flatten().map(|it| &it.1).collect();
+        let mut keys: BTreeSet<&Key> = all.iter().flatten().map(|pair| &pair.1).collect();
         // A chain begins and ends with all of the data of a port.
         let whole: Vec<Key> = (keys.iter())
-            .filter(|it| matches!(it.0, Root::Port(..)))
-            .map(|it| (it.0.clone(), Vec::new()))
+            .filter(|key| matches!(key.0, Root::Port(..)))
+            .map(|key| (key.0.clone(), Vec::new()))
             .collect();
         keys.extend(&whole);
         let parts = |of: &Key| {
-            let inside = |it: &&&Key| it.0 == of.0 && it.1.starts_with(&of.1);
+            let inside = |key: &&&Key| key.0 == of.0 && key.1.starts_with(&of.1);
             keys.iter()
                 .filter(inside)
-                .map(|it| (*it).clone())
+                .map(|key| (*key).clone())
                 .collect::<Vec<Key>>()
         };
         let of_codel = |(id, list): (usize, &Vec<(ParamDir, Key)>)| {
@@ -256,7 +263,8 @@ impl Flow<'_> {
     fn component_of(&self, id: usize) -> usize {
         let number = self.built.system.codels[id].component;
         let mut all = self.built.components.iter();
-        all.find(|it| *it.1 == number).map_or(0, |it| *it.0)
+        all.find(|component| *component.1 == number)
+            .map_or(0, |component| *component.0)
     }
 
     /// Returns the places that a codel names. An attribute without a codel copies the values of a request,
@@ -264,37 +272,40 @@ impl Flow<'_> {
     fn named(&self, id: usize) -> Vec<(ParamDir, Key)> {
         let c = self.component_of(id);
         let component = self.names.components[c].component;
-        let path = |it: &Param| -> Vec<String> {
-            let element = |it: &PathElement| match it {
+        let path = |param: &Param| -> Vec<String> {
+            let element = |element: &PathElement| match element {
                 PathElement::Member(name) => name.to_string(),
                 PathElement::Index(index) => format!("[{index}]"),
             };
-            it.path.iter().map(element).collect()
+            param.path.iter().map(element).collect()
         };
         let Some((_, site)) = self.built.system.codels[id].site else {
             let service = |s: &u32| {
                 let number = self.built.services.get(&(c, *s));
-                number.is_some_and(|&it| self.built.system.services[it].simple.contains(&id))
+                number.is_some_and(|&service| {
+                    self.built.system.services[service].simple.contains(&id)
+                })
             };
             let mut services = 0..component.services.len() as u32;
             let Some(s) = services.find(service) else {
                 return Vec::new();
             };
             let params = (0..).zip(&component.services[s as usize].params);
-            let copied = params.filter(|(_, it)| {
-                it.source == ParamSource::Ids && matches!(it.dir, ParamDir::In | ParamDir::Inout)
+            let copied = params.filter(|(_, param)| {
+                param.source == ParamSource::Ids
+                    && matches!(param.dir, ParamDir::In | ParamDir::Inout)
             });
-            let copy = |(i, it): (u32, &Param)| {
+            let copy = |(i, param): (u32, &Param)| {
                 let value = (Root::Variable(c, s, i), Vec::new());
-                let member = (Root::Ids(c), path(it));
+                let member = (Root::Ids(c), path(param));
                 [(ParamDir::In, value), (ParamDir::Out, member)]
             };
             return copied.flat_map(copy).collect();
         };
         let mut out = Vec::new();
-        for it in &component.codel(site).params {
-            match (it.source, site.owner) {
-                (ParamSource::Ids, _) => out.push((it.dir, (Root::Ids(c), path(it)))),
+        for param in &component.codel(site).params {
+            match (param.source, site.owner) {
+                (ParamSource::Ids, _) => out.push((param.dir, (Root::Ids(c), path(param)))),
                 (ParamSource::Port(p), _) => {
                     let sources = locks_of(self.names, &self.connections, (c, p));
                     let sources = if sources.is_empty() {
@@ -302,11 +313,11 @@ impl Flow<'_> {
                     } else {
                         sources
                     };
-                    let of = |(c, p)| (it.dir, (Root::Port(c, p), path(it)));
+                    let of = |(c, p)| (param.dir, (Root::Port(c, p), path(param)));
                     out.extend(sources.into_iter().map(of));
                 }
                 (ParamSource::Local(Some(i)), Owner::Service(s)) => {
-                    out.push((it.dir, (Root::Variable(c, s, i), path(it))));
+                    out.push((param.dir, (Root::Variable(c, s, i), path(param))));
                 }
                 _ => {}
             }
@@ -335,15 +346,18 @@ impl Flow<'_> {
             };
             codels.entry(uses[one].component).or_default().extend(named);
         }
-        for (id, it) in uses.iter_mut().enumerate() {
-            it.carries = codels
-                .get(&it.component)
+        for (id, usage) in uses.iter_mut().enumerate() {
+            usage.carries = codels
+                .get(&usage.component)
                 .is_none_or(|list| list.contains(&id));
-            if let Some(list) = ports.get(&it.component)
-                && it.writes.iter().any(|key| matches!(&key.0, Root::Port(..)))
+            if let Some(list) = ports.get(&usage.component)
+                && usage
+                    .writes
+                    .iter()
+                    .any(|key| matches!(&key.0, Root::Port(..)))
             {
                 let named = |key: &Key| matches!(&key.0, Root::Port(_, p) if list.contains(p));
-                it.carries &= it.writes.iter().any(named);
+                usage.carries &= usage.writes.iter().any(named);
             }
         }
         Ok(())
@@ -380,13 +394,13 @@ fn relevant(uses: &[DataAccesses], (first, last): &(Key, Key)) -> BTreeSet<Key> 
         let mut out = BTreeSet::from([from.clone()]);
         loop {
             let before = out.len();
-            for it in uses.iter().filter(|it| it.carries) {
+            for usage in uses.iter().filter(|usage| usage.carries) {
                 let (tail, head) = if forward {
-                    (&it.reads, &it.writes)
+                    (&usage.reads, &usage.writes)
                 } else {
-                    (&it.writes, &it.reads)
+                    (&usage.writes, &usage.reads)
                 };
-                if tail.iter().any(|it| out.contains(it)) {
+                if tail.iter().any(|tail| out.contains(tail)) {
                     out.extend(head.iter().cloned());
                 }
             }
@@ -403,8 +417,11 @@ fn relevant(uses: &[DataAccesses], (first, last): &(Key, Key)) -> BTreeSet<Key> 
 fn ways(uses: &[DataAccesses], (first, last): &(Key, Key)) -> (Vec<Vec<usize>>, bool) {
     let mut out: Vec<Vec<usize>> = Vec::new();
     let mut steps = 0;
-    let begins = |it: &usize| uses[*it].carries && uses[*it].reads.contains(first);
-    let mut open: Vec<Vec<usize>> = (0..uses.len()).filter(begins).map(|it| vec![it]).collect();
+    let begins = |usage: &usize| uses[*usage].carries && uses[*usage].reads.contains(first);
+    let mut open: Vec<Vec<usize>> = (0..uses.len())
+        .filter(begins)
+        .map(|usage| vec![usage])
+        .collect();
     open.reverse();
     while let Some(way) = open.pop() {
         steps += 1;
@@ -422,7 +439,7 @@ fn ways(uses: &[DataAccesses], (first, last): &(Key, Key)) -> (Vec<Vec<usize>>, 
                 && uses[at]
                     .writes
                     .intersection(&uses[next].reads)
-                    .any(|it| it != first);
+                    .any(|pair| pair != first);
             if goes_on {
                 open.push(way.iter().copied().chain([next]).collect());
             }

@@ -57,7 +57,7 @@ impl Built {
     pub fn has_errors(&self) -> bool {
         self.diagnostics
             .iter()
-            .any(|it| it.severity == Severity::Error)
+            .any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 }
 

@@ -38,11 +38,13 @@ pub(crate) fn exclude_codels(
     let connections = connections(names, settings, &mut out.diagnostics);
     let mut users: Vec<(Port, usize)> = Vec::new();
     for (id, codel) in out.system.codels.iter().enumerate() {
-        let Some((c, it)) = codel.site else { continue };
+        let Some((c, site)) = codel.site else {
+            continue;
+        };
         if !live[id] {
             continue;
         }
-        for (_, port) in port_locks(names, &connections, (c, it)) {
+        for (_, port) in port_locks(names, &connections, (c, site)) {
             if !users.contains(&(port, id)) {
                 users.push((port, id));
             }
@@ -69,10 +71,10 @@ pub(crate) fn exclude_codels(
 fn port_locks(
     names: &Names,
     connections: &Connections,
-    (c, it): (usize, CodelRef),
+    (c, codel): (usize, CodelRef),
 ) -> Vec<(Port, Port)> {
     let mut out = Vec::new();
-    for param in &names.components[c].component.codel(it).params {
+    for param in &names.components[c].component.codel(codel).params {
         if let ParamSource::Port(p) = param.source {
             let locks = locks_of(names, connections, (c, p)).into_iter();
             out.extend(locks.map(|lock| ((c, p), lock)));
@@ -107,7 +109,7 @@ impl<'n> SharedPorts<'n> {
         for (used, lock) in port_locks(self.names, &self.connections, one) {
             for (also, same) in port_locks(self.names, &self.connections, other) {
                 let mut inputs = vec![used, also];
-                inputs.retain(|it| *it != lock);
+                inputs.retain(|input| *input != lock);
                 inputs.dedup();
                 if same == lock && !inputs.is_empty() {
                     let inputs: Vec<String> = inputs.into_iter().map(path).collect();
@@ -135,8 +137,8 @@ impl SharedPorts<'_> {
         let member = self.names.components[c];
         let component = member.component;
         let found = mutex::collisions(member.spec, component.codel(a), component.codel(b));
-        for it in found {
-            let word = it.shared.describe(component);
+        for collision in found {
+            let word = collision.shared.describe(component);
             if !words.contains(&word) {
                 words.push(word);
             }
@@ -182,21 +184,21 @@ fn same_automaton(out: &Built, one: usize, other: usize) -> bool {
 fn exclude_data(names: &Names, c: usize, live: &[bool], out: &mut Built) {
     let member = names.components[c];
     let component = member.component;
-    let ids = |it: CodelRef, out: &Built| -> Vec<usize> {
+    let ids = |codel: CodelRef, out: &Built| -> Vec<usize> {
         (0..out.system.codels.len())
-            .filter(|&id| out.system.codels[id].site == Some((c, it)) && live[id])
+            .filter(|&id| out.system.codels[id].site == Some((c, codel)) && live[id])
             .collect()
     };
-    for it in component.all_codels() {
-        let own = ids(it, out);
+    for codel in component.all_codels() {
+        let own = ids(codel, out);
         if own.is_empty() {
             continue;
         }
-        for exclusion in mutex::exclusions(member.spec, component, it) {
+        for exclusion in mutex::exclusions(member.spec, component, codel) {
             let Excluded::Codel(other) = exclusion.with else {
                 continue;
             };
-            if exempt(component, it, other) {
+            if exempt(component, codel, other) {
                 continue;
             }
             for other in ids(other, out) {
@@ -210,7 +212,8 @@ fn exclude_data(names: &Names, c: usize, live: &[bool], out: &mut Built) {
             continue;
         };
         let access = out.system.services[service].simple.last().copied();
-        let Some(access) = access.filter(|&it| out.system.codels[it].site.is_none() && live[it])
+        let Some(access) =
+            access.filter(|&access| out.system.codels[access].site.is_none() && live[access])
         else {
             continue;
         };
@@ -233,29 +236,29 @@ fn tickets(names: &Names, c: usize, out: &mut Built) {
         .collect();
     // The thread that executes a codel (`None`: the control task), and its function.
     let function = |id: usize, out: &Built| {
-        let (_, it) = out.system.codels[id].site?;
-        Some((component.task_of(it), &component.codel(it).name))
+        let (_, codel) = out.system.codels[id].site?;
+        Some((component.task_of(codel), &component.codel(codel).name))
     };
     let copy_of = |s: u32, out: &Built| -> Option<usize> {
         let service = &out.system.services[*out.services.get(&(c, s))?];
         let mut simple = service.simple.iter().copied();
-        simple.find(|&it| out.system.codels[it].site.is_none())
+        simple.find(|&codel| out.system.codels[codel].site.is_none())
     };
     for &id in &own {
-        let Some((_, it)) = out.system.codels[id].site else {
+        let Some((_, codel)) = out.system.codels[id].site else {
             continue;
         };
-        for exclusion in mutex::exclusions(member.spec, component, it) {
+        for exclusion in mutex::exclusions(member.spec, component, codel) {
             let others: Vec<usize> = match exclusion.with {
                 Excluded::Codel(other) => {
                     let what = Some((component.task_of(other), &component.codel(other).name));
                     let same = own.iter().copied();
-                    same.filter(|&it| function(it, out) == what).collect()
+                    same.filter(|&codel| function(codel, out) == what).collect()
                 }
                 Excluded::Service(s) => copy_of(s, out).into_iter().collect(),
             };
             let conflicts = &mut out.system.codels[id].conflicts;
-            others.into_iter().for_each(|it| conflicts.insert(it));
+            others.into_iter().for_each(|codel| conflicts.insert(codel));
         }
     }
     for s in 0..component.services.len() as u32 {
@@ -265,10 +268,10 @@ fn tickets(names: &Names, c: usize, out: &mut Built) {
         for other in mutex::service_exclusions(member.spec, component, s) {
             let what = Some((component.task_of(other), &component.codel(other).name));
             let same: Vec<usize> = (own.iter().copied())
-                .filter(|&it| function(it, out) == what)
+                .filter(|&codel| function(codel, out) == what)
                 .collect();
             let conflicts = &mut out.system.codels[copy].conflicts;
-            same.into_iter().for_each(|it| conflicts.insert(it));
+            same.into_iter().for_each(|codel| conflicts.insert(codel));
         }
     }
 }
@@ -279,7 +282,7 @@ fn exempt(component: &Component, one: CodelRef, other: CodelRef) -> bool {
     if component.task_of(one) == component.task_of(other) {
         return true;
     }
-    let fsm = |it: CodelRef| component.codel(it).kind == CodelKind::Fsm;
+    let fsm = |codel: CodelRef| component.codel(codel).kind == CodelKind::Fsm;
     let interrupts = |a: u32, b: u32| {
         let list = &component.services[a as usize].interrupts;
         list.all || list.services.contains(&b)
@@ -304,8 +307,8 @@ pub(super) fn connections(
     for (from, to) in &settings.connect {
         let port = |path, dir: PortDir| match names.resolve(path) {
             Ok(Target::Port(c, p)) => {
-                let it = &names.components[c].component.ports[p as usize];
-                if it.dir == dir {
+                let port = &names.components[c].component.ports[p as usize];
+                if port.dir == dir {
                     Ok((c, p))
                 } else {
                     let word = if dir == PortDir::In {

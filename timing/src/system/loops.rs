@@ -22,8 +22,10 @@ pub fn pauseless_cycles(machine: &Machine) -> Vec<Vec<usize>> {
         let mut from = vec![usize::MAX; n];
         let mut queue = std::collections::VecDeque::from([start]);
         'search: while let Some(at) = queue.pop_front() {
-            for it in &machine.states[at].yields {
-                let &Yield::Next(next) = it else { continue };
+            for transition in &machine.states[at].yields {
+                let &Yield::Next(next) = transition else {
+                    continue;
+                };
                 if next == start {
                     let mut path = vec![start];
                     let mut back = at;
@@ -57,8 +59,8 @@ pub(crate) fn can_pause(machine: &Machine, state: usize) -> bool {
         if std::mem::replace(&mut seen[at], true) {
             continue;
         }
-        for it in &machine.states[at].yields {
-            match *it {
+        for transition in &machine.states[at].yields {
+            match *transition {
                 Yield::Next(next) => stack.push(next),
                 Yield::Pause(_) | Yield::End => return true,
             }
@@ -74,8 +76,8 @@ pub(crate) fn states_of_endless_run(machine: &Machine) -> Option<Vec<usize>> {
     let mut at = 0;
     while let Some(&state) = found.get(at) {
         at += 1;
-        for it in &machine.states[state].yields {
-            match *it {
+        for transition in &machine.states[state].yields {
+            match *transition {
                 Yield::Next(next) if !found.contains(&next) => found.push(next),
                 Yield::Next(_) => {}
                 Yield::Pause(_) | Yield::End => return None,
@@ -107,10 +109,15 @@ fn stuck_states(machine: &Machine, limit: u16) -> (Vec<usize>, bool) {
     let mut begins: Vec<usize> = vec![machine.start];
     begins.extend(machine.stop);
     for state in &machine.states {
-        begins.extend(state.yields.iter().filter_map(|it| match *it {
-            Yield::Pause(state) => Some(state),
-            _ => None,
-        }));
+        begins.extend(
+            state
+                .yields
+                .iter()
+                .filter_map(|transition| match *transition {
+                    Yield::Pause(state) => Some(state),
+                    _ => None,
+                }),
+        );
     }
     let mut found: Vec<usize> = Vec::new();
     let mut all = true;
@@ -132,7 +139,7 @@ fn stuck_states(machine: &Machine, limit: u16) -> (Vec<usize>, bool) {
         let leaves = machine.states[at]
             .yields
             .iter()
-            .any(|it| !matches!(it, Yield::Next(_)));
+            .any(|transition| !matches!(transition, Yield::Next(_)));
         let stuck = !leaves && entered.is_empty() && round.is_empty();
         stack.extend(entered);
         if stuck && !found.contains(&at) {
@@ -159,15 +166,15 @@ pub(crate) fn beginning(machine: &Machine, limit: Option<u16>, state: usize) -> 
 /// Returns the successors of a state in the same turn that the limit allows.
 fn within(machine: &Machine, limit: Option<u16>, at: usize, visits: &[u16]) -> Vec<Visited> {
     let yields = machine.states[at].yields.iter();
-    let next = yields.filter_map(|it| match *it {
+    let next = yields.filter_map(|transition| match *transition {
         Yield::Next(next) => Some(next),
         _ => None,
     });
     next.filter(|&next| limit.is_none_or(|limit| visits[next] < limit))
         .map(|next| {
             let mut visits = visits.to_vec();
-            if let Some(it) = visits.get_mut(next) {
-                *it += 1;
+            if let Some(number) = visits.get_mut(next) {
+                *number += 1;
             }
             (next, visits)
         })
@@ -180,7 +187,7 @@ fn begins_round(machine: &Machine, at: usize, within: &[Visited]) -> Vec<Visited
     if !machine.rounds || !within.is_empty() {
         return Vec::new();
     }
-    let next = yields.iter().filter_map(|it| match *it {
+    let next = yields.iter().filter_map(|transition| match *transition {
         Yield::Next(next) if next != at => Some(next),
         _ => None,
     });

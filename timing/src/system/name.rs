@@ -132,19 +132,19 @@ mod tests {
 
     #[test]
     fn the_parts_of_a_name_are_those_it_was_made_of() {
-        let it = CodelName::new("lift", "report", "start");
+        let name = CodelName::new("lift", "report", "start");
         assert_eq!(
-            (it.to_string(), it.inside(), it.own()),
+            (name.to_string(), name.inside(), name.own()),
             ("lift.report.start".into(), "report.start", "start")
         );
-        let it = CodelName::of_service("lift", "abort");
+        let service = CodelName::of_service("lift", "abort");
         assert_eq!(
-            (it.to_string(), it.inside(), it.own()),
+            (service.to_string(), service.inside(), service.own()),
             ("lift.abort".into(), "abort", "abort")
         );
-        let it = ThreadName::of_task("lift", "control");
+        let task = ThreadName::of_task("lift", "control");
         assert_eq!(
-            (it.to_string(), it.own()),
+            (task.to_string(), task.own()),
             ("lift.control".into(), "control")
         );
     }

@@ -74,9 +74,9 @@ pub(crate) fn compile(
 }
 
 fn finish_list(next: &mut Vec<usize>, done: usize) {
-    for it in &mut *next {
-        if *it == DONE {
-            *it = done;
+    for index in &mut *next {
+        if *index == DONE {
+            *index = done;
         }
     }
     next.sort_unstable();
@@ -92,7 +92,9 @@ pub(crate) fn labelled<'s>(steps: &'s [Step], out: &mut Vec<(&'s str, &'s Path)>
         match (&step.label, &step.kind) {
             (Some(label), StepKind::Send(path)) => out.push((&label.value, path)),
             (_, StepKind::Repeat(_, body)) => labelled(body, out),
-            (_, StepKind::Choice(branches)) => branches.iter().for_each(|it| labelled(it, out)),
+            (_, StepKind::Choice(branches)) => {
+                branches.iter().for_each(|branch| labelled(branch, out))
+            }
             _ => {}
         }
     }
@@ -113,7 +115,7 @@ impl Program<'_> {
     /// Collects all requests to follow: requests whose end is awaited, instances that are aborted.
     fn followed(&mut self, steps: &[Step]) -> Result<(), Diagnostic> {
         for step in steps {
-            let it = match &step.kind {
+            let request = match &step.kind {
                 StepKind::AwaitEnded(_, path) => self.awaited(path.as_ref())?,
                 StepKind::Abort(path) => self.aborted(path)?,
                 StepKind::Repeat(_, body) => {
@@ -128,8 +130,8 @@ impl Program<'_> {
                 }
                 _ => continue,
             };
-            if !self.trackers.contains(&it) {
-                self.trackers.push(it);
+            if !self.trackers.contains(&request) {
+                self.trackers.push(request);
             }
         }
         Ok(())
@@ -148,7 +150,7 @@ impl Program<'_> {
             let mut requests = self
                 .labels
                 .iter()
-                .filter(|it| it.0 == name.value)
+                .filter(|label| label.0 == name.value)
                 .peekable();
             if requests.peek().is_none() {
                 let message = format!(
@@ -167,23 +169,28 @@ impl Program<'_> {
     }
 
     fn tracker(&self, of: &TrackedRequest) -> usize {
-        self.trackers.iter().position(|it| it == of).unwrap_or(0)
+        self.trackers
+            .iter()
+            .position(|tracker| tracker == of)
+            .unwrap_or(0)
     }
 
     /// Returns the action of a request of any kind.
     fn request(&self, service: usize, label: Option<&str>, aborts: Option<usize>) -> ClientAction {
         let trackers = |follows: &dyn Fn(&TrackedRequest) -> bool| {
             let all = self.trackers.iter().enumerate();
-            all.filter(|it| follows(it.1)).map(|it| it.0).collect()
+            all.filter(|pair| follows(pair.1))
+                .map(|pair| pair.0)
+                .collect()
         };
         ClientAction::Send {
             service,
-            trackers: trackers(&|it| match it {
+            trackers: trackers(&|request| match request {
                 TrackedRequest::Last => true,
                 TrackedRequest::Service(of) => *of == service,
                 TrackedRequest::Accepted(_) | TrackedRequest::Labelled(_) => false,
             }),
-            accepted: trackers(&|it| match it {
+            accepted: trackers(&|request| match request {
                 TrackedRequest::Last | TrackedRequest::Service(_) => false,
                 TrackedRequest::Accepted(of) => *of == service,
                 TrackedRequest::Labelled(of) => Some(of.as_str()) == label,
@@ -202,11 +209,11 @@ impl Program<'_> {
     }
 
     fn step(&mut self, step: &Step, next: Vec<usize>) -> Result<Vec<usize>, Diagnostic> {
-        let label = step.label.as_ref().map(|it| it.value.clone());
+        let label = step.label.as_ref().map(|label| label.value.clone());
         let action = match &step.kind {
             StepKind::Send(path) => {
                 let service = self.resolve.service(path)?;
-                let name = path.names.last().map(|it| it.value.clone());
+                let name = path.names.last().map(|name| name.value.clone());
                 let action = self.request(service, label.as_deref(), None);
                 return Ok(vec![self.push(action, next, label.or(name))]);
             }
@@ -215,8 +222,8 @@ impl Program<'_> {
                 let tracker = self.tracker(&aborted);
                 let of = match path.names.as_slice() {
                     [name] => (self.labels.iter())
-                        .find(|it| it.0 == name.value)
-                        .map_or(path, |it| it.1),
+                        .find(|label| label.0 == name.value)
+                        .map_or(path, |label| label.1),
                     _ => path,
                 };
                 let service = self.resolve.builtin(of, Builtin::Abort)?;
@@ -256,7 +263,7 @@ impl Program<'_> {
             }
             StepKind::Delay(Interval { lower, upper }, unit) => ClientAction::Delay(
                 (self.ticks)(*lower, *unit),
-                upper.map_or(FOREVER, |it| (self.ticks)(it, *unit)),
+                upper.map_or(FOREVER, |number| (self.ticks)(number, *unit)),
             ),
             StepKind::Repeat(Some(count), body) => {
                 let mut next = next;
@@ -282,15 +289,15 @@ impl Program<'_> {
 
     /// Merges the branches that wait for an outcome: the first outcome to come is taken.
     fn any_outcome(&mut self, first: Vec<usize>) -> Vec<usize> {
-        let waits = |&it: &usize| {
-            let step = self.steps.get(it);
-            step.is_some_and(|it| it.action == ClientAction::AwaitAny)
+        let waits = |&index: &usize| {
+            let step = self.steps.get(index);
+            step.is_some_and(|step| step.action == ClientAction::AwaitAny)
         };
         let (waiting, mut out): (Vec<usize>, Vec<usize>) = first.into_iter().partition(waits);
         match waiting.as_slice() {
             [] | [_] => out.extend(waiting),
             several => {
-                let outcomes = several.iter().flat_map(|&it| &self.steps[it].next);
+                let outcomes = several.iter().flat_map(|&step| &self.steps[step].next);
                 let outcomes = outcomes.copied().collect();
                 out.push(self.push(ClientAction::AwaitAny, outcomes, None));
             }
@@ -311,10 +318,10 @@ impl Program<'_> {
                 message,
             ));
         }
-        for it in &mut self.steps {
-            if it.next.contains(&beginning) {
-                it.next.retain(|&it| it != beginning);
-                it.next.extend(&first);
+        for step in &mut self.steps {
+            if step.next.contains(&beginning) {
+                step.next.retain(|&index| index != beginning);
+                step.next.extend(&first);
             }
         }
         Ok(first)

@@ -10,7 +10,7 @@ impl Client {
     /// Returns true if a step is a delay without an upper bound.
     fn may_stay(&self, step: usize) -> bool {
         let step = self.steps.get(step);
-        step.is_some_and(|it| matches!(it.action, ClientAction::Delay(_, FOREVER)))
+        step.is_some_and(|step| matches!(step.action, ClientAction::Delay(_, FOREVER)))
     }
 
     /// Returns the client that stays for ever at a delay without an upper bound, after it has passed `most`
@@ -24,15 +24,15 @@ impl Client {
             (true, false) => (round + 1) * n + step,
             (false, _) => round * n + step,
         };
-        let step = |round: usize, it: &ClientStep| ClientStep {
-            next: it.next.iter().map(|&next| at(round, next)).collect(),
-            ..it.clone()
+        let step = |round: usize, step: &ClientStep| ClientStep {
+            next: step.next.iter().map(|&next| at(round, next)).collect(),
+            ..step.clone()
         };
         Client {
             steps: (0..=most)
-                .flat_map(|round| self.steps.iter().map(move |it| step(round, it)))
+                .flat_map(|round| self.steps.iter().map(move |own| step(round, own)))
                 .collect(),
-            first: self.first.iter().map(|&it| at(0, it)).collect(),
+            first: self.first.iter().map(|&index| at(0, index)).collect(),
             ..self.clone()
         }
         .reached()
@@ -47,14 +47,14 @@ impl Client {
                 stack.extend(&self.steps[at].next);
             }
         }
-        let before = |at: usize| reached[..at].iter().filter(|&&it| it).count();
-        let renumbered = |list: &[usize]| list.iter().map(|&it| before(it)).collect();
-        let steps = self.steps.iter().zip(&reached).filter(|it| *it.1);
+        let before = |at: usize| reached[..at].iter().filter(|&&flag| flag).count();
+        let renumbered = |list: &[usize]| list.iter().map(|&index| before(index)).collect();
+        let steps = self.steps.iter().zip(&reached).filter(|pair| *pair.1);
         Client {
             steps: steps
-                .map(|(it, _)| ClientStep {
-                    next: renumbered(&it.next),
-                    ..it.clone()
+                .map(|(step, _)| ClientStep {
+                    next: renumbered(&step.next),
+                    ..step.clone()
                 })
                 .collect(),
             first: renumbered(&self.first),
@@ -67,11 +67,14 @@ impl TimedSystem {
     /// Returns the system whose clients stay for ever at a delay without an upper bound, after they have
     /// passed `most` of them. `None` if no client has such a delay.
     pub(crate) fn waiting_forever_after(&self, most: usize) -> Option<TimedSystem> {
-        let stays = |it: &Client| (0..it.steps.len()).any(|step| it.may_stay(step));
+        let stays = |client: &Client| (0..client.steps.len()).any(|step| client.may_stay(step));
         self.clients.iter().any(stays).then(|| TimedSystem {
-            clients: (self.clients.iter().map(|it| it.waiting_forever_after(most)))
-                .filter(|it| !it.steps.is_empty())
-                .collect(),
+            clients: (self
+                .clients
+                .iter()
+                .map(|client| client.waiting_forever_after(most)))
+            .filter(|waiting_forever| !waiting_forever.steps.is_empty())
+            .collect(),
             ..self.clone()
         })
     }
@@ -107,13 +110,13 @@ mod tests {
     }
 
     fn program(client: &Client) -> String {
-        let word = |it: &ClientStep| match it.action {
+        let word = |step: &ClientStep| match step.action {
             ClientAction::Send { service, .. } => format!("send {service}"),
             _ => "stay".to_owned(),
         };
         let steps = client.steps.iter();
         let steps: Vec<String> = steps
-            .map(|it| format!("{} {:?}", word(it), it.next))
+            .map(|step| format!("{} {:?}", word(step), step.next))
             .collect();
         format!("{:?}: {}", client.first, steps.join(", "))
     }

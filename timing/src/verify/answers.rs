@@ -21,11 +21,11 @@ impl Group<'_> {
     pub(super) fn blank(&self, check: &Single) -> CheckReport {
         let arrow = |p: &Pred, q: &[Pred]| format!("{} => {}", p.text(), sequence(q));
         let of = match &check.what {
-            What::Schedulable(it) | What::NoOverdue(it) | What::Response(it, _) => {
-                self.task_name(*it).to_string()
+            What::Schedulable(pair) | What::NoOverdue(pair) | What::Response(pair, _) => {
+                self.task_name(*pair).to_string()
             }
             What::Within(p, list, _) => arrow(p, list),
-            What::Chain(it) => it.path.text(),
+            What::Chain(chain) => chain.path.text(),
             What::LeadsTo(p, q) => arrow(p, std::slice::from_ref(q)),
             What::Eventually(p) | What::Always(p) | What::Reachable(p) => p.text(),
             What::Deadlock => String::new(),
@@ -33,10 +33,10 @@ impl Group<'_> {
         let live = matches!(check.what, What::LeadsTo(..) | What::Eventually(_));
         let bound = match check.what {
             What::Response(_, bound) | What::Within(_, _, bound) => bound,
-            What::Chain(it) => it.bound,
+            What::Chain(chain) => chain.bound,
             _ => None,
         };
-        let stated = bound.map(|it| Limit::Stated(self.unit.from_seconds(seconds(it))));
+        let stated = bound.map(|bound| Limit::Stated(self.unit.from_seconds(seconds(bound))));
         let period = || match check.what {
             What::Response((c, t), _) => {
                 let task = &self.names.components[c].component.tasks[t as usize];
@@ -52,12 +52,12 @@ impl Group<'_> {
                 written: check.written,
                 task: check.what.task(),
             },
-            name: check.check.name.as_ref().map(|it| it.value.clone()),
+            name: check.check.name.as_ref().map(|name| name.value.clone()),
             kind: check.what.kind(),
             of,
-            task: check.what.task().map(|it| self.task_name(it)),
+            task: check.what.task().map(|task| self.task_name(task)),
             limit: stated.or_else(period),
-            bound: stated.map(|it| Value::Time(it.time())),
+            bound: stated.map(|bound| Value::Time(bound.time())),
             verdict: Verdict::Unknown,
             soundness: match (self.settings.durations, live) {
                 // If a codel is preempted, its remaining time need not be a whole number of units.
@@ -100,7 +100,7 @@ impl Group<'_> {
     pub(super) fn one(&self, check: &Single, place: usize, found: &Findings) -> CheckReport {
         let mut out = self.blank(check);
         let (stopped, size) = (found.stopped, (found.states, found.bytes));
-        let absent = |it: &Option<Found>, out: &mut CheckReport| match it {
+        let absent = |result: &Option<Found>, out: &mut CheckReport| match result {
             Some(found) => {
                 self.refute(&found.run, out);
             }
@@ -115,9 +115,9 @@ impl Group<'_> {
             What::Deadlock => absent(&found.deadlock, &mut out),
             What::Reachable(_) if found.never[place] => out.verdict = Verdict::Refuted,
             What::Reachable(_) => match &found.reached[place] {
-                Some(it) => {
+                Some(found) => {
                     out.verdict = Verdict::Proved;
-                    self.witness(&it.run, &mut out);
+                    self.witness(&found.run, &mut out);
                 }
                 None => self.unless_stopped(stopped, size, Verdict::Refuted, &mut out),
             },
@@ -128,8 +128,8 @@ impl Group<'_> {
                 if out.value == Some(Value::Unbounded) && out.note.is_none() {
                     out.note = self.loop_of(task);
                 }
-                if let (Some(end), Some(it)) = (exceeded(&found.response[place]), bound) {
-                    let what = format!("the job has taken more than {}", limit_text(it));
+                if let (Some(end), Some(bound)) = (exceeded(&found.response[place]), bound) {
+                    let what = format!("the job has taken more than {}", limit_text(bound));
                     let src = self.built.system.tasks[self.built.tasks[&task]].src;
                     self.run_of_refutation(&mut out).push(Event {
                         src: src.map(|(c, src)| (self.names.components[c].spec_index, src)),
@@ -139,11 +139,11 @@ impl Group<'_> {
             }
             What::Within(_, list, bound) => {
                 self.bounded(&found.within[place], NEVER_TRUE, found, &mut out);
-                if let (Some(end), Some(it)) = (exceeded(&found.within[place]), bound) {
+                if let (Some(end), Some(bound)) = (exceeded(&found.within[place]), bound) {
                     let what = format!(
                         "`{}` has not followed within {}",
                         sequence(list),
-                        limit_text(it)
+                        limit_text(bound)
                     );
                     let event = self.excess_event(end, self.last_component(check), what);
                     self.run_of_refutation(&mut out).push(event);
@@ -167,15 +167,15 @@ impl Group<'_> {
     /// Returns the loop without a pause that makes the jobs of a task unbounded, and a remedy.
     fn loop_of(&self, task: (usize, u32)) -> Option<String> {
         let system = &self.built.system;
-        let it = &system.tasks[self.built.tasks[&task]];
-        let machines = it
+        let task = &system.tasks[self.built.tasks[&task]];
+        let machines = task
             .permanent
             .iter()
-            .chain(&it.slots)
+            .chain(&task.slots)
             .map(|&a| system.machine_of(a));
-        let mut free = machines.filter(|it| it.loop_limit.is_none());
-        let (machine, cycle) =
-            free.find_map(|it| Some((it, pauseless_cycles(it).into_iter().next()?)))?;
+        let mut free = machines.filter(|machine| machine.loop_limit.is_none());
+        let (machine, cycle) = free
+            .find_map(|machine| Some((machine, pauseless_cycles(machine).into_iter().next()?)))?;
         let names: Vec<&str> = cycle.iter().map(|&at| &*machine.states[at].name).collect();
         let advice = match can_be_limited(machine) {
             true => format!(
@@ -193,12 +193,12 @@ impl Group<'_> {
 
     pub(super) fn bounded(
         &self,
-        it: &Option<Measured>,
+        measurement: &Option<Measured>,
         never: &str,
         found: &Findings,
         out: &mut CheckReport,
     ) {
-        let Some(it) = it else {
+        let Some(measurement) = measurement else {
             out.note = Some(never.to_owned());
             self.unless_stopped(
                 found.stopped,
@@ -211,12 +211,12 @@ impl Group<'_> {
         };
         let base = self.built.system.unit;
         let time = |ticks| base * Ratio::from_integer(i128::from(ticks));
-        out.value = Some(match it.bound {
+        out.value = Some(match measurement.bound {
             Bound::Unbounded => Value::Unbounded,
             Bound::Finite(ticks) => Value::Time(self.unit.from_seconds(time(ticks))),
         });
-        if let Some(excess) = &it.excess {
-            if matches!(it.bound, Bound::Finite(_)) {
+        if let Some(excess) = &measurement.excess {
+            if matches!(measurement.bound, Bound::Finite(_)) {
                 let size = (found.states, found.bytes);
                 self.unless_stopped(found.stopped, size, Verdict::Refuted, out);
                 if let Some(note) = &mut out.note {
@@ -224,10 +224,10 @@ impl Group<'_> {
                 }
             }
             self.refute(&excess.run, out);
-        } else if it.bound == Bound::Unbounded {
-            self.refute(&it.longest.run, out);
+        } else if measurement.bound == Bound::Unbounded {
+            self.refute(&measurement.longest.run, out);
         } else {
-            self.witness(&it.longest.run, out);
+            self.witness(&measurement.longest.run, out);
             self.unless_stopped(
                 found.stopped,
                 (found.states, found.bytes),
@@ -296,8 +296,8 @@ impl Group<'_> {
     fn never_released(&self, task: TaskId, found: &Findings) -> Option<String> {
         let (system, task) = (&self.built.system, self.built.tasks[&task]);
         let start_up = found.absent.job(task)?.start_up;
-        let why = start_up.map(|it| {
-            let starting = system.task_path(it);
+        let why = start_up.map(|start_up| {
+            let starting = system.task_path(start_up);
             format!(": the start-up of `{starting}` never completes")
         });
         let path = system.task_path(task);
@@ -310,13 +310,13 @@ impl Group<'_> {
     /// Returns the part of a predicate that was never true, if the predicate always holds for that reason.
     fn never_true(&self, pred: &Pred, found: &Findings) -> Option<String> {
         let predicate = |pred: &Pred| resolve::resolve(self.names, self.built, pred).ok();
-        let absent = |it: &Atom| found.absent.has(it);
+        let absent = |atom: &Atom| found.absent.has(atom);
         if !predicate(pred)?.is_vacuous(&absent) {
             return None;
         }
         let mut parts = pred.parts();
-        let never = parts.find(|it| match predicate(it) {
-            Some(Predicate::Atom(it) | Predicate::Leave(it)) => absent(&it),
+        let never = parts.find(|part| match predicate(part) {
+            Some(Predicate::Atom(atom) | Predicate::Leave(atom)) => absent(&atom),
             _ => false,
         })?;
         Some(format!("`{}` never becomes true", never.text()))
@@ -337,7 +337,7 @@ impl Group<'_> {
                     reason,
                     states,
                     memory,
-                    seconds: self.cancel.time_limit().map(|it| it.as_secs_f64()),
+                    seconds: self.cancel.time_limit().map(|limit| limit.as_secs_f64()),
                 };
                 out.note = Some(gave_up.to_string());
                 out.gave_up = Some(gave_up);
@@ -347,7 +347,7 @@ impl Group<'_> {
 
     /// Returns the component at which the subject of a check ends.
     pub(super) fn last_component(&self, check: &Single) -> ThreadName {
-        let name = |&it: &usize| &*self.names.components[it].component.name;
+        let name = |&component: &usize| &*self.names.components[component].component.name;
         ThreadName::of_component(check.components.last().map_or("", name))
     }
 
@@ -364,7 +364,7 @@ fn sequence(list: &[Pred]) -> String {
 }
 
 /// Returns the time, in base units, at which a known run exceeds the limit.
-pub(super) fn exceeded(it: &Option<Measured>) -> Option<u64> {
-    let run = &it.as_ref()?.excess.as_ref()?.run;
+pub(super) fn exceeded(measurement: &Option<Measured>) -> Option<u64> {
+    let run = &measurement.as_ref()?.excess.as_ref()?.run;
     (!run.left_out).then_some(run.end)
 }

@@ -78,8 +78,8 @@ impl<'b> ResponseBounds<'b> {
 
     /// Returns the analysis that found the bound for a check of a task.
     fn layer(&self, check: &Single) -> Layer {
-        let task = check.what.task().map(|it| self.built.tasks[&it]);
-        task.map_or(Layer::ResponseTimeAnalysis, |it| self.layers[it])
+        let task = check.what.task().map(|task| self.built.tasks[&task]);
+        task.map_or(Layer::ResponseTimeAnalysis, |task| self.layers[task])
     }
 
     /// Returns true if a bound of schedule abstraction answers a check of a response time, though possibly
@@ -94,13 +94,13 @@ impl<'b> ResponseBounds<'b> {
     fn deadline_bound(&self, check: &Single) -> Option<Ticks> {
         let system = &self.built.system;
         match check.what {
-            What::Schedulable(it) => {
-                let task = self.built.tasks[&it];
+            What::Schedulable(of) => {
+                let task = self.built.tasks[&of];
                 let bound = self.bounds[task];
                 bound.filter(|_| meets_deadlines(system, task, bound))
             }
-            What::NoOverdue(it) => {
-                let task = self.built.tasks[&it];
+            What::NoOverdue(of) => {
+                let task = self.built.tasks[&of];
                 let bound = match system.needs_core(task) {
                     true => self.bounds[task],
                     false => Some(0),
@@ -128,7 +128,9 @@ impl<'b> ResponseBounds<'b> {
     /// Returns a bound on the response time of the task, for a check of a deadline or a response time.
     pub(super) fn of_task(&self, check: &Single) -> Option<Ticks> {
         match check.what {
-            What::Schedulable(it) | What::Response(it, _) => self.bounds[self.built.tasks[&it]],
+            What::Schedulable(task) | What::Response(task, _) => {
+                self.bounds[self.built.tasks[&task]]
+            }
             _ => None,
         }
     }
@@ -136,17 +138,17 @@ impl<'b> ResponseBounds<'b> {
     /// Returns a bound on the response time of the task, for a check of a response time.
     pub(super) fn response(&self, check: &Single) -> Option<Ticks> {
         match check.what {
-            What::Response(it, _) => self.bounds[self.built.tasks[&it]],
+            What::Response(response, _) => self.bounds[self.built.tasks[&response]],
             _ => None,
         }
     }
 
     /// Returns true if the response time of the task is zero, and the task has jobs.
     pub(super) fn is_zero(&self, check: &Single) -> bool {
-        let What::Response(it, _) = check.what else {
+        let What::Response(response, _) = check.what else {
             return false;
         };
-        let task = self.built.tasks[&it];
+        let task = self.built.tasks[&response];
         let system = &self.built.system.tasks[task];
         // A task for which the middle tier found no time may have no job at all.
         let exists = self.layers[task] == Layer::ResponseTimeAnalysis;
@@ -217,8 +219,8 @@ impl Group<'_> {
             out.by = Some(by);
         } else {
             let reached = match out.value {
-                Some(it @ Value::Time(_)) => {
-                    format!(", and {} is reached", self.unit.show_value(it))
+                Some(value @ Value::Time(_)) => {
+                    format!(", and {} is reached", self.unit.show_value(value))
                 }
                 _ => String::new(),
             };
@@ -287,9 +289,13 @@ impl Group<'_> {
             (out.note, out.gave_up) = (None, None);
             return;
         }
-        let why = out.gave_up.map_or(String::new(), |it| format!(": {it}"));
+        let why = out
+            .gave_up
+            .map_or(String::new(), |gave_up| format!(": {gave_up}"));
         let reached = match out.value {
-            Some(it @ Value::Time(_)) => format!(", and {} is reached", self.unit.show_value(it)),
+            Some(value @ Value::Time(_)) => {
+                format!(", and {} is reached", self.unit.show_value(value))
+            }
             _ => String::new(),
         };
         out.note = Some(format!(
@@ -305,8 +311,8 @@ impl Group<'_> {
 }
 
 /// Returns the soundness of an answer of analysis, which holds for any times at which codels end.
-fn for_any_time(it: Soundness) -> Soundness {
-    match it {
+fn for_any_time(soundness: Soundness) -> Soundness {
+    match soundness {
         Soundness::WholeUnits => Soundness::Exact,
         other => other,
     }

@@ -14,12 +14,12 @@ impl Group<'_> {
     /// Answers a check of a chain by exploring the chain with one token.
     pub(super) fn chain(&self, check: &Single, of: ChainOf, report: &mut Report) -> CheckReport {
         let mut out = self.blank(check);
-        let Ok(it) = flow::chain(self.names, self.settings, self.built, &of.asked()) else {
+        let Ok(chain) = flow::chain(self.names, self.settings, self.built, &of.asked()) else {
             return out;
         };
         let system = &self.built.system;
         let limit = self.ticks(of.bound);
-        let found = explore_chain(system, &it.chain, limit, self.limits, self.cancel);
+        let found = explore_chain(system, &chain.chain, limit, self.limits, self.cancel);
         report.effort(&found);
         let measured: Option<Measured> = found.within.first().cloned().flatten();
         let never = "the first datum is never written";
@@ -36,7 +36,7 @@ impl Group<'_> {
             let event = self.excess_event(end, self.last_component(check), what);
             self.run_of_refutation(&mut out).push(event);
         }
-        if measured.is_some_and(|value| !is_exact(system, &it.chain, value.bound)) {
+        if measured.is_some_and(|value| !is_exact(system, &chain.chain, value.bound)) {
             // The age reached the counting limit: the value is a lower bound.
             if out.verdict == Verdict::Proved {
                 out.verdict = Verdict::Unknown;
@@ -45,13 +45,13 @@ impl Group<'_> {
         }
         if out.verdict == Verdict::Unknown
             && of.kind == ChainKind::Reaction
-            && let Some(bound) = reaction_bound(system, &it.ways)
+            && let Some(bound) = reaction_bound(system, &chain.ways)
         {
             let within = limit.is_none_or(|limit| bound <= limit);
             let by = ("periods and response times along the chain", "it takes");
             self.bounded_by(by, bound, within, &mut out);
         }
-        let ways = self.ways(&it);
+        let ways = self.ways(&chain);
         out.note = Some(match out.note.take() {
             Some(note) => format!("{note}; {ways}"),
             None => ways,
@@ -67,7 +67,7 @@ impl Group<'_> {
     fn ways(&self, found: &FoundChain) -> String {
         let codels = &self.built.system.codels;
         let one = |way: &Vec<usize>| {
-            let names: Vec<&str> = way.iter().map(|&it| &*codels[it].path).collect();
+            let names: Vec<&str> = way.iter().map(|&codel| &*codels[codel].path).collect();
             names.join(" → ")
         };
         let ways: Vec<String> = found.ways.iter().map(one).collect();

@@ -34,7 +34,7 @@ impl What<'_> {
             What::NoOverdue(_) => PropertyKind::NoOverdue,
             What::Response(..) => PropertyKind::Response,
             What::Within(..) => PropertyKind::Within,
-            What::Chain(it) => match it.kind {
+            What::Chain(chain) => match chain.kind {
                 ChainKind::Reaction => PropertyKind::Reaction,
                 ChainKind::Age => PropertyKind::Age,
             },
@@ -49,7 +49,7 @@ impl What<'_> {
     /// Returns the task of the check.
     pub(super) fn task(&self) -> Option<TaskId> {
         match *self {
-            What::Schedulable(it) | What::NoOverdue(it) | What::Response(it, _) => Some(it),
+            What::Schedulable(pair) | What::NoOverdue(pair) | What::Response(pair, _) => Some(pair),
             _ => None,
         }
     }
@@ -117,7 +117,7 @@ pub(super) fn expand<'c>(
             names.components.iter().enumerate().flat_map(|(c, member)| {
                 (0..member.component.tasks.len() as u32).map(move |t| (c, t))
             });
-        Ok(all.filter(|it| !periodic || has_period(it)).collect())
+        Ok(all.filter(|pair| !periodic || has_period(pair)).collect())
     };
     for (written, check) in settings.checks.iter().enumerate() {
         let mut push = |what, components| {
@@ -139,17 +139,17 @@ pub(super) fn expand<'c>(
             components
         };
         let result: Result<(), Diagnostic> = match &check.kind {
-            CheckKind::Schedulable(path) => tasks(path, true).map(|it| {
-                it.into_iter()
-                    .for_each(|it| push(What::Schedulable(it), vec![it.0]))
+            CheckKind::Schedulable(path) => tasks(path, true).map(|task| {
+                task.into_iter()
+                    .for_each(|task| push(What::Schedulable(task), vec![task.0]))
             }),
-            CheckKind::NoOverdue(path) => tasks(path, true).map(|it| {
-                it.into_iter()
-                    .for_each(|it| push(What::NoOverdue(it), vec![it.0]))
+            CheckKind::NoOverdue(path) => tasks(path, true).map(|task| {
+                task.into_iter()
+                    .for_each(|task| push(What::NoOverdue(task), vec![task.0]))
             }),
-            CheckKind::Response(path, bound) => tasks(path, false).map(|it| {
-                it.into_iter()
-                    .for_each(|it| push(What::Response(it, *bound), vec![it.0]));
+            CheckKind::Response(path, bound) => tasks(path, false).map(|task| {
+                task.into_iter()
+                    .for_each(|task| push(What::Response(task, *bound), vec![task.0]));
             }),
             CheckKind::Within(p, responses, bound) => {
                 let list: Vec<&Pred> = std::iter::once(p).chain(responses).collect();
@@ -158,13 +158,13 @@ pub(super) fn expand<'c>(
                 Ok(())
             }
             CheckKind::Chain(kind, path, bound) => {
-                let it = ChainOf {
+                let chain_of = ChainOf {
                     kind: *kind,
                     path,
                     bound: *bound,
                 };
-                flow::chain(names, settings, whole, &it.asked())
-                    .map(|found| push(What::Chain(it), found.components))
+                flow::chain(names, settings, whole, &chain_of.asked())
+                    .map(|found| push(What::Chain(chain_of), found.components))
             }
             CheckKind::LeadsTo(p, q) => {
                 let components = preds(&[p, q]);

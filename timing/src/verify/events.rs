@@ -58,14 +58,14 @@ impl Group<'_> {
 pub(super) fn told(names: &Names, system: &TimedSystem, unit: TimeUnit, run: &Run) -> Vec<Event> {
     let spec_of = |c: usize| names.components[c].spec_index;
     let path = |codel: usize| system.codels[codel].path.clone();
-    let name = |it: Executing| match it {
+    let name = |executing: Executing| match executing {
         Executing::Task(task) => system.task_name(task),
         Executing::Control(component) => {
             ThreadName::of_component(&system.components[component].name)
         }
     };
-    let event = |it: Moment| {
-        let src = match (it.codel, it.task) {
+    let event = |moment: Moment| {
+        let src = match (moment.codel, moment.task) {
             (Some(codel), _) => {
                 let codel = &system.codels[codel];
                 codel.site.and_then(|(c, _)| Some((spec_of(c), codel.src?)))
@@ -73,21 +73,21 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: TimeUnit, run: &Ru
             (None, Some(task)) => system.tasks[task].src.map(|(c, src)| (spec_of(c), src)),
             (None, None) => None,
         };
-        let time = unit.from_seconds(system.unit * Ratio::from_integer(i128::from(it.time)));
+        let time = unit.from_seconds(system.unit * Ratio::from_integer(i128::from(moment.time)));
         let mut event = Event {
-            for_core: it.about == MomentDetails::AwaitsCore,
-            codel: it.codel.map(path),
-            action: it.action,
+            for_core: moment.about == MomentDetails::AwaitsCore,
+            codel: moment.codel.map(path),
+            action: moment.action,
             src,
-            ..Event::of_thread(time, thread(system, &it), it.kind, it.what)
+            ..Event::of_thread(time, thread(system, &moment), moment.kind, moment.what)
         };
-        match it.about {
+        match moment.about {
             MomentDetails::Nothing | MomentDetails::AwaitsCore => {}
             MomentDetails::Blocked(by) => {
-                let blocking = |it: Blocker| Blocking {
-                    codel: path(it.codel),
-                    by: name(it.by),
-                    ahead: it.ahead,
+                let blocking = |blocker: Blocker| Blocking {
+                    codel: path(blocker.codel),
+                    by: name(blocker.by),
+                    ahead: blocker.ahead,
                 };
                 event.waits_for = by.into_iter().map(blocking).collect();
             }
@@ -95,7 +95,7 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: TimeUnit, run: &Ru
                 event.client = Some(system.clients[client].name.clone());
             }
             MomentDetails::Released { task } => event.releases = Some(system.task_name(task)),
-            MomentDetails::Preempted(it) => event.preempts = Some(name(it)),
+            MomentDetails::Preempted(executing) => event.preempts = Some(name(executing)),
         }
         event
     };

@@ -12,9 +12,9 @@ pub(super) fn groups(names: &Names, whole: &Built, checks: &[Single]) -> Vec<Vec
     let mut group: Vec<usize> = (0..n).collect();
     let mut join = |one: usize, other: usize| {
         let (from, to) = (group[one], group[other]);
-        for it in &mut group {
-            if *it == from {
-                *it = to;
+        for group in &mut group {
+            if *group == from {
+                *group = to;
             }
         }
     };
@@ -33,36 +33,40 @@ pub(super) fn groups(names: &Names, whole: &Built, checks: &[Single]) -> Vec<Vec
     }
     if system.platform.cores.is_some() {
         let on_cores: Vec<usize> = (0..system.tasks.len())
-            .filter(|&it| system.needs_core(it))
-            .map(|it| outer[system.tasks[it].component])
+            .filter(|&task| system.needs_core(task))
+            .map(|task| outer[system.tasks[task].component])
             .collect();
-        on_cores.windows(2).for_each(|it| join(it[0], it[1]));
+        on_cores
+            .windows(2)
+            .for_each(|window| join(window[0], window[1]));
     }
     for client in &system.clients {
         let addressed: Vec<usize> = client
             .steps
             .iter()
-            .filter_map(|it| match it.action {
+            .filter_map(|step| match step.action {
                 ClientAction::Send { service, .. } => {
                     Some(outer[system.services[service].component])
                 }
                 _ => None,
             })
             .collect();
-        addressed.windows(2).for_each(|it| join(it[0], it[1]));
+        addressed
+            .windows(2)
+            .for_each(|window| join(window[0], window[1]));
     }
     for check in checks {
         check
             .components
             .windows(2)
-            .for_each(|it| join(it[0], it[1]));
+            .for_each(|window| join(window[0], window[1]));
         if matches!(check.what, What::Deadlock) {
-            (1..n).for_each(|it| join(0, it));
+            (1..n).for_each(|index| join(0, index));
         }
     }
     let mut out: Vec<Vec<usize>> = Vec::new();
     for root in 0..n {
-        let members: Vec<usize> = (0..n).filter(|&it| group[it] == root).collect();
+        let members: Vec<usize> = (0..n).filter(|&index| group[index] == root).collect();
         if !members.is_empty() {
             out.push(members);
         }

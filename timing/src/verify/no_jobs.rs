@@ -28,10 +28,10 @@ impl Group<'_> {
         let task = &system.tasks[id];
         let machine = system.machine_of(task.permanent?);
         let states = loops::states_of_endless_run(machine)?;
-        let throws = |&it: &usize| system.codels[machine.states[it].codel].throws;
+        let throws = |&state: &usize| system.codels[machine.states[state].codel].throws;
         // A client that kills a component leads its activities to `stop`. In the published models a task
         // executes its activities all the same.
-        let ends = states.iter().any(throws) || system.has_builtin(|it| it == Builtin::Kill);
+        let ends = states.iter().any(throws) || system.has_builtin(|kill| kill == Builtin::Kill);
         let published = system.platform.semantics.is_published();
         let measured = published && (task.period.is_none() || !task.slots.is_empty());
         if ends || measured {
@@ -40,8 +40,11 @@ impl Group<'_> {
         let cycles = loops::pauseless_cycles(machine);
         let cycle = cycles
             .iter()
-            .find(|it| it.iter().all(|state| states.contains(state)))?;
-        let names: Vec<&str> = cycle.iter().map(|&it| &*machine.states[it].name).collect();
+            .find(|cycle| cycle.iter().all(|state| states.contains(state)))?;
+        let names: Vec<&str> = cycle
+            .iter()
+            .map(|&state| &*machine.states[state].name)
+            .collect();
         let path = system.task_path(id);
         let note = format!(
             "the permanent activity of `{path}` goes round {} and never pauses, so its first cycle never ends and no job of the \
@@ -64,22 +67,23 @@ impl Group<'_> {
         let component = self.names.components[c].component;
         let codels = || {
             let all = system.codels.iter();
-            all.filter(|it| it.component == number && it.site.is_some())
+            all.filter(|codel| codel.component == number && codel.site.is_some())
         };
         // Services without requests execute nothing. But if only these services have execution times, the
         // times of the other codels are missing.
-        let has_time = |it: CodelRef| component.codel(it).wcet.is_some();
-        let timed = codels().any(|it| it.upper > 0 || it.site.is_some_and(|it| has_time(it.1)));
+        let has_time = |codel: CodelRef| component.codel(codel).wcet.is_some();
+        let timed = codels()
+            .any(|codel| codel.upper > 0 || codel.site.is_some_and(|site| has_time(site.1)));
         if timed {
             return None;
         }
         let executed: Vec<&str> = codels()
-            .filter(|it| {
+            .filter(|codel| {
                 let fsm = |at: CodelRef| component.codel(at).kind == CodelKind::Fsm;
                 let of_task = |at: CodelRef| matches!(at.owner, Owner::Task(_)) || fsm(at);
-                it.site.is_some_and(|it| of_task(it.1))
+                codel.site.is_some_and(|site| of_task(site.1))
             })
-            .map(|it| &*it.path)
+            .map(|codel| &*codel.path)
             .collect();
         if executed.is_empty() {
             // No time is missing: the jobs take no time.

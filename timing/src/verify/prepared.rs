@@ -81,10 +81,10 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
         cancel: &cancel,
         tell: &|_| {},
     };
-    let checks = singles.iter().filter_map(|it| {
+    let checks = singles.iter().filter_map(|expand| {
         Some(PreparedCheck {
-            report: group.open(it),
-            question: group.question(it)?,
+            report: group.open(expand),
+            question: group.question(expand)?,
         })
     });
     let checks = checks.collect();
@@ -108,10 +108,12 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
 
 /// Returns the note about checks of chains, which cannot be checked along a run.
 fn not_followed(group: &Group, checks: &[Single]) -> Option<String> {
-    let chains = checks.iter().filter(|it| matches!(it.what, What::Chain(_)));
-    let shown = |it: &Single| {
-        let it = group.open(it);
-        format!("`{} {}`", it.kind, it.of)
+    let chains = checks
+        .iter()
+        .filter(|check| matches!(check.what, What::Chain(_)));
+    let shown = |single: &Single| {
+        let report = group.open(single);
+        format!("`{} {}`", report.kind, report.of)
     };
     let chains: Vec<String> = chains.map(shown).collect();
     let list = chains.join(", ");
@@ -124,12 +126,12 @@ impl Group<'_> {
     /// Returns the question of a check; `None` if the check names something that does not exist, which was
     /// reported.
     fn question(&self, check: &Single) -> Option<Question> {
-        let task = |it: &(usize, u32)| self.built.tasks.get(it).copied();
-        let predicate = |it: &Pred| resolve::resolve(self.names, self.built, it).ok();
+        let task = |pair: &(usize, u32)| self.built.tasks.get(pair).copied();
+        let predicate = |predicate: &Pred| resolve::resolve(self.names, self.built, predicate).ok();
         Some(match &check.what {
-            What::Schedulable(it) => Question::Schedulable(task(it)?),
-            What::NoOverdue(it) => Question::NoOverdue(task(it)?),
-            What::Response(it, bound) => Question::Response(task(it)?, self.ticks(*bound)),
+            What::Schedulable(pair) => Question::Schedulable(task(pair)?),
+            What::NoOverdue(overdue) => Question::NoOverdue(task(overdue)?),
+            What::Response(pair, bound) => Question::Response(task(pair)?, self.ticks(*bound)),
             What::Within(p, list, bound) => {
                 let list: Option<Vec<Predicate>> = list.iter().map(predicate).collect();
                 Question::Within(predicate(p)?, list?, self.ticks(*bound))
@@ -175,12 +177,12 @@ impl Prepared {
     pub fn watched(&self) -> (Watched, Vec<Option<usize>>) {
         let mut out = Watched::default();
         let mut places = Vec::new();
-        for it in &self.checks {
-            let mut reach = |it: Predicate| {
-                out.reach.push(it);
+        for check in &self.checks {
+            let mut reach = |predicate: Predicate| {
+                out.reach.push(predicate);
                 Some(out.reach.len() - 1)
             };
-            places.push(match &it.question {
+            places.push(match &check.question {
                 Question::Always(p) => reach(Predicate::Not(Box::new(p.clone()))),
                 Question::Reachable(p) | Question::Eventually(p) => reach(p.clone()),
                 Question::Within(p, list, _) => {

@@ -29,43 +29,43 @@ const SHARE: usize = 4;
 pub(super) struct Seen(Vec<Option<CheckReport>>);
 
 impl Seen {
-    fn note(&mut self, check: usize, it: CheckReport) {
-        let time = |it: &CheckReport| match it.value {
+    fn note(&mut self, check: usize, report: CheckReport) {
+        let time = |report: &CheckReport| match report.value {
             Some(Value::Time(time)) => Some(time),
             _ => None,
         };
-        let worse = |old: &CheckReport| match (old.verdict, it.verdict) {
+        let worse = |old: &CheckReport| match (old.verdict, report.verdict) {
             (Verdict::Refuted, Verdict::Refuted) => false,
             (_, Verdict::Refuted) => true,
             (Verdict::Refuted, _) => false,
-            _ => time(&it) > time(old),
+            _ => time(&report) > time(old),
         };
         let place = &mut self.0[check];
         if place.as_ref().is_none_or(worse) {
-            *place = Some(it);
+            *place = Some(report);
         }
     }
 
     /// Adds what has been seen to what is known of a check after an exploration that was given up.
     pub(super) fn add_to(&self, check: usize, out: &mut CheckReport) {
-        let Some(it) = &self.0[check] else {
+        let Some(report) = &self.0[check] else {
             return;
         };
         if out.verdict != Verdict::Unknown {
             return;
         }
-        let longer = match (it.value, out.value) {
-            (Some(Value::Time(it)), Some(Value::Time(out))) => it > out,
+        let longer = match (report.value, out.value) {
+            (Some(Value::Time(time)), Some(Value::Time(out))) => time > out,
             (Some(_), None) => true,
             _ => false,
         };
-        if it.verdict == Verdict::Refuted || longer {
+        if report.verdict == Verdict::Refuted || longer {
             *out = CheckReport {
                 note: out.note.take(),
                 gave_up: out.gave_up.take(),
-                ..it.clone()
+                ..report.clone()
             };
-            if it.verdict != Verdict::Refuted {
+            if report.verdict != Verdict::Refuted {
                 out.verdict = Verdict::Unknown;
             }
         }
@@ -137,17 +137,17 @@ impl Group<'_> {
         }
         let before = report.answered();
         for (i, place) in places {
-            let mut it = self.one(&checks[i], place, &found);
+            let mut entry = self.one(&checks[i], place, &found);
             if complete {
-                self.bound_unknown(&checks[i], &analysed, &mut it);
-                self.bound_between_units(&checks[i], &analysed, &mut it);
+                self.bound_unknown(&checks[i], &analysed, &mut entry);
+                self.bound_between_units(&checks[i], &analysed, &mut entry);
             }
             // With more requests some other run may take longer, unless this one takes for ever.
-            let final_value = matches!(it.value, None | Some(Value::Unbounded));
-            if complete || (it.verdict == Verdict::Refuted && final_value) {
-                report.answer(i, it);
+            let final_value = matches!(entry.value, None | Some(Value::Unbounded));
+            if complete || (entry.verdict == Verdict::Refuted && final_value) {
+                report.answer(i, entry);
             } else if found.stopped != Some(Stop::Cancelled) {
-                seen.note(i, it);
+                seen.note(i, entry);
             }
         }
         if report.answered() > before {

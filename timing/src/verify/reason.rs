@@ -24,7 +24,7 @@ struct Possession {
 impl Group<'_> {
     /// Returns the waits of the last job of a task in a run, each with the holders of the resource.
     pub(super) fn reason(&self, run: &Run, task: Option<TaskId>) -> Vec<Delay> {
-        let Some(task) = task.and_then(|it| self.built.tasks.get(&it)) else {
+        let Some(task) = task.and_then(|task| self.built.tasks.get(&task)) else {
             return Vec::new();
         };
         let system = &self.built.system;
@@ -33,20 +33,21 @@ impl Group<'_> {
         let time = |at: u64| self.unit.from_seconds(seconds(at));
         let path = |codel: usize| system.codels[codel].path.clone();
         let delay = |(wait, until): &(Wait, u64)| {
-            let has = |it: &&Possession| match (wait.codel, it.codel) {
+            let has = |possession: &&Possession| match (wait.codel, possession.codel) {
                 (Some(own), Some(other)) => system.codels[own].conflicts.contains(other),
                 (None, None) => true,
                 _ => false,
             };
             // Counts the holder at the beginning of the wait, and each later holder, even if it held the
             // resource for no time.
-            let meanwhile = |it: &&Possession| it.from < *until && it.until > wait.from;
+            let meanwhile =
+                |possession: &&Possession| possession.from < *until && possession.until > wait.from;
             let held = followed.possessions.iter().filter(has).filter(meanwhile);
-            let held = held.map(|it| Holder {
-                codel: it.codel.map(path),
-                by: it.by.clone(),
-                from: time(it.from),
-                until: time(it.until),
+            let held = held.map(|possession| Holder {
+                codel: possession.codel.map(path),
+                by: possession.by.clone(),
+                from: time(possession.from),
+                until: time(possession.until),
             });
             Delay {
                 awaited: match wait.codel {
@@ -78,50 +79,53 @@ impl Intervals {
             possessions: Vec::new(),
         };
         let mut waiting: Option<Wait> = None;
-        for it in moments {
-            let own = it.task == Some(task);
+        for moment in moments {
+            let own = moment.task == Some(task);
             // The thread: a task, or the control task of a component.
-            let by = match it.task {
+            let by = match moment.task {
                 Some(task) => system.task_name(task),
-                None => ThreadName::of_component(&it.component),
+                None => ThreadName::of_component(&moment.component),
             };
-            match it.kind {
+            match moment.kind {
                 MomentKind::Release if own => {
                     out.waits.clear();
                     waiting = system.needs_core(task).then_some(Wait {
                         codel: None,
-                        from: it.time,
+                        from: moment.time,
                     });
                 }
                 // The event occurs once for each holder; only the first one counts.
                 MomentKind::Wait
-                    if own && waiting.as_ref().is_some_and(|wait| wait.codel == it.codel) => {}
+                    if own
+                        && waiting
+                            .as_ref()
+                            .is_some_and(|wait| wait.codel == moment.codel) => {}
                 MomentKind::Wait if own => {
                     waiting = Some(Wait {
-                        codel: it.codel,
-                        from: it.time,
+                        codel: moment.codel,
+                        from: moment.time,
                     });
                 }
                 MomentKind::Begin | MomentKind::Grant => {
                     if own && let Some(wait) = waiting.take() {
-                        out.waits.push((wait, it.time));
+                        out.waits.push((wait, moment.time));
                     }
                     out.possessions.push(Possession {
-                        codel: it.codel,
+                        codel: moment.codel,
                         by,
-                        from: it.time,
+                        from: moment.time,
                         until: end,
                     });
                 }
                 MomentKind::End | MomentKind::Complete => {
                     let mut all = out.possessions.iter_mut().rev();
-                    let had = all.find(|had| had.codel == it.codel && had.by == by);
-                    had.into_iter().for_each(|had| had.until = it.time);
+                    let had = all.find(|had| had.codel == moment.codel && had.by == by);
+                    had.into_iter().for_each(|had| had.until = moment.time);
                 }
                 _ => {}
             }
         }
-        out.waits.extend(waiting.map(|it| (it, end)));
+        out.waits.extend(waiting.map(|wait| (wait, end)));
         out.waits.retain(|(wait, until)| *until > wait.from);
         out
     }

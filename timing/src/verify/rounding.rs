@@ -14,9 +14,9 @@ pub(super) fn note(built: &Built) -> Option<String> {
     if rounded.is_empty() {
         return None;
     }
-    let names = rounded.iter().take(NAMED).map(|it| {
-        let times = [it.exact, it.taken].map(quantity::time);
-        format!("{} ({} taken as {})", it.codel, times[0], times[1])
+    let names = rounded.iter().take(NAMED).map(|rounded| {
+        let times = [rounded.exact, rounded.taken].map(quantity::time);
+        format!("{} ({} taken as {})", rounded.codel, times[0], times[1])
     });
     let mut names = names.collect::<Vec<_>>().join(", ");
     if rounded.len() > NAMED {

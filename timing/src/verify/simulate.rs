@@ -37,11 +37,11 @@ pub enum Choice {
 impl Group<'_> {
     /// Keeps a run, to be continued.
     pub(super) fn kept(&self, run: &Run) -> Option<Arc<SystemRun>> {
-        let it = SystemRun {
+        let arc = SystemRun {
             system: self.built.shared(),
             run: run.clone(),
         };
-        (!run.left_out).then(|| Arc::new(it))
+        (!run.left_out).then(|| Arc::new(arc))
     }
 }
 
@@ -83,7 +83,7 @@ impl SystemRun {
             });
         Simulation {
             choices: choices.collect(),
-            taken: continued.before.iter().map(|&it| ends[it]).collect(),
+            taken: continued.before.iter().map(|&index| ends[index]).collect(),
             end: time(continued.run.end),
             events,
         }
@@ -92,14 +92,15 @@ impl SystemRun {
 
 /// Describes an action without an event.
 fn silent(system: &TimedSystem, action: Action) -> String {
-    let executor = |it: usize| match it.checked_sub(system.tasks.len()) {
-        None => system.task_path(it),
-        Some(it) => (system.components.get(it)).map_or_else(String::new, |it| it.name.clone()),
+    let executor = |task: usize| match task.checked_sub(system.tasks.len()) {
+        None => system.task_path(task),
+        Some(difference) => (system.components.get(difference))
+            .map_or_else(String::new, |component| component.name.clone()),
     };
-    let component = |it: usize| &system.components[it].name;
+    let component = |component: usize| &system.components[component].name;
     match action {
-        Action::Ticket { executor: it } => format!("{} queues for its locks", executor(it)),
-        Action::Ready { executor: it } => format!("{} becomes ready", executor(it)),
+        Action::Ticket { executor: index } => format!("{} queues for its locks", executor(index)),
+        Action::Ready { executor: index } => format!("{} becomes ready", executor(index)),
         Action::Begin { task } => format!("{} begins a pass", system.task_path(task)),
         Action::Wake { task } => {
             format!(
@@ -107,11 +108,13 @@ fn silent(system: &TimedSystem, action: Action) -> String {
                 system.task_path(task)
             )
         }
-        Action::Signal { component: it } => {
-            format!("{} handles the ends of activities", component(it))
+        Action::Signal { component: index } => {
+            format!("{} handles the ends of activities", component(index))
         }
-        Action::Reply { component: it } => format!("{} replies", component(it)),
-        Action::Shut { component: it } => format!("{} goes on with its shutdown", component(it)),
+        Action::Reply { component: index } => format!("{} replies", component(index)),
+        Action::Shut { component: index } => {
+            format!("{} goes on with its shutdown", component(index))
+        }
         Action::Proceed { client, .. } => format!("{} goes on", system.clients[client].name),
         _ => "a step inside the system".to_owned(),
     }

@@ -34,7 +34,7 @@ fn run(system: &TimedSystem, late: fn(usize) -> bool, released: &mut [bool]) {
         let actions = possible.actions();
         if actions.is_empty() || late(step) && possible.may_wait() {
             let moment = stepper.next_moment();
-            if let Some(time) = moment.filter(|&it| it > 0) {
+            if let Some(time) = moment.filter(|&moment| moment > 0) {
                 stepper.pass(time, &mut seen);
                 continue;
             }

@@ -13,8 +13,8 @@ impl Group<'_> {
     pub(super) fn is_about_ticks(&self, check: &Single) -> bool {
         match check.what {
             What::Schedulable(_) | What::NoOverdue(_) => true,
-            What::Response(it, _) => {
-                let task = self.built.tasks[&it];
+            What::Response(response, _) => {
+                let task = self.built.tasks[&response];
                 self.built.system.tasks[task].period.is_some()
             }
             _ => false,
@@ -32,26 +32,31 @@ impl Group<'_> {
         let mut places = Vec::new();
         let predicate = |pred: &Pred| resolve::resolve(self.names, self.built, pred).ok();
         for i in part {
-            let mut task = |list: fn(&mut Watch) -> &mut Vec<usize>, it| {
-                let task = self.built.tasks[&it];
+            let mut task = |list: fn(&mut Watch) -> &mut Vec<usize>, of| {
+                let task = self.built.tasks[&of];
                 let list = list(&mut watch);
-                list.iter().position(|&it| it == task).unwrap_or_else(|| {
-                    list.push(task);
-                    list.len() - 1
-                })
+                list.iter()
+                    .position(|&index| index == task)
+                    .unwrap_or_else(|| {
+                        list.push(task);
+                        list.len() - 1
+                    })
             };
             let place = match checks[i].what {
-                What::Schedulable(it) => task(|it| &mut it.schedulable, it),
-                What::NoOverdue(it) => task(|it| &mut it.overdue, it),
-                What::Response(it, bound) => {
-                    let it = ResponseTime {
-                        task: self.built.tasks[&it],
+                What::Schedulable(pair) => task(|watch| &mut watch.schedulable, pair),
+                What::NoOverdue(overdue) => task(|watch| &mut watch.overdue, overdue),
+                What::Response(task, bound) => {
+                    let response_time = ResponseTime {
+                        task: self.built.tasks[&task],
                         limit: self.ticks(bound),
                         most: analysed.response(&checks[i]),
                     };
-                    let same = watch.response.iter().position(|other| *other == it);
+                    let same = watch
+                        .response
+                        .iter()
+                        .position(|other| *other == response_time);
                     same.unwrap_or_else(|| {
-                        watch.response.push(it);
+                        watch.response.push(response_time);
                         watch.response.len() - 1
                     })
                 }

@@ -27,20 +27,20 @@ use crate::servers::{CAP, Interpreter};
 use crate::{all_agree, first, systems};
 
 /// Returns the parts of an answer that are compared.
-fn answer(it: &CheckReport) -> Json {
-    let value = match it.value {
+fn answer(report: &CheckReport) -> Json {
+    let value = match report.value {
         Some(Value::Time(time)) if time >= f64::from(CAP) => json!("unbounded"),
         Some(Value::Time(time)) => json!(time as u32),
         Some(Value::Unbounded) => json!("unbounded"),
         None => Json::Null,
     };
     // For response times the value is compared.
-    let verdict = match it.verdict {
+    let verdict = match report.verdict {
         Verdict::Proved => "proved",
         Verdict::Refuted => "refuted",
-        other => return json!(format!("{other:?}: {:?}", it.note)),
+        other => return json!(format!("{other:?}: {:?}", report.note)),
     };
-    match it.kind.is_time() {
+    match report.kind.is_time() {
         true => value,
         false => json!(verdict),
     }
@@ -60,13 +60,14 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
         scenario,
     } = texts;
     let shown = || format!("{name}\n{}\n{scenario}", specifications.join("\n"));
-    let units: Result<Vec<UnitResult>, String> = specifications.iter().map(|it| unit(it)).collect();
+    let units: Result<Vec<UnitResult>, String> =
+        specifications.iter().map(|file| unit(file)).collect();
     let units = match units {
-        Ok(it) => it,
+        Ok(unit) => unit,
         // Machines are random, so that some specifications are invalid.
         Err(_) => return None,
     };
-    let specs: Vec<_> = units.iter().map(|it| &*it.spec).collect();
+    let specs: Vec<_> = units.iter().map(|unit| &*unit.spec).collect();
     let parsed = parse(scenario);
     if !parsed.errors.is_empty() {
         return Some(Err(format!("{:?}: {}", parsed.errors, shown())));
@@ -89,22 +90,25 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
         return Some(Err(format!("{:?}: {}", report.diagnostics, shown())));
     }
     let mut reductions = report.reductions.reductions.iter();
-    if reductions.any(|it| it.kind == Kind::Symmetry && it.used > 0) {
+    if reductions.any(|reduction| reduction.kind == Kind::Symmetry && reduction.used > 0) {
         WITH_SYMMETRY.fetch_add(1, Ordering::Relaxed);
     }
     let names = Names::new(&input.specs);
     let built = build(&names, &settings(&parsed.scenario, &options), &|_| true);
     let mut wrong = beyond_abstraction(&built.system, &expected);
     for (check, want) in expected {
-        let found = report.checks.iter().find(|it| {
-            let name = format!("{} {}", it.kind, it.of);
-            it.name.as_ref().map_or(name == check, |it| *it == check)
+        let found = report.checks.iter().find(|report| {
+            let name = format!("{} {}", report.kind, report.of);
+            report
+                .name
+                .as_ref()
+                .map_or(name == check, |name| *name == check)
         });
         let Some(found) = found else {
             wrong.push(format!("{check} is not answered"));
             continue;
         };
-        if let Some(step) = found.kept.as_ref().and_then(|it| it.impossible_step()) {
+        if let Some(step) = found.kept.as_ref().and_then(|run| run.impossible_step()) {
             wrong.push(format!("{check}: step {step} of its run is not possible"));
         }
         // Without execution times, or after an incomplete exploration, there is nothing to compare. Bounds
@@ -151,19 +155,22 @@ fn beyond_bounds(system: &TimedSystem, budget: Budget, expected: &[(String, Json
         return Vec::new();
     }
     ABSTRACTED.fetch_add(1, Ordering::Relaxed);
-    let aperiodic = system.tasks.iter().any(|it| it.period.is_none());
+    let aperiodic = system.tasks.iter().any(|task| task.period.is_none());
     if aperiodic || system.requested().contains(&true) {
         AT_ANY_TIME.fetch_add(1, Ordering::Relaxed);
     }
     let late = |tasks: &[usize]| {
-        let has_period = |&&it: &&usize| system.tasks[it].period.is_some();
-        let first = tasks.iter().position(|it| !has_period(&it));
-        first.is_some_and(|at| tasks[at..].iter().any(|it| bounds[*it].is_ok()))
+        let has_period = |&&task: &&usize| system.tasks[task].period.is_some();
+        let first = tasks.iter().position(|task| !has_period(&task));
+        first.is_some_and(|at| tasks[at..].iter().any(|task| bounds[*task].is_ok()))
     };
-    let late = system.components.iter().any(|it| late(&it.tasks));
+    let late = system
+        .components
+        .iter()
+        .any(|component| late(&component.tasks));
     LATE.fetch_add(usize::from(late), Ordering::Relaxed);
     let mut tasks = system.tasks.iter().zip(&bounds);
-    let open = tasks.any(|it| it.0.period.is_some() && it.1.is_err());
+    let open = tasks.any(|task| task.0.period.is_some() && task.1.is_err());
     OPEN.fetch_add(usize::from(open), Ordering::Relaxed);
     let bounds: Vec<Option<Ticks>> = bounds.into_iter().map(Result::ok).collect();
     exceeded(system, ("the middle tier", &bounds), expected)
@@ -177,8 +184,8 @@ fn exceeded(
 ) -> Vec<String> {
     let answer = |kind: &str, task: usize, what: &str| {
         let of = format!("{kind} {}", system.task_path(task));
-        let it = expected.iter().find(|it| it.0 == of);
-        it.map_or(Json::Null, |it| it.1[what].clone())
+        let expected = expected.iter().find(|entry| entry.0 == of);
+        expected.map_or(Json::Null, |pair| pair.1[what].clone())
     };
     let mut wrong = Vec::new();
     for (task, bound) in bounds.iter().enumerate() {
@@ -188,10 +195,10 @@ fn exceeded(
         let unit = system.unit * Ratio::from_integer(1000);
         let bound = unit * Ratio::from_integer(i128::from(bound));
         let kept = match answer("response", task, "value") {
-            Json::Number(it) => it
+            Json::Number(number) => number
                 .as_i64()
-                .is_some_and(|it| Ratio::from_integer(i128::from(it)) <= bound),
-            it => it.is_null(),
+                .is_some_and(|number| Ratio::from_integer(i128::from(number)) <= bound),
+            answer => answer.is_null(),
         };
         if !kept {
             wrong.push(format!(
@@ -211,8 +218,8 @@ fn exceeded(
     wrong
 }
 
-fn to_integer(it: Ratio<i128>) -> i64 {
-    i64::try_from(it.to_integer()).unwrap_or(-1)
+fn to_integer(ratio: Ratio<i128>) -> i64 {
+    i64::try_from(ratio.to_integer()).unwrap_or(-1)
 }
 
 /// Number of systems for which the middle tier has bounds.
@@ -257,7 +264,8 @@ fn the_middle_tier_is_never_below_the_interpreter_on_what_comes_at_any_time() {
         let texts = occasional(&mut systems::Dice::new(seed));
         compare_without(&format!("seed {seed}"), &texts, Kinds::NONE)
     });
-    let [bounded, late, open] = [&AT_ANY_TIME, &LATE, &OPEN].map(|it| it.load(Ordering::Relaxed));
+    let [bounded, late, open] =
+        [&AT_ANY_TIME, &LATE, &OPEN].map(|counter| counter.load(Ordering::Relaxed));
     eprintln!("{bounded} systems with requests or tasks without period have bounds");
     eprintln!("{late} for a task declared after one without, {open} for some tasks only");
     assert!(bounded as u64 >= cases() / 5, "bounds are compared");
@@ -267,7 +275,9 @@ fn the_middle_tier_is_never_below_the_interpreter_on_what_comes_at_any_time() {
 /// Returns the number of systems, which the environment can raise.
 fn cases() -> u64 {
     let given = std::env::var("DOTGEN_TIMING_CASES").ok();
-    given.and_then(|it| it.parse().ok()).unwrap_or(500)
+    given
+        .and_then(|variable| variable.parse().ok())
+        .unwrap_or(500)
 }
 
 #[test]
@@ -343,9 +353,9 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
             texts.scenario
         )
     };
-    let units = texts.specifications.iter().map(|it| unit(it));
+    let units = texts.specifications.iter().map(|file| unit(file));
     let units: Vec<UnitResult> = units.collect::<Result<_, _>>().ok()?;
-    let specs: Vec<_> = units.iter().map(|it| &*it.spec).collect();
+    let specs: Vec<_> = units.iter().map(|unit| &*unit.spec).collect();
     let parsed = parse(&texts.scenario);
     let system = read(&specs, &parsed.scenario);
     let options = Options {
@@ -363,7 +373,11 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
         &options,
         &Cancel::default(),
     );
-    if report.diagnostics.iter().any(|it| it.code == "scn-no-way") {
+    if report
+        .diagnostics
+        .iter()
+        .any(|diagnostic| diagnostic.code == "scn-no-way")
+    {
         return None;
     }
     if report.has_errors() || !parsed.errors.is_empty() {
@@ -378,12 +392,12 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
         ..options
     };
     let input = SystemInput {
-        specs: units.iter().map(|it| &*it.spec).collect(),
+        specs: units.iter().map(|unit| &*unit.spec).collect(),
     };
     let quick = verify(&input, &parsed.scenario, &none, &Cancel::default());
     let interpreter = Interpreter::new(&system, &[], &[]);
-    let checks = parsed.scenario.items.iter().filter_map(|it| match it {
-        Item::Check(it) => Some(&it.kind),
+    let checks = parsed.scenario.items.iter().filter_map(|item| match item {
+        Item::Check(check) => Some(&check.kind),
         _ => None,
     });
     for (check, found) in checks.zip(&report.checks) {
@@ -417,7 +431,7 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
         }
         let want = match expected {
             Some(CAP) => json!("unbounded"),
-            Some(it) => json!(it),
+            Some(interpreter) => json!(interpreter),
             None => Json::Null,
         };
         let got = match found.verdict {
@@ -437,7 +451,7 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
 
 /// Reports a bound of analysis below the exact value.
 fn below(quick: &Report, check: &CheckReport, expected: Option<u32>) -> Option<String> {
-    let bound = quick.checks.iter().find(|it| it.id == check.id)?;
+    let bound = quick.checks.iter().find(|report| report.id == check.id)?;
     let Some(Value::Time(time)) = bound
         .value
         .filter(|_| bound.soundness == Soundness::UpperBound)
@@ -515,8 +529,8 @@ fn a_task_that_is_woken_asks_for_a_core_before_it_is_free() {
         };
         let (options, cancel) = (Options::default(), Cancel::default());
         let report = verify(&input, &parsed.scenario, &options, &cancel);
-        let of_x = report.checks.iter().find(|it| it.of == "d.x");
-        let found = of_x.and_then(|it| it.value);
+        let of_x = report.checks.iter().find(|check| check.of == "d.x");
+        let found = of_x.and_then(|check| check.value);
         assert_eq!(found, Some(Value::Time(f64::from(value))), "{policy}");
     }
 }

@@ -59,8 +59,8 @@ impl Brute<'_> {
             out.response[t] = out.response[t].max(Some(task.age));
             reach(&mut out.response_at[t], task.age);
         }
-        for (i, it) in s.obligations.iter().enumerate() {
-            for &(_, age) in it {
+        for (i, obligation) in s.obligations.iter().enumerate() {
+            for &(_, age) in obligation {
                 out.within[i] = out.within[i].max(Some(age));
                 reach(&mut out.within_at[i], age);
             }
@@ -68,14 +68,14 @@ impl Brute<'_> {
     }
 
     fn reach(&self, before: Option<&State>, now: &State, at: u64, out: &mut Results) {
-        for (it, reached) in self.reach.iter().zip(&mut out.reached) {
-            *reached |= self.predicate(before, now, it);
+        for (predicate, reached) in self.reach.iter().zip(&mut out.reached) {
+            *reached |= self.predicate(before, now, predicate);
         }
         // An obligation that is met at once takes no time, which is a measured time.
-        for (i, it) in self.within.iter().enumerate() {
+        for (i, bound) in self.within.iter().enumerate() {
             let was =
-                before.is_some_and(|it_was| self.predicate(Some(it_was), it_was, &it.trigger));
-            if !was && self.predicate(before, now, &it.trigger) {
+                before.is_some_and(|it_was| self.predicate(Some(it_was), it_was, &bound.trigger));
+            if !was && self.predicate(before, now, &bound.trigger) {
                 out.within[i] = out.within[i].max(Some(0));
                 if out.within_at[i].is_empty() {
                     out.within_at[i].push(at);
@@ -111,7 +111,7 @@ impl Brute<'_> {
         let mut now = 0;
         while !later.is_empty() {
             let mut todo = std::mem::take(&mut later);
-            todo.retain(|it| seen.insert(it.clone()));
+            todo.retain(|state| seen.insert(state.clone()));
             while let Some(s) = todo.pop() {
                 if seen.len() > limit {
                     return None;

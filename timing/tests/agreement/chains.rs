@@ -22,7 +22,7 @@ fn chain(system: &TimedSystem, dice: &mut Dice) -> Chain {
     let mut some = |share: u32, not: &[DataPlace]| -> Vec<Vec<DataPlace>> {
         let mut of_codel = || -> Vec<DataPlace> {
             let mut list = places.clone();
-            list.retain(|it| dice.in_ten(share) && !not.contains(it));
+            list.retain(|place| dice.in_ten(share) && !not.contains(place));
             list
         };
         (0..n).map(|_| of_codel()).collect()
@@ -56,17 +56,17 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
     };
     let expected = brute.chain(&chain, 30_000)?;
     let limit = match (seed % 3, expected) {
-        (0, Some(it)) => Some(it / 2),
-        (1, Some(it)) => Some(it),
+        (0, Some(brute)) => Some(brute / 2),
+        (1, Some(brute)) => Some(brute),
         _ => None,
     };
     let found = explore_chain(&system, &chain, limit, limits(seed), &Cancel::default());
     let failed = |why: String| Some(Err(format!("seed {seed}: {why}\n{chain:#?}\n{system:#?}")));
     let measured = found.within.first().and_then(Option::as_ref);
-    let given_up = found.stopped.is_some_and(|it| it != Stop::Answered);
-    let value = measured.map(|it| match it.bound {
+    let given_up = found.stopped.is_some_and(|stop| stop != Stop::Answered);
+    let value = measured.map(|measurement| match measurement.bound {
         Bound::Unbounded => CAP,
-        Bound::Finite(it) => it.min(CAP),
+        Bound::Finite(number) => number.min(CAP),
     });
     if value != expected || given_up {
         return failed(format!(
@@ -74,7 +74,7 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
             chain.kind, found.stopped
         ));
     }
-    let exceeded = measured.is_some_and(|it| it.excess.is_some());
+    let exceeded = measured.is_some_and(|measurement| measurement.excess.is_some());
     let unknown = limit >= Some(CAP);
     if !unknown && exceeded != limit.is_some_and(|limit| expected > Some(limit)) {
         return failed(format!(
@@ -82,12 +82,12 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
         ));
     }
     // Its runs are runs of the system.
-    for it in measured
+    for excess in measured
         .iter()
-        .flat_map(|it| std::iter::once(&it.longest).chain(&it.excess))
+        .flat_map(|measurement| std::iter::once(&measurement.longest).chain(&measurement.excess))
     {
-        if let Err(why) = brute.replay(&it.run.steps, it.run.end) {
-            return failed(format!("{why}: {:?}", it.run));
+        if let Err(why) = brute.replay(&excess.run.steps, excess.run.end) {
+            return failed(format!("{why}: {:?}", excess.run));
         }
     }
     Some(Ok(()))

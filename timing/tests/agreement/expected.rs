@@ -25,7 +25,7 @@ fn load(folder: &Path, case: &str) -> (Scenario, Vec<UnitResult>) {
     let parsed = parse(&text);
     assert_eq!(parsed.errors, [], "{case}");
     let folder = Utf8Path::from_path(folder).expect("UTF-8");
-    let files = parsed.scenario.items.iter().filter_map(|it| match it {
+    let files = parsed.scenario.items.iter().filter_map(|item| match item {
         Item::Use(file) => Some(folder.join(&file.value)),
         _ => None,
     });
@@ -49,16 +49,16 @@ pub(crate) fn answers(
     scenario: &Scenario,
     limit: usize,
 ) -> Option<Vec<(String, Json)>> {
-    let checks = scenario.items.iter().filter_map(|it| match it {
-        Item::Check(it) => Some(it),
+    let checks = scenario.items.iter().filter_map(|item| match item {
+        Item::Check(check) => Some(check),
         _ => None,
     });
     let checks: Vec<&Check> = checks.collect();
     let (mut within, mut reach): (Vec<Sequence>, Vec<Predicate>) = Default::default();
-    for it in &checks {
-        match &it.kind {
+    for check in &checks {
+        match &check.kind {
             CheckKind::Within(p, list, _) => {
-                let list = list.iter().map(|it| predicate(system, it));
+                let list = list.iter().map(|operand| predicate(system, operand));
                 within.push((predicate(system, p), list.collect()));
             }
             CheckKind::Reachable(p) | CheckKind::Always(p) => reach.push(predicate(system, p)),
@@ -68,10 +68,10 @@ pub(crate) fn answers(
     let found = Interpreter::new(system, &within, &reach).explore(limit)?;
     let (mut withins, mut reached) = (found.within.iter(), found.reached.iter());
     let mut out = Vec::new();
-    for it in checks {
-        let name = it.name.as_ref().map(|it| it.value.clone());
+    for check in checks {
+        let name = check.name.as_ref().map(|name| name.value.clone());
         let verdict = |holds: bool| json!({ "verdict": if holds { "proved" } else { "refuted" } });
-        match &it.kind {
+        match &check.kind {
             CheckKind::Within(..) => {
                 let longest = withins.next().copied().flatten();
                 let mut answer = verdict(longest != Some(CAP));
@@ -110,7 +110,7 @@ fn response(found: &Results, c: usize, t: usize) -> Json {
 fn value(longest: Option<u32>) -> Json {
     match longest {
         Some(CAP) => json!("unbounded"),
-        Some(it) => json!(it),
+        Some(number) => json!(number),
         None => Json::Null,
     }
 }
@@ -139,16 +139,16 @@ fn the_interpreter_of_the_servers_answers_as_expected() {
     let only = std::env::var("DOTGEN_TIMING_CASE").unwrap_or_default();
     let mut compared = 0;
     let mut wrong = Vec::new();
-    for (case, it) in expected.iter().filter(|it| it.0.contains(&only)) {
+    for (case, json) in expected.iter().filter(|pair| pair.0.contains(&only)) {
         let (scenario, units) = load(&folder, case);
-        let specs: Vec<_> = units.iter().map(|it| &*it.spec).collect();
+        let specs: Vec<_> = units.iter().map(|unit| &*unit.spec).collect();
         let system = read(&specs, &scenario);
         let Some(found) = answers(&system, &scenario, 3_000_000) else {
             wrong.push(format!("{case}: too large"));
             continue;
         };
-        for (check, want) in it["checks"].as_object().expect("checks") {
-            let Some((_, got)) = found.iter().find(|it| it.0 == *check) else {
+        for (check, want) in json["checks"].as_object().expect("checks") {
+            let Some((_, got)) = found.iter().find(|entry| entry.0 == *check) else {
                 wrong.push(format!("{case}: {check} is not answered"));
                 continue;
             };

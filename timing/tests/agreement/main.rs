@@ -72,8 +72,8 @@ fn compare_system(
     let limit = |i: usize, longest: Option<u32>| match (seed as usize + i * vary) % 4 {
         0 => None,
         1 => longest,
-        2 => longest.map(|it| it.saturating_sub(1)),
-        _ => longest.map(|it| it / 2),
+        2 => longest.map(|number| number.saturating_sub(1)),
+        _ => longest.map(|number| number / 2),
     };
     let watch = Watch {
         schedulable: all.clone(),
@@ -86,9 +86,9 @@ fn compare_system(
             })
             .collect(),
         within: (within.iter().enumerate())
-            .map(|(i, it)| Within {
+            .map(|(i, bound)| Within {
                 limit: limit(i + 1, expected.within[i]),
-                ..it.clone()
+                ..bound.clone()
             })
             .collect(),
         deadlock: true,
@@ -104,10 +104,10 @@ fn compare_system(
         )));
     }
     let check = || -> Result<(), String> {
-        let replay = |it: &Found| {
+        let replay = |found: &Found| {
             brute
-                .replay(&it.run.steps, it.run.end)
-                .map_err(|why| format!("{why}: {:?}", it.run))
+                .replay(&found.run.steps, found.run.end)
+                .map_err(|why| format!("{why}: {:?}", found.run))
         };
         let agree = |what: &str, i: usize, one: bool, other: bool| {
             if one == other {
@@ -127,26 +127,26 @@ fn compare_system(
             for (list, pick) in [
                 (
                     &found.missed,
-                    (|it: &Results| &it.missed) as fn(&Results) -> &Vec<bool>,
+                    (|results: &Results| &results.missed) as fn(&Results) -> &Vec<bool>,
                 ),
-                (&found.overdue, |it: &Results| &it.overdue),
+                (&found.overdue, |results: &Results| &results.overdue),
             ] {
-                if let Some(it) = &list[t]
-                    && !pick(&replay(it)?)[t]
+                if let Some(found) = &list[t]
+                    && !pick(&replay(found)?)[t]
                 {
-                    return Err(format!("run of task {t} shows nothing: {:?}", it.run));
+                    return Err(format!("run of task {t} shows nothing: {:?}", found.run));
                 }
             }
         }
         for (asked, response) in watch.response.iter().zip(&found.response) {
             let t = asked.task;
-            let age = |it: &Found| Ok(replay(it)?.response[t]);
+            let age = |found: &Found| Ok(replay(found)?.response[t]);
             bound("response", t, expected.response[t], response, age)?;
             let first = &expected.response_at[t];
             excess("response", t, asked.limit, first, response, age)?;
         }
         for (i, asked) in watch.within.iter().enumerate() {
-            let age = |it: &Found| Ok(replay(it)?.within[i]);
+            let age = |found: &Found| Ok(replay(found)?.within[i]);
             bound("within", i, expected.within[i], &found.within[i], age)?;
             let first = &expected.within_at[i];
             excess("within", i, asked.limit, first, &found.within[i], age)?;
@@ -177,15 +177,15 @@ fn compare_system(
         };
         abstracted(system, batches, &expected)?;
         agree("deadlock", 0, expected.deadlock, found.deadlock.is_some())?;
-        if let Some(it) = &found.deadlock
-            && !replay(it)?.deadlock
+        if let Some(deadlock) = &found.deadlock
+            && !replay(deadlock)?.deadlock
         {
             return Err("no deadlock at the end of the run".to_owned());
         }
         knowing_bounds(seed, system, measured, &expected.response)?;
         chased(seed, &brute, &expected)?;
         let refused: Vec<bool> = (0..system.services.len())
-            .map(|it| found.refused.contains(&it))
+            .map(|service| found.refused.contains(&service))
             .collect();
         if !answered && refused != expected.refused {
             return Err(format!(
@@ -210,7 +210,7 @@ fn abstracted(system: &TimedSystem, budget: Budget, expected: &Results) -> Resul
             continue;
         };
         let exact = expected.response[task];
-        if exact.is_some_and(|it| it > bound) {
+        if exact.is_some_and(|response| response > bound) {
             return Err(format!(
                 "response {task} is {exact:?}, the middle tier says {bound}"
             ));
@@ -252,11 +252,11 @@ fn knowing_bounds(
     measured: &[usize],
     longest: &[Option<u32>],
 ) -> Result<(), String> {
-    let known = |task: usize| longest[task].filter(|&it| it < CAP);
+    let known = |task: usize| longest[task].filter(|&number| number < CAP);
     let tasks: Vec<usize> = measured
         .iter()
         .copied()
-        .filter(|&it| known(it).is_some())
+        .filter(|&ty| known(ty).is_some())
         .collect();
     let response = tasks.iter().map(|&task| ResponseTime {
         task,
@@ -268,8 +268,8 @@ fn knowing_bounds(
         ..Watch::default()
     };
     let found = explore(system, &watch, limits(seed), &Cancel::default());
-    for (&task, it) in tasks.iter().zip(&found.response) {
-        let bound = it.as_ref().map(|it| it.bound);
+    for (&task, response) in tasks.iter().zip(&found.response) {
+        let bound = response.as_ref().map(|measurement| measurement.bound);
         if bound != known(task).map(Bound::Finite) {
             return Err(format!(
                 "response of {task}, known to be {:?}, is {bound:?}",
@@ -300,28 +300,28 @@ fn chased(seed: u64, brute: &Brute, expected: &Results) -> Result<(), String> {
         if found.stopped.is_some() {
             return Err(format!("search {number} gave up"));
         }
-        let shows = |it: &Found, pick: fn(&Results) -> &Vec<bool>, task: usize| {
-            let last = brute.replay(&it.run.steps, it.run.end);
-            last.map(|it| pick(&it)[task])
-                .map_err(|why| format!("search {number}: {why}: {:?}", it.run))
+        let shows = |found: &Found, pick: fn(&Results) -> &Vec<bool>, task: usize| {
+            let last = brute.replay(&found.run.steps, found.run.end);
+            last.map(|replay| pick(&replay)[task])
+                .map_err(|why| format!("search {number}: {why}: {:?}", found.run))
         };
         let lists = [
             (
                 &found.missed,
-                (|it| &it.missed) as fn(&Results) -> &Vec<bool>,
+                (|results| &results.missed) as fn(&Results) -> &Vec<bool>,
             ),
-            (&found.overdue, |it| &it.overdue),
+            (&found.overdue, |results| &results.overdue),
         ];
         for (found_in, pick) in lists {
-            for (task, it) in found_in.iter().enumerate() {
+            for (task, found) in found_in.iter().enumerate() {
                 // A search with longest times is not complete.
                 let complete = number % 3 != 2;
-                let wrong = match it {
-                    Some(it) => !shows(it, pick, task)?,
+                let wrong = match found {
+                    Some(check) => !shows(check, pick, task)?,
                     None => complete && pick(expected)[task],
                 };
                 if wrong {
-                    return Err(format!("search {number}: task {task}, found {it:?}"));
+                    return Err(format!("search {number}: task {task}, found {found:?}"));
                 }
             }
         }
@@ -336,7 +336,7 @@ fn bound(
     found: &Option<Measured>,
     replay: impl Fn(&Found) -> Result<Option<u32>, String>,
 ) -> Result<(), String> {
-    let value = found.as_ref().map(|it| match it.bound {
+    let value = found.as_ref().map(|measurement| match measurement.bound {
         Bound::Unbounded => CAP,
         Bound::Finite(value) => value.min(CAP),
     });
@@ -346,12 +346,12 @@ fn bound(
     let Some(found) = found else {
         return Ok(());
     };
-    let it = &found.longest;
-    let reached = replay(it)?;
+    let longest = &found.longest;
+    let reached = replay(longest)?;
     match found.bound {
         Bound::Finite(value) if reached != Some(value.min(CAP)) => Err(format!(
             "{what} {i} is {value}, its run reaches {reached:?}: {:?}",
-            it.run
+            longest.run
         )),
         _ => Ok(()),
     }
@@ -368,8 +368,10 @@ fn excess(
     replay: impl Fn(&Found) -> Result<Option<u32>, String>,
 ) -> Result<(), String> {
     let expected = limit.and_then(|limit| first.get(limit as usize + 1));
-    let run = found.as_ref().and_then(|it| it.excess.as_ref());
-    let (Some(limit), Some(it)) = (limit, run) else {
+    let run = found
+        .as_ref()
+        .and_then(|measurement| measurement.excess.as_ref());
+    let (Some(limit), Some(run)) = (limit, run) else {
         // Brute force knows nothing beyond the cap.
         let unknown = limit == Some(CAP) && expected.is_none();
         return match expected.is_some() == run.is_some() || unknown {
@@ -379,17 +381,17 @@ fn excess(
             )),
         };
     };
-    let reached = replay(it)?;
+    let reached = replay(run)?;
     let unbounded = found
         .as_ref()
-        .is_some_and(|it| it.bound == Bound::Unbounded);
+        .is_some_and(|measurement| measurement.bound == Bound::Unbounded);
     let as_early = expected
-        .is_none_or(|&it_ends| it.run.end == it_ends || (unbounded && it.run.end > it_ends));
+        .is_none_or(|&it_ends| run.run.end == it_ends || (unbounded && run.run.end > it_ends));
     if reached <= Some(limit).min(Some(CAP - 1)) || !as_early {
         return Err(format!(
             "{what} {i}, limit {limit}: brute exceeds it at {expected:?}, this run reaches {reached:?} \
              at {}: {:?}",
-            it.run.end, it.run
+            run.run.end, run.run
         ));
     }
     Ok(())
@@ -399,14 +401,16 @@ fn excess(
 fn cases() -> u64 {
     std::env::var("DOTGEN_TIMING_CASES")
         .ok()
-        .and_then(|it| it.parse().ok())
+        .and_then(|variable| variable.parse().ok())
         .unwrap_or(500)
 }
 
 /// Returns the first seed, which the environment can set to repeat a system.
 fn first() -> u64 {
     let given = std::env::var("DOTGEN_TIMING_SEED").ok();
-    given.and_then(|it| it.parse().ok()).unwrap_or(0)
+    given
+        .and_then(|variable| variable.parse().ok())
+        .unwrap_or(0)
 }
 
 /// Compares systems from seed `first` on; at least one in `share` must be small enough for brute force.
@@ -505,7 +509,7 @@ fn compare_reachable(seed: u64) -> Option<Result<(), String>> {
         reach: &goals,
     };
     let expected = brute.explore(30_000)?;
-    let refused = (0..system.services.len()).filter(|&it| expected.refused[it]);
+    let refused = (0..system.services.len()).filter(|&service| expected.refused[service]);
     let expected = ZoneFindings {
         deadlock: expected.deadlock,
         refused: refused.collect(),
@@ -539,11 +543,11 @@ fn compare_reachable(seed: u64) -> Option<Result<(), String>> {
         if all != expected {
             return Err(format!("brute {expected:?}, found {all:?}"));
         }
-        for (i, it) in found.reached.iter().enumerate() {
-            if let Some(it) = it
-                && !brute.replay(&it.run.steps, it.run.end)?.reached[i]
+        for (i, found) in found.reached.iter().enumerate() {
+            if let Some(found) = found
+                && !brute.replay(&found.run.steps, found.run.end)?.reached[i]
             {
-                return Err(format!("run to {i} shows nothing: {:?}", it.run));
+                return Err(format!("run to {i} shows nothing: {:?}", found.run));
             }
         }
         Ok(())

@@ -20,7 +20,7 @@ fn explorer_agrees_on_sequences() {
         let mut dice = Dice::new(seed);
         let (system, within) = systems::random(&mut dice);
         let (trigger, response) = match within.into_iter().next() {
-            Some(it) => it,
+            Some(pair) => pair,
             None => (
                 systems::predicate(&system, &mut dice),
                 systems::predicate(&system, &mut dice),

@@ -52,15 +52,15 @@ pub(crate) struct Results {
 
 impl Results {
     fn took(&mut self, c: usize, t: usize, time: u32) {
-        let it = &mut self.response[c][t];
-        *it = (*it).max(Some(time));
+        let response = &mut self.response[c][t];
+        *response = (*response).max(Some(time));
     }
 }
 
 impl<'s> Interpreter<'s> {
     pub(crate) fn new(system: &'s System, within: &'s [Sequence], reach: &'s [Predicate]) -> Self {
         let tasks = system.components.iter().enumerate();
-        let tasks = tasks.flat_map(|(c, it)| (0..it.tasks.len()).map(move |t| (c, t)));
+        let tasks = tasks.flat_map(|(c, task)| (0..task.tasks.len()).map(move |t| (c, t)));
         let needing = tasks.filter(|&(c, t)| system.needs_core(c, t)).count();
         // Under preemption there are never "enough" cores: if a task is bound to one of them, others do not
         // help.
@@ -87,13 +87,13 @@ impl<'s> Interpreter<'s> {
 
     fn blank(&self) -> Results {
         let all = self.system.components.iter();
-        let tasks = all.map(|it| vec![false; it.tasks.len()]);
+        let tasks = all.map(|component| vec![false; component.tasks.len()]);
         let missed: Vec<Vec<bool>> = tasks.collect();
         let all = self.system.components.iter();
-        let services = all.map(|it| vec![false; it.services.len()]);
+        let services = all.map(|component| vec![false; component.services.len()]);
         Results {
             overdue: missed.clone(),
-            response: missed.iter().map(|it| vec![None; it.len()]).collect(),
+            response: missed.iter().map(|task| vec![None; task.len()]).collect(),
             missed,
             within: vec![None; self.within.len()],
             reached: vec![false; self.reach.len()],
@@ -114,22 +114,22 @@ impl<'s> Interpreter<'s> {
                 let period = self.system.components[c].tasks[t].period;
                 let no_core = idle && !self.may_get_core(s, c, state::Who::Task(t));
                 let waits = task.phase == Phase::WaitingForCore || no_core;
-                out.overdue[c][t] |= waits && period.is_some_and(|it| job.measured >= it);
+                out.overdue[c][t] |= waits && period.is_some_and(|period| job.measured >= period);
                 out.took(c, t, job.measured);
             }
         }
         for (longest, open) in out.within.iter_mut().zip(&s.obligations) {
-            *longest = (*longest).max(open.iter().map(|it| it.1).max());
+            *longest = (*longest).max(open.iter().map(|pair| pair.1).max());
         }
     }
 
     fn reach(&self, before: Option<&State>, now: &State, out: &mut Results) {
-        for (it, reached) in self.reach.iter().zip(&mut out.reached) {
-            *reached = *reached || self.holds(before, now, it);
+        for (predicate, reached) in self.reach.iter().zip(&mut out.reached) {
+            *reached = *reached || self.holds(before, now, predicate);
         }
         // An obligation that is met at once takes no time, which is a measured time.
         for ((trigger, _), longest) in self.within.iter().zip(&mut out.within) {
-            let was = before.is_some_and(|it| self.holds(Some(it), it, trigger));
+            let was = before.is_some_and(|state| self.holds(Some(state), state, trigger));
             if !was && self.holds(before, now, trigger) {
                 *longest = (*longest).max(Some(0));
             }
@@ -140,8 +140,8 @@ impl<'s> Interpreter<'s> {
     pub(crate) fn explore(&self, limit: usize) -> Option<Results> {
         let mut out = self.blank();
         let mut initial = State::initial(self.system, self.within.len());
-        for (c, it) in self.system.components.iter().enumerate() {
-            if !it.tasks.is_empty() {
+        for (c, component) in self.system.components.iter().enumerate() {
+            if !component.tasks.is_empty() {
                 self.start(&mut initial, c, 0);
             }
         }
@@ -158,17 +158,17 @@ impl<'s> Interpreter<'s> {
             let (steps, urgent) = self.possible(&s);
             let mut next: Vec<State> = Vec::new();
             for step in steps {
-                let it = self.perform(&s, step, &mut out);
-                self.reach(Some(&s), &it, &mut out);
-                next.push(it);
+                let state = self.perform(&s, step, &mut out);
+                self.reach(Some(&s), &state, &mut out);
+                next.push(state);
             }
             if !urgent {
                 out.deadlock |= self.dead(&s);
                 next.push(self.pass(&s));
             }
-            for it in next {
-                if seen.insert(it.clone()) {
-                    todo.push(it);
+            for state in next {
+                if seen.insert(state.clone()) {
+                    todo.push(state);
                 }
             }
         }

@@ -121,7 +121,7 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
     // observed.
     let from_zero = dice.in_ten(5);
     if from_zero {
-        system.codels.iter_mut().for_each(|it| it.lower = 0);
+        system.codels.iter_mut().for_each(|codel| codel.lower = 0);
     }
     let mut within = Vec::new();
     for _ in 0..if from_zero {
@@ -162,10 +162,10 @@ pub(crate) fn aperiodic(dice: &mut Dice) -> (TimedSystem, Vec<Predicate>) {
     }
     let goals = (0..4)
         .map(|_| {
-            let it = predicate(&system, dice);
+            let random = predicate(&system, dice);
             match dice.in_ten(6) {
-                true => Predicate::And(Box::new(it), Box::new(predicate(&system, dice))),
-                false => it,
+                true => Predicate::And(Box::new(random), Box::new(predicate(&system, dice))),
+                false => random,
             }
         })
         .collect();
@@ -200,11 +200,15 @@ pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {
             src: None,
         });
     }
-    for it in &mut system.codels {
-        if it.upper != FOREVER {
-            it.upper = it.upper.min(2);
+    for codel in &mut system.codels {
+        if codel.upper != FOREVER {
+            codel.upper = codel.upper.min(2);
         }
-        it.lower = if from_zero { 0 } else { it.lower.min(it.upper) };
+        codel.lower = if from_zero {
+            0
+        } else {
+            codel.lower.min(codel.upper)
+        };
     }
     for one in 0..system.codels.len() {
         for other in 0..one {
@@ -368,13 +372,13 @@ fn machine(system: &mut TimedSystem, dice: &mut Dice, component: usize, name: St
             let mut yields = Vec::new();
             for _ in 0..1 + dice.below(2) {
                 let to = dice.below(n as u32) as usize;
-                let it = match dice.below(4) {
+                let end = match dice.below(4) {
                     0 => Yield::End,
                     1 if to > i || dice.in_ten(2) => Yield::Next(to),
                     _ => Yield::Pause(to),
                 };
-                if !yields.contains(&it) {
-                    yields.push(it);
+                if !yields.contains(&end) {
+                    yields.push(end);
                 }
             }
             State {

@@ -33,12 +33,12 @@ fn walk(system: &TimedSystem, watched: &Watched, dice: &mut Dice) -> Walk {
     );
     stepper.begin(&mut fresh);
     loop {
-        for it in &fresh {
+        for observation in &fresh {
             if let &Seen::Begun {
                 executor,
                 time: (least, greatest),
                 ..
-            } = it
+            } = observation
             {
                 let greatest = greatest.min(least + 20);
                 let time = least + dice.below(greatest - least + 1);
@@ -46,11 +46,11 @@ fn walk(system: &TimedSystem, watched: &Watched, dice: &mut Dice) -> Walk {
             }
         }
         all.append(&mut fresh);
-        for (task, it) in open.0.iter_mut().enumerate() {
-            *it = (*it).max(stepper.job(task));
+        for (task, since) in open.0.iter_mut().enumerate() {
+            *since = (*since).max(stepper.job(task));
         }
-        for (within, it) in open.1.iter_mut().enumerate() {
-            *it = (*it).max(stepper.awaited(within));
+        for (within, since) in open.1.iter_mut().enumerate() {
+            *since = (*since).max(stepper.awaited(within));
         }
         stepper.possible(&mut possible);
         let now = stepper.now();
@@ -76,7 +76,7 @@ fn walk(system: &TimedSystem, watched: &Watched, dice: &mut Dice) -> Walk {
         seen: all,
         open,
         refused: (0..system.services.len())
-            .map(|it| stepper.has_refused(it))
+            .map(|service| stepper.has_refused(service))
             .collect(),
     }
 }
@@ -168,8 +168,8 @@ fn told(like: &Results, done: &Walk) -> Results {
         refused: done.refused.clone(),
         ..Results::default()
     };
-    for it in &done.seen {
-        match *it {
+    for observation in &done.seen {
+        match *observation {
             Seen::Missed { task } => out.missed[task] = true,
             Seen::Overdue { task } => out.overdue[task] = true,
             Seen::Reached { predicate } => out.reached[predicate] = true,
@@ -188,8 +188,8 @@ fn told(like: &Results, done: &Walk) -> Results {
 /// Checks that every executor asks, begins and ends in this order, with the same work.
 fn runs_are_whole(seen: &[Seen]) -> Result<(), String> {
     let mut now: Vec<(u8, Option<Work>)> = Vec::new();
-    for it in seen {
-        let (executor, work, stage) = match *it {
+    for observation in seen {
+        let (executor, work, stage) = match *observation {
             Seen::Asked { executor, work } => (executor, work, 1),
             Seen::Begun { executor, work, .. } => (executor, work, 2),
             Seen::Ended { executor, work, .. } => (executor, work, 0),
@@ -201,7 +201,7 @@ fn runs_are_whole(seen: &[Seen]) -> Result<(), String> {
         let (was, of) = now[executor];
         let next = (was + 1) % 3;
         if next != stage || (stage != 1 && of != Some(work)) {
-            return Err(format!("{it:?} after stage {was} of {of:?}"));
+            return Err(format!("{observation:?} after stage {was} of {of:?}"));
         }
         now[executor] = (stage, Some(work));
     }

@@ -37,7 +37,7 @@ fn load(path: &Path) -> (Scenario, UnitResult) {
         .scenario
         .items
         .iter()
-        .filter_map(|it| match it {
+        .filter_map(|item| match item {
             Item::Use(file) => Some(Input::File(folder.join(&file.value))),
             _ => None,
         })
@@ -52,8 +52,8 @@ fn load(path: &Path) -> (Scenario, UnitResult) {
     let errors: Vec<String> = unit
         .diagnostics
         .iter()
-        .filter(|it| it.severity == dotgen_analysis::diagnostic::Severity::Error)
-        .map(|it| it.message.clone())
+        .filter(|diagnostic| diagnostic.severity == dotgen_analysis::diagnostic::Severity::Error)
+        .map(|diagnostic| diagnostic.message.clone())
         .collect();
     assert_eq!(errors, Vec::<String>::new());
     (parsed.scenario, unit)
@@ -61,10 +61,16 @@ fn load(path: &Path) -> (Scenario, UnitResult) {
 
 /// Describes a report, for failures.
 fn in_words(report: &Report) -> String {
-    let checks = report.checks.iter().map(|it| {
-        let value = it.value.map(|it| it.to_string()).unwrap_or_default();
-        let note = it.note.as_deref().unwrap_or_default();
-        format!("{:?} {} {} {value} {note}", it.verdict, it.kind, it.of)
+    let checks = report.checks.iter().map(|check| {
+        let value = check
+            .value
+            .map(|value| value.to_string())
+            .unwrap_or_default();
+        let note = check.note.as_deref().unwrap_or_default();
+        format!(
+            "{:?} {} {} {value} {note}",
+            check.verdict, check.kind, check.of
+        )
     });
     checks.collect::<Vec<_>>().join("\n")
 }
@@ -86,17 +92,21 @@ fn ground_truth() {
     for case in truth["cases"].as_array().unwrap() {
         let id = case["id"].as_str().unwrap();
         let options = Options {
-            cores: case["with"]["cores"].as_u64().map(|it| Some(it as u32)),
-            policy: case["with"]["policy"].as_str().map(|it| match it {
+            cores: case["with"]["cores"]
+                .as_u64()
+                .map(|number| Some(number as u32)),
+            policy: case["with"]["policy"].as_str().map(|policy| match policy {
                 "edf" => Policy::Edf,
                 "any" => Policy::Any,
                 _ => Policy::Fifo,
             }),
-            durations: case["with"]["durations"].as_str().map(|it| match it {
-                "fixed" => Durations::Fixed,
-                "open" => Durations::Open,
-                _ => Durations::Interval,
-            }),
+            durations: case["with"]["durations"]
+                .as_str()
+                .map(|duration| match duration {
+                    "fixed" => Durations::Fixed,
+                    "open" => Durations::Open,
+                    _ => Durations::Interval,
+                }),
             ..published()
         };
         let report = run(&shared.join(case["scenario"].as_str().unwrap()), &options);
@@ -104,7 +114,7 @@ fn ground_truth() {
         let found: BTreeMap<(&str, &str), _> = report
             .checks
             .iter()
-            .map(|it| ((it.kind.word(), it.of.as_str()), it))
+            .map(|check| ((check.kind.word(), check.of.as_str()), check))
             .collect();
         for (kind, key) in [
             ("schedulable", "schedulable"),
@@ -145,7 +155,7 @@ fn the_scenarios_of_the_examples_hold_under_both_semantics() {
     for folder in std::fs::read_dir(examples).unwrap() {
         for file in std::fs::read_dir(folder.unwrap().path()).unwrap() {
             let path = file.unwrap().path();
-            if path.extension().is_none_or(|it| it != "scn") {
+            if path.extension().is_none_or(|extension| extension != "scn") {
                 continue;
             }
             for preset in [Preset::Servers, Preset::Published] {
@@ -154,7 +164,7 @@ fn the_scenarios_of_the_examples_hold_under_both_semantics() {
                     ..published()
                 };
                 let report = run(&path, &options);
-                let proved = |it: &CheckReport| it.verdict == Verdict::Proved;
+                let proved = |report: &CheckReport| report.verdict == Verdict::Proved;
                 assert!(
                     report.checks.iter().all(proved) && !report.has_errors(),
                     "{} under {}\n{}",
@@ -177,7 +187,9 @@ fn look() {
         return;
     };
     let options = Options {
-        cores: std::env::var("CORES").ok().map(|it| it.parse().ok()),
+        cores: std::env::var("CORES")
+            .ok()
+            .map(|variable| variable.parse().ok()),
         durations: match std::env::var("DURATIONS").as_deref() {
             Ok("fixed") => Some(Durations::Fixed),
             Ok("interval") => Some(Durations::Interval),

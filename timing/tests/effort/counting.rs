@@ -21,7 +21,7 @@ fn change(by: isize) {
 }
 
 fn count() {
-    let _ = COUNT.try_with(|it| it.set(it.get() + 1));
+    let _ = COUNT.try_with(|cell| cell.set(cell.get() + 1));
 }
 
 // SAFETY: the system allocator does all the work.

@@ -15,8 +15,8 @@ fn asked(within: u32, wait: u32) -> (String, String) {
     let lease = wait + 20 * wait / 10;
     for i in 1..=4 {
         let others: Vec<String> = (1..=4)
-            .filter(|&it| it != i)
-            .map(|it| format!("use{it}"))
+            .filter(|&number| number != i)
+            .map(|number| format!("use{number}"))
             .collect();
         genom += &format!(
             "task look{i} {{ }}; task lease{i} {{ }};
@@ -87,7 +87,7 @@ fn what_is_proved_in_zones_stays_proved_when_the_rest_is_given_up() {
     let checks = "check deadlock; check reachable house.look1 and house.look1.idle;
       check within tenant1.ask1 => house.use1.void <= 1 s;";
     let (report, _) = answer_all(10_000, 11_000, checks, &options);
-    let verdicts: Vec<Verdict> = report.checks.iter().map(|it| it.verdict).collect();
+    let verdicts: Vec<Verdict> = report.checks.iter().map(|check| check.verdict).collect();
     let (proved, refuted) = (Verdict::Proved, Verdict::Refuted);
     assert_eq!(verdicts, [proved, refuted, Verdict::Unknown, proved]);
 }

@@ -227,10 +227,10 @@ fn derived_questions_end_when_cancelled() {
 
 #[test]
 fn a_machine_with_very_many_turns_is_built_quickly() {
-    let states: Vec<String> = (0..14).map(|it| format!("s{it}")).collect();
+    let states: Vec<String> = (0..14).map(|number| format!("s{number}")).collect();
     let all = states.join(", ");
     let codels: String = (states.iter())
-        .map(|it| format!("codel <{it}> do_{it}() yield {all}, ether;"))
+        .map(|state| format!("codel <{state}> do_{state}() yield {all}, ether;"))
         .collect();
     let unit = load(&format!(
         "component c {{ version \"1\"; lang \"c\";
@@ -286,30 +286,31 @@ fn a_search_without_memory_gives_up_honestly() {
             "{peak} bytes used with a limit of {bytes}"
         );
         assert!(report.unknown());
-        for (it, known) in report.checks.iter().zip(&whole.checks) {
-            let text = format!("{bytes}: {} {}, {:?}", it.kind, it.of, it.value);
+        for (check, known) in report.checks.iter().zip(&whole.checks) {
+            let text = format!("{bytes}: {} {}, {:?}", check.kind, check.of, check.value);
             // Never a proof, never a refutation of a valid check, and times are lower bounds.
             assert!(
-                it.verdict == Verdict::Unknown || it.verdict == known.verdict,
+                check.verdict == Verdict::Unknown || check.verdict == known.verdict,
                 "{text}"
             );
-            assert!(it.verdict != Verdict::Proved, "{text}");
-            if let (Some(Value::Time(it)), Some(Value::Time(known))) = (it.value, known.value) {
-                assert!(it <= known, "{text}, in truth {known}");
-            }
-            if let (Verdict::Refuted, Some(Value::Time(it)), Some(Value::Time(limit))) =
-                (it.verdict, it.value, it.bound)
+            assert!(check.verdict != Verdict::Proved, "{text}");
+            if let (Some(Value::Time(time)), Some(Value::Time(known))) = (check.value, known.value)
             {
-                assert!(it > limit, "{text}");
+                assert!(time <= known, "{text}, in truth {known}");
             }
-            let says_so = it
+            if let (Verdict::Refuted, Some(Value::Time(time)), Some(Value::Time(limit))) =
+                (check.verdict, check.value, check.bound)
+            {
+                assert!(time > limit, "{text}");
+            }
+            let says_so = check
                 .note
                 .as_deref()
-                .is_some_and(|it| it.starts_with("gave up at"));
-            let has_run = !it.counterexample.is_empty();
+                .is_some_and(|note| note.starts_with("gave up at"));
+            let has_run = !check.counterexample.is_empty();
             assert!(says_so || has_run, "{text}");
-            let shown = it.verdict == Verdict::Refuted && it.value == Some(Value::Unbounded);
-            assert!(says_so || it.value.is_none() || shown, "{text}");
+            let shown = check.verdict == Verdict::Refuted && check.value == Some(Value::Unbounded);
+            assert!(says_so || check.value.is_none() || shown, "{text}");
         }
     }
 }
@@ -319,7 +320,7 @@ fn a_search_without_memory_gives_up_honestly() {
 #[test]
 fn a_large_search_stays_within_its_memory() {
     let periods = [5, 10, 20, 25, 40, 50, 80, 100, 125, 200];
-    let ids: String = (0..10).map(|it| format!("long x{it};")).collect();
+    let ids: String = (0..10).map(|number| format!("long x{number};")).collect();
     let tasks = periods.iter().enumerate().map(|(i, period)| {
         let wcet = if i == 9 { 6_000 } else { period * 50 };
         format!(
@@ -345,7 +346,11 @@ fn a_large_search_stays_within_its_memory() {
     };
     let ask = || verify(&input, &scenario.scenario, &options, &Cancel::default());
     let (report, peak) = counting::peak(ask);
-    let stopped = |it: &CheckReport| it.gave_up.is_some_and(|it| it.reason == Stop::Memory);
+    let stopped = |report: &CheckReport| {
+        report
+            .gave_up
+            .is_some_and(|gave_up| gave_up.reason == Stop::Memory)
+    };
     assert!(report.checks.iter().any(stopped), "{:?}", report.checks);
     // One more segment of each sequence, at most.
     assert!(
@@ -382,9 +387,9 @@ fn the_number_of_threads_changes_no_derived_answer() {
         let (found, looked) = by_threads(threads, |options, cancel| {
             let mut options = options.clone();
             options.limits.bytes = bytes;
-            let tell = |it: InterimResult| {
-                if let InterimResult::Asking(it) = it {
-                    told.lock().unwrap().push(it.clone());
+            let tell = |interim_result: InterimResult| {
+                if let InterimResult::Asking(progress) = interim_result {
+                    told.lock().unwrap().push(progress.clone());
                 }
             };
             with("", |input, scenario| {
@@ -394,7 +399,7 @@ fn the_number_of_threads_changes_no_derived_answer() {
         assert_eq!(looked > 1, threads > 1, "{looked} threads of {threads}");
         let told = told.into_inner().unwrap();
         assert_eq!(told.len(), 1 + found.wcet.len() + found.period.len());
-        assert!(told.is_sorted_by_key(|it| it.done));
+        assert!(told.is_sorted_by_key(|mutex| mutex.done));
         serde_json::to_value(found).unwrap()
     };
     // The second run has less memory for each search than some of them need.

@@ -58,7 +58,7 @@ fn bounds(specification: &str, scenario: &str) -> Result<String, Refusal> {
             Err(_) => Ok(()),
         };
     }
-    match bounds.iter().find_map(|it| it.err()) {
+    match bounds.iter().find_map(|bound| bound.err()) {
         Some(why) if !bounds.iter().any(Result::is_ok) => Err(why),
         _ => Ok(out),
     }
@@ -95,9 +95,9 @@ fn deadlines_are_proved_by_the_middle_tier_where_analysis_knows_nothing() {
         "cores 2; policy edf; check schedulable *; check no-overdue *;",
         &Options::default(),
     );
-    for it in &report.checks {
-        assert_eq!(it.verdict, Verdict::Proved, "{it:?}");
-        assert_eq!(it.by, Some(Layer::ScheduleAbstraction), "{it:?}");
+    for check in &report.checks {
+        assert_eq!(check.verdict, Verdict::Proved, "{check:?}");
+        assert_eq!(check.by, Some(Layer::ScheduleAbstraction), "{check:?}");
     }
     // No exploration was needed.
     assert_eq!(report.states, 0);
@@ -141,7 +141,7 @@ fn a_task_without_a_bound_leaves_the_bounds_of_the_others() {
     let open = |specification: &str, scenario: &str, reason: &str| {
         let found = bounds(specification, scenario).unwrap();
         let (open, bounded): (Vec<&str>, Vec<&str>) =
-            found.lines().partition(|it| it.contains(':'));
+            found.lines().partition(|line| line.contains(':'));
         assert_eq!(open, [format!("joint.servo: {reason}")]);
         assert_eq!(bounded.len(), 2, "{found}");
     };
@@ -159,7 +159,7 @@ fn a_task_without_a_bound_leaves_the_bounds_of_the_others() {
         "cores 1; policy fifo; check schedulable *;",
         &Options::default(),
     );
-    let verdicts = report.checks.iter().map(|it| it.verdict);
+    let verdicts = report.checks.iter().map(|check| check.verdict);
     let expected = [Verdict::Refuted, Verdict::Proved, Verdict::Proved];
     assert_eq!(verdicts.collect::<Vec<_>>(), expected);
     let lines = report.reductions.lines();
@@ -216,9 +216,9 @@ fn the_order_of_declarations_changes_no_verdict() {
         (2, "cores 3; policy edf;".to_owned()),
     ] {
         let periodic = [4, 12][components / 4];
-        for (turn, back) in (0..4).flat_map(|it| [(it, false), (it, true)]) {
+        for (turn, back) in (0..4).flat_map(|number| [(number, false), (number, true)]) {
             let found = bounds(&ordered(components, turn, back), &scenario).unwrap();
-            let bounded = found.lines().filter(|it| !it.contains(':'));
+            let bounded = found.lines().filter(|line| !line.contains(':'));
             assert_eq!(
                 bounded.count(),
                 periodic,
@@ -276,6 +276,10 @@ fn fifty_periodic_tasks_on_one_core_keep_their_deadlines() {
     for semantics in ["servers", "published"] {
         let scenario = format!("semantics {semantics}; cores 1; policy edf;");
         let found = bounds(&specification, &scenario);
-        assert_eq!(found.map(|it| it.lines().count()), Ok(50), "{semantics}");
+        assert_eq!(
+            found.map(|bound| bound.lines().count()),
+            Ok(50),
+            "{semantics}"
+        );
     }
 }

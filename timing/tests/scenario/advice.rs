@@ -52,7 +52,7 @@ fn found(specification: &str, scenario: &str) -> (Repairs, Vec<Change>) {
     let report = report(specification, scenario);
     with(specification, scenario, |input, scenario| {
         let told = Mutex::new(Vec::new());
-        let tell = |it: &Change| told.lock().unwrap().push(it.clone());
+        let tell = |change: &Change| told.lock().unwrap().push(change.clone());
         let (options, cancel) = (Options::default(), Cancel::default());
         let until = (&cancel, None);
         let found = repairs(input, scenario, &options, &report, until, (&|_| {}, &tell));
@@ -63,14 +63,17 @@ fn found(specification: &str, scenario: &str) -> (Repairs, Vec<Change>) {
 fn holds(specification: &str, scenario: &str) -> bool {
     let report = report(specification, scenario);
     assert!(!report.has_errors(), "{:?}", report.diagnostics);
-    report.checks.iter().all(|it| it.verdict == Verdict::Proved)
+    report
+        .checks
+        .iter()
+        .all(|check| check.verdict == Verdict::Proved)
 }
 
 /// Returns the specification and the scenario with a change made in their texts. A copy replaces the shared
 /// data.
 fn made(change: &Change, specification: &str, scenario: &str, by: f64) -> (String, String) {
     let (mut specification, mut scenario) = (specification.to_owned(), scenario.to_owned());
-    let ms = |it: f64| format!("{} us", ((it + by) * 1000.0).round());
+    let ms = |number: f64| format!("{} us", ((number + by) * 1000.0).round());
     let replace = |text: &mut String, near: &str, old: String, new: String| {
         let from = text.find(near).expect(near);
         let at = from + text[from..].find(&old).expect(&old);
@@ -131,7 +134,7 @@ fn what_repairs_is_found_verified_and_no_larger_than_needed() {
         assert!(!holds(specification, &scenario));
         let (found, mut told) = found(specification, &scenario);
         assert!(!found.incomplete);
-        let kind = |it: &Change| serde_json::to_value(it).unwrap()["change"].clone();
+        let kind = |change: &Change| serde_json::to_value(change).unwrap()["change"].clone();
         let kinds: Vec<_> = found.changes.iter().map(kind).collect();
         assert!(kinds.contains(&expected.into()), "{expected}: {kinds:?}");
         assert!(kinds.contains(&"wcet".into()), "{kinds:?}");
@@ -141,8 +144,8 @@ fn what_repairs_is_found_verified_and_no_larger_than_needed() {
         }
         let sizes: Vec<_> = found.changes.iter().map(Change::size).collect();
         assert!(sizes.is_sorted(), "{sizes:?}");
-        for it in &found.changes {
-            let at = told.iter().position(|told| told == it);
+        for change in &found.changes {
+            let at = told.iter().position(|told| told == change);
             told.remove(at.expect("told"));
         }
         assert_eq!(told, []);
@@ -156,12 +159,12 @@ fn a_longest_time_is_the_longest() {
     let times: Vec<&Change> = found
         .changes
         .iter()
-        .filter(|it| matches!(it, Change::Wcet { .. }))
+        .filter(|change| matches!(change, Change::Wcet { .. }))
         .collect();
     assert!(!times.is_empty());
-    for it in times {
-        let (specification, scenario) = made(it, LIFT, &scenario, 1.0);
-        assert!(!holds(&specification, &scenario), "{it:?}");
+    for time in times {
+        let (specification, scenario) = made(time, LIFT, &scenario, 1.0);
+        assert!(!holds(&specification, &scenario), "{time:?}");
     }
 }
 
@@ -181,7 +184,7 @@ fn what_holds_needs_no_repair_and_without_patience_nothing_is_tried() {
             &options,
             &report,
             until,
-            (&|_| {}, &|it| panic!("{it:?}")),
+            (&|_| {}, &|change| panic!("{change:?}")),
         );
         assert_eq!(found.changes, []);
         assert!(found.incomplete);
@@ -205,11 +208,13 @@ fn limits_come_by_use_without_what_nobody_asks_for_and_say_what_breaks_first() {
     let asked = |items: &str| {
         with(&fine, &scenario(items), |input, scenario| {
             let told = Mutex::new(Vec::new());
-            let tell = |it: InterimResult| {
-                told.lock().unwrap().extend(match it {
+            let tell = |interim_result: InterimResult| {
+                told.lock().unwrap().extend(match interim_result {
                     InterimResult::Asking(_) => None,
                     InterimResult::Cores(_) => Some("cores".to_owned()),
-                    InterimResult::Wcet(it) | InterimResult::Period(it) => Some(it.of.clone()),
+                    InterimResult::Wcet(wcet) | InterimResult::Period(wcet) => {
+                        Some(wcet.of.clone())
+                    }
                 })
             };
             let cancel = Cancel::default();
@@ -227,9 +232,14 @@ fn limits_come_by_use_without_what_nobody_asks_for_and_say_what_breaks_first() {
     ];
     assert_eq!(told, order);
     let next = found.next_to_break.expect("something breaks first");
-    let all = found.wcet.iter().map(|it| (Quantity::Wcet, &it.of));
+    let all = found.wcet.iter().map(|wcet| (Quantity::Wcet, &wcet.of));
     let all: Vec<_> = all
-        .chain(found.period.iter().map(|it| (Quantity::Period, &it.of)))
+        .chain(
+            found
+                .period
+                .iter()
+                .map(|period| (Quantity::Period, &period.of)),
+        )
         .collect();
     assert!(all.contains(&(next.quantity, &next.of)));
     assert!(next.factor > 1.0 && next.factor < 2.0, "{next:?}");
@@ -243,9 +253,12 @@ fn a_remedy_makes_all_checks_of_the_task_hold() {
     // With 5 ms for `tell` no tick is missed, but the response is below 6 ms only with less.
     let scenario = scenario("check response lift.control <= 6 ms;");
     let report = report(LIFT, &scenario);
-    let refuted = report.checks.iter().filter(|it| it.of == "lift.control");
+    let refuted = report
+        .checks
+        .iter()
+        .filter(|check| check.of == "lift.control");
     let refuted: Vec<_> = refuted
-        .filter(|it| it.verdict == Verdict::Refuted || it.exceeds())
+        .filter(|check| check.verdict == Verdict::Refuted || check.exceeds())
         .collect();
     assert_eq!(refuted.len(), 2);
     let found = with(LIFT, &scenario, |input, scenario| {

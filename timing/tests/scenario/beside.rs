@@ -58,7 +58,7 @@ fn what_fails_at_a_crowded_moment_is_found_soon_and_in_few_steps() {
         assert_eq!(report.checks[0].verdict, Verdict::Refuted, "{processes}");
         // The failure needs one write and one wait of two processes; the others need not act.
         let run = &report.checks[0].counterexample;
-        let inside = run.iter().filter(|it| it.what.contains(".cs begins"));
+        let inside = run.iter().filter(|run| run.what.contains(".cs begins"));
         assert_eq!(inside.count(), 2, "{processes}");
         assert_eq!(run.last().unwrap().time, 2.0, "{processes}");
     }
@@ -115,11 +115,21 @@ fn that_a_task_can_starve_is_found_long_before_everything_is_known() {
     let mut options = published();
     options.limits.states = 200_000;
     let report = verify(&input, &parsed.scenario, &options, &Cancel::default());
-    for it in &report.checks {
-        assert_eq!(it.verdict, Verdict::Refuted, "{} {}", it.kind, it.of);
-        if it.kind == PropertyKind::Response {
-            assert_eq!(it.value, Some(Value::Unbounded), "{}", it.of);
-            assert!(it.cycle.is_some(), "{}: the run goes on for ever", it.of);
+    for check in &report.checks {
+        assert_eq!(
+            check.verdict,
+            Verdict::Refuted,
+            "{} {}",
+            check.kind,
+            check.of
+        );
+        if check.kind == PropertyKind::Response {
+            assert_eq!(check.value, Some(Value::Unbounded), "{}", check.of);
+            assert!(
+                check.cycle.is_some(),
+                "{}: the run goes on for ever",
+                check.of
+            );
         }
     }
 }

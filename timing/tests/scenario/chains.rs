@@ -50,7 +50,7 @@ fn two(semantics: Preset, items: &str) -> Report {
 
 fn values(report: &Report) -> Vec<(Verdict, Option<Value>)> {
     let checks = report.checks.iter();
-    checks.map(|it| (it.verdict, it.value)).collect()
+    checks.map(|check| (check.verdict, check.value)).collect()
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn reaction_and_age_are_those_worked_out_by_hand() {
         "durations fixed; check reaction sensor.raw -> filter.clean; check age sensor.raw -> filter.clean;
          check reaction sensor.raw -> filter.clean <= 20 ms; check age sensor.raw -> filter.raw;",
     );
-    let time = |it| Some(Value::Time(it));
+    let time = |number| Some(Value::Time(number));
     assert_eq!(
         values(&report),
         [
@@ -82,7 +82,7 @@ fn reaction_and_age_are_those_worked_out_by_hand() {
         Some("by filter.t.start → filter.t.pass")
     );
     let last = report.checks[2].counterexample.last();
-    assert_eq!(last.map(|it| it.time), Some(42.0));
+    assert_eq!(last.map(|counterexample| counterexample.time), Some(42.0));
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn an_input_that_nobody_writes_is_new_at_any_moment() {
     // Reaction: from just after the filter has read at 20 until it writes at 42. Age: read at 20, and visible
     // until 42.
     let report = two(Preset::Servers, items);
-    let time = |it| (Verdict::Proved, Some(Value::Time(it)));
+    let time = |number| (Verdict::Proved, Some(Value::Time(number)));
     assert_eq!(values(&report), [time(22.0), time(22.0)]);
     // The published models begin at 0, and the timer with them.
     let report = two(Preset::Published, items);
@@ -106,7 +106,7 @@ fn shorter_durations_make_older_data() {
         Preset::Servers,
         "check reaction sensor.raw -> filter.clean; check age sensor.raw -> filter.clean;",
     );
-    let time = |it| (Verdict::Proved, Some(Value::Time(it)));
+    let time = |number| (Verdict::Proved, Some(Value::Time(number)));
     // Written at 20 just after the filter has begun, until 42; or written at 10, come out at 20, visible
     // until 42.
     assert_eq!(values(&report), [time(22.0), time(32.0)]);
@@ -116,7 +116,11 @@ fn shorter_durations_make_older_data() {
 fn what_cannot_be_followed_is_said() {
     let errors = |check: &str| -> Vec<&'static str> {
         let report = two(Preset::Servers, &std::format!("check {check};"));
-        report.diagnostics.iter().map(|it| it.code).collect()
+        report
+            .diagnostics
+            .iter()
+            .map(|diagnostic| diagnostic.code)
+            .collect()
     };
     assert_eq!(
         errors("reaction sensor.other -> filter.clean"),
@@ -155,7 +159,7 @@ fn responses_follow_one_after_the_other() {
         let items = std::format!("durations fixed; check {check};");
         values(&two(Preset::Servers, &items))
     };
-    let time = |it| vec![(Verdict::Proved, Some(Value::Time(it)))];
+    let time = |number| vec![(Verdict::Proved, Some(Value::Time(number)))];
     let begins = "filter.t.start.exec";
     assert_eq!(
         check(&std::format!("within {begins} => leave {begins}")),

@@ -23,7 +23,8 @@ fn report(specification: &str, items: &str) -> Report {
 
 fn remarks(report: &Report) -> Vec<&Remark> {
     let all = report.diagnostics.iter();
-    all.filter_map(|it| it.remark.as_deref()).collect()
+    all.filter_map(|diagnostic| diagnostic.remark.as_deref())
+        .collect()
 }
 
 /// `slow` and `look` share `map`; `fast` shares nothing with either.
@@ -48,7 +49,7 @@ fn a_request_that_can_only_be_refused_is_found() {
             &format!("client k {{ {sends} }} check schedulable *;"),
         );
         let all = remarks(&found).into_iter();
-        let names = all.map(|it| match it {
+        let names = all.map(|remark| match remark {
             Remark::OnlyRefused { service, missing } => format!("{service}: {}", missing.join(" ")),
             other => panic!("{other:?}"),
         });
@@ -83,10 +84,10 @@ fn a_loop_without_pause_has_nothing_to_verify() {
     };
     let checks = "check schedulable *; check response *;";
     let found = report(&specification("start"), checks);
-    for it in found.checks.iter().filter(|it| it.of == "c.t") {
-        assert_eq!((it.verdict, it.value), (Verdict::Nothing, None));
+    for check in found.checks.iter().filter(|check| check.of == "c.t") {
+        assert_eq!((check.verdict, check.value), (Verdict::Nothing, None));
         assert_eq!(
-            it.note.as_deref(),
+            check.note.as_deref(),
             Some(
                 "the permanent activity of `c.t` goes round start → main → start and never pauses, so its first cycle never \
                  ends and no job of the task is ever measured; let one of these codels yield `pause::` or `ether`"
@@ -95,8 +96,12 @@ fn a_loop_without_pause_has_nothing_to_verify() {
     }
     assert!(found.nothing());
     // Other tasks of the component are verified, and so is this task if it can pause.
-    let others = found.checks.iter().filter(|it| it.of == "c.u");
-    assert!(others.map(|it| it.verdict).all(|it| it == Verdict::Proved));
+    let others = found.checks.iter().filter(|check| check.of == "c.u");
+    assert!(
+        others
+            .map(|check| check.verdict)
+            .all(|verdict| verdict == Verdict::Proved)
+    );
     let pausing = report(&specification("pause::start"), "check response c.t;");
     assert_eq!(pausing.checks[0].verdict, Verdict::Proved);
 }
@@ -116,9 +121,10 @@ fn who_is_behind_the_head_of_the_lock_queue_is_told_for_how_long() {
         [codel, head, task],
         ["c.slow.start", "c.look.start", "c.fast"]
     );
-    let it = (found.diagnostics.iter()).find(|it| it.code == "timing-lock-queue");
+    let diagnostic =
+        (found.diagnostics.iter()).find(|diagnostic| diagnostic.code == "timing-lock-queue");
     assert_eq!(
-        it.map(|it| it.message.as_str()),
+        diagnostic.map(|diagnostic| diagnostic.message.as_str()),
         Some(
             "while c.look.start waits for c.slow.start, which takes up to 12 ms, the lock queue stands still: c.fast, which \
              shares nothing with it, waits behind and can miss its period of 10 ms; shorten what c.slow.start does with shared data, \
@@ -126,8 +132,8 @@ fn who_is_behind_the_head_of_the_lock_queue_is_told_for_how_long() {
         )
     );
     // The deadline is missed.
-    let late = found.checks.iter().find(|it| it.of == "c.fast");
-    assert_eq!(late.map(|it| it.verdict), Some(Verdict::Refuted));
+    let late = found.checks.iter().find(|check| check.of == "c.fast");
+    assert_eq!(late.map(|check| check.verdict), Some(Verdict::Refuted));
     // Without a queue a codel does not wait for codels with which it shares nothing.
     assert!(remarks(&report(QUEUE, "locks free; check schedulable *;")).is_empty());
     // Without a codel at the head, none is behind it.
@@ -185,7 +191,7 @@ fn restarts_that_end_each_other_are_told_when_they_can() {
         found
             .notes
             .iter()
-            .any(|it| it.contains("interrupt each other"))
+            .any(|note| note.contains("interrupt each other"))
     };
     assert!(told("send c.s; delay 25 ms; send c.s; send c.s;"));
     // After the end of the first instance the next one may come.
@@ -228,22 +234,24 @@ fn under_preemption_intervals_have_bounds_and_say_so() {
         "cores 1; policy priority; check schedulable *; check response *; check always c.hi.idle or \
             c.hi.running;",
     );
-    let of = |name: &'static str| found.checks.iter().filter(move |it| it.of == name);
-    for it in of("c.hi").chain(of("d.lo")) {
-        assert_eq!(it.verdict, Verdict::Proved, "{it:?}");
+    let of = |name: &'static str| found.checks.iter().filter(move |check| check.of == name);
+    for report in of("c.hi").chain(of("d.lo")) {
+        assert_eq!(report.verdict, Verdict::Proved, "{report:?}");
         // Answers of analysis hold for any time.
         let worth = [Soundness::Exact, Soundness::UpperBound];
-        assert!(worth.contains(&it.soundness), "{it:?}");
+        assert!(worth.contains(&report.soundness), "{report:?}");
     }
     // Preempted once, by 2 ms, it takes 7 ms; the bound includes possible carry-in.
-    let response = of("d.lo").find(|it| it.value.is_some()).expect("a value");
-    assert!(matches!(response.value, Some(Value::Time(it)) if (7.0..40.0).contains(&it)));
+    let response = of("d.lo")
+        .find(|report| report.value.is_some())
+        .expect("a value");
+    assert!(matches!(response.value, Some(Value::Time(time)) if (7.0..40.0).contains(&time)));
     assert_eq!(response.soundness, Soundness::UpperBound);
     assert!(
         response
             .note
             .as_ref()
-            .is_some_and(|it| it.contains("7 ms is reached"))
+            .is_some_and(|note| note.contains("7 ms is reached"))
     );
     // Answers of exploration hold for whole units.
     let explored = of("c.hi.idle or c.hi.running").next().expect("an answer");
@@ -256,10 +264,10 @@ fn under_preemption_intervals_have_bounds_and_say_so() {
         PRIORITIES,
         "cores 1; policy priority; durations fixed; check response *;",
     );
-    let exact = fixed.checks.iter().find(|it| it.of == "d.lo");
-    assert!(exact.is_some_and(|it| !it.witness.is_empty() && !it.left_out));
+    let exact = fixed.checks.iter().find(|check| check.of == "d.lo");
+    assert!(exact.is_some_and(|check| !check.witness.is_empty() && !check.left_out));
     assert_eq!(
-        exact.map(|it| (it.value, it.soundness)),
+        exact.map(|check| (check.value, check.soundness)),
         Some((Some(Value::Time(7.0)), Soundness::Under))
     );
 }
@@ -277,7 +285,7 @@ fn only_cores_that_are_taken_away_can_be_tied_to() {
     let messages: Vec<&str> = report
         .diagnostics
         .iter()
-        .map(|it| it.message.as_str())
+        .map(|diagnostic| diagnostic.message.as_str())
         .collect();
     assert_eq!(
         messages,

@@ -10,17 +10,17 @@ fn names_and_units_are_strings_in_json() {
     );
     assert_eq!(json(&report.unit), "\"10 us\"");
     let run = report.checks[0].run();
-    let begin = run.iter().find(|it| it.codel.is_some()).unwrap();
+    let begin = run.iter().find(|run| run.codel.is_some()).unwrap();
     insta::assert_snapshot!(json(begin));
     let delay = report
         .checks
         .iter()
-        .flat_map(|it| &it.reason)
+        .flat_map(|check| &check.reason)
         .next()
         .unwrap();
     insta::assert_snapshot!(json(delay));
 }
 
-fn json(it: &impl serde::Serialize) -> String {
-    serde_json::to_string(it).unwrap()
+fn json(serialize: &impl serde::Serialize) -> String {
+    serde_json::to_string(serialize).unwrap()
 }

@@ -31,7 +31,9 @@ fn slots_are_some_and_not_too_many() {
         );
         let parsed = parse(&text);
         let wrong = parsed.errors.iter();
-        let wrong: Vec<_> = wrong.map(|it| (it.code, &text[it.range.clone()])).collect();
+        let wrong: Vec<_> = wrong
+            .map(|wrong| (wrong.code, &text[wrong.range.clone()]))
+            .collect();
         match allowed {
             true => assert_eq!(wrong, []),
             false => assert_eq!(wrong, [("scn-slots", number)]),
@@ -51,7 +53,7 @@ fn broken_text_is_recovered_from() {
     let errors: Vec<String> = parsed
         .errors
         .iter()
-        .map(|it| format!("{:?} {}: {}", it.range, it.code, it.message))
+        .map(|error| format!("{:?} {}: {}", error.range, error.code, error.message))
         .collect();
     insta::assert_snapshot!(errors.join("\n"));
     assert_eq!(parsed.scenario.items.len(), 2);
@@ -78,7 +80,11 @@ fn the_default_scenario_is_one() {
         specs: vec![&unit.spec],
     };
     let names = Names::new(&input.specs);
-    let components: Vec<_> = names.components.iter().map(|it| it.component).collect();
+    let components: Vec<_> = names
+        .components
+        .iter()
+        .map(|component| component.component)
+        .collect();
     let text = default_text(&components, &["robot.gen".to_owned()]);
     let parsed = parse(&text);
     assert_eq!(parsed.errors, []);
@@ -98,7 +104,7 @@ fn names_lead_to_the_model() {
     let found: Vec<Target> = names
         .references(&parsed.scenario)
         .into_iter()
-        .map(|it| it.target)
+        .map(|reference| reference.target)
         .collect();
     insta::assert_debug_snapshot!(found);
 }
@@ -128,7 +134,12 @@ fn garbage_never_panics() {
             text.push(' ');
         }
         let parsed = parse(&text);
-        assert!(parsed.errors.iter().all(|it| it.range.end <= text.len()));
+        assert!(
+            parsed
+                .errors
+                .iter()
+                .all(|error| error.range.end <= text.len())
+        );
         format(&text);
     }
 }

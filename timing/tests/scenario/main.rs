@@ -87,12 +87,17 @@ fn robot(items: &str) -> Report {
 
 fn summary(report: &Report) -> String {
     let mut out = String::new();
-    for it in &report.diagnostics {
-        out.push_str(&format!("{}: {}\n", it.code, it.message));
+    for diagnostic in &report.diagnostics {
+        out.push_str(&format!("{}: {}\n", diagnostic.code, diagnostic.message));
     }
-    for it in &report.checks {
-        let value = it.value.map_or(String::new(), |it| format!(" {it}"));
-        out.push_str(&format!("{} {} {:?}{value}\n", it.kind, it.of, it.verdict));
+    for check in &report.checks {
+        let value = check
+            .value
+            .map_or(String::new(), |value| format!(" {value}"));
+        out.push_str(&format!(
+            "{} {} {:?}{value}\n",
+            check.kind, check.of, check.verdict
+        ));
     }
     out
 }
@@ -113,18 +118,21 @@ fn one_core_makes_the_fast_task_late() {
 /// Returns the counterexamples line by line, with the causes of the late jobs.
 fn runs_in_words(report: &Report) -> String {
     let mut out = String::new();
-    for it in &report.checks {
-        out += &format!("{:?} {} {}\n", it.verdict, it.kind, it.of);
-        for event in it.run() {
+    for check in &report.checks {
+        out += &format!("{:?} {} {}\n", check.verdict, check.kind, check.of);
+        for event in check.run() {
             let ThreadName { component, task } = &event.thread;
             let task = task.as_deref().unwrap_or_default();
             out += &format!("{:>4}  {component}.{task}  {}\n", event.time, event.what);
         }
-        for delay in &it.reason {
+        for delay in &check.reason {
             let codel = delay.codel.as_deref().unwrap_or("the job");
-            let held = delay.held.iter().map(|it| {
-                let codel = it.codel.as_deref().map_or(it.by.to_string(), str::to_owned);
-                format!("{codel} {}-{}", it.from, it.until)
+            let held = delay.held.iter().map(|holder| {
+                let codel = holder
+                    .codel
+                    .as_deref()
+                    .map_or(holder.by.to_string(), str::to_owned);
+                format!("{codel} {}-{}", holder.from, holder.until)
             });
             let held: Vec<String> = held.collect();
             let (from, until) = (delay.from, delay.until);
@@ -176,7 +184,7 @@ fn excess(check: &str) -> (f64, Option<Value>) {
 #[test]
 fn a_counterexample_ends_when_the_limit_is_exceeded_first() {
     // The quick activity is over at 8 ms, before the exploration reaches the end of the slow one at 11 ms.
-    let time = |it| Some(Value::Time(it));
+    let time = |number| Some(Value::Time(number));
     assert_eq!(excess("response c.t <= 4 ms"), (6.0, time(10.0)));
     assert_eq!(excess("response c.t <= 6 ms"), (8.0, time(10.0)));
     // No event follows the quick activity: that is known while the slow one still runs.
@@ -240,7 +248,10 @@ fn slots_are_for_activities_whether_requested_or_not() {
     scn-unknown-name: `sensor` has nothing called `recrod`; did you mean `record`?
     scn-wrong-kind: `sensor.reset` is neither a task nor an activity, and nothing else has slots; name one, or remove this line
         ");
-    let wrong = report.diagnostics.iter().map(|it| it.range.len());
+    let wrong = report
+        .diagnostics
+        .iter()
+        .map(|diagnostic| diagnostic.range.len());
     let names = ["recrod", "sensor.reset"];
     assert_eq!(Vec::from_iter(wrong), names.map(str::len));
 }
@@ -265,7 +276,7 @@ fn orders_of_services_that_are_not_kept_are_an_assumption() {
             &Cancel::default(),
         );
         let mut all = report.assumptions.into_iter();
-        all.find(|it| it.starts_with("requests"))
+        all.find(|assumption| assumption.starts_with("requests"))
     };
     let expected =
         "requests: `before` and `after` of c.move are not looked at; they are accepted at any time";
@@ -277,8 +288,8 @@ fn path(text: &str) -> Path {
     Path {
         names: text
             .split('.')
-            .map(|it| Spanned {
-                value: it.to_owned(),
+            .map(|part| Spanned {
+                value: part.to_owned(),
                 range: 0..0,
             })
             .collect(),
@@ -322,7 +333,11 @@ fn connections_that_make_codels_wait_are_named() {
         let built = build(&names, &settings, &|_| true);
         let site = |path: &str| {
             let mut codels = built.system.codels.iter();
-            codels.find(|it| *it.path == *path).unwrap().site.unwrap()
+            codels
+                .find(|codel| *codel.path == *path)
+                .unwrap()
+                .site
+                .unwrap()
         };
         let (publish, step) = (site("sensor.acquire.publish"), site("control.move.step"));
         let ports = SharedPorts::new(&names, &settings);
@@ -391,7 +406,10 @@ fn what_fails_without_requests_is_found_whatever_clients_may_do() {
     let report = verify(&input, &parse(text).scenario, &options, &Cancel::default());
     assert_eq!(report.checks[0].verdict, Verdict::Refuted);
     let run = &report.checks[0].counterexample;
-    assert!(run.iter().all(|it| !it.what.contains("request")), "{run:?}");
+    assert!(
+        run.iter().all(|run| !run.what.contains("request")),
+        "{run:?}"
+    );
     // A client that has to send at once cannot be left out.
     let text = text.replace("delay [0, *] ms; ", "delay 1 ms; ");
     let report = verify(&input, &parse(&text).scenario, &options, &Cancel::default());
@@ -416,7 +434,7 @@ fn what_fails_after_one_request_is_found_whatever_clients_may_do() {
     let services: Vec<String> = (0..8).map(|i| format!("a{i}")).collect();
     let choice: Vec<String> = (services.iter().map(String::as_str))
         .chain(["slow", "work"])
-        .map(|it| format!("{{ send calm.{it}; }}"))
+        .map(|service| format!("{{ send calm.{service}; }}"))
         .collect();
     let text = format!(
         "scenario x {{ client k {{ repeat * {{ delay [0, *] ms; choice {} }} }}
@@ -431,8 +449,8 @@ fn what_fails_after_one_request_is_found_whatever_clients_may_do() {
     };
     assert_eq!(schedulable.verdict, Verdict::Refuted);
     let run = &schedulable.counterexample;
-    let requests: Vec<&str> = (run.iter().map(|it| it.what.as_str()))
-        .filter(|it| it.contains("request"))
+    let requests: Vec<&str> = (run.iter().map(|run| run.what.as_str()))
+        .filter(|run| run.contains("request"))
         .collect();
     assert_eq!(requests, ["takes the request calm.slow of client k"]);
     // The exploration was incomplete: this value is the greatest seen.
@@ -475,13 +493,16 @@ fn a_task_that_takes_no_time_needs_no_exploration_to_the_end() {
 }
 
 fn checks_in_words(report: &Report) -> String {
-    let line = |it: &CheckReport| {
-        let value = it.value.map(|it| it.to_string()).unwrap_or_default();
-        let note = it.note.as_deref().unwrap_or_default();
-        let (verdict, soundness) = (it.verdict, it.soundness);
+    let line = |report: &CheckReport| {
+        let value = report
+            .value
+            .map(|value| value.to_string())
+            .unwrap_or_default();
+        let note = report.note.as_deref().unwrap_or_default();
+        let (verdict, soundness) = (report.verdict, report.soundness);
         format!(
             "{} {}: {verdict:?} {soundness:?} {value} {note}",
-            it.kind, it.of
+            report.kind, report.of
         )
     };
     let lines: Vec<String> = report.checks.iter().map(line).collect();
@@ -503,11 +524,11 @@ fn giving_up_is_said() {
         report
             .checks
             .iter()
-            .all(|it| it.verdict == Verdict::Unknown)
+            .all(|check| check.verdict == Verdict::Unknown)
     );
     let note = report.checks[0].note.as_deref().unwrap();
     assert!(note.starts_with("gave up at"), "{note}");
-    let reason = report.checks[0].gave_up.map(|it| it.reason);
+    let reason = report.checks[0].gave_up.map(|gave_up| gave_up.reason);
     assert_eq!(reason, Some(Stop::States));
     let out_of_time = Cancel::default();
     out_of_time.limit(Duration::ZERO);
@@ -521,7 +542,7 @@ fn giving_up_is_said() {
         report
             .checks
             .iter()
-            .all(|it| it.note.as_deref() == Some("cancelled"))
+            .all(|check| check.note.as_deref() == Some("cancelled"))
     );
 }
 
@@ -594,7 +615,7 @@ fn periods_are_not_rounded() {
     let errors: Vec<&str> = report
         .diagnostics
         .iter()
-        .map(|it| it.message.as_str())
+        .map(|diagnostic| diagnostic.message.as_str())
         .collect();
     assert_eq!(
         errors,
@@ -617,12 +638,12 @@ fn without_execution_times_nothing_is_proved() {
     };
     let report = verify(&input, &parsed.scenario, &published(), &Cancel::default());
     let (tasks, predicate) = report.checks.split_at(4);
-    for it in tasks {
+    for task in tasks {
         assert_eq!(
-            (it.verdict, it.value, it.slack()),
+            (task.verdict, task.value, task.slack()),
             (Verdict::Nothing, None, None)
         );
-        let note = it.note.as_deref().unwrap_or_default();
+        let note = task.note.as_deref().unwrap_or_default();
         assert!(
             note.contains("c.t.start, c.u.start") && note.contains("`wcet`"),
             "{note}"

@@ -24,7 +24,7 @@ fn bounds_under(preset: Preset, specification: &str, scenario: &str) -> String {
     let built = build(&names, &settings, &|_| true);
     let bounds = response_bounds(&built.system);
     let lines = bounds.iter().enumerate().map(|(task, bound)| {
-        let bound = bound.map_or("-".to_owned(), |it| it.to_string());
+        let bound = bound.map_or("-".to_owned(), |bound| bound.to_string());
         format!("{} {bound}\n", built.system.task_path(task))
     });
     lines.collect()

@@ -41,17 +41,17 @@ fn answers(items: &str) -> Vec<(Verdict, Option<Value>)> {
     let report = report(items);
     assert!(!report.has_errors(), "{:?}", report.diagnostics);
     let checks = report.checks.into_iter();
-    checks.map(|it| (it.verdict, it.value)).collect()
+    checks.map(|check| (check.verdict, check.value)).collect()
 }
 
 fn verdicts(items: &str) -> Vec<Verdict> {
-    answers(items).into_iter().map(|it| it.0).collect()
+    answers(items).into_iter().map(|answer| answer.0).collect()
 }
 
 fn messages(items: &str) -> Vec<String> {
     let report = report(items);
     let all = report.diagnostics.into_iter();
-    all.map(|it| format!("{}: {}", it.code, it.message))
+    all.map(|diagnostic| format!("{}: {}", diagnostic.code, diagnostic.message))
         .collect()
 }
 
@@ -169,7 +169,7 @@ fn the_published_models_know_no_order_of_services() {
     let found = messages("semantics published; order on; check schedulable *;");
     let told = "scn-semantics: the published models know no order of services; write `semantics servers;`, or leave \
                 `order on;` out";
-    assert!(found.iter().any(|it| it == told), "{found:?}");
+    assert!(found.iter().any(|message| message == told), "{found:?}");
     assert!(messages("semantics published; order off; check schedulable *;").is_empty());
 }
 
@@ -181,14 +181,20 @@ fn completion_offers_requests_and_outcomes() {
         let text = format!("scenario s {{ client k {{ one: send r.walk; {steps}");
         let scenario = parse(&text).scenario;
         match complete(&text, &scenario, &names, text.len()) {
-            Completions::Of { items, .. } => items.into_iter().map(|it| it.label).collect(),
+            Completions::Of { items, .. } => items
+                .into_iter()
+                .map(|completion| completion.label)
+                .collect(),
             Completions::File(_) => Vec::new(),
         }
     };
     let has = |steps: &str, labels: &[&str]| {
         let found = offered(steps);
         for label in labels {
-            assert!(found.iter().any(|it| it == label), "{steps}: {found:?}");
+            assert!(
+                found.iter().any(|candidate| candidate == label),
+                "{steps}: {found:?}"
+            );
         }
     };
     has("", &["abort", "kill", "connect", "await"]);
@@ -213,8 +219,8 @@ fn only_activities_are_aborted_and_only_components_killed() {
     let found = messages("client k { send r.walk; abort one; } check schedulable *;");
     let told = "scn-abort: `one` is no label of a request of this client; write `abort COMPONENT.ACTIVITY;`, or `one:` \
                 before a `send`";
-    assert!(found.iter().any(|it| it == told), "{found:?}");
+    assert!(found.iter().any(|message| message == told), "{found:?}");
     let found = messages("client k { kill r.walk; } check schedulable *;");
     let told = "scn-wrong-kind: `r.walk` is no component";
-    assert!(found.iter().any(|it| it == told), "{found:?}");
+    assert!(found.iter().any(|message| message == told), "{found:?}");
 }

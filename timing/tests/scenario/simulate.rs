@@ -23,28 +23,30 @@ fn with_runs(each: impl Fn(&SystemInput, &Report, &CheckReport)) {
         let runs: Vec<_> = report
             .checks
             .iter()
-            .filter(|it| it.kept.is_some())
+            .filter(|check| check.kept.is_some())
             .collect();
         assert_eq!(runs.len(), 2);
-        runs.iter().for_each(|it| each(&input, &report, it));
+        runs.iter().for_each(|run| each(&input, &report, run));
     }
 }
 
-fn told(it: &CheckReport, events: usize) -> Vec<(f64, String)> {
-    let events = it.run().iter().take(events);
-    events.map(|it| (it.time, it.what.clone())).collect()
+fn told(report: &CheckReport, events: usize) -> Vec<(f64, String)> {
+    let events = report.run().iter().take(events);
+    events
+        .map(|event| (event.time, event.what.clone()))
+        .collect()
 }
 
 /// Returns true if choices without events, and then one more, lead to an event.
 fn leads_to(simulate: &dyn Fn(&[usize]) -> Simulation, take: &[usize], next: &Event) -> bool {
-    let it = simulate(take);
+    let simulation = simulate(take);
     (0..)
-        .zip(&it.choices)
+        .zip(&simulation.choices)
         .any(|(choice, offered)| match offered {
             Choice::Step(thread, what) => {
-                (next.time, &next.thread, &next.what) == (it.end, thread, what)
+                (next.time, &next.thread, &next.what) == (simulation.end, thread, what)
             }
-            Choice::Wait(_) => next.time > it.end,
+            Choice::Wait(_) => next.time > simulation.end,
             Choice::Silent(_) => {
                 take.len() < 6 && leads_to(simulate, &[take, &[choice]].concat(), next)
             }
@@ -57,11 +59,11 @@ fn at_each_event_the_step_of_the_run_itself_can_be_chosen() {
         let run = check.kept.as_ref().unwrap();
         assert_eq!(run.impossible_step(), None);
         for after in 0..check.run().len() {
-            let it = run.simulate(input, report.unit, after, &[]);
-            let events: Vec<_> = it
+            let simulation = run.simulate(input, report.unit, after, &[]);
+            let events: Vec<_> = simulation
                 .events
                 .iter()
-                .map(|it| (it.time, it.what.clone()))
+                .map(|event| (event.time, event.what.clone()))
                 .collect();
             // The limit that is exceeded is an event, but no step.
             let excess = check.run()[after].kind == MomentKind::Excess;
@@ -71,7 +73,11 @@ fn at_each_event_the_step_of_the_run_itself_can_be_chosen() {
             assert_eq!(told(check, shared), events[..shared]);
             if let Some(next) = check.run().get(events.len()) {
                 let simulate = |take: &[usize]| run.simulate(input, report.unit, after, take);
-                assert!(leads_to(&simulate, &[], next), "{next:?}\n{:?}", it.choices);
+                assert!(
+                    leads_to(&simulate, &[], next),
+                    "{next:?}\n{:?}",
+                    simulation.choices
+                );
             }
         }
     });
@@ -102,7 +108,7 @@ fn every_choice_goes_on_and_is_the_event_that_was_offered() {
         // A number beyond the choices ends the continuation.
         take.truncate(5);
         take.extend([usize::MAX, 0]);
-        let it = run.simulate(input, report.unit, 0, &take);
-        assert_eq!(it.taken.len(), 5);
+        let simulation = run.simulate(input, report.unit, 0, &take);
+        assert_eq!(simulation.taken.len(), 5);
     });
 }

@@ -32,14 +32,14 @@ fn told(items: &str, options: &Options, cancel: &Cancel) -> (Vec<Report>, Report
     let parsed = parse(&format!("scenario robot {{ {items} }}"));
     assert_eq!(parsed.errors, []);
     let told = Mutex::new(Vec::new());
-    let tell = |it: &Report| told.lock().unwrap().push(it.clone());
+    let tell = |report: &Report| told.lock().unwrap().push(report.clone());
     let report = verify_with_reports(&input, &parsed.scenario, options, cancel, &tell);
     (told.into_inner().unwrap(), report)
 }
 
 /// Returns an answer with all its parts.
-fn whole(it: &CheckReport) -> String {
-    serde_json::to_string(it).unwrap()
+fn whole(report: &CheckReport) -> String {
+    serde_json::to_string(report).unwrap()
 }
 
 #[test]
@@ -56,9 +56,9 @@ fn an_answer_that_was_told_is_final_and_the_same_as_without_telling() {
             let scenario = parse(&format!("scenario robot {{ {ALL} }}")).scenario;
             verify(&input, &scenario, &options, &Cancel::default())
         };
-        let without_time = |it: &Report| Report {
+        let without_time = |report: &Report| Report {
             seconds: 0.0,
-            ..it.clone()
+            ..report.clone()
         };
         assert_eq!(
             serde_json::to_string(&without_time(&last)).unwrap(),
@@ -72,13 +72,13 @@ fn an_answer_that_was_told_is_final_and_the_same_as_without_telling() {
             // Each report has more answers; the first may have none.
             assert!(now.answered() > answered || i == 0, "told for nothing");
             answered = now.answered();
-            for (it, last) in now.checks.iter().zip(&last.checks) {
-                match it.verdict {
+            for (check, last) in now.checks.iter().zip(&last.checks) {
+                match check.verdict {
                     Verdict::Open => assert_eq!(
-                        (&it.name, it.kind, &it.of, it.bound),
+                        (&check.name, check.kind, &check.of, check.bound),
                         (&last.name, last.kind, &last.of, last.bound)
                     ),
-                    _ => assert_eq!(whole(it), whole(last)),
+                    _ => assert_eq!(whole(check), whole(last)),
                 }
             }
         }
@@ -97,10 +97,10 @@ fn what_takes_little_is_answered_first_whatever_it_belongs_to() {
     let mut known = vec![false; told[0].checks.len()];
     let mut new = |report: &Report| -> Vec<String> {
         let all = report.checks.iter().zip(&mut known);
-        let new = all.filter(|(it, known)| it.verdict != Verdict::Open && !**known);
-        new.map(|(it, known)| {
+        let new = all.filter(|(report, known)| report.verdict != Verdict::Open && !**known);
+        new.map(|(report, known)| {
             *known = true;
-            format!("{} {}", it.kind, it.of)
+            format!("{} {}", report.kind, report.of)
         })
         .collect()
     };
@@ -132,7 +132,7 @@ fn what_was_interrupted_says_so_and_the_rest_stands() {
     let (_, report) = told(ALL, &published(), &cancel);
     let answer = |check, of| {
         let mut all = report.checks.iter();
-        all.find(|it| it.kind.word() == check && it.of == of)
+        all.find(|report| report.kind.word() == check && report.of == of)
             .unwrap()
     };
     assert_eq!(answer("schedulable", "lamp.blink").verdict, Verdict::Proved);
@@ -147,7 +147,7 @@ fn a_run_that_there_is_no_time_for_is_left_out() {
     // This is seen before the first poll of the clock, and then it is too late.
     let check = "check reachable control.move.idle; check always not control.move.idle;";
     let (_, report) = told(check, &published(), &Cancel::default());
-    assert!(report.checks.iter().all(|it| it.note.is_none()));
+    assert!(report.checks.iter().all(|check| check.note.is_none()));
     let cancel = Cancel::default();
     cancel.limit(Duration::ZERO);
     let (_, report) = told(check, &published(), &cancel);
@@ -156,8 +156,8 @@ fn a_run_that_there_is_no_time_for_is_left_out() {
     };
     assert_eq!(reachable.verdict, Verdict::Proved);
     assert_eq!(always.verdict, Verdict::Refuted);
-    for it in [reachable, always] {
-        let note = it.note.as_deref().unwrap_or_default();
+    for report in [reachable, always] {
+        let note = report.note.as_deref().unwrap_or_default();
         assert!(
             note.starts_with("the run that shows it is left out"),
             "{note}"
@@ -172,7 +172,13 @@ fn what_is_seen_in_an_exploration_is_told_while_it_goes_on() {
     let mut some = published();
     some.limits.states = 20_000;
     let (told, last) = told(items, &some, &Cancel::default());
-    let verdicts = |it: &Report| it.checks.iter().map(|it| it.verdict).collect::<Vec<_>>();
+    let verdicts = |report: &Report| {
+        report
+            .checks
+            .iter()
+            .map(|check| check.verdict)
+            .collect::<Vec<_>>()
+    };
     let all: Vec<_> = told.iter().map(verdicts).collect();
     let expected = [
         [Verdict::Open, Verdict::Open],
@@ -197,10 +203,16 @@ fn what_was_caught_beside_an_exploration_is_told_while_it_goes_on() {
     let mut some = published();
     some.limits.states = 150_000;
     let told = Mutex::new(Vec::new());
-    let tell = |it: &Report| told.lock().unwrap().push(it.clone());
+    let tell = |report: &Report| told.lock().unwrap().push(report.clone());
     let cancel = Cancel::default();
     let last = verify_with_reports(&input, &parsed.scenario, &some, &cancel, &tell);
-    let verdicts = |it: &Report| it.checks.iter().map(|it| it.verdict).collect::<Vec<_>>();
+    let verdicts = |report: &Report| {
+        report
+            .checks
+            .iter()
+            .map(|check| check.verdict)
+            .collect::<Vec<_>>()
+    };
     let told = told.into_inner().unwrap();
     let all: Vec<_> = told.iter().map(verdicts).collect();
     let expected = [

@@ -49,17 +49,17 @@ fn what_holds_of_tasks_that_are_never_released_is_vacuous() {
     ];
     for policy in ["fifo", "any"] {
         let found = checks(&format!("cores 1; policy {policy}; {asked}"));
-        for (it, reason) in found.iter().zip(reasons) {
-            assert_eq!(it.verdict, Verdict::Proved, "{policy}: {it:?}");
+        for (check, reason) in found.iter().zip(reasons) {
+            assert_eq!(check.verdict, Verdict::Proved, "{policy}: {check:?}");
             assert_eq!(
-                (it.vacuous, it.note.as_deref()),
+                (check.vacuous, check.note.as_deref()),
                 (true, Some(reason)),
                 "{policy}"
             );
         }
     }
     let found = checks(&format!("cores 2; policy fifo; {asked}"));
-    assert!(found.iter().all(|it| !it.vacuous), "{found:?}");
+    assert!(found.iter().all(|check| !check.vacuous), "{found:?}");
 }
 
 /// A claim that something never happens is not vacuous; nor is a check that holds for another reason.
@@ -72,7 +72,7 @@ fn what_claims_that_something_never_happens_is_not_vacuous() {
     assert!(
         found
             .iter()
-            .all(|it| it.verdict == Verdict::Proved && !it.vacuous)
+            .all(|check| check.verdict == Verdict::Proved && !check.vacuous)
     );
 }
 
@@ -100,9 +100,13 @@ fn a_bound_of_analysis_proves_nothing_of_a_task_without_jobs() {
         &Options::default(),
         &Cancel::default(),
     );
-    let it = &report.checks[0];
-    assert_eq!((it.verdict, it.vacuous), (Verdict::Proved, true), "{it:?}");
-    let json = serde_json::to_value(it).expect("it has a JSON form");
+    let check = &report.checks[0];
+    assert_eq!(
+        (check.verdict, check.vacuous),
+        (Verdict::Proved, true),
+        "{check:?}"
+    );
+    let json = serde_json::to_value(check).expect("it has a JSON form");
     assert_eq!(json["vacuous"], true);
     let reason = "`c.t` is never released: the start-up of `c.low` never completes";
     assert_eq!(json["note"], reason);

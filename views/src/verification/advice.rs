@@ -32,8 +32,8 @@ impl Names {
 /// Advice on all checks of a report that gave up; none if there are no such checks.
 pub fn of_report(report: &Report, problem: &Problem, names: Names) -> Option<String> {
     let open = report.checks.iter();
-    let open = open.filter(|it| it.verdict == Verdict::Unknown);
-    let reasons = open.filter_map(|it| Some(it.gave_up?.reason));
+    let open = open.filter(|check| check.verdict == Verdict::Unknown);
+    let reasons = open.filter_map(|check| Some(check.gave_up?.reason));
     of(reasons, problem, names)
 }
 
@@ -44,15 +44,15 @@ pub fn of(
     names: Names,
 ) -> Option<String> {
     let mut limits: Vec<String> = Vec::new();
-    for it in reasons.into_iter().filter_map(|it| names.of(it)) {
-        let it = format!("`{it}`");
-        if !limits.contains(&it) {
-            limits.push(it);
+    for reason in reasons.into_iter().filter_map(|reason| names.of(reason)) {
+        let format = format!("`{reason}`");
+        if !limits.contains(&format) {
+            limits.push(format);
         }
     }
     let limits = match &limits[..] {
         [] => return None,
-        [it] => it.clone(),
+        [limit] => limit.clone(),
         [all @ .., last] => format!("{} and {last}", all.join(", ")),
     };
     let place = match names {
@@ -68,10 +68,10 @@ pub fn of(
 }
 
 /// The limit that an exploration exceeded: `in 10 s`.
-pub fn within(it: &GaveUp) -> String {
-    match (it.reason, it.seconds) {
+pub fn within(gave_up: &GaveUp) -> String {
+    match (gave_up.reason, gave_up.seconds) {
         (Stop::Time, Some(seconds)) => format!("in {seconds} s"),
-        (Stop::Memory, _) => format!("in {} MB of memory", it.memory >> 20),
+        (Stop::Memory, _) => format!("in {} MB of memory", gave_up.memory >> 20),
         (Stop::States, _) => "within the limit of states".to_owned(),
         _ => "before it was ended".to_owned(),
     }
@@ -80,7 +80,7 @@ pub fn within(it: &GaveUp) -> String {
 /// True if the scenario has clients that send requests.
 pub fn has_clients(scenario: &Scenario) -> bool {
     let mut items = scenario.items.iter();
-    items.any(|it| matches!(it, Item::Client(_)))
+    items.any(|item| matches!(item, Item::Client(_)))
 }
 
 /// A way to explore less.

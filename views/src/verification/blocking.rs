@@ -60,7 +60,7 @@ pub fn table(problem: &Problem, options: &Options) -> Vec<Row> {
         CodelLocation {
             path: codel.path.clone(),
             function: match codel.site {
-                Some((c, it)) => names.components[c].component.codel(it).name.to_string(),
+                Some((c, site)) => names.components[c].component.codel(site).name.to_string(),
                 None => codel.path.to_string(),
             },
             upper: finite.then(|| unit.from_seconds(time)),
@@ -75,7 +75,7 @@ pub fn table(problem: &Problem, options: &Options) -> Vec<Row> {
         by: codel
             .conflicts
             .iter()
-            .map(|it| &system.codels[it])
+            .map(|conflict| &system.codels[conflict])
             .map(|other| Blocker {
                 codel: at(other),
                 through: ports.through(codel, other),

@@ -52,14 +52,14 @@ pub fn repairs(
     let table = blocking::table(problem, options);
     let unit = TimeUnit::of(&settings(&problem.scenario, options));
     let function = |codel: &CodelName| {
-        let row = table.iter().find(|it| it.codel.path == *codel);
-        row.map_or(&**codel, |it| &it.codel.function).to_owned()
+        let row = table.iter().find(|row| row.codel.path == *codel);
+        row.map_or(&**codel, |row| &row.codel.function).to_owned()
     };
     let repair = |change: &Change| Repair {
         words: in_words(change, unit, &function),
         change: change.clone(),
     };
-    let tell = |it: &Change| tell(&repair(it));
+    let tell = |change: &Change| tell(&repair(change));
     let told = (trying, &tell as &(dyn Fn(&Change) + Sync));
     let found = advice::repairs(&input, &problem.scenario, options, report, until, told);
     Repairs {
@@ -169,8 +169,8 @@ pub fn edit(
             ..
         } => {
             // A duration in the scenario takes precedence over the specification.
-            if let Some(it) = of_scenario(edit::longest(&problem.text, codel, *seconds)) {
-                return Ok(Some(it));
+            if let Some(scenario) = of_scenario(edit::longest(&problem.text, codel, *seconds)) {
+                return Ok(Some(scenario));
             }
             let Some((path, range)) = at(src) else {
                 return Ok(None);
@@ -194,8 +194,8 @@ fn written(time: Seconds) -> String {
         count.is_integer().then(|| count.to_integer())
     };
     match (whole(1_000), whole(1_000_000)) {
-        (Some(it), _) => format!("{it} ms"),
-        (_, Some(it)) => format!("{it} us"),
+        (Some(number), _) => format!("{number} ms"),
+        (_, Some(number)) => format!("{number} us"),
         _ => {
             // Rounded down: a slightly smaller value was verified as well, a larger one was not.
             let nanos = time * Ratio::from_integer(1_000_000_000);

@@ -45,9 +45,9 @@ pub fn answers(problem: &Problem, options: &Options, cancel: &Cancel) -> Vec<Fir
     let mut options = options.clone();
     options.limits.states = options.limits.states.min(STATES);
     let permanent = ("permanent activities only, no requests".to_owned(), None);
-    let alone = activities.into_iter().map(|it| {
-        let assuming = format!("{it} alone, requested again at any time after it has ended");
-        (assuming, Some(it))
+    let alone = activities.into_iter().map(|activity| {
+        let assuming = format!("{activity} alone, requested again at any time after it has ended");
+        (assuming, Some(activity))
     });
     let mut out = Vec::new();
     for (assuming, activity) in std::iter::once(permanent).chain(alone) {
@@ -63,7 +63,7 @@ pub fn answers(problem: &Problem, options: &Options, cancel: &Cancel) -> Vec<Fir
 
 fn answer(assuming: String, problem: &Problem, options: &Options, report: &Report) -> FirstAnswer {
     let view = View::new(problem, options, report, &[]);
-    let open = |it: &Outcome| !matches!(it, Outcome::Proved | Outcome::Bounded);
+    let open = |outcome: &Outcome| !matches!(outcome, Outcome::Proved | Outcome::Bounded);
     let worst = [
         Outcome::Refuted,
         Outcome::PossiblyRefuted,
@@ -73,13 +73,13 @@ fn answer(assuming: String, problem: &Problem, options: &Options, report: &Repor
         Outcome::Vacuous,
         Outcome::Nothing,
     ];
-    let has = |outcome: &Outcome| view.checks.iter().any(|it| it.outcome == *outcome);
+    let has = |outcome: &Outcome| view.checks.iter().any(|check| check.outcome == *outcome);
     let outcome = worst.into_iter().find(has).unwrap_or(Outcome::Proved);
-    let checks = view.checks.iter().filter(|it| open(&it.outcome));
+    let checks = view.checks.iter().filter(|check| open(&check.outcome));
     FirstAnswer {
         assuming,
         outcome,
-        open: checks.map(|it| it.title()).collect(),
+        open: checks.map(|check| check.title()).collect(),
     }
 }
 
@@ -87,12 +87,12 @@ fn answer(assuming: String, problem: &Problem, options: &Options, report: &Repor
 fn activities(problem: &Problem) -> Vec<String> {
     let specs = problem.specs();
     let names = Names::new(&specs);
-    let all = names.components.iter().flat_map(|it| {
-        let services = it.component.services.iter();
-        let activities =
-            services.filter(|it| it.kind == ServiceKind::Activity && it.task.is_some());
-        let name = &it.component.name;
-        activities.map(move |it| format!("{name}.{}", it.name))
+    let all = names.components.iter().flat_map(|component| {
+        let services = component.component.services.iter();
+        let activities = services
+            .filter(|service| service.kind == ServiceKind::Activity && service.task.is_some());
+        let name = &component.component.name;
+        activities.map(move |activity| format!("{name}.{}", activity.name))
     });
     all.collect()
 }
@@ -103,7 +103,7 @@ fn activities(problem: &Problem) -> Vec<String> {
 fn with_repeated_request(problem: &Problem, activity: Option<&str>) -> Problem {
     let mut out = problem.clone();
     let items = &mut out.scenario.items;
-    items.retain(|it| !matches!(it, Item::Client(_)));
+    items.retain(|item| !matches!(item, Item::Client(_)));
     if let Some(activity) = activity {
         // The services in `after` are requested first; otherwise the request would be rejected.
         items.push(Item::Order(false));

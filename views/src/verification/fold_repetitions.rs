@@ -33,13 +33,13 @@ pub fn fold_repetitions(events: &[Event], cycle: Option<usize>) -> Vec<Part> {
     let mut ids = HashMap::new();
     let steps: Vec<usize> = events
         .iter()
-        .map(|it| {
+        .map(|event| {
             let next = ids.len();
-            let about = (&it.thread, &it.codel);
+            let about = (&event.thread, &event.codel);
             // A codel begins in the same way whatever caused it, but its end is a choice.
-            let is_choice = matches!(it.kind, MomentKind::End | MomentKind::Request);
-            let choice = it.action.filter(|_| is_choice);
-            *ids.entry((about, it.kind, choice)).or_insert(next)
+            let is_choice = matches!(event.kind, MomentKind::End | MomentKind::Request);
+            let choice = event.action.filter(|_| is_choice);
+            *ids.entry((about, event.kind, choice)).or_insert(next)
         })
         .collect();
     let cycle = cycle.unwrap_or(0).min(steps.len());
@@ -104,9 +104,9 @@ mod tests {
     fn parts(text: &str, cycle: Option<usize>) -> Vec<Part> {
         let event = |(i, what): (usize, char)| {
             let thread = ThreadName::of_component("c");
-            let it = Event::of_thread(i as f64, thread, MomentKind::Begin, String::new());
+            let thread = Event::of_thread(i as f64, thread, MomentKind::Begin, String::new());
             let codel = Some(CodelName::of_service("c", &what.to_string()));
-            Event { codel, ..it }
+            Event { codel, ..thread }
         };
         let events: Vec<Event> = text.chars().enumerate().map(event).collect();
         let parts = fold_repetitions(&events, cycle);

@@ -40,10 +40,10 @@ pub struct Problem {
 impl Problem {
     /// Every file that the problem was read from.
     pub fn files(&self) -> impl Iterator<Item = &Utf8Path> {
-        let used = self.units.iter().flat_map(|it| &it.files);
+        let used = self.units.iter().flat_map(|unit| &unit.files);
         std::iter::once(&self.path)
             .chain(used)
-            .map(|it| it.as_path())
+            .map(|path| path.as_path())
     }
 }
 
@@ -59,11 +59,11 @@ pub struct UsedFile {
 /// The files that a scenario uses. Relative paths start at its directory.
 pub fn used(scenario: &Scenario, path: &Utf8Path) -> Vec<UsedFile> {
     let directory = path.parent().unwrap_or(path);
-    let file = |it: &Spanned<String>| UsedFile {
-        path: vfs::normalize(&directory.join(&it.value)),
-        range: it.range.clone(),
+    let file = |spanned: &Spanned<String>| UsedFile {
+        path: vfs::normalize(&directory.join(&spanned.value)),
+        range: spanned.range.clone(),
     };
-    let files = scenario.items.iter().filter_map(|it| match it {
+    let files = scenario.items.iter().filter_map(|item| match item {
         Item::Use(name) => Some(file(name)),
         _ => None,
     });
@@ -71,28 +71,28 @@ pub fn used(scenario: &Scenario, path: &Utf8Path) -> Vec<UsedFile> {
 }
 
 /// A diagnostic of the scenario language, in the form of all front ends.
-pub fn diagnostic(it: &dotgen_timing::diagnostic::Diagnostic, path: &Utf8Path) -> Diagnostic {
-    let severity = match it.severity {
+pub fn diagnostic(entry: &dotgen_timing::diagnostic::Diagnostic, path: &Utf8Path) -> Diagnostic {
+    let severity = match entry.severity {
         dotgen_timing::diagnostic::Severity::Error => Severity::Error,
         dotgen_timing::diagnostic::Severity::Warning => Severity::Warning,
     };
-    let fixes = it.suggestion.iter().map(|name| Fix {
+    let fixes = entry.suggestion.iter().map(|name| Fix {
         title: format!("Change to `{name}`"),
         kind: FixKind::Plain,
         edits: vec![FileEdit {
             path: path.to_owned(),
-            range: it.range.clone(),
+            range: entry.range.clone(),
             new_text: name.clone(),
         }],
     });
     Diagnostic {
         fixes: fixes.collect(),
         ..Diagnostic::new(
-            it.code,
+            entry.code,
             severity,
-            it.message.clone(),
+            entry.message.clone(),
             path.to_owned(),
-            it.range.clone(),
+            entry.range.clone(),
         )
     }
 }
@@ -120,7 +120,7 @@ pub fn unit_for(
 /// The components (not interfaces) of a specification.
 pub fn components(spec: &Spec) -> impl Iterator<Item = &Component> {
     let all = spec.components.iter();
-    all.filter(|it| it.kind == ComponentKind::Component)
+    all.filter(|component| component.kind == ComponentKind::Component)
 }
 
 impl Problem {
@@ -136,7 +136,7 @@ impl Problem {
         let mut errors: Vec<Diagnostic> = parsed
             .errors
             .iter()
-            .map(|it| diagnostic(it, path))
+            .map(|error| diagnostic(error, path))
             .collect();
         let mut units = Vec::new();
         let files = used(&parsed.scenario, path);
@@ -185,8 +185,13 @@ impl Problem {
         units: Vec<UnitResult>,
     ) -> Problem {
         let mut errors = Vec::new();
-        units.iter().for_each(|it| add_errors_of(it, &mut errors));
-        let members: Vec<&Component> = units.iter().flat_map(|it| components(&it.spec)).collect();
+        units
+            .iter()
+            .for_each(|unit| add_errors_of(unit, &mut errors));
+        let members: Vec<&Component> = units
+            .iter()
+            .flat_map(|unit| components(&unit.spec))
+            .collect();
         let text = default_text_on(&members, files, platform);
         if members.is_empty() && errors.is_empty() {
             let message = "this specification has no component, so there is nothing to verify";
@@ -205,7 +210,7 @@ impl Problem {
     /// True if the problem was read from a file.
     pub fn reads(&self, file: &Utf8Path) -> bool {
         self.path == file
-            || (self.units.iter()).any(|it| it.files.iter().any(|it| it == file))
+            || (self.units.iter()).any(|unit| unit.files.iter().any(|path| path == file))
             || self.uses(file)
     }
 
@@ -213,7 +218,7 @@ impl Problem {
     pub fn uses(&self, file: &Utf8Path) -> bool {
         used(&self.scenario, &self.path)
             .iter()
-            .any(|it| it.path == file)
+            .any(|candidate| candidate.path == file)
     }
 
     /// True if both problems have the same answer: the same scenario over the same models. Comments and
@@ -228,26 +233,26 @@ impl Problem {
 
     /// The specifications, as the input of the verifier.
     pub fn specs(&self) -> Vec<&Spec> {
-        self.units.iter().map(|it| &*it.spec).collect()
+        self.units.iter().map(|unit| &*unit.spec).collect()
     }
 
     /// A diagnostic of the verifier: at its place in the scenario if there is one, else in its specification,
     /// else at the name of the scenario.
-    pub fn diagnostic(&self, it: &dotgen_timing::diagnostic::Diagnostic) -> Diagnostic {
-        let mut out = diagnostic(it, &self.path);
-        let places = it.places.iter();
-        let mut places = places.filter_map(|it| {
-            let (path, range) = self.place(it.spec, it.src)?;
-            let message = it.what.clone();
+    pub fn diagnostic(&self, entry: &dotgen_timing::diagnostic::Diagnostic) -> Diagnostic {
+        let mut out = diagnostic(entry, &self.path);
+        let places = entry.places.iter();
+        let mut places = places.filter_map(|place| {
+            let (path, range) = self.place(place.spec, place.src)?;
+            let message = place.what.clone();
             Some(Related {
                 path,
                 range,
                 message,
             })
         });
-        if !self.is_written() || it.range.is_empty() {
+        if !self.is_written() || entry.range.is_empty() {
             (out.path, out.range) = match places.next() {
-                Some(it) => (it.path, it.range),
+                Some(place) => (place.path, place.range),
                 None if self.is_written() => (out.path, self.scenario.name_range.clone()),
                 None => (out.path, 0..0),
             };
@@ -304,8 +309,8 @@ fn prevents(unit: &UnitResult) -> impl Iterator<Item = &Diagnostic> {
     let errors = unit
         .diagnostics
         .iter()
-        .filter(|it| it.severity == Severity::Error);
-    errors.filter(|it| it.code != UNRESOLVED_PACKAGE)
+        .filter(|diagnostic| diagnostic.severity == Severity::Error);
+    errors.filter(|error| error.code != UNRESOLVED_PACKAGE)
 }
 
 fn add_errors_of(unit: &UnitResult, errors: &mut Vec<Diagnostic>) {

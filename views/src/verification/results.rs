@@ -117,7 +117,7 @@ impl Answer {
             Status::Blocked
         } else if self.report.refuted() {
             Status::Refuted
-        } else if checks.any(|it| it.verdict == Verdict::Unknown) {
+        } else if checks.any(|check| check.verdict == Verdict::Unknown) {
             Status::GaveUp
         } else if self.report.nothing() {
             Status::Nothing

@@ -74,7 +74,7 @@ pub fn run(
     tell(Interim::Answer(with(&why, Repairs::default())));
     if why.iter().any(Option::is_some) && !cancel.is_over() {
         let found = why::of_report(&problem, &options, &report, Some(cancel));
-        let helps = found.iter().flatten().any(|it| it.remedy.is_some());
+        let helps = found.iter().flatten().any(|report| report.remedy.is_some());
         if helps && !cancel.is_abandoned() {
             why = found;
             tell(Interim::Answer(with(&why, Repairs::default())));
@@ -92,18 +92,18 @@ pub fn run(
         report
             .checks
             .iter()
-            .filter(|it| it.kind == PropertyKind::Schedulable)
+            .filter(|check| check.kind == PropertyKind::Schedulable)
     };
     let worth_it = report.seconds < QUICK_SECONDS
         && deadlines().next().is_some()
-        && deadlines().all(|it| it.verdict == Verdict::Proved);
+        && deadlines().all(|deadline| deadline.verdict == Verdict::Proved);
     if worth_it && !cancel.is_over() {
         let input = SystemInput {
             specs: problem.specs(),
         };
         let cores = minimum_cores(&input, &problem.scenario, &options, cancel);
-        let decided = |it: &dotgen_timing::derive::MinimumCores| {
-            it.cores.is_some() && it.tried.iter().all(|it| it.1 != Verdict::Unknown)
+        let decided = |cores: &dotgen_timing::derive::MinimumCores| {
+            cores.cores.is_some() && cores.tried.iter().all(|pair| pair.1 != Verdict::Unknown)
         };
         if let Some(cores) = cores.ok().filter(decided)
             && !cancel.is_abandoned()

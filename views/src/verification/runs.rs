@@ -16,10 +16,11 @@ pub enum Ending<'t> {
 /// The check whose run is shown: the requested one, else the first refuted one, else the first one with a
 /// run.
 pub fn chosen(report: &Report, wanted: Option<usize>) -> Option<usize> {
-    let has_run = |it: &CheckReport| !it.run().is_empty();
-    let refuted = |it: &CheckReport| it.verdict == Verdict::Refuted && has_run(it);
-    let wanted = wanted.filter(|&it| report.checks.get(it).is_some_and(has_run));
-    let position = |it: &dyn Fn(&CheckReport) -> bool| report.checks.iter().position(it);
+    let has_run = |report: &CheckReport| !report.run().is_empty();
+    let refuted = |report: &CheckReport| report.verdict == Verdict::Refuted && has_run(report);
+    let wanted = wanted.filter(|&index| report.checks.get(index).is_some_and(has_run));
+    let position =
+        |matches_check: &dyn Fn(&CheckReport) -> bool| report.checks.iter().position(matches_check);
     wanted
         .or_else(|| position(&refuted))
         .or_else(|| position(&has_run))
@@ -45,7 +46,7 @@ pub fn title(check: &CheckReport) -> String {
 /// The end of the run of a check.
 pub fn ending(check: &CheckReport) -> Ending<'_> {
     let last = check.run().last();
-    let says_so = last.is_some_and(|it| it.kind == MomentKind::Excess);
+    let says_so = last.is_some_and(|run| run.kind == MomentKind::Excess);
     match &check.task {
         Some(task) if check.verdict == Verdict::Refuted && !says_so => Ending::Miss(task),
         _ => Ending::Fine,

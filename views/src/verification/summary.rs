@@ -24,24 +24,24 @@ pub fn platform(settings: &Settings) -> String {
 }
 
 /// The comparison with an extreme value for a system that does not hold at its present value.
-fn side(it: &Extreme) -> &'static str {
-    match (it.extreme, it.now) {
+fn side(limit: &Extreme) -> &'static str {
+    match (limit.extreme, limit.now) {
         (Some(Value::Time(extreme)), Value::Time(now)) if extreme > now => "from",
         _ => "up to",
     }
 }
 
 /// The extreme of a value as text, and its restriction if it is not exact.
-pub fn extreme(it: &Extreme, unit: TimeUnit) -> (String, &'static str) {
-    let extreme = match it.extreme {
-        Some(extreme) if it.fails_now => {
-            format!("holds {} {}", side(it), unit.show_value(extreme))
+pub fn extreme(limit: &Extreme, unit: TimeUnit) -> (String, &'static str) {
+    let extreme = match limit.extreme {
+        Some(extreme) if limit.fails_now => {
+            format!("holds {} {}", side(limit), unit.show_value(extreme))
         }
         Some(extreme) => unit.show_value(extreme),
-        None if it.fails_now => "missed already".to_owned(),
+        None if limit.fails_now => "missed already".to_owned(),
         None => "not known".to_owned(),
     };
-    let remark = match (it.extreme, it.incomplete, it.exact) {
+    let remark = match (limit.extreme, limit.incomplete, limit.exact) {
         (Some(Value::Unbounded), ..) => "tried up to the longest period",
         (_, true, _) => "given up there",
         (_, false, false) => "not known to be the limit",
@@ -51,11 +51,11 @@ pub fn extreme(it: &Extreme, unit: TimeUnit) -> (String, &'static str) {
 }
 
 /// `the WCET of lift.report.start, above 5 ms (now 4 ms)`
-pub fn next_to_break(it: &NextToBreak, unit: TimeUnit) -> String {
-    let (what, side) = match it.quantity {
+pub fn next_to_break(stop: &NextToBreak, unit: TimeUnit) -> String {
+    let (what, side) = match stop.quantity {
         Quantity::Wcet => ("WCET", "above"),
         Quantity::Period => ("period", "below"),
     };
-    let (now, extreme) = (unit.show_value(it.now), unit.show_value(it.extreme));
-    format!("the {what} of {}, {side} {extreme} (now {now})", it.of)
+    let (now, extreme) = (unit.show_value(stop.now), unit.show_value(stop.extreme));
+    format!("the {what} of {}, {side} {extreme} (now {now})", stop.of)
 }

@@ -80,7 +80,7 @@ impl Outcome {
             Verdict::Proved if report.vacuous => Outcome::Vacuous,
             Verdict::Proved if report.exceeds() => Outcome::Exceeds,
             // An upper bound greater than the period proves nothing about the deadline.
-            Verdict::Proved if report.slack().is_some_and(|it| it < 0.0) => Outcome::Bounded,
+            Verdict::Proved if report.slack().is_some_and(|slack| slack < 0.0) => Outcome::Bounded,
             Verdict::Proved => Outcome::Proved,
             // Rounding makes reachability uncertain, but not unreachability.
             Verdict::Refuted if report.rounded && report.kind != PropertyKind::Reachable => {
@@ -147,7 +147,7 @@ impl<'r> View<'r> {
         let why = |i: usize| why.get(i).and_then(Option::as_ref);
         View {
             checks: checks
-                .map(|(i, it)| CheckView::new(it, unit, scenario, why(i)))
+                .map(|(i, check)| CheckView::new(check, unit, scenario, why(i)))
                 .collect(),
         }
     }
@@ -155,7 +155,7 @@ impl<'r> View<'r> {
     /// The results of a task.
     pub fn of_task(&self, task: TaskId) -> impl Iterator<Item = (usize, &CheckView<'r>)> {
         let all = self.checks.iter().enumerate();
-        all.filter(move |it| it.1.report.id.task == Some(task))
+        all.filter(move |pair| pair.1.report.id.task == Some(task))
     }
 }
 
@@ -173,27 +173,29 @@ impl<'r> CheckView<'r> {
             _ if bound => ("≤ ", "≥ "),
             _ => ("", ""),
         };
-        let written = scenario.and_then(|it| check_of(it, report));
+        let written = scenario.and_then(|scenario| check_of(scenario, report));
         CheckView {
             report,
             outcome,
             // An infinite bound is not shown.
-            value: report.value.map(|it| match it {
-                Value::Unbounded => unit.show_value(it),
-                Value::Time(_) => format!("{sign}{}", unit.show_value(it)),
+            value: report.value.map(|value| match value {
+                Value::Unbounded => unit.show_value(value),
+                Value::Time(_) => format!("{sign}{}", unit.show_value(value)),
             }),
-            share: report.value.map(|it| match (it, report.limit) {
+            share: report.value.map(|value| match (value, report.limit) {
                 (Value::Time(time), Some(limit)) => {
                     format!("{sign}{}", unit.show_share(time, limit.time()))
                 }
                 (Value::Time(time), None) => format!("{sign}{}", unit.show(time)),
                 (Value::Unbounded, Some(limit)) => {
-                    format!("{} of {}", unit.show_value(it), unit.show(limit.time()))
+                    format!("{} of {}", unit.show_value(value), unit.show(limit.time()))
                 }
-                (Value::Unbounded, None) => unit.show_value(it),
+                (Value::Unbounded, None) => unit.show_value(value),
             }),
-            limit: report.limit.map(|it| unit.show(it.time())),
-            slack: report.slack().map(|it| format!("{least}{}", percent(it))),
+            limit: report.limit.map(|limit| unit.show(limit.time())),
+            slack: report
+                .slack()
+                .map(|slack| format!("{least}{}", percent(slack))),
             worth: match report.soundness {
                 _ if report.rounded => Some("durations are rounded"),
                 // The sign before the value, and the note, show it.
@@ -203,11 +205,15 @@ impl<'r> CheckView<'r> {
                 Soundness::WholeUnits => Some("shown for ends at whole units of time"),
                 Soundness::Neither => Some("for worst-case durations only, indicative"),
             },
-            reason: report.reason.iter().map(|it| sentence(it, unit)).collect(),
-            cause: why.map(|it| it.cause_in_words(unit)),
-            remedy: why.and_then(|it| it.remedy_in_words(unit)),
+            reason: report
+                .reason
+                .iter()
+                .map(|reason| sentence(reason, unit))
+                .collect(),
+            cause: why.map(|cause| cause.cause_in_words(unit)),
+            remedy: why.and_then(|cause| cause.remedy_in_words(unit)),
             why,
-            written: written.map(|it| it.range.clone()),
+            written: written.map(|check| check.range.clone()),
             is_one_of_all: written.is_some_and(is_of_all),
         }
     }
@@ -220,7 +226,7 @@ impl<'r> CheckView<'r> {
 
 /// The check of a scenario that a report answers.
 fn check_of<'s>(scenario: &'s Scenario, report: &CheckReport) -> Option<&'s Check> {
-    let checks = scenario.items.iter().filter_map(|it| match it {
+    let checks = scenario.items.iter().filter_map(|item| match item {
         Item::Check(check) => Some(check),
         _ => None,
     });
@@ -236,27 +242,31 @@ fn is_of_all(check: &Check) -> bool {
 }
 
 /// `waits for a lock from 4 ms to 9 ms (b.u.main): c.v.main of c.v has it until 7 ms, then …`
-fn sentence(it: &Delay, unit: TimeUnit) -> String {
-    let what = match (&it.codel, it.awaited) {
+fn sentence(delay: &Delay, unit: TimeUnit) -> String {
+    let what = match (&delay.codel, delay.awaited) {
         (Some(codel), _) => format!("{codel} waits for its locks"),
         (None, Awaited::Core | Awaited::Lock) => "the job waits for a core".to_owned(),
     };
-    let held = it.held.iter().map(|it| {
-        let who = match &it.codel {
+    let held = delay.held.iter().map(|holder| {
+        let who = match &holder.codel {
             Some(codel) => codel.to_string(),
-            None => it.by.to_string(),
+            None => holder.by.to_string(),
         };
-        format!("{who} ({} to {})", unit.show(it.from), unit.show(it.until))
+        format!(
+            "{who} ({} to {})",
+            unit.show(holder.from),
+            unit.show(holder.until)
+        )
     });
     let held: Vec<String> = held.collect();
     let by = match &held[..] {
         [] => String::new(),
-        [it] => format!(", held by {it}"),
+        [name] => format!(", held by {name}"),
         all => format!(
             ", held by {}, each of which took it as soon as it was free",
             all.join(", then ")
         ),
     };
-    let (from, until) = (unit.show(it.from), unit.show(it.until));
+    let (from, until) = (unit.show(delay.from), unit.show(delay.until));
     format!("{what} from {from} to {until}{by}")
 }

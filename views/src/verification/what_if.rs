@@ -55,8 +55,11 @@ impl WhatIf {
         Ok(Options {
             cores,
             policy: choose(self.policy.as_deref(), Policy::ALL)?.or(options.policy),
-            durations: choose(self.durations.as_deref(), &modes.map(|it| (it.name(), it)))?
-                .or(options.durations),
+            durations: choose(
+                self.durations.as_deref(),
+                &modes.map(|mode| (mode.name(), mode)),
+            )?
+            .or(options.durations),
             ..options
         })
     }
@@ -81,8 +84,8 @@ impl WhatIf {
                 }
                 _ => true,
             });
-            let name = |it: &str| Spanned {
-                value: it.to_owned(),
+            let name = |text: &str| Spanned {
+                value: text.to_owned(),
                 range: 0..0,
             };
             let path = Path {
@@ -102,10 +105,10 @@ impl WhatIf {
 
 fn choose<T: Copy>(word: Option<&str>, of: &[(&str, T)]) -> Result<Option<T>, String> {
     let Some(word) = word else { return Ok(None) };
-    match of.iter().find(|it| it.0 == word) {
-        Some(it) => Ok(Some(it.1)),
+    match of.iter().find(|entry| entry.0 == word) {
+        Some(pair) => Ok(Some(pair.1)),
         None => {
-            let words: Vec<&str> = of.iter().map(|it| it.0).collect();
+            let words: Vec<&str> = of.iter().map(|pair| pair.0).collect();
             Err(format!("`{word}` is none of {}", words.join(", ")))
         }
     }

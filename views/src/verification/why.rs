@@ -75,11 +75,11 @@ pub fn of_report(
     report: &Report,
     remedies: Option<&Cancel>,
 ) -> Vec<Option<FailureCause>> {
-    let late = |it: &'_ CheckReport| match it.verdict {
-        Verdict::Refuted => it.task.clone(),
+    let late = |report: &'_ CheckReport| match report.verdict {
+        Verdict::Refuted => report.task.clone(),
         _ => None,
     };
-    if !report.checks.iter().any(|it| late(it).is_some()) {
+    if !report.checks.iter().any(|check| late(check).is_some()) {
         return vec![None; report.checks.len()];
     }
     let table = blocking::table(problem, options);
@@ -87,7 +87,7 @@ pub fn of_report(
         specs: problem.specs(),
     };
     let remedies = remedies.filter(|_| report.seconds <= QUICK_SECONDS);
-    let remedies = remedies.map(|it| it.part(REMEDIES_TIME));
+    let remedies = remedies.map(|remedy| remedy.part(REMEDIES_TIME));
     // A remedy makes all checks of a task hold.
     let mut known: FxHashMap<ThreadName, Change> = FxHashMap::default();
     let why = |check| {
@@ -116,8 +116,8 @@ pub fn of_report(
 }
 
 fn function(table: &[Row], codel: &CodelName) -> String {
-    let row = table.iter().find(|it| it.codel.path == *codel);
-    row.map_or(&**codel, |it| &it.codel.function).to_owned()
+    let row = table.iter().find(|row| row.codel.path == *codel);
+    row.map_or(&**codel, |row| &row.codel.function).to_owned()
 }
 
 fn cause(task: ThreadName, check: &CheckReport, table: &[Row]) -> Cause {
@@ -129,14 +129,14 @@ fn cause(task: ThreadName, check: &CheckReport, table: &[Row]) -> Cause {
         held_by: None,
         holder: None,
     };
-    let length = |it: &Delay| it.until - it.from;
+    let length = |delay: &Delay| delay.until - delay.from;
     let longest = check.reason.iter();
     let Some(longest) = longest.max_by(|a, b| length(a).total_cmp(&length(b))) else {
         return out;
     };
     out.awaited = Some(longest.awaited);
     out.time = length(longest);
-    let had = |it: &Holder| it.until - it.from;
+    let had = |holder: &Holder| holder.until - holder.from;
     let holders = longest.held.iter();
     let Some(holder) = holders.max_by(|a, b| had(a).total_cmp(&had(b))) else {
         return out;
@@ -150,9 +150,9 @@ fn cause(task: ThreadName, check: &CheckReport, table: &[Row]) -> Cause {
         None => holder.by.own().to_owned(),
     });
     if let (Some(waiting), Some(codel)) = (&longest.codel, &holder.codel) {
-        let row = table.iter().find(|it| it.codel.path == *waiting);
-        let by = row.and_then(|it| it.by.iter().find(|it| it.codel.path == *codel));
-        out.through = by.map(|it| it.through.clone()).unwrap_or_default();
+        let row = table.iter().find(|row| row.codel.path == *waiting);
+        let by = row.and_then(|row| row.by.iter().find(|blocker| blocker.codel.path == *codel));
+        out.through = by.map(|row| row.through.clone()).unwrap_or_default();
     }
     out
 }
@@ -165,9 +165,9 @@ impl FailureCause {
 
     /// `` waits 6 ms for `level` of the ids, held by `report_start` ``
     pub fn wait_in_words(&self, unit: TimeUnit) -> String {
-        let it = &self.cause;
-        let time = unit.show(it.time);
-        let what = match (it.awaited, &it.through[..]) {
+        let cause = &self.cause;
+        let time = unit.show(cause.time);
+        let what = match (cause.awaited, &cause.through[..]) {
             (None, _) => {
                 // Where threads preempt each other, no queue holds a thread that has lost its core.
                 return "never waits in a queue: its codels, preemption included, exceed the limit"
@@ -177,8 +177,8 @@ impl FailureCause {
             (Some(Awaited::Lock), []) => "a lock".to_owned(),
             (Some(Awaited::Lock), all) => all.join(" and "),
         };
-        let held = it.holder.as_ref();
-        let held = held.map_or(String::new(), |it| format!(", held by `{it}`"));
+        let held = cause.holder.as_ref();
+        let held = held.map_or(String::new(), |holder| format!(", held by `{holder}`"));
         format!("waits {time} for {what}{held}")
     }
 

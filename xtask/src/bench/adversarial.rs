@@ -71,7 +71,10 @@ fn count(dotgen: &Path, folder: &Path, text: &str) -> Result<u64> {
     run::command(folder, "valgrind", &arguments).output()?;
     let text = std::fs::read_to_string(&out).context("valgrind wrote no counts")?;
     let mut lines = text.lines();
-    let total = lines.find_map(|it| it.strip_prefix("summary: ").or(it.strip_prefix("totals: ")));
+    let total = lines.find_map(|line| {
+        line.strip_prefix("summary: ")
+            .or(line.strip_prefix("totals: "))
+    });
     Ok(total
         .context("no total in what valgrind wrote")?
         .trim()

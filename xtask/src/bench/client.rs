@@ -99,7 +99,7 @@ impl Editor {
         columns: [usize; 2],
         text: &str,
     ) -> Result<()> {
-        self.replace(document, columns.map(|it| (line, it)), text)
+        self.replace(document, columns.map(|column| (line, column)), text)
     }
 
     /// Replaces the text between two places, each a line and a column.
@@ -110,7 +110,7 @@ impl Editor {
         text: &str,
     ) -> Result<()> {
         document.version += 1;
-        let [start, end] = places.map(|it| json!({ "line": it.0, "character": it.1 }));
+        let [start, end] = places.map(|place| json!({ "line": place.0, "character": place.1 }));
         let change = json!({ "range": { "start": start, "end": end }, "text": text });
         let document = json!({ "uri": document.uri, "version": document.version });
         let params = json!({ "textDocument": document, "contentChanges": [change] });
@@ -165,7 +165,7 @@ impl Editor {
     pub(crate) fn next_within(&mut self, quiet: Duration) -> Result<Option<Message>> {
         loop {
             let message = match self.messages.recv_timeout(quiet) {
-                Ok(it) => it,
+                Ok(message) => message,
                 Err(RecvTimeoutError::Timeout) => return Ok(None),
                 Err(RecvTimeoutError::Disconnected) => bail!("the server has ended"),
             };

@@ -33,7 +33,7 @@ impl Competitors {
 
 fn program(variable: &str, name: &str, repository: &str) -> Option<String> {
     let path = match std::env::var_os(variable) {
-        Some(path) => Some(PathBuf::from(path)).filter(|it| it.is_file()),
+        Some(path) => Some(PathBuf::from(path)).filter(|path| path.is_file()),
         None => tools::find(name),
     };
     if path.is_none() {
@@ -41,7 +41,7 @@ fn program(variable: &str, name: &str, repository: &str) -> Option<String> {
             "SKIPPED: `{name}` is not there. Build it from {repository} and give its path in {variable}"
         );
     }
-    path.map(|it| it.to_string_lossy().into_owned())
+    path.map(|path| path.to_string_lossy().into_owned())
 }
 
 const NAMES: [&str; 3] = ["dotgen", "TChecker", "schedule abstraction"];
@@ -64,7 +64,7 @@ impl Question {
         for (file, text) in files {
             std::fs::write(directory.join(file), text)?;
         }
-        let jobs = files.iter().any(|it| it.0 == "jobs.csv");
+        let jobs = files.iter().any(|file| file.0 == "jobs.csv");
         Ok(Question {
             directory,
             label,
@@ -102,7 +102,7 @@ impl Question {
         Ok([
             dotgen.map(of_dotgen).transpose()?.flatten(),
             tchecker.map(of_tchecker).transpose()?,
-            jobs.map(|it| self.of_jobs(it)).transpose()?,
+            jobs.map(|job| self.of_jobs(job)).transpose()?,
         ])
     }
 
@@ -126,7 +126,7 @@ impl Question {
         let mut responses = Vec::new();
         let bounds = std::fs::read_to_string(self.directory.join("jobs.rta.csv"))?;
         for line in bounds.lines().skip(1) {
-            let mut fields = line.split(',').map(|it| it.trim().parse::<u64>());
+            let mut fields = line.split(',').map(|part| part.trim().parse::<u64>());
             let (Some(Ok(task)), Some(Ok(worst))) = (fields.next(), fields.nth(4)) else {
                 bail!("the schedule-abstraction tool wrote: {line}");
             };
@@ -156,7 +156,7 @@ struct Answer {
 fn of_dotgen(taken: Measurement) -> Result<Option<Answer>> {
     let report: Value = serde_json::from_str(&taken.output).context("dotgen wrote no JSON")?;
     let checks = report["checks"].as_array().context("no checks")?;
-    let some = |verdict| checks.iter().any(|it| it["verdict"] == verdict);
+    let some = |verdict| checks.iter().any(|check| check["verdict"] == verdict);
     let holds = !some("refuted");
     // The others stop at the first failure, so dotgen's other answers do not matter.
     if holds && some("unknown") {
@@ -164,7 +164,7 @@ fn of_dotgen(taken: Measurement) -> Result<Option<Answer>> {
     }
     let responses = checks
         .iter()
-        .filter_map(|it| it["value"].as_u64())
+        .filter_map(|check| check["value"].as_u64())
         .collect();
     let states = report["states"].as_u64().context("no states")?;
     Ok(Some(Answer {
@@ -178,7 +178,7 @@ fn of_dotgen(taken: Measurement) -> Result<Option<Answer>> {
 fn of_tchecker(taken: Measurement) -> Result<Answer> {
     let value = |key: &str| {
         let mut lines = taken.output.lines();
-        lines.find_map(|it| it.strip_prefix(key).map(|it| it.trim().to_owned()))
+        lines.find_map(|line| line.strip_prefix(key).map(|rest| rest.trim().to_owned()))
     };
     let (Some(reachable), Some(states)) = (value("REACHABLE"), value("VISITED_STATES")) else {
         bail!("TChecker said: {}", taken.output);
@@ -214,7 +214,7 @@ pub(crate) fn competitors(dotgen: &Path, runs: usize, sets: u64) -> Result<bool>
         |n| periodic_question(&format!("periodic{n}"), &spread(n), false),
         &mut lines,
     )?;
-    if lines.iter().all(|it| !it.points.is_empty()) {
+    if lines.iter().all(|line| !line.points.is_empty()) {
         let chart = Chart {
             title: "Are all deadlines kept? Time until the answer",
             across: "periodic tasks on one core",
@@ -280,8 +280,11 @@ fn fischer_agreement(competitors: &Competitors) -> Result<bool> {
     let mut hold = 0;
     let few = || 1..=3;
     let kinds = [(2, 1), (3, 1), (2, 10), (3, 10)];
-    for ((n, scale), within) in kinds.into_iter().flat_map(|it| few().map(move |w| (it, w))) {
-        for (wait, section) in few().flat_map(|wait| few().map(move |it| (wait, it))) {
+    for ((n, scale), within) in kinds
+        .into_iter()
+        .flat_map(|kind| few().map(move |w| (kind, w)))
+    {
+        for (wait, section) in few().flat_map(|wait| few().map(move |number| (wait, number))) {
             let times = Times {
                 within: scale * within,
                 // Not every time is a multiple of the scale; otherwise the scale would be the unit.
@@ -291,7 +294,7 @@ fn fischer_agreement(competitors: &Competitors) -> Result<bool> {
             let [dotgen, tchecker, _] = fischer_question(n, times)?.ask(competitors, 1)?;
             let dotgen = dotgen.context("dotgen gave up")?.holds;
             hold += u32::from(dotgen);
-            if let Some(tchecker) = tchecker.filter(|it| it.holds != dotgen) {
+            if let Some(tchecker) = tchecker.filter(|tchecker| tchecker.holds != dotgen) {
                 agreed = false;
                 println!(
                     "{n}, {times:?}: dotgen {dotgen}, TChecker {}",
@@ -373,13 +376,13 @@ fn table(
         let question = question(size)?;
         let answers = question.ask(competitors, runs)?;
         for (line, answer) in std::iter::zip(&mut *lines, &answers) {
-            let point = answer.as_ref().map(|it| (size, it.taken.seconds));
+            let point = answer.as_ref().map(|answer| (size, answer.taken.seconds));
             line.points.extend(point);
         }
         let mut verdicts = answers
             .iter()
             .flatten()
-            .map(|it| it.holds)
+            .map(|answer| answer.holds)
             .collect::<Vec<_>>();
         verdicts.dedup();
         agreed &= verdicts.len() <= 1;
@@ -395,7 +398,7 @@ fn table(
             question.jobs && competitors.jobs.is_some(),
         ];
         let cells = std::iter::zip(&answers, present).map(|(answer, present)| match answer {
-            Some(it) => show(it.taken.seconds, it.taken.megabytes, it.states),
+            Some(answer) => show(answer.taken.seconds, answer.taken.megabytes, answer.states),
             None if present => "gave up".to_owned(),
             None => "–".to_owned(),
         });

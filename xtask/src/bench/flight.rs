@@ -49,7 +49,10 @@ pub(crate) fn flight(dotgen: &Path, runs: usize) -> Result<()> {
             let report: Value =
                 serde_json::from_str(&taken.output).context("dotgen wrote no JSON")?;
             let checks = report["checks"].as_array().context("no checks")?;
-            let proved = checks.iter().filter(|it| it["verdict"] == "proved").count();
+            let proved = checks
+                .iter()
+                .filter(|check| check["verdict"] == "proved")
+                .count();
             let states = report["states"].as_u64().context("no states")?;
             let shown = show(taken.seconds, taken.megabytes, states);
             cells.push(format!("{shown}; {proved} of {} proved", checks.len()));

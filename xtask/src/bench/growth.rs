@@ -50,8 +50,8 @@ fn row(dotgen: &Path, scenario: &Path, cores: u32, check: Option<&str>, runs: us
         command(dotgen, &arguments)
     };
     let taken = alternate(&[job("fixed"), job("interval")], runs)?;
-    let cells = taken.iter().map(|it| match it {
-        Some(it) => cell(it),
+    let cells = taken.iter().map(|measurement| match measurement {
+        Some(measurement) => cell(measurement),
         None => Ok("gave up".to_owned()),
     });
     let cells = cells.collect::<Result<Vec<_>>>()?.join(" | ");
@@ -71,7 +71,12 @@ fn command<'a>(dotgen: &'a Path, arguments: &[&str]) -> Job<'a> {
 fn cell(taken: &Measurement) -> Result<String> {
     let report: Value = serde_json::from_str(&taken.output).context("dotgen wrote no JSON")?;
     let checks = report["checks"].as_array().context("no checks")?;
-    let count = |verdict| checks.iter().filter(|it| it["verdict"] == verdict).count();
+    let count = |verdict| {
+        checks
+            .iter()
+            .filter(|check| check["verdict"] == verdict)
+            .count()
+    };
     let mut out = show(
         taken.seconds,
         taken.megabytes,
@@ -121,8 +126,8 @@ const KINDS: [Kind; 4] = [
 pub(crate) fn growth(dotgen: &Path, runs: usize) -> Result<()> {
     announce()?;
     step("Growing systems of one task per component, durations from 0 to the WCET");
-    let mut lines = KINDS.map(|it| (it.name, Vec::new()));
-    let names = KINDS.map(|it| it.name).join(" | ");
+    let mut lines = KINDS.map(|kind| (kind.name, Vec::new()));
+    let names = KINDS.map(|kind| kind.name).join(" | ");
     println!("| components | {names} |\n| --- | --- | --- | --- | --- |");
     for n in 1..=8 {
         let mut jobs = Vec::new();
@@ -139,17 +144,17 @@ pub(crate) fn growth(dotgen: &Path, runs: usize) -> Result<()> {
         let mut cells = Vec::new();
         for ((_, points), taken) in std::iter::zip(&mut lines, alternate(&jobs, runs)?) {
             cells.push(match &taken {
-                Some(it) => cell(it)?,
+                Some(measurement) => cell(measurement)?,
                 None => "gave up".to_owned(),
             });
-            points.extend(taken.map(|it| (n, it.seconds, it.megabytes)));
+            points.extend(taken.map(|measurement| (n, measurement.seconds, measurement.megabytes)));
         }
         println!("| {n} | {} |", cells.join(" | "));
     }
     let drawn = |what: fn(&(usize, f64, f64)) -> f64| {
         let line = |(name, points): &(&'static str, Vec<(usize, f64, f64)>)| Line {
             name,
-            points: points.iter().map(|it| (it.0, what(it))).collect(),
+            points: points.iter().map(|point| (point.0, what(point))).collect(),
         };
         lines.iter().map(line).collect::<Vec<_>>()
     };
@@ -159,7 +164,7 @@ pub(crate) fn growth(dotgen: &Path, runs: usize) -> Result<()> {
         across: "components",
         powers: SECONDS,
         ratios: false,
-        lines: drawn(|it| it.1),
+        lines: drawn(|triple| triple.1),
     };
     std::fs::write(pictures.join("growth-time.svg"), chart.svg())?;
     let chart = Chart {
@@ -172,7 +177,7 @@ pub(crate) fn growth(dotgen: &Path, runs: usize) -> Result<()> {
             (10000.0, "10 GB"),
         ],
         ratios: false,
-        lines: drawn(|it| it.2),
+        lines: drawn(|triple| triple.2),
     };
     std::fs::write(pictures.join("growth-memory.svg"), chart.svg())?;
     step("Drew docs/charts/growth-time.svg and growth-memory.svg");

@@ -47,21 +47,21 @@ pub(crate) fn alternate(jobs: &[Job], runs: usize) -> Result<Vec<Option<Measurem
     for run in 0..runs {
         for (job, taken) in std::iter::zip(jobs, &mut all) {
             let Some(list) = taken else { continue };
-            let first = list.first().map_or(0.0, |it| it.seconds);
+            let first = list.first().map_or(0.0, |measurement| measurement.seconds);
             if run >= 3 && first > 2.0 || run >= 1 && first > 20.0 {
                 continue;
             }
             match once(job)? {
-                Some(it) => list.push(it),
+                Some(measurement) => list.push(measurement),
                 None => *taken = None,
             }
         }
     }
-    Ok(all.into_iter().map(|it| it.map(medians)).collect())
+    Ok(all.into_iter().map(|job| job.map(medians)).collect())
 }
 
 fn medians(mut runs: Vec<Measurement>) -> Measurement {
-    let mut megabytes: Vec<f64> = runs.iter().map(|it| it.megabytes).collect();
+    let mut megabytes: Vec<f64> = runs.iter().map(|run| run.megabytes).collect();
     megabytes.sort_unstable_by(f64::total_cmp);
     let megabytes = megabytes[runs.len() / 2];
     runs.sort_unstable_by(|a, b| a.seconds.total_cmp(&b.seconds));

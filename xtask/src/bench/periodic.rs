@@ -89,7 +89,7 @@ const NEVER: u64 = (2 * HYPERPERIOD + 1) * 1000;
 
 /// Advances from one moment with ticks to the next, through one hyperperiod and again.
 fn timers(out: &mut String, tasks: &[Task]) {
-    let ticks = |at: &u64| tasks.iter().any(|it| at.is_multiple_of(it.period));
+    let ticks = |at: &u64| tasks.iter().any(|task| at.is_multiple_of(task.period));
     let moments: Vec<u64> = (1..=HYPERPERIOD).filter(ticks).collect();
     out.push_str("process:T\n");
     let mut before = 0;

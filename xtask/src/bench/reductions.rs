@@ -126,15 +126,18 @@ fn used(dotgen: &Path, subject: &Subject) -> Result<Vec<String>> {
         .args(arguments(subject, &["--explain"]))
         .output()?;
     let text = String::from_utf8(output.stdout)?;
-    let lines = text.lines().skip_while(|it| *it != "reductions").skip(1);
-    let rows = lines.filter_map(|it| it.trim_start().split_once(' '));
+    let lines = text
+        .lines()
+        .skip_while(|line| *line != "reductions")
+        .skip(1);
+    let rows = lines.filter_map(|line| line.trim_start().split_once(' '));
     let used = rows.filter(|(_, what)| what.trim_start().starts_with("used"));
     Ok(used.map(|(name, _)| name.to_owned()).collect())
 }
 
 fn measure(dotgen: &Path, subject: &Subject, without: Option<&str>, runs: usize) -> Result<String> {
     let mut more = vec!["--format", "json"];
-    more.extend(without.iter().flat_map(|&it| ["--without", it]));
+    more.extend(without.iter().flat_map(|&text| ["--without", text]));
     let job = Job {
         program: dotgen.to_str().unwrap_or("dotgen"),
         arguments: arguments(subject, &more),
@@ -150,7 +153,7 @@ fn measure(dotgen: &Path, subject: &Subject, without: Option<&str>, runs: usize)
 fn cell(taken: &Measurement) -> Result<String> {
     let report: Value = serde_json::from_str(&taken.output).context("dotgen wrote no JSON")?;
     let checks = report["checks"].as_array().context("no checks")?;
-    let unknown = checks.iter().filter(|it| it["verdict"] == "unknown");
+    let unknown = checks.iter().filter(|check| check["verdict"] == "unknown");
     let states = report["states"].as_u64().context("no states")?;
     let shown = show(taken.seconds, taken.megabytes, states);
     Ok(match unknown.count() {

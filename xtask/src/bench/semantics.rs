@@ -83,7 +83,7 @@ pub(crate) fn semantics(dotgen: &Path) -> Result<()> {
                 let known = ![one, other].contains(&&"given up".to_owned());
                 for (size, variants) in variants.iter_mut().enumerate().filter(|_| known) {
                     let variants = match variants {
-                        Some(it) => it,
+                        Some(variant) => variant,
                         none => none.insert(system.variants(cores, size + 1)?),
                     };
                     cause = cause.or_else(|| point(variants, check, (one, other)));
@@ -96,8 +96,8 @@ pub(crate) fn semantics(dotgen: &Path) -> Result<()> {
                     false => "not known".to_owned(),
                 });
                 let row = format!("{check} | {one} | {other} | {point}");
-                match rows.iter_mut().find(|it| it.0 == row) {
-                    Some(it) => it.1.push(cores),
+                match rows.iter_mut().find(|candidate| candidate.0 == row) {
+                    Some(row) => row.1.push(cores),
                     None => rows.push((row, vec![cores])),
                 }
             }
@@ -113,10 +113,10 @@ pub(crate) fn semantics(dotgen: &Path) -> Result<()> {
 /// `1, 3–8`
 fn ranges(numbers: &[u32]) -> String {
     let mut out: Vec<(u32, u32)> = Vec::new();
-    for &it in numbers {
+    for &number in numbers {
         match out.last_mut() {
-            Some(last) if last.1 + 1 == it => last.1 = it,
-            _ => out.push((it, it)),
+            Some(last) if last.1 + 1 == number => last.1 = number,
+            _ => out.push((number, number)),
         }
     }
     let words = out.iter().map(|&(from, to)| match from == to {
@@ -140,9 +140,11 @@ impl<'a> System<'a> {
     fn read(dotgen: &'a Path, scenario: &Path, policy: &'a str) -> Result<Self> {
         let text = std::fs::read_to_string(scenario)?;
         let folder = std::path::absolute(scenario.parent().context("no folder")?)?;
-        let kept = text.lines().filter(|it| {
-            let it = it.trim_start();
-            !it.starts_with("check ") && !it.starts_with("semantics ") && !it.starts_with("locks ")
+        let kept = text.lines().filter(|line| {
+            let line = line.trim_start();
+            !line.starts_with("check ")
+                && !line.starts_with("semantics ")
+                && !line.starts_with("locks ")
         });
         let text = kept.collect::<Vec<_>>().join("\n");
         let text = text.replace("use \"", &format!("use \"{}/", folder.display()));
@@ -184,34 +186,43 @@ impl<'a> System<'a> {
         let report: Value = serde_json::from_slice(&output.stdout)
             .with_context(|| String::from_utf8_lossy(&output.stderr).into_owned())?;
         let checks = report["checks"].as_array().context("no checks")?;
-        let answer = |it: &Value| {
-            let value = match &it["value"] {
+        let answer = |json: &Value| {
+            let value = match &json["value"] {
                 Value::Null => String::new(),
-                Value::String(it) => it.clone(),
-                it => format!("{it} {}", report["unit"].as_str().unwrap_or("ms")),
+                Value::String(text) => text.clone(),
+                value => format!("{value} {}", report["unit"].as_str().unwrap_or("ms")),
             };
-            match (it["verdict"].as_str().unwrap_or("?"), &*value) {
+            match (json["verdict"].as_str().unwrap_or("?"), &*value) {
                 ("unknown", _) => "given up".to_owned(),
                 (verdict, "") => verdict.to_owned(),
                 (_, value) => value.to_owned(),
             }
         };
-        let key = |it: &Value| {
-            let word = |key: &str| it[key].as_str().unwrap_or("?").to_owned();
+        let key = |value: &Value| {
+            let word = |key: &str| value[key].as_str().unwrap_or("?").to_owned();
             format!("{} {}", word("check"), word("of"))
         };
-        Ok(checks.iter().map(|it| (key(it), answer(it))).collect())
+        Ok(checks
+            .iter()
+            .map(|check| (key(check), answer(check)))
+            .collect())
     }
 
     /// The answers with `size` points from the other semantics, for each choice of points.
     fn variants(&self, cores: u32, size: usize) -> Result<Vec<Variant>> {
         let choices = 0u32..1 << POINTS.len();
-        let choices = choices.filter(|it| it.count_ones() as usize == size);
+        let choices = choices.filter(|choice| choice.count_ones() as usize == size);
         let variant = |chosen: u32| {
-            let chosen = || (0..POINTS.len()).filter(move |it| chosen >> it & 1 == 1);
-            let published: Vec<_> = chosen().map(|it| (POINTS[it].0, POINTS[it].2)).collect();
-            let servers: Vec<_> = chosen().map(|it| (POINTS[it].0, POINTS[it].1)).collect();
-            let words: Vec<String> = chosen().map(|it| format!("`{}`", POINTS[it].0)).collect();
+            let chosen = || (0..POINTS.len()).filter(move |point| chosen >> point & 1 == 1);
+            let published: Vec<_> = chosen()
+                .map(|point| (POINTS[point].0, POINTS[point].2))
+                .collect();
+            let servers: Vec<_> = chosen()
+                .map(|point| (POINTS[point].0, POINTS[point].1))
+                .collect();
+            let words: Vec<String> = chosen()
+                .map(|point| format!("`{}`", POINTS[point].0))
+                .collect();
             Ok(Variant {
                 words: words.join(" with "),
                 servers: self.answers("servers", cores, &published)?,
@@ -232,8 +243,13 @@ struct Variant {
 /// The points that cause the difference between the servers and the published models, if some of these
 /// variants show it.
 fn point(variants: &[Variant], check: &str, (one, other): (&str, &str)) -> Option<String> {
-    let is = |answers: &Answers, wanted: &str| answers.get(check).is_some_and(|it| it == wanted);
-    let makes = |it: &&Variant| is(&it.servers, one) || is(&it.published, other);
-    let found: Vec<&str> = variants.iter().filter(makes).map(|it| &*it.words).collect();
+    let is =
+        |answers: &Answers, wanted: &str| answers.get(check).is_some_and(|answer| answer == wanted);
+    let makes = |variant: &&Variant| is(&variant.servers, one) || is(&variant.published, other);
+    let found: Vec<&str> = variants
+        .iter()
+        .filter(makes)
+        .map(|variant| &*variant.words)
+        .collect();
     (!found.is_empty()).then(|| found.join(" or "))
 }

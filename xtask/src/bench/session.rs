@@ -60,12 +60,12 @@ fn play(mut editor: Editor) -> Result<()> {
         "semantic tokens",
         "rename",
     ]
-    .map(|it| (it, Vec::new()))
+    .map(|text| (text, Vec::new()))
     .into();
     let text = components::component(50);
     let line = text
         .lines()
-        .position(|it| it.contains("attribute set_goal"))
+        .position(|line| line.contains("attribute set_goal"))
         .context("the component has an attribute")?;
     let mut opened = editor.open("c50.gen", &text)?;
     let document = json!({ "uri": opened.uri });

@@ -56,7 +56,7 @@ pub(super) fn tiny(dotgen: &Path, runs: usize) -> Result<()> {
         let here = fresh(&folder, &format!("tiny-{count}"))?;
         workspace::write_tiny(&here, count)?;
         let figures = check(dotgen, &here, runs)?;
-        let cells = figures.iter().map(|it| format!("{:.2}", it.1));
+        let cells = figures.iter().map(|figure| format!("{:.2}", figure.1));
         println!("| {count} | {} |", cells.collect::<Vec<_>>().join(" · "));
         std::fs::remove_dir_all(&here)?;
     }
@@ -169,7 +169,7 @@ fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
 }
 
 fn line_of(text: &str, start: &str) -> Result<usize> {
-    let found = text.lines().position(|it| it.starts_with(start));
+    let found = text.lines().position(|line| line.starts_with(start));
     found.with_context(|| format!("no line begins with `{start}`"))
 }
 
@@ -239,8 +239,8 @@ impl Session {
     }
 
     fn learn(&mut self, items: &Value) {
-        for it in items.as_array().into_iter().flatten() {
-            if let (Some(uri), Some(id)) = (it["uri"].as_str(), it["resultId"].as_str()) {
+        for json in items.as_array().into_iter().flatten() {
+            if let (Some(uri), Some(id)) = (json["uri"].as_str(), json["resultId"].as_str()) {
                 self.known.insert(uri.to_owned(), id.to_owned());
             }
         }
@@ -273,8 +273,8 @@ impl Session {
     fn status(&self, key: &str) -> Result<f64> {
         let path = format!("/proc/{}/status", self.editor.pid());
         let text = std::fs::read_to_string(path)?;
-        let line = text.lines().find_map(|it| it.strip_prefix(key));
-        let number = line.and_then(|it| it.split_whitespace().nth(1));
+        let line = text.lines().find_map(|line| line.strip_prefix(key));
+        let number = line.and_then(|line| line.split_whitespace().nth(1));
         let kilobytes: f64 = number.context("no such line")?.parse()?;
         Ok(kilobytes / 1024.0)
     }
@@ -304,10 +304,10 @@ fn table(all: &BTreeMap<usize, Figures>) {
         .next()
         .into_iter()
         .flatten()
-        .map(|it| it.0)
+        .map(|pair| pair.0)
         .collect();
     for (row, name) in names.iter().enumerate() {
-        let cells = all.values().map(|it| match it[row].1 {
+        let cells = all.values().map(|sizes| match sizes[row].1 {
             value if name.ends_with("MB") => format!("{value:.0}"),
             value => super::show_time(value),
         });
@@ -321,7 +321,9 @@ fn draw(all: &BTreeMap<usize, Figures>) -> Result<()> {
         name: label,
         points: all
             .iter()
-            .filter_map(|(&count, it)| Some((count, it.iter().find(|it| it.0 == name)?.1)))
+            .filter_map(|(&count, sizes)| {
+                Some((count, sizes.iter().find(|size| size.0 == name)?.1))
+            })
             .collect(),
     };
     let pictures = root().join("docs/charts");

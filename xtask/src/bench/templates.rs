@@ -63,7 +63,7 @@ pub(crate) fn templates(dotgen: &Path, runs: usize) -> Result<bool> {
                 times[0].push(native);
                 times[1].push(tcl);
             }
-            let [native, tcl] = times.each_mut().map(|it| median(it));
+            let [native, tcl] = times.each_mut().map(|change| median(change));
             let ratio = tcl.as_secs_f64() / native.as_secs_f64();
             let words = [&[template], arguments].concat().join(" ");
             println!(

@@ -112,7 +112,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
 ];
 
 fn command(arguments: &[&str]) -> Result<Vec<String>> {
-    let words = arguments.iter().map(|it| (*it).to_owned());
+    let words = arguments.iter().map(|argument| (*argument).to_owned());
     Ok(words.collect())
 }
 

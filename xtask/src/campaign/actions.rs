@@ -46,8 +46,8 @@ pub(super) fn actions(
     };
     let before = workspace.findings()?;
     for (path, findings) in &before.0 {
-        for it in findings {
-            at_finding(&mut workspace, &mut case, &before, path, it, None)?;
+        for finding in findings {
+            at_finding(&mut workspace, &mut case, &before, path, finding, None)?;
         }
         everything(&mut workspace, &mut case, &before, path)?;
         let lines = workspace.texts[path].lines().count().max(1);
@@ -63,7 +63,7 @@ pub(super) fn actions(
     let specifications: Vec<PathBuf> = before
         .0
         .into_keys()
-        .filter(|it| is_specification(it))
+        .filter(|key| is_specification(key))
         .collect();
     for path in specifications {
         for number in 0..options.mutations {
@@ -93,8 +93,8 @@ fn mutated(
     workspace.set(path, new.clone())?;
     let before = workspace.findings()?;
     let findings = before.0.get(path).cloned().unwrap_or_default();
-    for it in findings.iter().take(MAX_FINDINGS) {
-        at_finding(workspace, case, &before, path, it, Some("quickfix"))?;
+    for finding in findings.iter().take(MAX_FINDINGS) {
+        at_finding(workspace, case, &before, path, finding, Some("quickfix"))?;
     }
     everything(workspace, case, &before, path)?;
     case.group = "check --fix of mutated";
@@ -173,9 +173,9 @@ fn one(
     let mends: Vec<Finding> = findings.map(Finding::read).collect();
     let about: Vec<_> = mends
         .iter()
-        .flat_map(|it| edits::places(path, it))
+        .flat_map(|finding| edits::places(path, finding))
         .collect();
-    let applied = match edits::apply(&action["edit"], |it| workspace.text(it), &about) {
+    let applied = match edits::apply(&action["edit"], |path| workspace.text(path), &about) {
         Ok(applied) => applied,
         Err(error) => {
             let title = &action["title"];
@@ -207,15 +207,15 @@ fn one(
     let head = format!("{shown}:{}: «{title}» ({kind}){}", line + 1, case.context);
     case.judge(root, &head, before, &after, &applied.touched);
     if !mends.is_empty() {
-        if let Some(it) = mends
+        if let Some(finding) = mends
             .iter()
-            .find(|it| after.count(&it.code) >= before.count(&it.code))
+            .find(|finding| after.count(&finding.code) >= before.count(&finding.code))
         {
             case.report.count(case.group, "useless", 1);
-            case.report.code("useless", &it.code);
+            case.report.code("useless", &finding.code);
             case.report.report_offender(
                 "useless",
-                &format!("{head} keeps {}: {}", it.code, it.message),
+                &format!("{head} keeps {}: {}", finding.code, finding.message),
             );
         }
         if !applied.lost.is_empty() {
@@ -247,12 +247,12 @@ impl Case<'_> {
         self.report
             .count(self.group, "revealed", usize::from(!revealed.is_empty()));
         for (kind, found) in [("worse", worse), ("revealed", revealed)] {
-            for (path, it) in found {
-                self.report.code(kind, &it.code);
+            for (path, finding) in found {
+                self.report.code(kind, &finding.code);
                 let shown = path.strip_prefix(root).unwrap_or(path).display();
-                let line = it.lines[0] + 1;
-                let message = it.message.replace(&format!("{}/", root.display()), "");
-                let added = format!("{head} adds {} at {shown}:{line}: {message}", it.code);
+                let line = finding.lines[0] + 1;
+                let message = finding.message.replace(&format!("{}/", root.display()), "");
+                let added = format!("{head} adds {} at {shown}:{line}: {message}", finding.code);
                 if kind == "worse" {
                     self.report.report_offender(kind, &added);
                 }
@@ -281,12 +281,15 @@ fn check_fix(
         let report: Value = serde_json::from_slice(&output.stdout)
             .with_context(|| String::from_utf8_lossy(&output.stderr).into_owned())?;
         let mut out = Findings::default();
-        for it in report["diagnostics"].as_array().into_iter().flatten() {
+        for diagnostic in report["diagnostics"].as_array().into_iter().flatten() {
             let file = workspace
                 .copy
                 .root
-                .join(it["file"].as_str().unwrap_or_default());
-            out.0.entry(file).or_default().push(Finding::read(it));
+                .join(diagnostic["file"].as_str().unwrap_or_default());
+            out.0
+                .entry(file)
+                .or_default()
+                .push(Finding::read(diagnostic));
         }
         Ok(out)
     };
@@ -305,9 +308,9 @@ fn check_fix(
     }
     let differs = |(a, b): &(&str, &str)| a != b;
     let zip = || std::iter::zip(text.lines(), fixed.lines());
-    let first = zip().take_while(|it| !differs(it)).count();
+    let first = zip().take_while(|pair| !differs(pair)).count();
     let backwards = std::iter::zip(text.lines().rev(), fixed.lines().rev());
-    let same = backwards.take_while(|it| !differs(it)).count();
+    let same = backwards.take_while(|pair| !differs(pair)).count();
     let last = fixed.lines().count().saturating_sub(same).max(first);
     let touched = ChangedLines::from([(path.to_owned(), vec![[first, last]])]);
     let root = &workspace.copy.root;

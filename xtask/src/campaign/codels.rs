@@ -35,13 +35,16 @@ pub(super) fn codels(
 ) -> Result<()> {
     let copy = set.copy()?;
     let documents = set.documents(&copy.root);
-    for specification in documents.iter().filter(|it| is_specification(it)) {
+    for specification in documents
+        .iter()
+        .filter(|document| is_specification(document))
+    {
         let below = specification.with_file_name("codels");
-        let is_source = |it: &&PathBuf| {
-            let extension = it.extension().and_then(|it| it.to_str());
-            it.starts_with(&below) && matches!(extension, Some("c" | "cc" | "cpp" | "cxx"))
+        let is_source = |path: &&PathBuf| {
+            let extension = path.extension().and_then(|extension| extension.to_str());
+            path.starts_with(&below) && matches!(extension, Some("c" | "cc" | "cpp" | "cxx"))
         };
-        let is_bare = !documents.iter().any(|it| is_source(&it));
+        let is_bare = !documents.iter().any(|document| is_source(&document));
         if is_bare {
             stubs(dotgen, &copy.root, specification)?;
             report.count("as published", "folders of stubs", 1);
@@ -97,7 +100,7 @@ impl Folder<'_> {
     /// Compares findings with the compiler, then repairs and compiles again; the texts are restored.
     fn measure(&self, report: &mut Report, group: &str, context: &str) -> Result<()> {
         let before: Vec<_> = self.compiled();
-        let compiling = before.iter().filter(|it| it.0).count();
+        let compiling = before.iter().filter(|pair| pair.0).count();
         report.count(group, "sources", self.sources.len());
         report.count(group, "sources that compile", compiling);
         self.judge(report, group, context, &before)?;
@@ -105,7 +108,7 @@ impl Folder<'_> {
             return Ok(());
         }
         let files: Vec<&PathBuf> = self.sources.iter().chain([&self.specification]).collect();
-        let originals = files.iter().map(|it| Ok((*it, std::fs::read(it)?)));
+        let originals = files.iter().map(|file| Ok((*file, std::fs::read(file)?)));
         let originals = originals.collect::<Result<Vec<_>>>()?;
         self.run(&["codels", "sync"])?;
         let is_changed = originals
@@ -126,7 +129,7 @@ impl Folder<'_> {
                 let error = after
                     .1
                     .lines()
-                    .find(|it| it.contains("error"))
+                    .find(|line| line.contains("error"))
                     .unwrap_or_default();
                 let error = error.replace(&format!("{}/", self.root.display()), "");
                 let shown = self.shown(source);
@@ -150,19 +153,21 @@ impl Folder<'_> {
     ) -> Result<()> {
         let output = self.run(&["codels", "check", "--format", "json"])?;
         let found: Value = serde_json::from_str(&output.0).with_context(|| output.1.clone())?;
-        for it in found["diagnostics"].as_array().into_iter().flatten() {
-            let finding = Finding::read(it);
+        for diagnostic in found["diagnostics"].as_array().into_iter().flatten() {
+            let finding = Finding::read(diagnostic);
             if !CONFIRMABLE_CODES.contains(&finding.code.as_str()) || finding.severity > 2 {
                 continue;
             }
-            let file = self.root.join(it["file"].as_str().unwrap_or_default());
-            let Some(at) = self.sources.iter().position(|it| *it == file) else {
+            let file = self
+                .root
+                .join(diagnostic["file"].as_str().unwrap_or_default());
+            let Some(at) = self.sources.iter().position(|source| *source == file) else {
                 continue;
             };
             let (compiles, messages) = &compiled[at];
             let complains = messages
                 .lines()
-                .any(|it| it.contains("error:") || it.contains("warning:"));
+                .any(|line| line.contains("error:") || line.contains("warning:"));
             report.count(group, "judged", 1);
             match (compiles, complains) {
                 (true, false) => {
@@ -196,13 +201,13 @@ impl Folder<'_> {
             .arg(&self.specification)
             .current_dir(self.root)
             .output();
-        let fine = generated.is_ok_and(|it| it.status.success());
+        let fine = generated.is_ok_and(|output| output.status.success());
         let flags = std::fs::read_to_string(headers.join("compile_flags.txt")).unwrap_or_default();
         let compile = |source: &PathBuf| {
             if !fine {
                 return (false, "fatal error: no headers".to_owned());
             }
-            let is_c = source.extension().is_some_and(|it| it == "c");
+            let is_c = source.extension().is_some_and(|extension| extension == "c");
             let output = Command::new(if is_c { "gcc" } else { "g++" })
                 .args(["-Wall", "-fsyntax-only"])
                 .args(flags.lines())
@@ -210,9 +215,9 @@ impl Folder<'_> {
                 .current_dir(self.root)
                 .output();
             match output {
-                Ok(it) => (
-                    it.status.success(),
-                    String::from_utf8_lossy(&it.stderr).into_owned(),
+                Ok(output) => (
+                    output.status.success(),
+                    String::from_utf8_lossy(&output.stderr).into_owned(),
                 ),
                 Err(error) => (false, format!("fatal error: {error}")),
             }
@@ -230,7 +235,7 @@ impl Folder<'_> {
             .arg(&self.specification)
             .current_dir(self.root);
         let output = command.output()?;
-        let text = |it| String::from_utf8_lossy(it).into_owned();
+        let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
         Ok((text(&output.stdout), text(&output.stderr)))
     }
 

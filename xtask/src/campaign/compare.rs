@@ -53,7 +53,7 @@ impl Findings {
     /// Number of findings of a code.
     pub(super) fn count(&self, code: &str) -> usize {
         let all = self.0.values().flatten();
-        all.filter(|it| it.code == code).count()
+        all.filter(|finding| finding.code == code).count()
     }
 
     /// Number of errors.
@@ -61,7 +61,7 @@ impl Findings {
         self.0
             .values()
             .flatten()
-            .filter(|it| it.severity == 1)
+            .filter(|finding| finding.severity == 1)
             .count()
     }
 
@@ -70,17 +70,19 @@ impl Findings {
         let mut out = Vec::new();
         for (path, findings) in &after.0 {
             let old = self.0.get(path).map(Vec::as_slice).unwrap_or_default();
-            let number =
-                |of: &[Finding], code: &str| of.iter().filter(|it| it.code == code).count();
+            let number = |of: &[Finding], code: &str| {
+                of.iter().filter(|finding| finding.code == code).count()
+            };
             let mut seen: Vec<&str> = Vec::new();
-            for it in findings {
-                let more = number(findings, &it.code) > number(old, &it.code);
-                if more && !seen.contains(&it.code.as_str()) {
-                    seen.push(&it.code);
+            for finding in findings {
+                let more = number(findings, &finding.code) > number(old, &finding.code);
+                if more && !seen.contains(&finding.code.as_str()) {
+                    seen.push(&finding.code);
                     // Preferred: a finding whose message is new.
-                    let is_new = |it: &&Finding| !old.iter().any(|o| o.message == it.message);
-                    let mut same = findings.iter().filter(|f| f.code == it.code);
-                    let telling = same.find(is_new).unwrap_or(it);
+                    let is_new =
+                        |finding: &&Finding| !old.iter().any(|o| o.message == finding.message);
+                    let mut same = findings.iter().filter(|f| f.code == finding.code);
+                    let telling = same.find(is_new).unwrap_or(finding);
                     out.push((path.as_path(), telling));
                 }
             }
@@ -98,12 +100,14 @@ impl Findings {
         touched: &ChangedLines,
     ) -> (Vec<Placed<'a>>, Vec<Placed<'a>>) {
         let reveals = after.errors() < self.errors();
-        let is_touched = |path: &Path, it: &Finding| {
+        let is_touched = |path: &Path, finding: &Finding| {
             let mut lines = touched.get(path).into_iter().flatten();
-            lines.any(|at| at[0] <= it.lines[1] && it.lines[0] <= at[1])
+            lines.any(|at| at[0] <= finding.lines[1] && finding.lines[0] <= at[1])
         };
         let added = self.added(after).into_iter();
-        added.partition(|(path, it)| !reveals || it.severity <= 2 && is_touched(path, it))
+        added.partition(|(path, finding)| {
+            !reveals || finding.severity <= 2 && is_touched(path, finding)
+        })
     }
 }
 

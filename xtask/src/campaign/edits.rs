@@ -46,34 +46,34 @@ pub(super) fn apply(
         let old = old.unwrap_or_default();
         let mut hunks = edits
             .iter()
-            .map(|it| hunk(&old, it))
+            .map(|edit| hunk(&old, edit))
             .collect::<Result<Vec<_>>>()?;
-        hunks.sort_by_key(|it| (it.bytes.start, it.bytes.end));
+        hunks.sort_by_key(|hunk| (hunk.bytes.start, hunk.bytes.end));
         let mut new = String::new();
         let mut at = 0;
-        for it in &hunks {
-            if it.bytes.start < at {
+        for hunk in &hunks {
+            if hunk.bytes.start < at {
                 bail!("edits of {} overlap", path.display());
             }
-            new.push_str(&old[at..it.bytes.start]);
+            new.push_str(&old[at..hunk.bytes.start]);
             let first = new.matches('\n').count();
-            new.push_str(&it.new);
+            new.push_str(&hunk.new);
             let last = new.matches('\n').count();
             out.touched
                 .entry(path.clone())
                 .or_default()
                 .push([first, last]);
-            at = it.bytes.end;
-            let removed = &old[it.bytes.clone()];
-            words_of(removed).for_each(|it| *words.entry(it.to_owned()).or_default() += 1);
-            words_of(&it.new).for_each(|it| *words.entry(it.to_owned()).or_default() -= 1);
-            let line = old.lines().nth(it.lines[0]).unwrap_or_default();
+            at = hunk.bytes.end;
+            let removed = &old[hunk.bytes.clone()];
+            words_of(removed).for_each(|word| *words.entry(word.to_owned()).or_default() += 1);
+            words_of(&hunk.new).for_each(|word| *words.entry(word.to_owned()).or_default() -= 1);
+            let line = old.lines().nth(hunk.lines[0]).unwrap_or_default();
             let is_comment = SKELETON.iter().any(|word| line.contains(word));
             let near = is_comment
                 || about.iter().any(|(of, lines)| {
-                    of == &path && lines[0] <= it.lines[1] + 1 && it.lines[0] <= lines[1] + 1
+                    of == &path && lines[0] <= hunk.lines[1] + 1 && hunk.lines[0] <= lines[1] + 1
                 });
-            if !near && words_of(removed).count() > words_of(&it.new).count() {
+            if !near && words_of(removed).count() > words_of(&hunk.new).count() {
                 away.extend(words_of(removed).map(str::to_owned));
             }
         }
@@ -81,7 +81,7 @@ pub(super) fn apply(
         out.texts.insert(path, new);
     }
     if words.values().sum::<isize>() > 0 {
-        away.retain(|it| words.get(it).is_some_and(|it| *it > 0));
+        away.retain(|text| words.get(text).is_some_and(|word| *word > 0));
         out.lost = away;
     }
     Ok(out)
@@ -91,9 +91,13 @@ pub(super) fn apply(
 pub(super) fn places(path: &Path, finding: &Finding) -> Vec<(PathBuf, [usize; 2])> {
     let mut out = vec![(path.to_owned(), finding.lines)];
     let related = finding.raw["relatedInformation"].as_array();
-    for it in related.into_iter().flatten() {
-        let line = |end: &str| it["location"]["range"][end]["line"].as_u64().unwrap_or(0) as usize;
-        let uri = it["location"]["uri"].as_str().unwrap_or_default();
+    for related in related.into_iter().flatten() {
+        let line = |end: &str| {
+            related["location"]["range"][end]["line"]
+                .as_u64()
+                .unwrap_or(0) as usize
+        };
+        let uri = related["location"]["uri"].as_str().unwrap_or_default();
         out.push((path_of(uri), [line("start"), line("end")]));
     }
     out
@@ -102,14 +106,14 @@ pub(super) fn places(path: &Path, finding: &Finding) -> Vec<(PathBuf, [usize; 2]
 /// Edits of text by file; files that the edit creates have an entry.
 fn by_file(edit: &Value) -> Result<BTreeMap<PathBuf, Vec<Value>>> {
     let mut out = BTreeMap::<PathBuf, Vec<Value>>::new();
-    let uri = |it: &Value| it.as_str().map(path_of).context("no URI");
-    for it in edit["documentChanges"].as_array().into_iter().flatten() {
-        match it["kind"].as_str() {
-            Some("create") => _ = out.entry(uri(&it["uri"])?).or_default(),
+    let uri = |value: &Value| value.as_str().map(path_of).context("no URI");
+    for change in edit["documentChanges"].as_array().into_iter().flatten() {
+        match change["kind"].as_str() {
+            Some("create") => _ = out.entry(uri(&change["uri"])?).or_default(),
             Some(other) => bail!("an edit does `{other}`"),
             None => {
-                let edits = it["edits"].as_array().cloned().unwrap_or_default();
-                out.entry(uri(&it["textDocument"]["uri"])?)
+                let edits = change["edits"].as_array().cloned().unwrap_or_default();
+                out.entry(uri(&change["textDocument"]["uri"])?)
                     .or_default()
                     .extend(edits);
             }
@@ -176,7 +180,7 @@ fn hunk(old: &str, edit: &Value) -> Result<Hunk> {
 
 /// True if a word does not continue at a byte of a text.
 fn is_border(text: &str, at: usize) -> bool {
-    let is_word = |it: char| it.is_alphanumeric() || it == '_';
+    let is_word = |character: char| character.is_alphanumeric() || character == '_';
     text.is_char_boundary(at) && !(text[..at].ends_with(is_word) && text[at..].starts_with(is_word))
 }
 
@@ -184,14 +188,14 @@ fn is_border(text: &str, at: usize) -> bool {
 fn offset(text: &str, position: &Value) -> Result<usize> {
     let line = position["line"].as_u64().context("no line")? as usize;
     let character = position["character"].as_u64().context("no character")? as usize;
-    let starts = std::iter::once(0).chain(text.match_indices('\n').map(|it| it.0 + 1));
+    let starts = std::iter::once(0).chain(text.match_indices('\n').map(|pair| pair.0 + 1));
     let start = starts.clone().nth(line).unwrap_or(text.len());
     Ok((start + character).min(text.len()))
 }
 
 fn words_of(text: &str) -> impl Iterator<Item = &str> {
-    let words = text.split(|it: char| !it.is_alphanumeric() && it != '_');
-    words.filter(|it| !it.is_empty())
+    let words = text.split(|character: char| !character.is_alphanumeric() && character != '_');
+    words.filter(|word| !word.is_empty())
 }
 
 #[cfg(test)]

@@ -30,14 +30,14 @@ pub(super) fn mutate(text: &str, random: &mut fastrand::Rng) -> Option<(String, 
             (token.start..next.end, new, what)
         }
         3 => {
-            let quotes: Vec<_> = text.match_indices('"').map(|it| it.0).collect();
+            let quotes: Vec<_> = text.match_indices('"').map(|pair| pair.0).collect();
             let at = *random.choice(&quotes)?;
             let line = text[..at].matches('\n').count() + 1;
             let new = text[..at].to_owned() + &text[at + 1..];
             return Some((new, format!("line {line}: drop a quote")));
         }
         4 => {
-            let is_word = |it: &&Range<usize>| text[(*it).clone()].len() > 2;
+            let is_word = |range: &&Range<usize>| text[(*range).clone()].len() > 2;
             let words: Vec<_> = tokens.iter().filter(is_word).collect();
             let token = (*random.choice(&words)?).clone();
             let old = &text[token.clone()];
@@ -60,7 +60,7 @@ pub(super) fn mutate(text: &str, random: &mut fastrand::Rng) -> Option<(String, 
 /// Words, and other ASCII characters that are not blank, outside comments.
 fn tokens(text: &str) -> Vec<Range<usize>> {
     let bytes = text.as_bytes();
-    let is_word = |it: u8| it.is_ascii_alphanumeric() || it == b'_';
+    let is_word = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
     let mut out = Vec::new();
     let mut at = 0;
     while at < bytes.len() {
@@ -69,11 +69,11 @@ fn tokens(text: &str) -> Vec<Range<usize>> {
         if rest.starts_with(b"//") {
             at += rest
                 .iter()
-                .position(|it| *it == b'\n')
+                .position(|byte| *byte == b'\n')
                 .unwrap_or(rest.len());
         } else if rest.starts_with(b"/*") {
-            let end = rest.windows(2).skip(2).position(|it| it == b"*/");
-            at += end.map_or(rest.len(), |it| it + 4);
+            let end = rest.windows(2).skip(2).position(|window| window == b"*/");
+            at += end.map_or(rest.len(), |end| end + 4);
         } else if is_word(bytes[at]) {
             while at < bytes.len() && is_word(bytes[at]) {
                 at += 1;
@@ -99,7 +99,7 @@ mod tests {
         for seed in 0..200 {
             let make = || mutate(text, &mut fastrand::Rng::with_seed(seed));
             assert_eq!(make(), make());
-            assert!(make().is_none_or(|it| it.0 != text), "{:?}", make());
+            assert!(make().is_none_or(|make| make.0 != text), "{:?}", make());
         }
     }
 }

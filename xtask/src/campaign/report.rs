@@ -46,13 +46,13 @@ impl Report {
 
     /// Number of cases that were judged.
     pub(super) fn cases(&self) -> usize {
-        let judged = self.figures.iter().filter(|it| it.0.1 == "judged");
-        judged.map(|it| it.1).sum()
+        let judged = self.figures.iter().filter(|figure| figure.0.1 == "judged");
+        judged.map(|figure| figure.1).sum()
     }
 
     /// Number of offenders of the kinds for which the campaign fails.
     pub(super) fn bad(&self) -> usize {
-        let bad = |it: &&(&str, String)| FAILING_KINDS.contains(&it.0);
+        let bad = |pair: &&(&str, String)| FAILING_KINDS.contains(&pair.0);
         self.offenders.iter().filter(bad).count()
     }
 

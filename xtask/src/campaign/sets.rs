@@ -50,7 +50,12 @@ pub(super) fn sets(options: &Options) -> Result<Vec<Set>> {
         clones(&mut out)?;
     }
     if !options.only.is_empty() {
-        out.retain(|set| options.only.iter().any(|it| set.name.contains(it.as_str())));
+        out.retain(|set| {
+            options
+                .only
+                .iter()
+                .any(|text| set.name.contains(text.as_str()))
+        });
     }
     Ok(out)
 }
@@ -69,7 +74,10 @@ fn corpus(out: &mut Vec<Set>) -> Result<()> {
                 continue;
             }
             let below = source.join(&name);
-            if documents(&below).iter().any(|it| is_specification(it)) {
+            if documents(&below)
+                .iter()
+                .any(|document| is_specification(document))
+            {
                 out.push(Set {
                     name: format!("corpus/{folder}/{name}"),
                     source: source.clone(),
@@ -87,7 +95,7 @@ fn clones(out: &mut Vec<Set>) -> Result<()> {
         return Ok(());
     };
     let standins = shared("corpus/components/standins");
-    let settings = standins.map(|it| format!("include-paths = [\"{}\"]\n", it.display()));
+    let settings = standins.map(|standin| format!("include-paths = [\"{}\"]\n", standin.display()));
     for name in names(&folder)? {
         out.push(Set {
             source: folder.join(&name),
@@ -120,13 +128,15 @@ impl Set {
     /// Documents of a copy that are measured.
     pub(super) fn documents(&self, root: &Path) -> Vec<PathBuf> {
         let folders = self.folders.iter();
-        folders.flat_map(|it| documents(&root.join(it))).collect()
+        folders
+            .flat_map(|folder| documents(&root.join(folder)))
+            .collect()
     }
 }
 
 /// True if a file is a specification with a component, and not a file of types.
 pub(super) fn is_specification(path: &Path) -> bool {
-    path.extension().is_some_and(|it| it == "gen")
+    path.extension().is_some_and(|extension| extension == "gen")
 }
 
 /// Specifications and sources of codels below a folder, sorted.
@@ -141,10 +151,10 @@ fn documents(folder: &Path) -> Vec<PathBuf> {
             if is_hidden || entry.file_name() == "headers" {
                 continue;
             }
-            let extension = path.extension().and_then(|it| it.to_str());
+            let extension = path.extension().and_then(|extension| extension.to_str());
             if path.is_dir() {
                 open.push(path);
-            } else if extension.is_some_and(|it| EXTENSIONS.contains(&it)) {
+            } else if extension.is_some_and(|extension| EXTENSIONS.contains(&extension)) {
                 out.push(path);
             }
         }
@@ -157,10 +167,10 @@ fn documents(folder: &Path) -> Vec<PathBuf> {
 fn names(folder: &Path) -> Result<Vec<String>> {
     let entries = std::fs::read_dir(folder);
     let entries = entries.with_context(|| format!("cannot read {}", folder.display()))?;
-    let folders = entries.flatten().filter(|it| it.path().is_dir());
+    let folders = entries.flatten().filter(|entry| entry.path().is_dir());
     let mut out: Vec<_> = folders
-        .map(|it| it.file_name().to_string_lossy().into_owned())
-        .filter(|it| !it.starts_with('.'))
+        .map(|folder| folder.file_name().to_string_lossy().into_owned())
+        .filter(|folder| !folder.starts_with('.'))
         .collect();
     out.sort();
     Ok(out)

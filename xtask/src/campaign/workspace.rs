@@ -67,7 +67,7 @@ impl Workspace {
                 "contentChanges": [{ "text": text }] });
             self.editor.notify("textDocument/didChange", params)?;
         } else {
-            let language = match path.extension().and_then(|it| it.to_str()) {
+            let language = match path.extension().and_then(|extension| extension.to_str()) {
                 Some("gen" | "idl") => "genom3",
                 Some("c" | "h") => "c",
                 _ => "cpp",

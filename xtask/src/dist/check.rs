@@ -67,7 +67,7 @@ fn version(text: &str) -> Option<(u32, u32)> {
     let end = text
         .find(|c: char| c != '.' && !c.is_ascii_digit())
         .unwrap_or(text.len());
-    let mut numbers = text[..end].split('.').map(|it| it.parse().ok());
+    let mut numbers = text[..end].split('.').map(|part| part.parse().ok());
     Some((numbers.next()??, numbers.next()??))
 }
 

@@ -29,7 +29,7 @@ impl Elaborator<'_> {
                 params: service
                     .params
                     .iter()
-                    .filter(|it| with_locals || it.dir != ParamDir::Local)
+                    .filter(|param| with_locals || param.dir != ParamDir::Local)
                     .cloned()
                     .collect(),
                 ty: TypeId(0),

@@ -40,8 +40,8 @@ impl<'a> Elaborator<'a> {
                     }
                     let plain: Vec<&Param> = params
                         .iter()
-                        .map(|(it, _)| it)
-                        .filter(|it| it.dir != ParamDir::Local)
+                        .map(|(param, _)| param)
+                        .filter(|param| param.dir != ParamDir::Local)
                         .collect();
                     self.compare_params(index, own, &plain, at, Some(at));
                     self.merge_locals(index, own, &params, at);
@@ -90,8 +90,8 @@ impl<'a> Elaborator<'a> {
         let mut params: Vec<Param> = service.params.clone();
         if service.kind == ServiceKind::Attribute {
             // Their paths start from the ids of the interface.
-            let inits: Vec<_> = params.iter().map(|it| it.init.clone()).collect();
-            let names: Vec<_> = params.iter().map(|it| it.name.clone()).collect();
+            let inits: Vec<_> = params.iter().map(|param| param.init.clone()).collect();
+            let names: Vec<_> = params.iter().map(|param| param.name.clone()).collect();
             params.clear();
             for source in state.paths.clone() {
                 let param = self.in_visit(source.visit, |this| {
@@ -100,7 +100,7 @@ impl<'a> Elaborator<'a> {
                     })
                 });
                 let Some(mut param) = param else { continue };
-                if let Some(known) = names.iter().position(|it| *it == param.name) {
+                if let Some(known) = names.iter().position(|name| *name == param.name) {
                     param.init = inits[known].clone();
                 }
                 params.push(param);
@@ -110,9 +110,12 @@ impl<'a> Elaborator<'a> {
     }
 
     fn merge_locals(&mut self, index: u32, service: u32, params: &[(Param, DefId)], at: Src) {
-        for (local, def) in params.iter().filter(|(it, _)| it.dir == ParamDir::Local) {
+        for (local, def) in params
+            .iter()
+            .filter(|(param, _)| param.dir == ParamDir::Local)
+        {
             let known = &self.spec.components[index as usize].services[service as usize];
-            let old = known.params.iter().find(|it| it.name == local.name);
+            let old = known.params.iter().find(|param| param.name == local.name);
             let Some(old) = old else {
                 self.push_param(index, service, local.clone(), *def);
                 continue;
@@ -145,8 +148,8 @@ impl<'a> Elaborator<'a> {
         at: Src,
     ) {
         let theirs = self.components[interface as usize].services[number].clone();
-        let task = service.task.and_then(|it| {
-            let name = &self.spec.components[interface as usize].tasks[it as usize].name;
+        let task = service.task.and_then(|task| {
+            let name = &self.spec.components[interface as usize].tasks[task as usize].name;
             self.components[index as usize]
                 .task_by_name
                 .get(name)

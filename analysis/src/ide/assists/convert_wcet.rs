@@ -37,9 +37,9 @@ pub(super) fn convert_wcet(cx: &Cx<'_, '_>) -> Vec<Assist> {
     if clause.is_bare() {
         let edits = vec![cx.edit(range.clone(), format!("wcet {duration}"))];
         out.push(rewrite("wcet-clause", "Write as a `wcet` clause", edits));
-    } else if codel.yields().is_some_and(|it| {
+    } else if codel.yields().is_some_and(|yields| {
         // A duration without the word must follow the states and have a unit.
-        cx.node_range(it.syntax()).end <= range.start
+        cx.node_range(yields.syntax()).end <= range.start
     }) && quantity.unit_token().is_some()
     {
         let edits = vec![cx.edit(range.clone(), duration.clone())];
@@ -70,7 +70,7 @@ fn into_pragma(
     let name = codel.name()?.text(map);
     let item = cx.node_range(&codel.syntax().parent()?);
     let text = cx.view.text();
-    let line = text[..item.start].rfind('\n').map_or(0, |it| it + 1);
+    let line = text[..item.start].rfind('\n').map_or(0, |index| index + 1);
     if !text[line..item.start].trim().is_empty() {
         return None;
     }
@@ -84,21 +84,21 @@ fn into_pragma(
     let mut edits = vec![cx.edit(line..line, pragma), without(clause.clone())];
     // The pragma is about the function: no other use of the function may have a clause.
     for other in cx.view.root().descendants().filter_map(ast::Codel::cast) {
-        let clauses = other.wcets().map(|it| cx.node_range(it.syntax()));
-        if other.name().is_some_and(|it| it.text(map) == name) {
-            let others: Vec<_> = clauses.filter(|it| *it != clause).collect();
+        let clauses = other.wcets().map(|wcet| cx.node_range(wcet.syntax()));
+        if other.name().is_some_and(|other| other.text(map) == name) {
+            let others: Vec<_> = clauses.filter(|range| *range != clause).collect();
             // Different times cannot be merged into one.
             if others
                 .iter()
-                .any(|it| cx.slice(it.clone()) != cx.slice(clause.clone()))
+                .any(|range| cx.slice(range.clone()) != cx.slice(clause.clone()))
             {
                 return None;
             }
             edits.extend(others.into_iter().map(without));
         }
     }
-    let wrong = compare(cx.view.db, &edits, |_, it| {
-        (!it.new_errors.is_empty()).then_some(())
+    let wrong = compare(cx.view.db, &edits, |_, comparison| {
+        (!comparison.new_errors.is_empty()).then_some(())
     });
     wrong.is_empty().then_some(edits)
 }
@@ -107,12 +107,13 @@ fn into_pragma(
 fn into_clause(cx: &Cx<'_, '_>, pragma: &ast::Directive) -> Option<Assist> {
     let map = cx.view.map();
     let mut words = pragma.syntax().children().filter_map(ast::NameRef::cast);
-    words.next().filter(|it| it.text(map) == "wcet")?;
+    words.next().filter(|word| word.text(map) == "wcet")?;
     let name = words.next()?.text(map);
     let duration = cx.text(pragma.quantity()?.syntax()).to_owned();
     let root = cx.view.root();
     let codels = root.descendants().filter_map(ast::Codel::cast);
-    let mut named = codels.filter(|it| it.name().is_some_and(|it| it.text(map) == name));
+    let mut named =
+        codels.filter(|codel| codel.name().is_some_and(|other| other.text(map) == name));
     // If a codel has several declarations, the choice is ambiguous.
     let (Some(codel), None) = (named.next(), named.next()) else {
         return None;

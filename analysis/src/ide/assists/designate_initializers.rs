@@ -22,10 +22,10 @@ pub(super) fn designate_initializers(cx: &Cx<'_, '_>) -> Option<Assist> {
         .filter_map(ast::InitializerList::cast);
     let outermost = lists.last()?;
     let all = &cx.view.elaborated().spec.components;
-    let services = all.iter().flat_map(|it| &it.services);
+    let services = all.iter().flat_map(|component| &component.services);
     let inits = services
-        .flat_map(|it| &it.params)
-        .filter_map(|it| it.init.as_ref());
+        .flat_map(|service| &service.params)
+        .filter_map(|param| param.init.as_ref());
     let range = cx.node_range(outermost.syntax());
     let mut edits = Vec::new();
     for init in inits {
@@ -37,7 +37,7 @@ pub(super) fn designate_initializers(cx: &Cx<'_, '_>) -> Option<Assist> {
             name_parts(cx, init, &mut edits);
         }
     }
-    edits.sort_by_key(|it: &FileEdit| it.range.start);
+    edits.sort_by_key(|edit: &FileEdit| edit.range.start);
     edits.dedup();
     (!edits.is_empty()).then(|| Assist {
         id: "designate-initializers",

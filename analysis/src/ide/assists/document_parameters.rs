@@ -17,14 +17,16 @@ pub(super) fn document_parameters(cx: &Cx<'_, '_>) -> Option<Assist> {
     let mut edits = Vec::new();
     for param in params.params() {
         let (name, initializer) = match &param {
-            ast::Param::TypedParam(it) => (it.declarator()?.name()?.text(map), it.initializer()),
-            ast::Param::PathParam(it) => (path_name(cx, it)?, it.initializer()),
+            ast::Param::TypedParam(param) => {
+                (param.declarator()?.name()?.text(map), param.initializer())
+            }
+            ast::Param::PathParam(param) => (path_name(cx, param)?, param.initializer()),
         };
         if !cx.is_plain(param.syntax()) {
             continue;
         }
         let text = match &initializer {
-            Some(it) if it.doc().is_some() => continue,
+            Some(initializer) if initializer.doc().is_some() => continue,
             Some(_) => format!(" : \"{name}\""),
             None => format!(" = : \"{name}\""),
         };
@@ -40,13 +42,13 @@ pub(super) fn document_parameters(cx: &Cx<'_, '_>) -> Option<Assist> {
     })
 }
 
-fn path_name(cx: &Cx<'_, '_>, it: &ast::PathParam) -> Option<smol_str::SmolStr> {
+fn path_name(cx: &Cx<'_, '_>, param: &ast::PathParam) -> Option<smol_str::SmolStr> {
     let map = cx.view.map();
-    if let Some(rename) = it.rename().and_then(|it| it.name()) {
+    if let Some(rename) = param.rename().and_then(|rename| rename.name()) {
         return Some(rename.text(map));
     }
-    let names = it.path()?.steps().filter_map(|it| match it {
-        ast::PathStep::MemberStep(it) => it.name_ref(),
+    let names = param.path()?.steps().filter_map(|step| match step {
+        ast::PathStep::MemberStep(member_step) => member_step.name_ref(),
         ast::PathStep::IndexStep(_) => None,
     });
     Some(names.last()?.text(map))

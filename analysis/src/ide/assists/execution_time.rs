@@ -51,13 +51,13 @@ pub(crate) fn task_time(
         nodes.filter_map(ast::DurationProperty::cast)
     };
     let stated = match which {
-        TaskTime::Period => all().find(|it| it.period_token().is_some()),
-        TaskTime::Delay => all().find(|it| it.delay_token().is_some()),
+        TaskTime::Period => all().find(|property| property.period_token().is_some()),
+        TaskTime::Delay => all().find(|property| property.delay_token().is_some()),
     };
-    if let Some(it) = stated {
-        return replace_time(&cx, &it.quantity()?, time);
+    if let Some(property) = stated {
+        return replace_time(&cx, &property.quantity()?, time);
     }
-    let period = all().find(|it| it.period_token().is_some())?;
+    let period = all().find(|property| property.period_token().is_some())?;
     if which == TaskTime::Period || !cx.is_plain(period.syntax()) {
         return None;
     }

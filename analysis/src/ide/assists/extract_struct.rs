@@ -14,21 +14,21 @@ pub(super) fn extract_struct(cx: &Cx<'_, '_>) -> Option<Assist> {
     let ids: ast::Ids = cx.ancestor()?;
     let members: Vec<ast::Member> = ids
         .items()
-        .filter_map(|it| match it {
-            ast::Item::Member(it) => Some(it),
+        .filter_map(|item| match item {
+            ast::Item::Member(member) => Some(member),
             _ => None,
         })
-        .filter(|it| cx.touches(it.syntax()))
+        .filter(|member| cx.touches(member.syntax()))
         .collect();
     let (first, last) = (members.first()?, members.last()?);
     let start = cx.node_range(first.syntax()).start;
     let end = cx.node_range(last.syntax()).end;
     let at = cx.node_range(ids.syntax()).start;
     // A type declared in the ids is visible only there.
-    let plain = members.iter().all(|it| {
-        cx.is_plain(it.syntax())
+    let plain = members.iter().all(|member| {
+        cx.is_plain(member.syntax())
             && matches!(
-                it.type_spec(),
+                member.type_spec(),
                 Some(
                     ast::TypeSpec::BaseType(_)
                         | ast::TypeSpec::StringType(_)
@@ -46,7 +46,7 @@ pub(super) fn extract_struct(cx: &Cx<'_, '_>) -> Option<Assist> {
     let indent = cx.indent(at).to_owned();
     let body: String = members
         .iter()
-        .map(|it| format!("{indent}  {}\n", cx.text(it.syntax())))
+        .map(|member| format!("{indent}  {}\n", cx.text(member.syntax())))
         .collect();
     let mut edits = vec![
         cx.edit(
@@ -55,18 +55,18 @@ pub(super) fn extract_struct(cx: &Cx<'_, '_>) -> Option<Assist> {
         ),
         cx.edit(start..end, format!("{name} {member};")),
     ];
-    for declarator in members.iter().flat_map(|it| it.declarators()) {
+    for declarator in members.iter().flat_map(|member| member.declarators()) {
         let declared = declarator.name()?;
         let range = declared.range(cx.view.map());
-        for it in references(cx.view, range.start().into(), false)? {
-            let file = cx.view.db.file(&it.place.path);
-            let written = file.text(cx.view.db).get(it.place.range.clone())?;
+        for reference in references(cx.view, range.start().into(), false)? {
+            let file = cx.view.db.file(&reference.place.path);
+            let written = file.text(cx.view.db).get(reference.place.range.clone())?;
             if written != declared.text(cx.view.map()) {
                 return None;
             }
             edits.push(crate::diagnostic::FileEdit {
-                path: it.place.path,
-                range: it.place.range.start..it.place.range.start,
+                path: reference.place.path,
+                range: reference.place.range.start..reference.place.range.start,
                 new_text: format!("{member}."),
             });
         }

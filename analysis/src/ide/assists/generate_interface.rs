@@ -21,7 +21,10 @@ pub(super) fn generate_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
     let map = cx.view.map();
     let name = component.name()?.text(map);
     let spec = &cx.view.elaborated().spec;
-    let model = spec.components.iter().find(|it| it.name == name)?;
+    let model = spec
+        .components
+        .iter()
+        .find(|component| component.name == name)?;
     let mut lines = Vec::new();
     let mut edits = Vec::new();
     for item in component.items() {
@@ -29,27 +32,34 @@ pub(super) fn generate_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
             continue;
         }
         match &item {
-            ast::Item::Port(it) => {
-                let port_name = it.name()?.text(map);
-                let port = model.ports.iter().find(|it| it.name == port_name)?;
-                let inline = !matches!(it.type_spec(), Some(ast::TypeSpec::NamedType(_)));
+            ast::Item::Port(item) => {
+                let port_name = item.name()?.text(map);
+                let port = model.ports.iter().find(|port| port.name == port_name)?;
+                let inline = !matches!(item.type_spec(), Some(ast::TypeSpec::NamedType(_)));
                 if inline || is_local(cx, port.data, &name) {
                     continue;
                 }
-                lines.push(cx.text(it.syntax()).to_owned());
-                edits.push(cx.edit(cx.whole_lines(cx.node_range(it.syntax())), ""));
+                lines.push(cx.text(item.syntax()).to_owned());
+                edits.push(cx.edit(cx.whole_lines(cx.node_range(item.syntax())), ""));
             }
-            ast::Item::Service(it) if it.attribute_token().is_none() => {
-                let service_name = it.name()?.text(map);
-                let service = model.services.iter().find(|it| it.name == service_name)?;
-                if service.params.iter().any(|it| is_local(cx, it.ty, &name)) {
+            ast::Item::Service(item) if item.attribute_token().is_none() => {
+                let service_name = item.name()?.text(map);
+                let service = model
+                    .services
+                    .iter()
+                    .find(|service| service.name == service_name)?;
+                if service
+                    .params
+                    .iter()
+                    .any(|param| is_local(cx, param.ty, &name))
+                {
                     continue;
                 }
-                let params = it.param_list()?;
+                let params = item.param_list()?;
                 if mentions_constants(cx, &params, &name) {
                     continue;
                 }
-                let word = it.keyword_token()?;
+                let word = item.keyword_token()?;
                 let head = cx.text(params.syntax());
                 lines.push(format!("{} {service_name}{head};", word.text()));
             }
@@ -60,13 +70,13 @@ pub(super) fn generate_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
         return None;
     }
     let interface = cx.unused_name(&format!("{name}_interface"));
-    let text: String = lines.iter().map(|it| format!("  {it}\n")).collect();
+    let text: String = lines.iter().map(|line| format!("  {line}\n")).collect();
     edits.push(cx.edit(
         start..start,
         format!("interface {interface} {{\n{text}}};\n\n"),
     ));
     edits.push(cx.edit(open..open, format!("\n  provides {interface};")));
-    edits.sort_by_key(|it| it.range.start);
+    edits.sort_by_key(|edit| edit.range.start);
     Some(Assist {
         id: "generate-interface",
         title: format!("Generate an interface from `{name}`"),
@@ -84,7 +94,11 @@ fn is_local(cx: &Cx<'_, '_>, ty: TypeId, component: &str) -> bool {
         let Some(ty) = spec.types.get(id.0 as usize).filter(|_| seen.insert(id)) else {
             continue;
         };
-        if ty.scope.first().is_some_and(|it| it.name == component) {
+        if ty
+            .scope
+            .first()
+            .is_some_and(|scope| scope.name == component)
+        {
             return true;
         }
         if let TypeKind::Array { element, .. }
@@ -101,20 +115,22 @@ fn is_local(cx: &Cx<'_, '_>, ty: TypeId, component: &str) -> bool {
 fn mentions_constants(cx: &Cx<'_, '_>, params: &ast::ParamList, component: &str) -> bool {
     let elaborated = cx.view.elaborated();
     let range = cx.node_range(params.syntax());
-    elaborated.references.iter().any(|it| {
-        let target = elaborated.definition(it.target);
-        let here = cx.view.place(it.at).is_some_and(|(file, place)| {
+    elaborated.references.iter().any(|reference| {
+        let target = elaborated.definition(reference.target);
+        let here = cx.view.place(reference.at).is_some_and(|(file, place)| {
             let place = bytes(place);
             file == cx.view.file && range.start <= place.start && place.end <= range.end
         });
         here && matches!(target.kind, DefKind::Const | DefKind::Enumerator)
-            && target.container.is_some_and(|it| {
-                let mut container = Some(it);
-                while let Some(it) = container.map(|it| elaborated.definition(it)) {
-                    if it.name == component {
+            && target.container.is_some_and(|definition| {
+                let mut container = Some(definition);
+                while let Some(around) =
+                    container.map(|definition| elaborated.definition(definition))
+                {
+                    if around.name == component {
                         return true;
                     }
-                    container = it.container;
+                    container = around.container;
                 }
                 false
             })

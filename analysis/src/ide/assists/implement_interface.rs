@@ -22,10 +22,10 @@ pub(super) fn implement_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
     }
     let (_, targets) = targets_at(cx.view, cx.range.start)?;
     let elaborated = cx.view.elaborated();
-    let interface = targets.iter().find_map(|it| match it {
+    let interface = targets.iter().find_map(|target| match target {
         Target::Definition(id) => {
-            let it = elaborated.definition(*id);
-            (it.kind == DefKind::Interface).then_some(&it.name)
+            let definition = elaborated.definition(*id);
+            (definition.kind == DefKind::Interface).then_some(&definition.name)
         }
         _ => None,
     })?;
@@ -33,19 +33,22 @@ pub(super) fn implement_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
     let index = spec
         .components
         .iter()
-        .position(|it| it.name == *interface)? as u32;
+        .position(|component| component.name == *interface)? as u32;
     let name = component.name()?.text(cx.view.map());
-    let model = spec.components.iter().find(|it| it.name == name)?;
+    let model = spec
+        .components
+        .iter()
+        .find(|component| component.name == name)?;
     let mut text = String::new();
     for service in model
         .services
         .iter()
-        .filter(|it| it.imported_from == Some(index))
+        .filter(|service| service.imported_from == Some(index))
     {
         text += &completion(
             spec,
             service,
-            model.tasks.first().map(|it| it.name.as_str()),
+            model.tasks.first().map(|task| task.name.as_str()),
         )
         .unwrap_or_default();
     }
@@ -74,13 +77,16 @@ fn completion(spec: &Spec, service: &Service, task: Option<&str>) -> Option<Stri
     let declared: Vec<&Param> = service
         .params
         .iter()
-        .filter(|it| it.dir != ParamDir::Local)
+        .filter(|param| param.dir != ParamDir::Local)
         .collect();
-    let params: Option<Vec<String>> = declared.iter().map(|it| declaration(spec, it)).collect();
+    let params: Option<Vec<String>> = declared
+        .iter()
+        .map(|param| declaration(spec, param))
+        .collect();
     let params = params?.join(", ");
     let uses: Vec<String> = declared
         .iter()
-        .map(|it| format!("local {} {}", direction(it.dir), it.name))
+        .map(|param| format!("local {} {}", direction(param.dir), param.name))
         .collect();
     let uses = uses.join(", ");
     match service.kind {
@@ -123,8 +129,8 @@ fn direction(dir: ParamDir) -> &'static str {
 }
 
 /// `in m::t name[2]`
-fn declaration(spec: &Spec, it: &Param) -> Option<String> {
-    let (mut ty, mut dimensions): (TypeId, String) = (it.ty, String::new());
+fn declaration(spec: &Spec, param: &Param) -> Option<String> {
+    let (mut ty, mut dimensions): (TypeId, String) = (param.ty, String::new());
     for _ in 0..spec.types.len() {
         let inner = spec.types.get(ty.0 as usize)?;
         match (&inner.name, &inner.kind) {
@@ -139,8 +145,8 @@ fn declaration(spec: &Spec, it: &Param) -> Option<String> {
     let ty = render::type_text(spec, ty);
     Some(format!(
         "{} {ty} {}{dimensions}",
-        direction(it.dir),
-        it.name
+        direction(param.dir),
+        param.name
     ))
 }
 

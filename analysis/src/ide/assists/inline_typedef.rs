@@ -22,14 +22,14 @@ use crate::{
 pub(super) fn inline_typedef(cx: &Cx<'_, '_>) -> Option<Assist> {
     let (_, targets) = targets_at(cx.view, cx.range.start)?;
     let elaborated = cx.view.elaborated();
-    let it = targets.iter().find_map(|it| match it {
+    let target = targets.iter().find_map(|target| match target {
         Target::Definition(id) => {
-            let it = elaborated.definition(*id);
-            (it.kind == DefKind::Typedef).then_some(it)
+            let definition = elaborated.definition(*id);
+            (definition.kind == DefKind::Typedef).then_some(definition)
         }
         _ => None,
     })?;
-    let (file, name) = cx.view.place(it.src)?;
+    let (file, name) = cx.view.place(target.src)?;
     if file != cx.view.file {
         return None;
     }
@@ -71,9 +71,9 @@ pub(super) fn inline_typedef(cx: &Cx<'_, '_>) -> Option<Assist> {
         let port = used
             .syntax()
             .parent()
-            .is_some_and(|it| ast::Port::can_cast(it.kind()));
+            .is_some_and(|parent| ast::Port::can_cast(parent.kind()));
         // A port needs a named type; text from a macro cannot be replaced.
-        if last != it.name || port && !named {
+        if last != target.name || port && !named {
             return None;
         }
         edits.push(FileEdit {
@@ -83,12 +83,12 @@ pub(super) fn inline_typedef(cx: &Cx<'_, '_>) -> Option<Assist> {
         });
     }
     // The name in the type may mean something else elsewhere.
-    let wrong = compare(cx.view.db, &edits, |_, it| {
-        (!it.new_errors.is_empty()).then_some(())
+    let wrong = compare(cx.view.db, &edits, |_, comparison| {
+        (!comparison.new_errors.is_empty()).then_some(())
     });
     wrong.is_empty().then(|| Assist {
         id: "inline-typedef",
-        title: format!("Inline typedef `{}`", it.name),
+        title: format!("Inline typedef `{}`", target.name),
         kind: AssistKind::Inline,
         edits,
     })

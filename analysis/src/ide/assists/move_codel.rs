@@ -22,17 +22,20 @@ fn moves(cx: &Cx<'_, '_>) -> Option<Vec<Assist>> {
     let (component, owner, _) = cx.codel_at(&bytes(name.range(map)))?;
     let machine = component.codels_of(owner);
     let bound = |state: &str| {
-        let mut all = machine.iter().flat_map(|it| &it.triggers);
-        all.any(|it| it.name == state)
+        let mut all = machine.iter().flat_map(|machine| &machine.triggers);
+        all.any(|trigger| trigger.name == state)
     };
     let states: Vec<ast::State> = triggers.states().collect();
     let (first, last) = (states.first()?, states.last()?);
     let list = cx.node_range(first.syntax()).start..cx.node_range(last.syntax()).end;
     let mut out = Vec::new();
     let mut missing: Vec<&str> = Vec::new();
-    for it in machine.iter().flat_map(|it| &it.yields) {
-        if it.name != "ether" && !bound(&it.name) && !missing.contains(&it.name.as_str()) {
-            missing.push(&it.name);
+    for machine in machine.iter().flat_map(|machine| &machine.yields) {
+        if machine.name != "ether"
+            && !bound(&machine.name)
+            && !missing.contains(&machine.name.as_str())
+        {
+            missing.push(&machine.name);
         }
     }
     for state in missing {
@@ -44,7 +47,7 @@ fn moves(cx: &Cx<'_, '_>) -> Option<Vec<Assist>> {
         });
     }
     // One of several states to another codel.
-    let selected = states.iter().position(|it| cx.touches(it.syntax()));
+    let selected = states.iter().position(|state| cx.touches(state.syntax()));
     let Some(index) = selected.filter(|_| states.len() > 1) else {
         return Some(out);
     };
@@ -57,7 +60,10 @@ fn moves(cx: &Cx<'_, '_>) -> Option<Vec<Assist>> {
             cx.node_range(states[index - 1].syntax()).end..cx.node_range(states[index].syntax()).end
         }
     };
-    for other in machine.iter().filter(|it| it.name != name.text(map)) {
+    for other in machine
+        .iter()
+        .filter(|machine| machine.name != name.text(map))
+    {
         let Some(after) = other.triggers.last() else {
             continue;
         };

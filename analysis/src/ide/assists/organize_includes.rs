@@ -16,17 +16,17 @@ pub(super) fn organize_includes(cx: &Cx<'_, '_>, anywhere: bool) -> Option<Assis
             continue;
         }
         let mut sorted: Vec<&Include> = run.iter().collect();
-        sorted.sort_by_key(|it| (!it.angled, &it.path));
-        sorted.dedup_by_key(|it| (it.angled, it.path.clone()));
-        let lines = sorted.iter().map(|it| cx.slice(it.start..it.end));
+        sorted.sort_by_key(|run| (!run.angled, &run.path));
+        sorted.dedup_by_key(|run| (run.angled, run.path.clone()));
+        let lines = sorted.iter().map(|run| cx.slice(run.start..run.end));
         let new = lines.collect::<Vec<_>>().join("\n");
         if new == cx.slice(range.clone()) {
             continue;
         }
         let edit = cx.edit(range, new);
-        let differs = compare(cx.view.db, std::slice::from_ref(&edit), |_, it| {
-            let same = it.new_errors.is_empty()
-                && it.before.definitions.len() == it.after.definitions.len();
+        let differs = compare(cx.view.db, std::slice::from_ref(&edit), |_, comparison| {
+            let same = comparison.new_errors.is_empty()
+                && comparison.before.definitions.len() == comparison.after.definitions.len();
             (!same).then_some(())
         });
         if differs.is_empty() {
@@ -53,8 +53,14 @@ struct Include {
 fn runs(cx: &Cx<'_, '_>) -> Vec<Vec<Include>> {
     let text = cx.view.text();
     let mut out: Vec<Vec<Include>> = Vec::new();
-    for it in cx.view.pre().directives.iter().filter(|it| it.active) {
-        let DirectiveKind::Include(operand) = &it.kind else {
+    for directive in cx
+        .view
+        .pre()
+        .directives
+        .iter()
+        .filter(|directive| directive.active)
+    {
+        let DirectiveKind::Include(operand) = &directive.kind else {
             continue;
         };
         let (angled, path) = match &operand.form {
@@ -62,10 +68,10 @@ fn runs(cx: &Cx<'_, '_>) -> Vec<Vec<Include>> {
             IncludeForm::Angled(path) => (true, path.to_string()),
             IncludeForm::Macro(_) => continue,
         };
-        let range = bytes(it.range);
+        let range = bytes(directive.range);
         let line_end = text[range.end..]
             .find('\n')
-            .map_or(text.len(), |it| range.end + it);
+            .map_or(text.len(), |index| range.end + index);
         let rest = text[range.end..line_end].trim_end_matches('\r').trim_end();
         // A comment that continues on the next line cannot be moved.
         if rest.contains("/*") && !rest.contains("*/") {
@@ -79,8 +85,8 @@ fn runs(cx: &Cx<'_, '_>) -> Vec<Vec<Include>> {
         };
         match out.last_mut() {
             Some(run)
-                if run.last().is_some_and(|it| {
-                    let between = text.get(it.end..include.start).unwrap_or("x");
+                if run.last().is_some_and(|run| {
+                    let between = text.get(run.end..include.start).unwrap_or("x");
                     between.trim().is_empty() && between.matches('\n').count() == 1
                 }) =>
             {

@@ -26,10 +26,12 @@ pub(super) fn clause(
     out: &mut Completions,
 ) {
     let timed = own_words(context).any(|word| word.is("wcet"));
-    let yields = rest.iter().position(|it| it.is_any(&["yield", "yields"]));
-    if let Some(yields) = yields.filter(|it| *it > 0) {
+    let yields = rest
+        .iter()
+        .position(|word| word.is_any(&["yield", "yields"]));
+    if let Some(yields) = yields.filter(|index| *index > 0) {
         let after = &rest[yields + 1..];
-        if let Some(wcet) = after.iter().position(|it| it.is("wcet")) {
+        if let Some(wcet) = after.iter().position(|word| word.is("wcet")) {
             quantity(names, &after[wcet + 1..], &["s", "ms", "us"], out);
         } else if expects_state(after) {
             states(names, context, after, true, out);
@@ -37,9 +39,9 @@ pub(super) fn clause(
             && !context
                 .after
                 .next()
-                .is_some_and(|it| it.is_any(&[",", "::"]))
+                .is_some_and(|word| word.is_any(&[",", "::"]))
         {
-            if after.last().is_some_and(|it| it.is("pause")) {
+            if after.last().is_some_and(|word| word.is("pause")) {
                 out.keywords(&["::"], 0);
             } else {
                 out.wcet(context);
@@ -51,7 +53,9 @@ pub(super) fn clause(
     match rest {
         [] if machine => machine_snippets(names, context, out),
         [] => name(names, context, None, out),
-        [open, triggers @ ..] if open.is("<") && !triggers.iter().any(|it| it.is(">")) => {
+        [open, triggers @ ..]
+            if open.is("<") && !triggers.iter().any(|trigger| trigger.is(">")) =>
+        {
             if expects_state(triggers) {
                 states(names, context, triggers, false, out);
             }
@@ -60,8 +64,8 @@ pub(super) fn clause(
             name(names, context, Some(&state.text), out);
         }
         [open, ..] if open.is("<") => {
-            let done = rest.last().is_some_and(|it| it.is(")"));
-            if done || rest.iter().any(|it| it.is("wcet")) {
+            let done = rest.last().is_some_and(|word| word.is(")"));
+            if done || rest.iter().any(|word| word.is("wcet")) {
                 if done && !own_words(context).any(|word| word.is_any(&["yield", "yields"])) {
                     match context.after.next() {
                         Some(_) => out.keywords(&["yield"], 0),
@@ -85,7 +89,7 @@ pub(super) fn name(
     out: &mut Completions,
 ) {
     let name = pattern::codel_name(names, context, state);
-    let ends = |it: &Word| it.is_any(&["codel", "async", "validate", "}"]);
+    let ends = |word: &Word| word.is_any(&["codel", "async", "validate", "}"]);
     let next = context.after.rest.first();
     let (parameters, tail) = match next {
         Some(next) if next.is("(") => (false, ""),
@@ -105,7 +109,9 @@ pub(super) fn name(
 }
 
 fn expects_state(before: &[Word]) -> bool {
-    before.last().is_none_or(|it| it.is(",") || it.is("::"))
+    before
+        .last()
+        .is_none_or(|word| word.is(",") || word.is("::"))
 }
 
 /// The states allowed at the cursor, after `<` or `yield`: after `yield`, the states that have a codel or a
@@ -117,14 +123,14 @@ fn states(
     yields: bool,
     out: &mut Completions,
 ) {
-    let paused = before.last().is_some_and(|it| it.is("::"));
+    let paused = before.last().is_some_and(|word| word.is("::"));
     let next = context.after.next();
     let state_follows =
-        next.is_some_and(|it| it.kind == dotgen_syntax::SyntaxKind::IDENT && !it.is("wcet"));
+        next.is_some_and(|word| word.kind == dotgen_syntax::SyntaxKind::IDENT && !word.is("wcet"));
     if state_follows && !context.word.is_empty() {
         return;
     }
-    let elements = |state: &str, paused: bool, it: &[Word]| match it {
+    let elements = |state: &str, paused: bool, words: &[Word]| match words {
         [name] => !paused && name.is(state),
         [.., colons, name] if colons.is("::") => paused && name.is(state),
         [name, ..] => !paused && name.is(state),
@@ -132,8 +138,10 @@ fn states(
     };
     let behind: Vec<&[Word]> = context.elements_behind().collect();
     let used = |state: &str, paused: bool| {
-        let mut all = before.split(|it| it.is(",")).chain(behind.iter().copied());
-        all.any(|it| elements(state, paused, it))
+        let mut all = before
+            .split(|word| word.is(","))
+            .chain(behind.iter().copied());
+        all.any(|part| elements(state, paused, part))
     };
     let machine = Machine::around(names, context);
     let wanted: Vec<&SmolStr> = machine.missing().collect();
@@ -146,17 +154,18 @@ fn states(
             known.extend(["start", "stop"]);
         }
     } else {
-        known.extend(wanted.iter().map(|it| it.as_str()));
+        known.extend(wanted.iter().map(|text| text.as_str()));
         known.extend(["start", "stop"]);
         // `stop` must lead to the end.
         let yields = context
             .after
             .rest
             .iter()
-            .position(|it| it.is_any(&["yield", "yields"]));
-        let ends = yields.is_none_or(|at| context.after.rest[at..].iter().any(|it| it.is("ether")));
-        known.retain(|it| *it != "stop" || ends);
-        known.retain(|it| machine.open || !machine.implemented.iter().any(|other| other == it));
+            .position(|word| word.is_any(&["yield", "yields"]));
+        let ends =
+            yields.is_none_or(|at| context.after.rest[at..].iter().any(|word| word.is("ether")));
+        known.retain(|text| *text != "stop" || ends);
+        known.retain(|text| machine.open || !machine.implemented.iter().any(|other| other == text));
     }
     let mut seen = FxHashSet::default();
     for state in known {
@@ -167,11 +176,11 @@ fn states(
             .implemented
             .iter()
             .chain(&machine.here)
-            .any(|it| it == state);
+            .any(|name| name == state);
         let kind = CompletionKind::Symbol(SymbolKind::State);
         let definition = names.state(state);
         // A transition that closes a cycle is most likely meant to pause.
-        let closes = yields && !paused && machine.closing.iter().any(|it| it == state);
+        let closes = yields && !paused && machine.closing.iter().any(|name| name == state);
         let rank = u8::from(yields && !has_codel && !paused);
         let (plain, pausing) = if closes { (2, rank) } else { (rank, 2) };
         if !used(state, paused) {
@@ -185,7 +194,13 @@ fn states(
         out.add("ether", CompletionKind::Symbol(SymbolKind::State), 0)
             .detail = Some("ends the machine".into());
     }
-    if yields && !paused && out.items.iter().any(|it| it.label.starts_with("pause::")) {
+    if yields
+        && !paused
+        && out
+            .items
+            .iter()
+            .any(|completion_item| completion_item.label.starts_with("pause::"))
+    {
         out.add("pause::", CompletionKind::Keyword, 3);
     }
     if state_follows {
@@ -197,7 +212,7 @@ fn states(
 /// `stop`.
 pub(super) fn next_state(names: &Names<'_, '_>, context: &Context) -> Option<String> {
     let machine = Machine::around(names, context);
-    let free = |it: &&str| !machine.implemented.iter().any(|other| other == *it);
+    let free = |text: &&str| !machine.implemented.iter().any(|other| other == *text);
     let missing = machine.missing().next().map(ToString::to_string);
     missing.or_else(|| {
         ["start", "stop"]
@@ -209,12 +224,12 @@ pub(super) fn next_state(names: &Names<'_, '_>, context: &Context) -> Option<Str
 
 /// A whole codel for each state that still needs one.
 pub(super) fn machine_snippets(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
-    if context.after.next().is_some_and(|it| it.is("<")) {
+    if context.after.next().is_some_and(|word| word.is("<")) {
         return;
     }
     let machine = Machine::around(names, context);
     let prefix = match context.current().last() {
-        Some(it) if it.is("codel") => "",
+        Some(word) if word.is("codel") => "",
         _ => "codel",
     };
     for state in machine.missing() {
@@ -274,9 +289,9 @@ impl Machine {
                     machine.codel(codel, names.is_around(codel.node));
                 }
                 let known = fsm::Machine::new(codels);
-                let here = |it: &str| machine.here.iter().any(|here| here == it);
+                let here = |text: &str| machine.here.iter().any(|here| here == text);
                 let states = machine.states.iter().chain(&machine.here);
-                let closing = states.filter(|it| known.reaches_without_pause(it, here));
+                let closing = states.filter(|state| known.reaches_without_pause(state, here));
                 machine.closing = closing.cloned().collect();
             }
         }
@@ -285,11 +300,11 @@ impl Machine {
 
     /// Records a codel; `here` is true for the codel at the cursor.
     fn codel(&mut self, codel: &Codel, here: bool) {
-        let triggers = codel.triggers.iter().map(|it| it.name.clone());
-        let yields = codel.yields.iter().map(|it| it.name.clone());
-        let mut mention = |it: SmolStr| {
-            if !self.states.contains(&it) {
-                self.states.push(it);
+        let triggers = codel.triggers.iter().map(|trigger| trigger.name.clone());
+        let yields = codel.yields.iter().map(|state| state.name.clone());
+        let mut mention = |text: SmolStr| {
+            if !self.states.contains(&text) {
+                self.states.push(text);
             }
         };
         // States that only the codel at the cursor mentions are still being written.
@@ -309,23 +324,23 @@ impl Machine {
         start
             .into_iter()
             .chain(&self.targets)
-            .filter(|it| *it != "ether" && !self.implemented.contains(it))
-            .filter(move |it| seen.insert(it.as_str()))
+            .filter(|start| *start != "ether" && !self.implemented.contains(start))
+            .filter(move |start| seen.insert(start.as_str()))
     }
 }
 
 /// The states of the codel that is being written: between `<` and `>`.
 fn written_triggers(words: &[Word]) -> Vec<SmolStr> {
-    let open = words.iter().position(|it| it.is("<"));
-    let close = words.iter().position(|it| it.is(">"));
+    let open = words.iter().position(|word| word.is("<"));
+    let close = words.iter().position(|word| word.is(">"));
     let (Some(open), Some(close)) = (open, close) else {
         return Vec::new();
     };
     let between = words.get(open + 1..close).unwrap_or_default();
     between
         .iter()
-        .filter(|it| !it.is(","))
-        .map(|it| it.text.clone())
+        .filter(|word| !word.is(","))
+        .map(|word| word.text.clone())
         .collect()
 }
 
@@ -333,7 +348,7 @@ fn written_triggers(words: &[Word]) -> Vec<SmolStr> {
 pub(super) fn has_async(component: &Component) -> bool {
     component
         .all_codels()
-        .any(|it| component.codel(it).is_async)
+        .any(|codel| component.codel(codel).is_async)
 }
 
 impl Names<'_, '_> {
@@ -341,12 +356,12 @@ impl Names<'_, '_> {
     fn state(&self, name: &str) -> Option<u32> {
         let mut all = self.elaborated.definitions.iter();
         let component = &self.component()?.name;
-        let found = all.find(|it| {
-            it.kind == crate::elab::DefKind::State
-                && it.name == name
-                && it
-                    .container
-                    .is_some_and(|it| self.elaborated.definition(it).name == *component)
+        let found = all.find(|definition| {
+            definition.kind == crate::elab::DefKind::State
+                && definition.name == name
+                && definition.container.is_some_and(|container| {
+                    self.elaborated.definition(container).name == *component
+                })
         })?;
         Some(found.id.0)
     }
@@ -360,9 +375,9 @@ pub(super) fn after_simple_codel(
     out: &mut Completions,
 ) {
     let timed = own_words(context).any(|word| word.is("wcet"));
-    if let Some(wcet) = rest.iter().rposition(|it| it.is("wcet")) {
+    if let Some(wcet) = rest.iter().rposition(|word| word.is("wcet")) {
         quantity(names, &rest[wcet + 1..], &["s", "ms", "us"], out);
-    } else if rest.last().is_some_and(|it| it.is(")")) && !timed {
+    } else if rest.last().is_some_and(|word| word.is(")")) && !timed {
         out.wcet(context);
     }
 }

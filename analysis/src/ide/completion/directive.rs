@@ -33,18 +33,18 @@ const WORDS: &[(&str, &str)] = &[
 const CONDITIONAL: &[&str] = &["elif", "else", "endif"];
 
 pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Completions) {
-    let Some(it) = view.pre().directives.get(index as usize) else {
+    let Some(directive) = view.pre().directives.get(index as usize) else {
         return;
     };
     let text = view.text();
-    let start = usize::from(it.range.start());
+    let start = usize::from(directive.range.start());
     let line = text.get(start..at).unwrap_or_default();
-    let Some(keyword) = it
+    let Some(keyword) = directive
         .keyword
         .as_ref()
-        .filter(|it| usize::from(it.range.end()) < at)
+        .filter(|keyword| usize::from(keyword.range.end()) < at)
     else {
-        let hash = line.find('#').map_or(0, |it| it + 1);
+        let hash = line.find('#').map_or(0, |index| index + 1);
         out.replace = start + hash..out.replace.end.max(at);
         // Blanks between `#` and the word stay.
         let blanks = line[hash..].len() - line[hash..].trim_start().len();
@@ -53,10 +53,10 @@ pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Com
         let rest = super::line_behind(view, out.replace.end);
         let bare = !rest.is_empty();
         if bare
-            && it
+            && directive
                 .keyword
                 .as_ref()
-                .is_some_and(|it| usize::from(it.range.start()) >= at)
+                .is_some_and(|keyword| usize::from(keyword.range.start()) >= at)
         {
             return;
         }
@@ -76,7 +76,7 @@ pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Com
     let operand = text
         .get(usize::from(keyword.range.end())..at)
         .unwrap_or_default();
-    match &it.kind {
+    match &directive.kind {
         DirectiveKind::Include(_) => include(view, operand, at, out),
         DirectiveKind::If(_) | DirectiveKind::Elif(_) => {
             macros(view, start, 0, out);
@@ -93,8 +93,8 @@ pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Com
 /// Returns true if a condition is open at an offset and can have another branch.
 fn is_open(view: &FileView<'_>, at: usize) -> bool {
     let before = view.pre().directives.iter();
-    let before = before.filter(|it| usize::from(it.range.start()) < at);
-    let depth = before.fold(0_usize, |depth, it| match it.kind {
+    let before = before.filter(|directive| usize::from(directive.range.start()) < at);
+    let depth = before.fold(0_usize, |depth, directive| match directive.kind {
         DirectiveKind::If(_) | DirectiveKind::Ifdef(_) | DirectiveKind::Ifndef(_) => depth + 1,
         DirectiveKind::Endif(_) => depth.saturating_sub(1),
         _ => depth,
@@ -127,8 +127,8 @@ fn pragma(view: &FileView<'_>, operand: &str, out: &mut Completions) {
         ("provides" | "provide", _) => named(view, DefKind::Interface, out),
         ("wcet", 1) => named(view, DefKind::Codel, out),
         ("wcet", 3) => {
-            for it in ["s", "ms", "us"] {
-                out.add(it, CompletionKind::Unit, 0);
+            for text in ["s", "ms", "us"] {
+                out.add(text, CompletionKind::Unit, 0);
             }
         }
         ("masquerade", 2) => {
@@ -147,14 +147,14 @@ fn pragma(view: &FileView<'_>, operand: &str, out: &mut Completions) {
 }
 
 fn named(view: &FileView<'_>, kind: DefKind, out: &mut Completions) {
-    for it in &view.elaborated().definitions {
-        if it.kind == kind {
+    for definition in &view.elaborated().definitions {
+        if definition.kind == kind {
             let item = out.add(
-                it.name.as_str(),
+                definition.name.as_str(),
                 CompletionKind::Symbol(SymbolKind::from(kind)),
                 0,
             );
-            item.definition = Some(it.id.0);
+            item.definition = Some(definition.id.0);
         }
     }
 }
@@ -178,7 +178,9 @@ pub(super) fn beginning(
             .unwrap_or(body)
             .trim_start();
         let word = body
-            .split(|it: char| !it.is_ascii_alphanumeric() && !"_-".contains(it))
+            .split(|character: char| {
+                !character.is_ascii_alphanumeric() && !"_-".contains(character)
+            })
             .next();
         word.is_some_and(begins)
     });
@@ -187,8 +189,8 @@ pub(super) fn beginning(
 
 /// Names of packages.
 pub(super) fn packages(view: &FileView<'_>, out: &mut Completions) {
-    for it in view.db.loader().package_names() {
-        out.add(it, CompletionKind::Package, 0);
+    for package_name in view.db.loader().package_names() {
+        out.add(package_name, CompletionKind::Package, 0);
     }
 }
 
@@ -196,7 +198,7 @@ pub(super) fn packages(view: &FileView<'_>, out: &mut Completions) {
 pub(super) fn macros(view: &FileView<'_>, at: usize, rank: u8, out: &mut Completions) {
     let mut all = defined(view, at);
     let guards = guards(view);
-    all.retain(|it| !guards.contains(&it.0));
+    all.retain(|pair| !guards.contains(&pair.0));
     add(all, rank, out);
 }
 
@@ -205,7 +207,7 @@ fn guards(view: &FileView<'_>) -> FxHashSet<String> {
     let files = crate::unit::files(view.db, view.unit);
     let guard = |file: crate::base::SourceFile| {
         let text = crate::unit::walk::skeleton(view.db, file);
-        let mut lines = text.lines().filter(|it| !it.trim().is_empty());
+        let mut lines = text.lines().filter(|line| !line.trim().is_empty());
         let words = |line: &str| -> Vec<String> {
             let line = line.trim().trim_start_matches('#').trim_start();
             line.split_whitespace().map(ToOwned::to_owned).collect()
@@ -215,7 +217,7 @@ fn guards(view: &FileView<'_>) -> FxHashSet<String> {
             return None;
         };
         let defines =
-            second.first().is_some_and(|it| it == "define") && second.get(1) == Some(name);
+            second.first().is_some_and(|text| text == "define") && second.get(1) == Some(name);
         (condition == "ifndef" && defines).then(|| name.clone())
     };
     files.into_iter().filter_map(guard).collect()
@@ -231,7 +233,7 @@ pub(super) fn values(view: &FileView<'_>, at: usize, rank: u8, out: &mut Complet
             .trim();
         let body = body.strip_prefix(name.as_str()).unwrap_or(body);
         body.trim_start()
-            .starts_with(|it: char| it.is_ascii_digit() || it == '(')
+            .starts_with(|character: char| character.is_ascii_digit() || character == '(')
     });
     add(all, rank, out);
 }
@@ -255,33 +257,37 @@ fn defined(view: &FileView<'_>, at: usize) -> Vec<(String, String)> {
     let includes_before = pre
         .includes
         .iter()
-        .filter(|it| usize::from(it.range.start()) < at);
+        .filter(|include| usize::from(include.range.start()) < at);
     let passed = includes_before.count();
-    let environments = walked.outcomes.iter().filter_map(|it| match it {
-        DirectiveEffect::Include(it) => Some(it.as_ref().ok()),
+    let environments = walked.outcomes.iter().filter_map(|outcome| match outcome {
+        DirectiveEffect::Include(include) => Some(include.as_ref().ok()),
         DirectiveEffect::Requires(_) => None,
     });
     let environments: Vec<_> = environments.collect();
-    let last = environments.iter().take(passed).rev().find_map(|it| *it);
+    let last = environments
+        .iter()
+        .take(passed)
+        .rev()
+        .find_map(|environment| *environment);
     let env = last.unwrap_or(&walked.entry);
     let mut all: Vec<(String, String)> = env
         .iter()
-        .filter(|it| !it.name.starts_with("__"))
-        .map(|it| (it.name.to_string(), it.definition_text()))
+        .filter(|environment| !environment.name.starts_with("__"))
+        .map(|environment| (environment.name.to_string(), environment.definition_text()))
         .collect();
     all.sort();
-    for it in pre
+    for directive in pre
         .directives
         .iter()
-        .filter(|it| it.active && usize::from(it.range.end()) <= at)
+        .filter(|directive| directive.active && usize::from(directive.range.end()) <= at)
     {
-        if let DirectiveKind::Define(define) = &it.kind
+        if let DirectiveKind::Define(define) = &directive.kind
             && let Some(name) = &define.name
         {
-            all.retain(|it| it.0 != name.text);
+            all.retain(|entry| entry.0 != name.text);
             let text = view
                 .text()
-                .get(std::ops::Range::from(it.range))
+                .get(std::ops::Range::from(directive.range))
                 .unwrap_or_default();
             all.push((name.text.to_string(), text.trim().to_owned()));
         }
@@ -341,11 +347,11 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
             let written = written.split(['"', '<', '>']).nth(1).unwrap_or_default();
             let root = found.as_str().strip_suffix(written);
             let root = root
-                .and_then(|it| it.strip_suffix('/'))
+                .and_then(|root| root.strip_suffix('/'))
                 .filter(|_| !written.is_empty());
             dirs.extend(
                 root.map(Utf8PathBuf::from)
-                    .filter(|it| Some(it.as_path()) != own),
+                    .filter(|path| Some(path.as_path()) != own),
             );
         }
     }
@@ -366,7 +372,7 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
             let own = path == *view.file.path(view.db) || open.contains(&path);
             let specification = ["gen", "idl"]
                 .iter()
-                .any(|it| entry.name.ends_with(&format!(".{it}")));
+                .any(|text| entry.name.ends_with(&format!(".{text}")));
             if entry.is_dir {
                 out.add(format!("{}/", entry.name), CompletionKind::Directory, 2);
             } else if !own && specification {

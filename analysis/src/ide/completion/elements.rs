@@ -24,7 +24,7 @@ pub(super) fn tasks(names: &Names<'_, '_>, out: &mut Completions) {
         item.detail = task
             .period
             .as_ref()
-            .map(|it| format!("period {}", crate::quantity::time(it.value)));
+            .map(|period| format!("period {}", crate::quantity::time(period.value)));
     }
 }
 
@@ -41,12 +41,12 @@ pub(super) fn quantity(
     out: &mut Completions,
 ) {
     use dotgen_syntax::SyntaxKind::*;
-    match rest.last().map(|it| it.kind) {
+    match rest.last().map(|word| word.kind) {
         // The unit already follows.
-        Some(IDENT) if rest.len() > 1 && rest.last().is_some_and(|it| it.is_any(units)) => {}
+        Some(IDENT) if rest.len() > 1 && rest.last().is_some_and(|word| word.is_any(units)) => {}
         Some(INT | FLOAT | IDENT | R_PAREN) => {
-            for it in units {
-                out.add(*it, CompletionKind::Unit, 0);
+            for unit in units {
+                out.add(*unit, CompletionKind::Unit, 0);
             }
         }
         _ => {

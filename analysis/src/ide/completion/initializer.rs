@@ -48,9 +48,14 @@ pub(super) fn complete(names: &Names<'_, '_>, context: &Context, out: &mut Compl
             }
         }
         _ => {
-            let eq = words.iter().position(|it| it.is("="));
+            let eq = words.iter().position(|word| word.is("="));
             let expected = ty.and_then(|ty| element_type(names, ty, words, context.top().commas));
-            value(names, &words[eq.map_or(0, |it| it + 1)..], expected, out);
+            value(
+                names,
+                &words[eq.map_or(0, |index| index + 1)..],
+                expected,
+                out,
+            );
         }
     }
 }
@@ -90,7 +95,9 @@ fn value_snippet(names: &Names<'_, '_>, ty: TypeId, place: usize) -> String {
         TypeKind::Float | TypeKind::Double => "0.0".to_owned(),
         TypeKind::String { .. } | TypeKind::Char => "\"\"".to_owned(),
         TypeKind::Enum { enumerators } => {
-            let first = enumerators.first().and_then(|it| spec.full_name(*it));
+            let first = enumerators
+                .first()
+                .and_then(|enumerator| spec.full_name(*enumerator));
             first.unwrap_or_default()
         }
         TypeKind::Struct { .. }
@@ -110,9 +117,9 @@ pub(in crate::ide) fn compound_type(
     context: &Context,
     frame: usize,
 ) -> Option<TypeId> {
-    let it = context.frames.get(frame)?;
+    let place = context.frames.get(frame)?;
     let parent = context.frames.get(frame.checked_sub(1)?)?;
-    let head = context.head(it);
+    let head = context.head(place);
     match parent.kind {
         FrameKind::Paren => super::parameter_list::parameter_type(names, context, frame - 1, head),
         FrameKind::Initializers => {
@@ -136,7 +143,7 @@ pub(in crate::ide) fn element_type(
     let members = names.members(compound);
     match words {
         [dot, name, ..] if dot.is(".") => {
-            let found = members.iter().find(|(it, _)| *it == name.text)?;
+            let found = members.iter().find(|(text, _)| *text == name.text)?;
             Some(found.1)
         }
         _ => Some(members.get(commas)?.1),
@@ -148,6 +155,8 @@ fn given(context: &Context, frame: &Frame) -> Vec<SmolStr> {
     let words = &context.tokens[frame.open..];
     let designators = words
         .windows(3)
-        .filter(|it| it[0].is_any(&[",", "{"]) && it[1].is("."));
-    designators.map(|it| it[2].text.clone()).collect()
+        .filter(|window| window[0].is_any(&[",", "{"]) && window[1].is("."));
+    designators
+        .map(|designator| designator[2].text.clone())
+        .collect()
 }

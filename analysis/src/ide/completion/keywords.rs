@@ -225,21 +225,21 @@ pub(super) fn statements(
         Enum | Unknown => &[],
     };
     let given = &context.top().given;
-    let behind = context.after.rest.first().map(|it| &it.text);
+    let behind = context.after.rest.first().map(|word| &word.text);
     let given = |word: &str| {
         let mut all = given.iter().chain(&context.after.later).chain(behind);
-        all.any(|it| it == word)
+        all.any(|text| text == word)
     };
     let in_component = matches!(body, Component | Interface);
     // Only the first word of the statement is missing, so only the word is inserted.
     let first_words = |word: &str| {
-        let mut all = ALL.iter().flat_map(|it| it.iter());
-        all.any(|it| it.0.split(' ').next() == Some(word))
+        let mut all = ALL.iter().flat_map(|group| group.iter());
+        all.any(|group| group.0.split(' ').next() == Some(word))
     };
     let goes_on = context
         .after
         .next()
-        .is_some_and(|it| !it.is("}") && !first_words(&it.text));
+        .is_some_and(|word| !word.is("}") && !first_words(&word.text));
     for (table, rank) in tables {
         for (word, insert) in *table {
             // In a component `task` is a declaration.
@@ -275,7 +275,9 @@ fn fill_clause(
     let mut rest = clause;
     while let Some((before, after)) = rest.split_once('@') {
         out.push_str(before);
-        let end = after.find(|it: char| !it.is_ascii_alphanumeric() && !"_-".contains(it));
+        let end = after.find(|character: char| {
+            !character.is_ascii_alphanumeric() && !"_-".contains(character)
+        });
         let (wanted, tail) = after.split_at(end.unwrap_or(after.len()));
         out.push_str(&clause_value(names, context, body, wanted)?);
         rest = tail;
@@ -294,7 +296,11 @@ fn clause_value(
     let first = |fill: &dyn Fn(&mut Completions)| {
         let mut found = Completions::empty();
         fill(&mut found);
-        found.finish().into_iter().next().map(|it| it.label)
+        found
+            .finish()
+            .into_iter()
+            .next()
+            .map(|completion_item| completion_item.label)
     };
     match wanted {
         "port-type" => first(&|out| names.scoped(&[], NameCategory::PortTypes, 0, out)),
@@ -303,12 +309,16 @@ fn clause_value(
         "task" => {
             let mut tasks = Completions::empty();
             super::elements::tasks(names, &mut tasks);
-            tasks.finish().into_iter().next().map(|it| it.label)
+            tasks
+                .finish()
+                .into_iter()
+                .next()
+                .map(|completion_item| completion_item.label)
         }
         "service" => {
             let own = context.name_of(context.top());
-            let mut others = component?.services.iter().map(|it| &it.name);
-            let other = others.find(|it| Some(*it) != own.as_ref());
+            let mut others = component?.services.iter().map(|service| &service.name);
+            let other = others.find(|name| Some(*name) != own.as_ref());
             Some(other.map_or_else(|| "all".to_owned(), ToString::to_string))
         }
         "member" => Some(names.carried(names.ids()?).first()?.0.to_string()),
@@ -327,16 +337,21 @@ fn clause_value(
         "rate" => Some(time(clock(names).unwrap_or((1, 1000)))),
         "delay" => Some(format!("0 {}", "ms")),
         // A multiple of the clock, near 10 ms.
-        "period" => Some(match component.and_then(|it| it.clock_rate.as_ref()) {
-            Some(rate) if component.is_some_and(|it| it.kind == ComponentKind::Component) => {
-                let rate = rate.value;
-                let ten = crate::model::Seconds::new(1, 100);
-                let times = (ten / rate).floor().max(1.into());
-                let value = rate * times;
-                time((*value.numer(), *value.denom()))
-            }
-            _ => "10 ms".to_owned(),
-        }),
+        "period" => Some(
+            match component.and_then(|component| component.clock_rate.as_ref()) {
+                Some(rate)
+                    if component
+                        .is_some_and(|component| component.kind == ComponentKind::Component) =>
+                {
+                    let rate = rate.value;
+                    let ten = crate::model::Seconds::new(1, 100);
+                    let times = (ten / rate).floor().max(1.into());
+                    let value = rate * times;
+                    time((*value.numer(), *value.denom()))
+                }
+                _ => "10 ms".to_owned(),
+            },
+        ),
         base => Some(names.unused_name_like(base)),
     }
 }
@@ -354,7 +369,7 @@ fn case(names: &Names<'_, '_>, context: &Context) -> String {
             let mut found = Completions::empty();
             names.constants(&[], Some(ty), &mut found);
             let first = found.finish().into_iter().next();
-            first.map_or_else(zero, |it| it.label)
+            first.map_or_else(zero, |completion_item| completion_item.label)
         }
         _ => zero(),
     }
@@ -365,11 +380,11 @@ fn clock(names: &Names<'_, '_>) -> Option<(i128, i128)> {
     let tasks = &names.component()?.tasks;
     let times = tasks
         .iter()
-        .flat_map(|it| it.period.iter().chain(&it.delay));
-    let times: Vec<_> = times.map(|it| it.value).collect();
+        .flat_map(|task| task.period.iter().chain(&task.delay));
+    let times: Vec<_> = times.map(|time| time.value).collect();
     let fits = |rate: &&(i128, i128)| {
         let rate = crate::model::Seconds::new(rate.0, rate.1);
-        times.iter().all(|it| (*it / rate).is_integer())
+        times.iter().all(|time| (*time / rate).is_integer())
     };
     [
         (1, 1000),
@@ -386,9 +401,9 @@ fn clock(names: &Names<'_, '_>) -> Option<(i128, i128)> {
 /// A time as written, in the largest unit in which it is an integer.
 fn time((numerator, denominator): (i128, i128)) -> String {
     let units = [(1, "s"), (1_000, "ms"), (1_000_000, "us")];
-    let whole = units.iter().rev().rfind(|it| {
+    let whole = units.iter().rev().rfind(|unit| {
         numerator
-            .checked_mul(it.0)
+            .checked_mul(unit.0)
             .is_some_and(|product| product % denominator == 0)
     });
     match whole {

@@ -62,7 +62,7 @@ impl<'a, 'db> Names<'a, 'db> {
         let elaborated = view.elaborated();
         let mut scope: Vec<SmolStr> = Vec::new();
         let mut component = None;
-        let in_ids = |it: &Frame| matches!(it.kind, FrameKind::Body(BodyKind::Ids));
+        let in_ids = |frame: &Frame| matches!(frame.kind, FrameKind::Body(BodyKind::Ids));
         let in_ids = context.frames.iter().any(in_ids);
         for frame in &context.frames {
             let FrameKind::Body(kind) = frame.kind else {
@@ -91,28 +91,30 @@ impl<'a, 'db> Names<'a, 'db> {
                     DefKind::Component | DefKind::Interface
                 )
             };
-            let found = outer.iter().find(|it| is_component(it));
-            component = found.map(|it| elaborated.definition(*it).name.clone());
+            let found = outer.iter().find(|scope| is_component(scope));
+            component = found.map(|scope| elaborated.definition(*scope).name.clone());
         }
         let outer = outer
             .iter()
-            .map(|it| elaborated.definition(*it).name.clone());
+            .map(|scope| elaborated.definition(*scope).name.clone());
         scope.splice(0..0, outer);
         let by_name = |name: SmolStr| {
             let all = &elaborated.spec.components;
-            all.iter().position(|it| it.name == name)
+            all.iter().position(|component| component.name == name)
         };
         let mut paths = FxHashMap::default();
-        for it in &elaborated.definitions {
-            if in_scopes(it.kind) {
-                paths.entry(full_path(elaborated, it)).or_insert(it.id);
+        for definition in &elaborated.definitions {
+            if in_scopes(definition.kind) {
+                paths
+                    .entry(full_path(elaborated, definition))
+                    .or_insert(definition.id);
             }
         }
         Names {
             view,
             elaborated,
             scope,
-            component: component.and_then(by_name).map(|it| it as u32),
+            component: component.and_then(by_name).map(|index| index as u32),
             at,
             begins: begins(context, at),
             in_ids,
@@ -137,11 +139,14 @@ impl<'a, 'db> Names<'a, 'db> {
     /// Tasks and services of the component around the cursor, each with its body, its name and its codels.
     pub(super) fn owners(&self) -> impl Iterator<Item = (BodyKind, &'a Name, &'a [Codel])> {
         let component = self.component().into_iter();
-        component.flat_map(|it| {
-            let tasks = it.tasks.iter();
-            let tasks = tasks.map(|it| (BodyKind::Task, &it.name, it.codels.as_slice()));
-            let services = it.services.iter();
-            tasks.chain(services.map(|it| (BodyKind::Activity, &it.name, it.codels.as_slice())))
+        component.flat_map(|component| {
+            let tasks = component.tasks.iter();
+            let tasks = tasks.map(|task| (BodyKind::Task, &task.name, task.codels.as_slice()));
+            let services = component.services.iter();
+            tasks.chain(
+                services
+                    .map(|service| (BodyKind::Activity, &service.name, service.codels.as_slice())),
+            )
         })
     }
 
@@ -149,20 +154,24 @@ impl<'a, 'db> Names<'a, 'db> {
     pub(super) fn part(&self, part: impl Fn(u32) -> Entity) -> Option<u32> {
         let wanted = part(self.component?);
         let all = &self.elaborated.definitions;
-        let found = all.iter().find(|it| it.entity == Some(wanted))?;
+        let found = all
+            .iter()
+            .find(|definition| definition.entity == Some(wanted))?;
         Some(found.id.0)
     }
 
     /// Returns true if a definition is before the cursor; definitions without a place count as known.
     pub(super) fn is_known(&self, definition: Option<u32>) -> bool {
-        let found = definition.and_then(|it| self.elaborated.definitions.get(it as usize));
-        found.is_none_or(|it| self.is_before(it))
+        let found =
+            definition.and_then(|definition| self.elaborated.definitions.get(definition as usize));
+        found.is_none_or(|definition| self.is_before(definition))
     }
 
     /// Returns true if a definition is above the cursor.
     pub(super) fn is_above(&self, definition: Option<u32>) -> bool {
-        let found = definition.and_then(|it| self.elaborated.definitions.get(it as usize));
-        found.is_none_or(|it| match self.view.place(it.src) {
+        let found =
+            definition.and_then(|definition| self.elaborated.definitions.get(definition as usize));
+        found.is_none_or(|definition| match self.view.place(definition.src) {
             Some((file, range)) if file == self.view.file => usize::from(range.start()) < self.at,
             _ => true,
         })
@@ -177,28 +186,35 @@ impl<'a, 'db> Names<'a, 'db> {
         let leads_to_it = |interface: u32| {
             let mut seen = vec![interface];
             let mut next = 0;
-            while let Some(&it) = seen.get(next) {
+            while let Some(&number) = seen.get(next) {
                 next += 1;
-                let Some(it) = components.get(it as usize) else {
+                let Some(component) = components.get(number as usize) else {
                     continue;
                 };
-                for it in it.provides.iter().chain(&it.uses).chain(&it.extends) {
-                    if !seen.contains(it) {
-                        seen.push(*it);
+                for provided in component
+                    .provides
+                    .iter()
+                    .chain(&component.uses)
+                    .chain(&component.extends)
+                {
+                    if !seen.contains(provided) {
+                        seen.push(*provided);
                     }
                 }
             }
             seen.contains(&from)
         };
-        let own = |it: &&Reference| it.component == self.component;
+        let own = |reference: &&Reference| reference.component == self.component;
         let names = self.elaborated.references.iter().filter(own);
-        let names = names.filter(|it| match self.elaborated.definition(it.target).entity {
-            Some(Entity::Component(it)) => leads_to_it(it),
-            _ => false,
-        });
+        let names = names.filter(
+            |name| match self.elaborated.definition(name.target).entity {
+                Some(Entity::Component(component)) => leads_to_it(component),
+                _ => false,
+            },
+        );
         let mut below = false;
-        for it in names {
-            match self.view.place(it.at) {
+        for name in names {
+            match self.view.place(name.at) {
                 Some((file, range)) if file == self.view.file => {
                     if usize::from(range.start()) < self.at {
                         return true;
@@ -215,13 +231,13 @@ impl<'a, 'db> Names<'a, 'db> {
     pub(super) fn is_reopened(&self) -> bool {
         let own = self.component;
         let bodies = self.spec().bodies.iter();
-        bodies.filter(|it| Some(it.component) == own).count() > 1
+        bodies.filter(|body| Some(body.component) == own).count() > 1
     }
 
     /// Members allowed in parameters of a service.
     pub(super) fn carried(&self, ty: TypeId) -> Vec<(SmolStr, TypeId)> {
         let mut all = self.members(ty);
-        all.retain(|it| !has_native(self.spec(), it.1));
+        all.retain(|member| !has_native(self.spec(), member.1));
         all
     }
 
@@ -234,7 +250,12 @@ impl<'a, 'db> Names<'a, 'db> {
     /// The declaration of a type object.
     pub(super) fn definition_of(&self, ty: TypeId) -> Option<u32> {
         let all = &self.elaborated.definitions;
-        Some(all.iter().find(|it| it.ty == Some(ty))?.id.0)
+        Some(
+            all.iter()
+                .find(|definition| definition.ty == Some(ty))?
+                .id
+                .0,
+        )
     }
 
     /// Returns true if the cursor is in a declaration.
@@ -269,13 +290,13 @@ impl<'a, 'db> Names<'a, 'db> {
             path.extend_from_slice(segments);
             self.paths
                 .get(&path)
-                .map(|it| self.elaborated.definition(*it))
+                .map(|path| self.elaborated.definition(*path))
         })
     }
 
     /// Returns true if a declaration is before the cursor, as far as known.
-    fn is_before(&self, it: &Definition) -> bool {
-        match self.view.place(it.src) {
+    fn is_before(&self, definition: &Definition) -> bool {
+        match self.view.place(definition.src) {
             Some((file, range)) if file == self.view.file => {
                 usize::from(range.start()) < self.begins
             }
@@ -296,28 +317,34 @@ impl<'a, 'db> Names<'a, 'db> {
             (false, true) => None,
             (true, true) => Some(Vec::new()),
             _ => match self.resolve(absolute, &qualifier) {
-                Some(it) => Some(full_path(self.elaborated, it)),
+                Some(definition) => Some(full_path(self.elaborated, definition)),
                 None => return,
             },
         };
         for (path, id) in self.sorted() {
-            let it = self.elaborated.definition(*id);
-            let fits = self.fits(it, wanted);
+            let definition = self.elaborated.definition(*id);
+            let fits = self.fits(definition, wanted);
             match &within {
                 Some(within) => {
                     let child = path.len() == within.len() + 1 && path.starts_with(within);
-                    if child && (fits || opens_scope(it.kind)) && self.is_before(it) {
-                        self.push(it, it.name.to_string(), rank + u8::from(!fits), out);
+                    if child && (fits || opens_scope(definition.kind)) && self.is_before(definition)
+                    {
+                        self.push(
+                            definition,
+                            definition.name.to_string(),
+                            rank + u8::from(!fits),
+                            out,
+                        );
                     }
                 }
-                None if fits && self.is_before(it) => {
+                None if fits && self.is_before(definition) => {
                     let common = std::iter::zip(path.iter(), &self.scope)
                         .take_while(|(a, b)| a == b)
                         .count()
                         .min(path.len() - 1);
                     let label = path[common..].join("::");
                     let far = path.len() - common > 1;
-                    self.push(it, label, rank + u8::from(far), out);
+                    self.push(definition, label, rank + u8::from(far), out);
                 }
                 None => {}
             }
@@ -331,15 +358,15 @@ impl<'a, 'db> Names<'a, 'db> {
         all
     }
 
-    fn push(&self, it: &Definition, label: String, rank: u8, out: &mut Completions) {
-        let kind = CompletionKind::Symbol(SymbolKind::from(it.kind));
+    fn push(&self, definition: &Definition, label: String, rank: u8, out: &mut Completions) {
+        let kind = CompletionKind::Symbol(SymbolKind::from(definition.kind));
         let item = out.add(label, kind, rank);
-        item.definition = Some(it.id.0);
-        item.detail = self.detail(it);
+        item.definition = Some(definition.id.0);
+        item.detail = self.detail(definition);
     }
 
-    fn detail(&self, it: &Definition) -> Option<String> {
-        let ty = it.ty?;
+    fn detail(&self, definition: &Definition) -> Option<String> {
+        let ty = definition.ty?;
         let spec = self.spec();
         match &spec.types.get(ty.0 as usize)?.kind {
             TypeKind::Const { value, .. } => Some(format!("= {}", render::value(spec, value))),
@@ -348,30 +375,33 @@ impl<'a, 'db> Names<'a, 'db> {
         }
     }
 
-    fn fits(&self, it: &Definition, wanted: NameCategory) -> bool {
+    fn fits(&self, definition: &Definition, wanted: NameCategory) -> bool {
         match wanted {
             NameCategory::Types | NameCategory::PortTypes => {
                 let carried = |ty| wanted == NameCategory::Types || !has_native(self.spec(), ty);
                 matches!(
-                    it.kind,
+                    definition.kind,
                     DefKind::Typedef
                         | DefKind::Struct
                         | DefKind::Union
                         | DefKind::Enum
                         | DefKind::Ids
                         | DefKind::Native
-                ) && it.ty.is_none_or(carried)
-                    && !(it.kind == DefKind::Ids && self.in_ids)
+                ) && definition.ty.is_none_or(carried)
+                    && !(definition.kind == DefKind::Ids && self.in_ids)
             }
             NameCategory::ConstTypes | NameCategory::SwitchTypes => {
-                let kind = it
+                let kind = definition
                     .ty
-                    .map(|it| &self.spec().ty(self.spec().resolve_alias(it)).kind);
-                matches!(it.kind, DefKind::Typedef | DefKind::Enum)
-                    && kind.is_some_and(|it| has_values(it, wanted == NameCategory::SwitchTypes))
+                    .map(|ty| &self.spec().ty(self.spec().resolve_alias(ty)).kind);
+                matches!(definition.kind, DefKind::Typedef | DefKind::Enum)
+                    && kind
+                        .is_some_and(|kind| has_values(kind, wanted == NameCategory::SwitchTypes))
             }
-            NameCategory::Constants => matches!(it.kind, DefKind::Const | DefKind::Enumerator),
-            NameCategory::Exceptions => it.kind == DefKind::Exception,
+            NameCategory::Constants => {
+                matches!(definition.kind, DefKind::Const | DefKind::Enumerator)
+            }
+            NameCategory::Exceptions => definition.kind == DefKind::Exception,
         }
     }
 
@@ -385,7 +415,7 @@ impl<'a, 'db> Names<'a, 'db> {
     ) {
         let named_only = wanted == NameCategory::PortTypes;
         self.scoped(before, wanted, rank + u8::from(!named_only), out);
-        if named_only || before.last().is_some_and(|it| it.is("::")) {
+        if named_only || before.last().is_some_and(|word| word.is("::")) {
             return;
         }
         self.base_types(wanted, rank, out);
@@ -393,7 +423,7 @@ impl<'a, 'db> Names<'a, 'db> {
 
     /// The base types of the language, the most frequent first.
     pub(super) fn base_types(&self, wanted: NameCategory, rank: u8, out: &mut Completions) {
-        for it in [
+        for text in [
             "double",
             "long",
             "unsigned long",
@@ -410,13 +440,13 @@ impl<'a, 'db> Names<'a, 'db> {
         ] {
             let fits = match wanted {
                 NameCategory::SwitchTypes => {
-                    !matches!(it, "double" | "float" | "string" | "octet" | "any")
+                    !matches!(text, "double" | "float" | "string" | "octet" | "any")
                 }
-                NameCategory::ConstTypes => it != "any",
+                NameCategory::ConstTypes => text != "any",
                 _ => true,
             };
             if fits {
-                out.add(it, CompletionKind::BaseType, rank);
+                out.add(text, CompletionKind::BaseType, rank);
             }
         }
         if wanted != NameCategory::Types {
@@ -434,14 +464,14 @@ impl<'a, 'db> Names<'a, 'db> {
         let taken = |name: &str| {
             let begun = format!("{name}_");
             all.iter()
-                .any(|it| it.name == name || it.name.starts_with(&begun))
+                .any(|definition| definition.name == name || definition.name.starts_with(&begun))
                 || dotgen_syntax::SyntaxKind::contextual(name).is_some()
         };
         if !taken(base) {
             return base.to_owned();
         }
-        let mut numbered = (2_u32..).map(|it| format!("{base}{it}"));
-        numbered.find(|it| !taken(it)).unwrap_or_default()
+        let mut numbered = (2_u32..).map(|number| format!("{base}{number}"));
+        numbered.find(|format| !taken(format)).unwrap_or_default()
     }
 
     /// Everything that may be in an expression; values of the `expected` type first.
@@ -457,22 +487,22 @@ impl<'a, 'db> Names<'a, 'db> {
         let first = out.items.len();
         self.scoped(before, NameCategory::Constants, 3, out);
         let spec = self.spec();
-        let resolved = expected.map(|it| self.value_type(it));
+        let resolved = expected.map(|ty| self.value_type(ty));
         for item in &mut out.items[first..] {
             let definition = item
                 .definition
-                .and_then(|it| self.elaborated.definitions.get(it as usize));
-            let ty = definition.and_then(|it| it.ty);
-            let of = match ty.map(|it| &spec.ty(it).kind) {
+                .and_then(|definition| self.elaborated.definitions.get(definition as usize));
+            let ty = definition.and_then(|definition| definition.ty);
+            let of = match ty.map(|ty| &spec.ty(ty).kind) {
                 Some(TypeKind::Enumerator { enumeration, .. }) => Some(*enumeration),
                 Some(TypeKind::Const { ty, .. }) => Some(self.value_type(*ty)),
                 _ => None,
             };
-            let value = ty.and_then(|it| match &spec.ty(it).kind {
+            let value = ty.and_then(|ty| match &spec.ty(ty).kind {
                 TypeKind::Const { value, .. } => Some(value),
                 _ => None,
             });
-            let holds = |ty| value.is_none_or(|it| holds(spec, ty, it));
+            let holds = |ty| value.is_none_or(|node| holds(spec, ty, node));
             match (resolved, of) {
                 (Some(wanted), Some(of)) if self.same_type(wanted, of) && holds(wanted) => {
                     item.rank = 0
@@ -482,11 +512,12 @@ impl<'a, 'db> Names<'a, 'db> {
                 _ => {}
             }
         }
-        out.items.retain(|it| it.rank != NOT_PROPOSED);
-        if before.last().is_some_and(|it| it.is("::")) {
+        out.items
+            .retain(|completion_item| completion_item.rank != NOT_PROPOSED);
+        if before.last().is_some_and(|word| word.is("::")) {
             return;
         }
-        let boolean = resolved.is_some_and(|it| matches!(spec.ty(it).kind, TypeKind::Boolean));
+        let boolean = resolved.is_some_and(|ty| matches!(spec.ty(ty).kind, TypeKind::Boolean));
         if boolean || resolved.is_none() {
             out.keywords(&["TRUE", "FALSE"], if boolean { 0 } else { 6 });
         }
@@ -503,23 +534,23 @@ impl<'a, 'db> Names<'a, 'db> {
         let fits = |item: &super::CompletionItem| {
             let definition = item
                 .definition
-                .and_then(|it| self.elaborated.definitions.get(it as usize))?;
+                .and_then(|definition| self.elaborated.definitions.get(definition as usize))?;
             // Names that are only the beginning of a path.
-            let Some(TypeKind::Const { value, .. }) = definition.ty.map(|it| &spec.ty(it).kind)
+            let Some(TypeKind::Const { value, .. }) = definition.ty.map(|ty| &spec.ty(ty).kind)
             else {
                 return Some(!matches!(definition.kind, DefKind::Enumerator));
             };
             Some(match value {
                 Value::Uint(_) => true,
-                Value::Int(it) => *it >= 0,
-                Value::Float(it) => !whole && *it >= 0.0,
+                Value::Int(number) => *number >= 0,
+                Value::Float(number) => !whole && *number >= 0.0,
                 _ => false,
             })
         };
         let mut index = 0;
-        out.items.retain(|it| {
+        out.items.retain(|completion_item| {
             index += 1;
-            index <= first || fits(it).unwrap_or(true)
+            index <= first || fits(completion_item).unwrap_or(true)
         });
     }
 
@@ -537,9 +568,9 @@ impl<'a, 'db> Names<'a, 'db> {
     }
 
     fn same_type(&self, a: TypeId, b: TypeId) -> bool {
-        let number = |it: TypeId| {
+        let number = |ty: TypeId| {
             matches!(
-                self.spec().ty(it).kind,
+                self.spec().ty(ty).kind,
                 TypeKind::Octet
                     | TypeKind::Short
                     | TypeKind::UnsignedShort
@@ -565,7 +596,7 @@ impl<'a, 'db> Names<'a, 'db> {
         };
         let named = members
             .iter()
-            .filter_map(|&it| Some((spec.ty(it).name.clone()?, it)));
+            .filter_map(|&member| Some((spec.ty(member).name.clone()?, member)));
         named.collect()
     }
 
@@ -584,45 +615,54 @@ impl<'a, 'db> Names<'a, 'db> {
             .spec()
             .components
             .iter()
-            .find(|it| it.name == interface)
+            .find(|component| component.name == interface)
         else {
             return false;
         };
-        fn all(it: &Component) -> impl Iterator<Item = &SmolStr> {
-            let services = it.services.iter().map(|it| &it.name);
-            let ports = it.ports.iter().map(|it| &it.name);
+        fn all(component: &Component) -> impl Iterator<Item = &SmolStr> {
+            let services = component.services.iter().map(|service| &service.name);
+            let ports = component.ports.iter().map(|port| &port.name);
             services
                 .chain(ports)
-                .chain(it.tasks.iter().map(|it| &it.name))
+                .chain(component.tasks.iter().map(|task| &task.name))
         }
         let own = self.component();
-        !all(interface).any(|name| own.is_some_and(|own| all(own).any(|it| it == name)))
+        !all(interface).any(|name| own.is_some_and(|own| all(own).any(|text| text == name)))
     }
 
     /// Returns true if the component already provides, uses or extends an interface.
     fn has_interface(&self, interface: &str) -> bool {
         let all = &self.spec().components;
-        let named = |it: &u32| all.get(*it as usize).is_some_and(|it| it.name == interface);
-        self.component().is_some_and(|it| {
-            let mut listed = it.provides.iter().chain(&it.uses).chain(&it.extends);
+        let named = |number: &u32| {
+            all.get(*number as usize)
+                .is_some_and(|component| component.name == interface)
+        };
+        self.component().is_some_and(|component| {
+            let mut listed = component
+                .provides
+                .iter()
+                .chain(&component.uses)
+                .chain(&component.extends);
             listed.any(named)
         })
     }
 
     /// Components and interfaces by kind, in order of declaration.
     pub(super) fn interfaces(&self, used: &[Word], rank: u8, out: &mut Completions) {
-        for it in &self.elaborated.definitions {
-            let own = self.component().is_some_and(|own| own.name == it.name);
-            let named =
-                used.iter().any(|word| word.text == it.name) || self.has_interface(&it.name);
-            let unused_name_like = || self.has_room_for(&it.name);
-            if it.kind == DefKind::Interface
+        for definition in &self.elaborated.definitions {
+            let own = self
+                .component()
+                .is_some_and(|own| own.name == definition.name);
+            let named = used.iter().any(|word| word.text == definition.name)
+                || self.has_interface(&definition.name);
+            let unused_name_like = || self.has_room_for(&definition.name);
+            if definition.kind == DefKind::Interface
                 && !own
                 && !named
-                && self.is_before(it)
+                && self.is_before(definition)
                 && unused_name_like()
             {
-                self.push(it, it.name.to_string(), rank, out);
+                self.push(definition, definition.name.to_string(), rank, out);
             }
         }
     }
@@ -649,7 +689,7 @@ pub(in crate::ide) fn qualifier(words: &[Word]) -> (bool, Vec<SmolStr>) {
 /// Returns true if an expression ends in an operand, so that an operator or nothing comes next.
 fn is_operand(before: &[Word]) -> bool {
     use dotgen_syntax::SyntaxKind::*;
-    let last = before.last().map(|it| it.kind);
+    let last = before.last().map(|word| word.kind);
     matches!(
         last,
         Some(INT | FLOAT | STRING | CHAR | IDENT | R_PAREN | R_CURLY | R_BRACK)
@@ -676,9 +716,9 @@ fn has_values(kind: &TypeKind, switch: bool) -> bool {
 
 /// See [`Names::begins`].
 fn begins(context: &Context, at: usize) -> usize {
-    let outermost = context.frames.iter().find(|it| {
+    let outermost = context.frames.iter().find(|frame| {
         !matches!(
-            it.kind,
+            frame.kind,
             FrameKind::Body(
                 BodyKind::Specification
                     | BodyKind::Module
@@ -695,5 +735,5 @@ fn begins(context: &Context, at: usize) -> usize {
     context
         .tokens
         .get(first)
-        .map_or(at, |it| it.range.start.min(at))
+        .map_or(at, |token| token.range.start.min(at))
 }

@@ -28,7 +28,11 @@ pub(super) fn in_parentheses(names: &Names<'_, '_>, context: &Context, out: &mut
         Some(List::Codel { simple }) => codel_param(names, context, words, simple, out),
         Some(List::Attribute) => attribute_param(names, context, words, out),
         Some(List::Service) => service_param(names, context, words, out),
-        None if context.head(frame).last().is_some_and(|it| it.is("switch")) => {
+        None if context
+            .head(frame)
+            .last()
+            .is_some_and(|head| head.is("switch")) =>
+        {
             out.items.clear();
             type_or_nothing(names, context, words, NameCategory::SwitchTypes, out);
         }
@@ -37,7 +41,7 @@ pub(super) fn in_parentheses(names: &Names<'_, '_>, context: &Context, out: &mut
     // Another parameter follows without a comma.
     let next = context.after.next();
     if list_kind(context, context.frames.len() - 1).is_some()
-        && next.is_some_and(|it| it.is_any(DIRECTIONS) || it.is_any(SOURCES))
+        && next.is_some_and(|word| word.is_any(DIRECTIONS) || word.is_any(SOURCES))
     {
         out.with_comma();
     }
@@ -46,9 +50,11 @@ pub(super) fn in_parentheses(names: &Names<'_, '_>, context: &Context, out: &mut
 /// Items for a parameter that continues after the cursor: directions, if only they are missing.
 fn complete_before_parameter(context: &Context) -> bool {
     let next = context.after.next();
-    next.is_some_and(|it| {
-        it.kind == dotgen_syntax::SyntaxKind::IDENT && !it.is_any(DIRECTIONS) && !it.is_any(SOURCES)
-            || it.is("::")
+    next.is_some_and(|word| {
+        word.kind == dotgen_syntax::SyntaxKind::IDENT
+            && !word.is_any(DIRECTIONS)
+            && !word.is_any(SOURCES)
+            || word.is("::")
     })
 }
 
@@ -56,16 +62,16 @@ fn complete_before_parameter(context: &Context) -> bool {
 fn whole_path(context: &Context, out: &mut Completions) {
     let mut depth = 0_i32;
     let rest = context.after.list();
-    let end = rest.iter().position(|it| {
-        match it.text.as_str() {
+    let end = rest.iter().position(|word| {
+        match word.text.as_str() {
             "[" => depth += 1,
             "]" => depth -= 1,
             _ => {}
         }
-        depth == 0 && it.is_any(&[",", "=", "::"])
+        depth == 0 && word.is_any(&[",", "=", "::"])
     });
     let path = &rest[..end.unwrap_or(rest.len())];
-    if path.first().is_some_and(|it| it.is_any(&[".", "["])) {
+    if path.first().is_some_and(|path| path.is_any(&[".", "["])) {
         out.replaces_too(path);
     }
 }
@@ -152,15 +158,15 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
         });
     }
     let mut times: FxHashMap<SmolStr, usize> = FxHashMap::default();
-    for it in &out {
-        *times.entry(it.name.clone()).or_default() += 1;
+    for source in &out {
+        *times.entry(source.name.clone()).or_default() += 1;
     }
-    for it in &mut out {
-        it.ambiguous = times[&it.name] > 1;
+    for source in &mut out {
+        source.ambiguous = times[&source.name] > 1;
     }
     match simple {
-        true => out.retain(|it| !matches!(it.source, "port" | "remote")),
-        false => out.retain(|it| it.source == "local" || names.is_known(it.definition)),
+        true => out.retain(|source| !matches!(source.source, "port" | "remote")),
+        false => out.retain(|source| source.source == "local" || names.is_known(source.definition)),
     }
     out
 }
@@ -174,30 +180,33 @@ fn codel_param(
 ) {
     let mut all = sources(names, context, simple);
     let used = used_names(names, context);
-    let whole_ids = all.iter().any(|it| it.source == "ids") && !used.iter().any(|it| it == "ids");
+    let whole_ids =
+        all.iter().any(|source| source.source == "ids") && !used.iter().any(|name| name == "ids");
     let shared = Shared::around(names, context);
-    all.retain(|it| !used.contains(&it.name) && !shared.forbids(it.source, &it.name));
+    all.retain(|source| {
+        !used.contains(&source.name) && !shared.forbids(source.source, &source.name)
+    });
     let mut whole_ids = whole_ids && !shared.any;
     // A codel that is used elsewhere has the same parameters everywhere.
     if let Some(other) = other_use_of_codel(names, context) {
-        all.retain_mut(|it| {
-            let same = other.params.iter().find(|param| param.name == it.name);
-            it.directions = match same.map(|it| it.dir) {
+        all.retain_mut(|source| {
+            let same = other.params.iter().find(|param| param.name == source.name);
+            source.directions = match same.map(|param| param.dir) {
                 Some(ParamDir::In) => &["in"],
                 Some(ParamDir::Out) => &["out"],
                 Some(ParamDir::Inout) => &["inout"],
                 _ => &[],
             };
-            !it.directions.is_empty()
+            !source.directions.is_empty()
         });
         whole_ids &= other
             .params
             .iter()
-            .any(|it| it.path.is_empty() && it.name == "ids");
+            .any(|param| param.path.is_empty() && param.name == "ids");
     }
-    let source = words.first().filter(|it| it.is_any(SOURCES));
+    let source = words.first().filter(|word| word.is_any(SOURCES));
     let rest = &words[usize::from(source.is_some())..];
-    let matching = |it: &&Source| source.is_none_or(|source| source.is(it.source));
+    let matching = |node: &&Source| source.is_none_or(|source| source.is(node.source));
     let Some((dir, path)) = rest.split_first().filter(|(dir, _)| dir.is_any(DIRECTIONS)) else {
         if !rest.is_empty() {
             return;
@@ -208,25 +217,31 @@ fn codel_param(
         }
         // Nothing is missing between a source and its direction.
         let next = context.after.next();
-        let complete = source.is_some() && next.is_some_and(|it| it.is_any(DIRECTIONS));
+        let complete = source.is_some() && next.is_some_and(|word| word.is_any(DIRECTIONS));
         if complete && context.word.is_empty() {
             return;
         }
-        for it in all.iter().filter(matching) {
+        for node in all.iter().filter(matching) {
             // Ports are usually written with `port`.
             let explicit =
-                source.is_none() && (it.ambiguous || matches!(it.source, "port" | "remote"));
-            for (i, dir) in it.directions.iter().enumerate() {
+                source.is_none() && (node.ambiguous || matches!(node.source, "port" | "remote"));
+            for (i, dir) in node.directions.iter().enumerate() {
                 let prefix = if explicit {
-                    format!("{} ", it.source)
+                    format!("{} ", node.source)
                 } else {
                     String::new()
                 };
                 let rank = i as u8;
-                push(names, it, format!("{prefix}{dir} {}", it.name), rank, out);
+                push(
+                    names,
+                    node,
+                    format!("{prefix}{dir} {}", node.name),
+                    rank,
+                    out,
+                );
             }
         }
-        if source.is_none_or(|it| it.is("ids")) && whole_ids {
+        if source.is_none_or(|source| source.is("ids")) && whole_ids {
             for (i, dir) in DIRECTIONS.iter().enumerate() {
                 let item = out.add(
                     format!("{dir} ::ids"),
@@ -239,12 +254,12 @@ fn codel_param(
         let directed = |dir: &&str| {
             all.iter()
                 .filter(matching)
-                .any(|it| it.directions.contains(dir))
+                .any(|source| source.directions.contains(dir))
         };
         let directions: Vec<&str> = DIRECTIONS.iter().copied().filter(directed).collect();
         out.keywords(&directions, 4);
         if source.is_none() {
-            let there = |it: &&str| all.iter().any(|source| source.source == *it);
+            let there = |name: &&str| all.iter().any(|source| source.source == *name);
             let there: Vec<&str> = SOURCES.iter().copied().filter(there).collect();
             out.keywords(&there, 6);
         }
@@ -255,17 +270,17 @@ fn codel_param(
         [] if context
             .after
             .next()
-            .is_some_and(|it| it.kind == dotgen_syntax::SyntaxKind::IDENT) => {}
+            .is_some_and(|word| word.kind == dotgen_syntax::SyntaxKind::IDENT) => {}
         [] => {
-            for it in all.iter().filter(matching) {
-                let fits = it.directions.contains(&dir.text.as_str());
+            for node in all.iter().filter(matching) {
+                let fits = node.directions.contains(&dir.text.as_str());
                 let rank = u8::from(!fits) * 2;
-                let ambiguous = source.is_none() && it.ambiguous;
-                if !(ambiguous || matches!(it.source, "port" | "remote") && !fits) {
-                    push(names, it, it.name.to_string(), rank, out);
+                let ambiguous = source.is_none() && node.ambiguous;
+                if !(ambiguous || matches!(node.source, "port" | "remote") && !fits) {
+                    push(names, node, node.name.to_string(), rank, out);
                 }
             }
-            if source.is_none_or(|it| it.is("ids")) && whole_ids {
+            if source.is_none_or(|source| source.is("ids")) && whole_ids {
                 out.add("::ids", CompletionKind::Symbol(SymbolKind::Ids), 3)
                     .detail = Some("the whole ids".into());
             }
@@ -276,8 +291,11 @@ fn codel_param(
                 .detail = Some("the whole ids".into());
         }
         [first, steps @ .., dot] if dot.is(".") => {
-            let start = all.iter().filter(matching).find(|it| it.name == first.text);
-            let ty = start.and_then(|it| walk(names, it.ty, steps));
+            let start = all
+                .iter()
+                .filter(matching)
+                .find(|source| source.name == first.text);
+            let ty = start.and_then(|start| walk(names, start.ty, steps));
             members(names, ty, out);
         }
         _ => {}
@@ -288,14 +306,14 @@ fn codel_param(
 fn other_use_of_codel<'a>(names: &Names<'a, '_>, context: &Context) -> Option<&'a Codel> {
     let name = context.head(context.top()).last()?;
     let component = names.component()?;
-    let mut all = component.all_codels().map(|it| component.codel(it));
-    all.find(|it| it.name == name.text && !names.is_at(it.src, name.range.start))
+    let mut all = component.all_codels().map(|codel| component.codel(codel));
+    all.find(|codel| codel.name == name.text && !names.is_at(codel.src, name.range.start))
 }
 
-fn push(names: &Names<'_, '_>, it: &Source, label: String, rank: u8, out: &mut Completions) {
-    let item = out.add(label, CompletionKind::Symbol(it.kind), rank);
-    item.detail = Some(render::type_text(names.spec(), it.ty));
-    item.definition = it.definition;
+fn push(names: &Names<'_, '_>, source: &Source, label: String, rank: u8, out: &mut Completions) {
+    let item = out.add(label, CompletionKind::Symbol(source.kind), rank);
+    item.detail = Some(render::type_text(names.spec(), source.ty));
+    item.definition = source.definition;
 }
 
 fn attribute_param(
@@ -304,18 +322,18 @@ fn attribute_param(
     words: &[Word],
     out: &mut Completions,
 ) {
-    if words.iter().any(|it| it.is(":")) {
+    if words.iter().any(|word| word.is(":")) {
         return;
     }
     let ids = names.ids();
-    if let Some(eq) = words.iter().position(|it| it.is("=")) {
+    if let Some(eq) = words.iter().position(|word| word.is("=")) {
         let expected = parameter_type(names, context, context.frames.len() - 1, &words[..eq]);
         initializer::value(names, &words[eq + 1..], expected, out);
         return;
     }
     let mut used = used_names(names, context);
     used.extend(members_of_codels(names, context));
-    let all = ids.map(|it| names.carried(it)).unwrap_or_default();
+    let all = ids.map(|ty| names.carried(ty)).unwrap_or_default();
     let member = |label: String, name: &SmolStr, ty: TypeId, rank: u8, out: &mut Completions| {
         if used.contains(name) {
             return;
@@ -331,7 +349,7 @@ fn attribute_param(
                 && context
                     .after
                     .next()
-                    .is_some_and(|it| it.kind == dotgen_syntax::SyntaxKind::IDENT) => {}
+                    .is_some_and(|word| word.kind == dotgen_syntax::SyntaxKind::IDENT) => {}
         [] => {
             for (name, ty) in &all {
                 for (rank, dir) in DIRECTIONS.iter().enumerate() {
@@ -359,10 +377,10 @@ fn attribute_param(
 
 fn service_param(names: &Names<'_, '_>, context: &Context, words: &[Word], out: &mut Completions) {
     // Its documentation.
-    if words.iter().any(|it| it.is(":")) {
+    if words.iter().any(|word| word.is(":")) {
         return;
     }
-    if let Some(eq) = words.iter().position(|it| it.is("=")) {
+    if let Some(eq) = words.iter().position(|word| word.is("=")) {
         let expected = parameter_type(names, context, context.frames.len() - 1, &words[..eq]);
         initializer::value(names, &words[eq + 1..], expected, out);
         return;
@@ -370,20 +388,21 @@ fn service_param(names: &Names<'_, '_>, context: &Context, words: &[Word], out: 
     match words.split_first() {
         Some((dir, rest)) if dir.is_any(DIRECTIONS) => {
             type_or_nothing(names, context, rest, NameCategory::PortTypes, out);
-            if rest.last().is_none_or(|it| !it.is("::")) && rest.is_empty() {
+            if rest.last().is_none_or(|word| !word.is("::")) && rest.is_empty() {
                 let follows = &context.after.rest;
                 let typed = matches!(follows.as_slice(), [a, b, ..]
                     if a.kind == dotgen_syntax::SyntaxKind::IDENT
                         && (b.kind == dotgen_syntax::SyntaxKind::IDENT || b.is_any(&["::", "<"])));
-                let in_path = follows.first().is_some_and(|it| it.is("::"));
+                let in_path = follows.first().is_some_and(|word| word.is("::"));
                 if !in_path && (!typed || !context.word.is_empty()) {
                     names.base_types(NameCategory::Types, 0, out);
                 }
             }
             // An existing default value fits few other types.
-            let mut element = context.after.list().iter().take_while(|it| !it.is(","));
-            if element.any(|it| it.is("=")) {
-                out.items.retain(|it| it.kind == CompletionKind::BaseType);
+            let mut element = context.after.list().iter().take_while(|word| !word.is(","));
+            if element.any(|element| element.is("=")) {
+                out.items
+                    .retain(|completion_item| completion_item.kind == CompletionKind::BaseType);
             }
         }
         Some(_) => {}
@@ -392,7 +411,7 @@ fn service_param(names: &Names<'_, '_>, context: &Context, words: &[Word], out: 
 }
 
 fn members(names: &Names<'_, '_>, ty: Option<TypeId>, out: &mut Completions) {
-    for (name, member) in ty.map(|it| names.members(it)).unwrap_or_default() {
+    for (name, member) in ty.map(|ty| names.members(ty)).unwrap_or_default() {
         let item = out.add(name.as_str(), CompletionKind::Symbol(SymbolKind::Member), 0);
         item.detail = Some(render::type_text(names.spec(), member));
         item.definition = names.definition_of(member);
@@ -406,16 +425,16 @@ fn used_names(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
     let before = &context.tokens[frame.open + 1..frame.start];
     // A parameter right after the cursor, with a missing comma.
     let next = context.after.next();
-    let joined = next.is_some_and(|it| it.is_any(DIRECTIONS) || it.is_any(SOURCES));
-    let joined = joined.then(|| context.after.list().split(|it| it.is(",")).next());
+    let joined = next.is_some_and(|word| word.is_any(DIRECTIONS) || word.is_any(SOURCES));
+    let joined = joined.then(|| context.after.list().split(|word| word.is(",")).next());
     let params = before
-        .split(|it| it.is(","))
+        .split(|word| word.is(","))
         .chain(joined.flatten())
         .chain(context.elements_behind());
-    let service = service_around(names, context).map(|it| it.1);
+    let service = service_around(names, context).map(|service| service.1);
     let is_local = |name: &str| {
-        let mut params = service.into_iter().flat_map(|it| &it.params);
-        params.any(|it| it.name == name)
+        let mut params = service.into_iter().flat_map(|service| &service.params);
+        params.any(|param| param.name == name)
     };
     let name = |param| parameter_name(param, &is_local);
     params.filter_map(name).collect()
@@ -428,18 +447,18 @@ fn members_of_codels(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
         return Vec::new();
     };
     let mut services = (0..).zip(&component.services);
-    let Some((service, _)) = services.find(|(_, it)| it.name == name.text) else {
+    let Some((service, _)) = services.find(|(_, service)| service.name == name.text) else {
         return Vec::new();
     };
     let codels = component.codels_of(Owner::Service(service));
-    let params = codels.iter().flat_map(|it| &it.params);
-    let of_ids = params.filter(|it| it.source == ParamSource::Ids);
-    let named = of_ids.flat_map(|it| {
-        let member = it.path.first().and_then(|it| match it {
-            PathElement::Member(it) => Some(it.clone()),
+    let params = codels.iter().flat_map(|codel| &codel.params);
+    let of_ids = params.filter(|param| param.source == ParamSource::Ids);
+    let named = of_ids.flat_map(|param| {
+        let member = param.path.first().and_then(|path| match path {
+            PathElement::Member(member) => Some(member.clone()),
             PathElement::Index(_) => None,
         });
-        member.into_iter().chain([it.name.clone()])
+        member.into_iter().chain([param.name.clone()])
     });
     named.collect()
 }
@@ -447,23 +466,26 @@ fn members_of_codels(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
 /// The name of a parameter: its new name, or the last member of its path; for a parameter or local variable
 /// of the service, the first (language reference, section 12).
 fn parameter_name(param: &[Word], is_local: &dyn Fn(&str) -> bool) -> Option<SmolStr> {
-    let dir = param.iter().position(|it| it.is_any(DIRECTIONS))?;
+    let dir = param.iter().position(|param| param.is_any(DIRECTIONS))?;
     let path = param.get(dir + 1..)?;
-    let end = path.iter().position(|it| it.is("=")).unwrap_or(path.len());
+    let end = path
+        .iter()
+        .position(|word| word.is("="))
+        .unwrap_or(path.len());
     let mut depth = 0_i32;
-    let names = path[..end].iter().filter(|it| {
-        match it.text.as_str() {
+    let names = path[..end].iter().filter(|word| {
+        match word.text.as_str() {
             "[" => depth += 1,
             "]" => depth -= 1,
             _ => {}
         }
-        depth == 0 && it.kind == dotgen_syntax::SyntaxKind::IDENT
+        depth == 0 && word.kind == dotgen_syntax::SyntaxKind::IDENT
     });
     let mut names = names;
     let first = names.next()?;
-    let is_renamed = path[..end].iter().skip(1).any(|it| it.is("::"));
-    let local = param[..dir].iter().any(|it| it.is("local"));
-    let other = param[..dir].iter().any(|it| it.is_any(SOURCES)) && !local;
+    let is_renamed = path[..end].iter().skip(1).any(|word| word.is("::"));
+    let local = param[..dir].iter().any(|param| param.is("local"));
+    let other = param[..dir].iter().any(|param| param.is_any(SOURCES)) && !local;
     let name = match !is_renamed && !other && (local || is_local(&first.text)) {
         true => first,
         false => names.last().unwrap_or(first),

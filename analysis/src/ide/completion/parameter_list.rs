@@ -23,14 +23,14 @@ pub(in crate::ide) enum List {
 
 /// The kind of parameter list of a frame, if it is one.
 pub(in crate::ide) fn list_kind(context: &Context, frame: usize) -> Option<List> {
-    let it = context.frames.get(frame)?;
+    let place = context.frames.get(frame)?;
     let parent = context.frames.get(frame.checked_sub(1)?)?;
-    if it.kind != FrameKind::Paren || !matches!(parent.kind, FrameKind::Body(_)) {
+    if place.kind != FrameKind::Paren || !matches!(parent.kind, FrameKind::Body(_)) {
         return None;
     }
-    let head = context.head(it);
+    let head = context.head(place);
     // Another parenthesis before it: the list has ended, this is an execution time.
-    if head.iter().any(|it| it.is(")")) {
+    if head.iter().any(|word| word.is(")")) {
         return None;
     }
     match head {
@@ -38,7 +38,7 @@ pub(in crate::ide) fn list_kind(context: &Context, frame: usize) -> Option<List>
         [first, _, ..] if first.is_any(&["function", "activity"]) => Some(List::Service),
         [first, _, ..] if first.is("validate") => Some(List::Codel { simple: true }),
         [first, rest @ ..] if first.is_any(&["codel", "async"]) => Some(List::Codel {
-            simple: !rest.iter().any(|it| it.is("<")),
+            simple: !rest.iter().any(|word| word.is("<")),
         }),
         _ => None,
     }
@@ -59,7 +59,7 @@ pub(in crate::ide) fn service_around<'a>(
     let name = context.name_of(frame)?;
     let all = names.component()?.services.iter();
     let mut all = (0..).zip(all);
-    all.find(|(_, it)| it.name == name)
+    all.find(|(_, service)| service.name == name)
 }
 
 pub(super) fn walk(names: &Names<'_, '_>, mut ty: TypeId, steps: &[Word]) -> Option<TypeId> {
@@ -69,9 +69,15 @@ pub(super) fn walk(names: &Names<'_, '_>, mut ty: TypeId, steps: &[Word]) -> Opt
             "." => {}
             "[" => {
                 ty = names.element(ty)?;
-                steps.by_ref().find(|it| it.is("]"));
+                steps.by_ref().find(|step| step.is("]"));
             }
-            name => ty = names.members(ty).into_iter().find(|it| it.0 == name)?.1,
+            name => {
+                ty = names
+                    .members(ty)
+                    .into_iter()
+                    .find(|member| member.0 == name)?
+                    .1
+            }
         }
     }
     Some(ty)
@@ -84,7 +90,7 @@ pub(in crate::ide) fn parameter_type(
     frame: usize,
     words: &[Word],
 ) -> Option<TypeId> {
-    let words = match words.iter().position(|it| it.is("=")) {
+    let words = match words.iter().position(|word| word.is("=")) {
         Some(eq) => &words[..eq],
         None => words,
     };
@@ -94,7 +100,10 @@ pub(in crate::ide) fn parameter_type(
     }
     match list_kind(context, frame)? {
         List::Attribute => {
-            let path = rest.iter().position(|it| it.is("::")).unwrap_or(rest.len());
+            let path = rest
+                .iter()
+                .position(|word| word.is("::"))
+                .unwrap_or(rest.len());
             let ids = names.component()?.ids?;
             if path == 0 {
                 return Some(ids);
@@ -110,8 +119,8 @@ impl Names<'_, '_> {
     /// The switch type of the union around the cursor.
     pub(super) fn switch_type(&self, context: &Context) -> Option<TypeId> {
         let head = context.head(context.top());
-        let open = head.iter().position(|it| it.is("("))?;
-        let close = head.iter().rposition(|it| it.is(")"))?;
+        let open = head.iter().position(|word| word.is("("))?;
+        let close = head.iter().rposition(|word| word.is(")"))?;
         // The bracket is in the place of a name.
         self.type_before_name(head.get(open + 1..=close)?)
     }
@@ -122,8 +131,8 @@ impl Names<'_, '_> {
         // The bound of a string does not affect its values.
         let bound = path
             .iter()
-            .position(|it| it.is("<"))
-            .filter(|_| path.last().is_some_and(|it| it.is(">")));
+            .position(|word| word.is("<"))
+            .filter(|_| path.last().is_some_and(|path| path.is(">")));
         let path = &path[..bound.unwrap_or(path.len())];
         let last = path.last()?;
         if name.is("]") {
@@ -150,7 +159,7 @@ impl Names<'_, '_> {
             "string" => matches!(kind, String { .. }),
             _ => false,
         };
-        let found = self.spec().types.iter().position(|it| fits(&it.kind))?;
+        let found = self.spec().types.iter().position(|ty| fits(&ty.kind))?;
         Some(TypeId(found as u32))
     }
 }

@@ -23,10 +23,11 @@ pub(super) fn codel_name(names: &Names<'_, '_>, context: &Context, state: Option
         (false, None) => "{o}_codel".to_owned(),
     };
     let component = names.component();
-    let pattern =
-        component.and_then(|it| most_common_pattern(names, it, state.is_some(), context.body().0));
+    let pattern = component.and_then(|component| {
+        most_common_pattern(names, component, state.is_some(), context.body().0)
+    });
     let pattern = pattern.unwrap_or(fallback);
-    let own = component.map_or("", |it| it.name.as_str());
+    let own = component.map_or("", |component| component.name.as_str());
     let state = state.unwrap_or_default();
     let name = pattern
         .replace("{c}", own)
@@ -50,7 +51,10 @@ fn most_common_pattern(
             if machine != (codel.kind == CodelKind::Fsm) || machine && kind != body {
                 continue;
             }
-            let state = codel.triggers.first().map_or("", |it| it.name.as_str());
+            let state = codel
+                .triggers
+                .first()
+                .map_or("", |trigger| trigger.name.as_str());
             if let Some(found) = pattern_of(&codel.name, &component.name, owner, state) {
                 *counts.entry(found).or_default() += 1;
             }
@@ -60,7 +64,7 @@ fn most_common_pattern(
     let best = counts
         .into_iter()
         .max_by(|a, b| (a.1, &b.0).cmp(&(b.1, &a.0)));
-    best.map(|it| it.0)
+    best.map(|pair| pair.0)
 }
 
 /// The pattern of one name; `None` if it does not distinguish codels.
@@ -72,16 +76,19 @@ fn pattern_of(name: &str, component: &str, owner: &str, state: &str) -> Option<P
         (camel(state), "{S}"),
         (component.to_owned(), "{c}"),
     ];
-    let mut parts: Vec<_> = parts.into_iter().filter(|it| !it.0.is_empty()).collect();
+    let mut parts: Vec<_> = parts
+        .into_iter()
+        .filter(|part| !part.0.is_empty())
+        .collect();
     // A longer word may contain a shorter one.
-    parts.sort_by_key(|it| std::cmp::Reverse(it.0.len()));
+    parts.sort_by_key(|part| std::cmp::Reverse(part.0.len()));
     let mut out = name.to_owned();
     for (word, place) in parts {
         if let Some(at) = whole_word_offset(&out, &word) {
             out.replace_range(at..at + word.len(), place);
         }
     }
-    let tells = |it: &str| out.contains(it);
+    let tells = |text: &str| out.contains(text);
     let owner_told = tells("{o}") || tells("{O}");
     let state_told = state.is_empty() || tells("{s}") || tells("{S}");
     (owner_told && state_told).then_some(out)
@@ -99,10 +106,10 @@ fn whole_word_offset(name: &str, word: &str) -> Option<usize> {
             || bytes.get(at).is_some_and(u8::is_ascii_uppercase);
         let ends = bytes
             .get(end)
-            .is_none_or(|it| matches!(it, b'_' | b'{') || it.is_ascii_uppercase());
+            .is_none_or(|byte| matches!(byte, b'_' | b'{') || byte.is_ascii_uppercase());
         let inside = name
             .get(..at)
-            .is_some_and(|it| it.matches('{').count() > it.matches('}').count());
+            .is_some_and(|name| name.matches('{').count() > name.matches('}').count());
         if starts && ends && !inside {
             return Some(at);
         }
@@ -116,7 +123,7 @@ fn camel(name: &str) -> String {
     let mut out = String::with_capacity(name.len());
     for part in name.split('_') {
         let mut chars = part.chars();
-        out.extend(chars.next().map(|it| it.to_ascii_uppercase()));
+        out.extend(chars.next().map(|character| character.to_ascii_uppercase()));
         out.push_str(chars.as_str());
     }
     out

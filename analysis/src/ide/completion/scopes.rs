@@ -12,19 +12,23 @@ pub(super) fn outer_scope(view: &FileView<'_>, elaborated: &Elaborated) -> Vec<D
     if view.key.fragment(view.db) == dotgen_syntax::Fragment::Specification {
         return Vec::new();
     }
-    let here = |it: &&Definition| {
-        view.place(it.src)
+    let here = |definition: &&Definition| {
+        view.place(definition.src)
             .is_some_and(|(file, _)| file == view.file)
     };
     let first = elaborated.definitions.iter().find(here);
     let mut chain = Vec::new();
-    let mut next = first.and_then(|it| it.container);
+    let mut next = first.and_then(|definition| definition.container);
     while let Some(id) = next {
-        let it = elaborated.definition(id);
-        if opens_scope(it.kind) && view.place(it.src).is_none_or(|(file, _)| file != view.file) {
+        let definition = elaborated.definition(id);
+        if opens_scope(definition.kind)
+            && view
+                .place(definition.src)
+                .is_none_or(|(file, _)| file != view.file)
+        {
             chain.insert(0, id);
         }
-        next = it.container;
+        next = definition.container;
     }
     chain
 }
@@ -56,9 +60,9 @@ pub(super) fn opens_scope(kind: DefKind) -> bool {
 }
 
 /// The path by which a definition is found from the global scope.
-pub(super) fn full_path(elaborated: &Elaborated, it: &Definition) -> Vec<SmolStr> {
-    let mut path = vec![it.name.clone()];
-    let mut next = it.container;
+pub(super) fn full_path(elaborated: &Elaborated, definition: &Definition) -> Vec<SmolStr> {
+    let mut path = vec![definition.name.clone()];
+    let mut next = definition.container;
     while let Some(id) = next {
         let container = elaborated.definition(id);
         // Enumerators are in the scope of their enum.

@@ -30,11 +30,11 @@ impl Shared {
             .frames
             .len()
             .checked_sub(2)
-            .map(|it| &context.frames[it]);
-        let head = own.map_or(&[][..], |it| {
-            &context.tokens[it.start.min(context.tokens.len())..]
+            .map(|difference| &context.frames[difference]);
+        let head = own.map_or(&[][..], |frame| {
+            &context.tokens[frame.start.min(context.tokens.len())..]
         });
-        let is_async = head.first().is_some_and(|it| it.is("async"));
+        let is_async = head.first().is_some_and(|head| head.is("async"));
         if !is_async && !has_async(component) {
             return out;
         }
@@ -46,9 +46,9 @@ impl Shared {
             }
         }
         if is_async {
-            for it in &component.services {
-                if it.kind == ServiceKind::Attribute {
-                    out.add(&it.params);
+            for service in &component.services {
+                if service.kind == ServiceKind::Attribute {
+                    out.add(&service.params);
                 }
             }
         }
@@ -56,21 +56,23 @@ impl Shared {
     }
 
     fn add(&mut self, params: &[Param]) {
-        for it in params {
-            let source = match it.source {
+        for param in params {
+            let source = match param.source {
                 ParamSource::Port(_) => "port",
                 ParamSource::Ids => "ids",
                 _ => continue,
             };
-            let first = match it.path.first() {
+            let first = match param.path.first() {
                 Some(PathElement::Member(name)) if source == "ids" => name.clone(),
-                _ => it.name.clone(),
+                _ => param.name.clone(),
             };
             self.names.push((source, first));
         }
     }
 
     pub(super) fn forbids(&self, source: &str, name: &str) -> bool {
-        self.names.iter().any(|it| it.0 == source && it.1 == name)
+        self.names
+            .iter()
+            .any(|candidate| candidate.0 == source && candidate.1 == name)
     }
 }

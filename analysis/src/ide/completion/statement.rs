@@ -36,15 +36,23 @@ pub(super) fn complete(
             _ => {}
         }
         if !matches!(body, BodyKind::Enum | BodyKind::Port) {
-            let known: Vec<String> = out.items.iter().map(|it| it.label.clone()).collect();
-            let begins = |word: &str| known.iter().any(|it| it.split(' ').next() == Some(word));
+            let known: Vec<String> = out
+                .items
+                .iter()
+                .map(|completion_item| completion_item.label.clone())
+                .collect();
+            let begins = |word: &str| {
+                known
+                    .iter()
+                    .any(|label| label.split(' ').next() == Some(word))
+            };
             super::directive::beginning(names.view, context.word.start, 8, &begins, out);
         }
         return;
     };
     let rest = &words[1..];
     match first.text.as_str() {
-        "const" => match rest.iter().rposition(|it| it.is("=")) {
+        "const" => match rest.iter().rposition(|word| word.is("=")) {
             Some(eq) => {
                 let expected = names.type_before_name(&rest[..eq]);
                 names.constants(&rest[eq + 1..], expected, out);
@@ -59,18 +67,21 @@ pub(super) fn complete(
             };
             out.snippet("switch", clause, 0);
         }
-        "case" if !rest.iter().any(|it| it.is(":")) => {
+        "case" if !rest.iter().any(|word| word.is(":")) => {
             names.constants(rest, names.switch_type(context), out);
         }
         "case" | "default" => {
-            let colon = rest.iter().rposition(|it| it.is(":"));
-            let rest = &rest[colon.map_or(0, |it| it + 1)..];
+            let colon = rest.iter().rposition(|word| word.is(":"));
+            let rest = &rest[colon.map_or(0, |colon| colon + 1)..];
             type_or_nothing(names, context, rest, NameCategory::Types, out);
         }
         "port" => port(names, context, rest, out),
         "local" => {
             // As in the list of parameters.
-            let last = rest.split(|it| it.is(",")).next_back().unwrap_or_default();
+            let last = rest
+                .split(|word| word.is(","))
+                .next_back()
+                .unwrap_or_default();
             type_or_nothing(names, context, last, NameCategory::Types, out);
         }
         "task" if in_service(body) && rest.is_empty() => {
@@ -80,20 +91,26 @@ pub(super) fn complete(
             names.interfaces(rest, 0, out);
             in_list(context, out);
         }
-        "throws" | "throw" if rest.last().is_none_or(|it| it.is(",") || it.is("::")) => {
+        "throws" | "throw" if rest.last().is_none_or(|word| word.is(",") || word.is("::")) => {
             names.scoped(rest, NameCategory::Exceptions, 0, out);
-            let same = |it: &[Word], label: &str| {
-                it.iter().map(|it| it.text.as_str()).collect::<String>() == label
+            let same = |words: &[Word], label: &str| {
+                words
+                    .iter()
+                    .map(|word| word.text.as_str())
+                    .collect::<String>()
+                    == label
             };
-            let before: Vec<&[Word]> = rest.split(|it| it.is(",")).collect();
+            let before: Vec<&[Word]> = rest.split(|word| word.is(",")).collect();
             let qualifier: String = match before.last() {
-                Some(it) => it.iter().map(|it| it.text.as_str()).collect(),
+                Some(part) => part.iter().map(|word| word.text.as_str()).collect(),
                 None => String::new(),
             };
             out.items.retain(|item| {
                 let label = format!("{qualifier}{}", item.label);
-                !before.iter().any(|it| same(it, &label))
-                    && !context.elements_behind().any(|it| same(it, &label))
+                !before.iter().any(|part| same(part, &label))
+                    && !context
+                        .elements_behind()
+                        .any(|element| same(element, &label))
             });
             in_list(context, out);
         }
@@ -107,7 +124,7 @@ pub(super) fn complete(
         "priority" => quantity(names, rest, &[], out),
         "async" if rest.is_empty() => {
             codel::machine_snippets(names, context, out);
-            if !context.after.next().is_some_and(|it| it.is("codel")) {
+            if !context.after.next().is_some_and(|word| word.is("codel")) {
                 out.keywords(&["codel"], 4);
             }
         }
@@ -124,15 +141,17 @@ pub(super) fn complete(
 
 /// Returns true if the cursor is in a string of a `requires` property.
 pub(super) fn in_requires(context: &Context) -> bool {
-    context
-        .current()
-        .first()
-        .is_some_and(|it| it.is_any(&["requires", "require", "codels-requires", "codels-require"]))
+    context.current().first().is_some_and(|word| {
+        word.is_any(&["requires", "require", "codels-requires", "codels-require"])
+    })
 }
 
 /// Returns true if the cursor is in the string of a `lang` property.
 pub(super) fn in_lang(context: &Context) -> bool {
-    context.current().first().is_some_and(|it| it.is("lang"))
+    context
+        .current()
+        .first()
+        .is_some_and(|word| word.is("lang"))
 }
 
 fn in_service(body: BodyKind) -> bool {
@@ -143,7 +162,7 @@ fn in_service(body: BodyKind) -> bool {
 }
 
 fn expects_name(rest: &[Word]) -> bool {
-    rest.last().is_none_or(|it| it.is(","))
+    rest.last().is_none_or(|word| word.is(","))
 }
 
 /// In a list of names: adds a comma if another name follows.
@@ -151,8 +170,8 @@ fn in_list(context: &Context, out: &mut Completions) {
     let follows = context
         .after
         .next()
-        .is_some_and(|it| it.kind == dotgen_syntax::SyntaxKind::IDENT);
-    let in_path = context.current().last().is_some_and(|it| it.is("::"));
+        .is_some_and(|word| word.kind == dotgen_syntax::SyntaxKind::IDENT);
+    let in_path = context.current().last().is_some_and(|word| word.is("::"));
     if follows && context.word.is_empty() {
         // A name after a qualifier is part of the path.
         if !in_path {
@@ -178,27 +197,27 @@ pub(super) fn type_or_nothing(
         return;
     };
     // The words of a base type belong together: `unsigned long`.
-    let part = |it: &Word| it.is_any(&["long", "short", "unsigned"]);
+    let part = |word: &Word| word.is_any(&["long", "short", "unsigned"]);
     if !context.word.is_empty() && context.after.same_line && part(next) {
-        let parts = rest.iter().take_while(|it| part(it)).last();
-        let end = parts.map_or(out.replace.end, |it| it.range.end);
+        let parts = rest.iter().take_while(|word| part(word)).last();
+        let end = parts.map_or(out.replace.end, |part| part.range.end);
         for item in &mut out.items[known..] {
             item.replace.end = end;
         }
         return;
     }
     // There already is a type: another one does not fit before it.
-    let word = |it: &Word| it.kind == dotgen_syntax::SyntaxKind::IDENT;
+    let word = |word: &Word| word.kind == dotgen_syntax::SyntaxKind::IDENT;
     let typed =
         context.after.same_line && (word(next) && (word(then) || then.is_any(&["::", "<"])));
     if typed && next.range.start == names.at() {
         // The cursor touches the type that is being written.
         let path = rest
             .chunks(2)
-            .take_while(|it| matches!(it, [_, colons] if colons.is("::")));
-        let parts = rest.iter().take_while(|it| part(it)).count();
+            .take_while(|chunk| matches!(chunk, [_, colons] if colons.is("::")));
+        let parts = rest.iter().take_while(|word| part(word)).count();
         let last = (2 * path.count()).max(parts.saturating_sub(1));
-        let end = rest.get(last).map_or(next.range.end, |it| it.range.end);
+        let end = rest.get(last).map_or(next.range.end, |word| word.range.end);
         for item in &mut out.items[known..] {
             item.replace.end = end;
         }
@@ -207,17 +226,22 @@ pub(super) fn type_or_nothing(
     }
     // Before a path, names that open a scope.
     if context.after.same_line && next.is("::") {
-        out.items.retain(|it| it.kind != CompletionKind::BaseType);
+        out.items
+            .retain(|completion_item| completion_item.kind != CompletionKind::BaseType);
     }
     // Before angle brackets, types that have them.
     if context.after.same_line && next.is("<") {
-        for item in out.items[known..].iter_mut().filter(|it| it.snippet) {
+        for item in out.items[known..]
+            .iter_mut()
+            .filter(|completion_item| completion_item.snippet)
+        {
             let bare = item.insert.split('<').next().unwrap_or_default().to_owned();
             item.insert = bare;
             item.snippet = false;
         }
-        out.items
-            .retain(|it| it.kind != CompletionKind::BaseType || it.label == "string");
+        out.items.retain(|completion_item| {
+            completion_item.kind != CompletionKind::BaseType || completion_item.label == "string"
+        });
     }
 }
 
@@ -226,24 +250,27 @@ fn type_at(names: &Names<'_, '_>, words: &[Word], wanted: NameCategory, out: &mu
         names.types(words, wanted, 0, out);
         return;
     };
-    let before_last = words.len().checked_sub(2).map(|it| &words[it]);
+    let before_last = words
+        .len()
+        .checked_sub(2)
+        .map(|difference| &words[difference]);
     match last.text.as_str() {
         "::" => names.types(words, wanted, 0, out),
-        "<" if before_last.is_some_and(|it| it.is_any(&["sequence", "optional"])) => {
+        "<" if before_last.is_some_and(|word| word.is_any(&["sequence", "optional"])) => {
             let known = out.items.len();
             names.types(&[], NameCategory::Types, 0, out);
             // `>>` is one token.
             for item in out.items[known..]
                 .iter_mut()
-                .filter(|it| it.insert.ends_with('>'))
+                .filter(|completion_item| completion_item.insert.ends_with('>'))
             {
                 item.insert.push(' ');
             }
         }
-        "<" if before_last.is_some_and(|it| it.is("string")) => sizes(names, out),
+        "<" if before_last.is_some_and(|word| word.is("string")) => sizes(names, out),
         "," if in_angles(words) => sizes(names, out),
         "unsigned" => out.keywords(&["short", "long", "long long"], 0),
-        "long" if before_last.is_none_or(|it| !it.is_any(&["long", "double"])) => {
+        "long" if before_last.is_none_or(|word| !word.is_any(&["long", "double"])) => {
             out.keywords(&["long"], 5);
         }
         _ => {}
@@ -253,7 +280,7 @@ fn type_at(names: &Names<'_, '_>, words: &[Word], wanted: NameCategory, out: &mu
 fn in_angles(words: &[Word]) -> bool {
     let depth = words
         .iter()
-        .fold(0_i32, |depth, it| match it.text.as_str() {
+        .fold(0_i32, |depth, word| match word.text.as_str() {
             "<" => depth + 1,
             ">" => depth - 1,
             ">>" => depth - 2,
@@ -263,7 +290,7 @@ fn in_angles(words: &[Word]) -> bool {
 }
 
 fn port(names: &Names<'_, '_>, context: &Context, rest: &[Word], out: &mut Completions) {
-    let dir = rest.iter().position(|it| it.is_any(&["in", "out"]));
+    let dir = rest.iter().position(|word| word.is_any(&["in", "out"]));
     match dir {
         Some(dir) => type_or_nothing(
             names,
@@ -274,8 +301,8 @@ fn port(names: &Names<'_, '_>, context: &Context, rest: &[Word], out: &mut Compl
         ),
         None => {
             let next = context.after.next();
-            let directed = next.is_some_and(|it| it.is_any(&["in", "out"]));
-            if !directed && !next.is_some_and(|it| it.is("multiple")) {
+            let directed = next.is_some_and(|word| word.is_any(&["in", "out"]));
+            if !directed && !next.is_some_and(|word| word.is("multiple")) {
                 out.keywords(&["in", "out"], 0);
             }
             if rest.is_empty() {
@@ -291,9 +318,9 @@ fn services(names: &Names<'_, '_>, used: &[Word], context: &Context, out: &mut C
     let used = [used, &behind].concat();
     for (i, service) in component
         .into_iter()
-        .flat_map(|it| it.services.iter().enumerate())
+        .flat_map(|component| component.services.iter().enumerate())
     {
-        if used.iter().any(|it| it.text == service.name) {
+        if used.iter().any(|word| word.text == service.name) {
             continue;
         }
         let definition = names.part(|c| Entity::Service(c, i as u32));
@@ -301,7 +328,7 @@ fn services(names: &Names<'_, '_>, used: &[Word], context: &Context, out: &mut C
         let item = out.add(service.name.as_str(), CompletionKind::Symbol(kind), 0);
         item.definition = definition;
     }
-    if !used.iter().any(|it| it.is("all")) {
+    if !used.iter().any(|word| word.is("all")) {
         out.keywords(&["all"], 1);
     }
 }

@@ -7,7 +7,7 @@ use super::*;
 fn check(text: &str, expected: &str) {
     let fixture = Fixture::new(text);
     let items = fixture.analysis().completions(&fixture.at()).unwrap();
-    let labels: Vec<&str> = items.iter().map(|it| it.label.as_str()).collect();
+    let labels: Vec<&str> = items.iter().map(|item| item.label.as_str()).collect();
     let wanted: Vec<&str> = expected.split('|').map(str::trim).collect();
     match wanted.split_last() {
         Some((&"…", wanted)) => {
@@ -24,11 +24,11 @@ fn check(text: &str, expected: &str) {
 fn has(text: &str, expected: &str) {
     let fixture = Fixture::new(text);
     let items = fixture.analysis().completions(&fixture.at()).unwrap();
-    let labels: Vec<&str> = items.iter().map(|it| it.label.as_str()).collect();
-    for it in expected.split('|').map(str::trim) {
-        match it.strip_prefix('!') {
-            Some(it) => assert!(!labels.contains(&it), "`{it}` in {labels:?}"),
-            None => assert!(labels.contains(&it), "`{it}` not in {labels:?}"),
+    let labels: Vec<&str> = items.iter().map(|item| item.label.as_str()).collect();
+    for part in expected.split('|').map(str::trim) {
+        match part.strip_prefix('!') {
+            Some(rest) => assert!(!labels.contains(&rest), "`{rest}` in {labels:?}"),
+            None => assert!(labels.contains(&part), "`{part}` not in {labels:?}"),
         }
     }
 }
@@ -39,7 +39,7 @@ fn takes(text: &str, label: &str, expected: &str) {
     let fixture = Fixture::new(text);
     let at = fixture.at();
     let items = fixture.analysis().completions(&at).unwrap();
-    let item = items.iter().find(|it| it.label == label);
+    let item = items.iter().find(|item| item.label == label);
     let item = item.unwrap_or_else(|| panic!("no `{label}` in {items:#?}"));
     let mut text = fixture.text(at.path.as_str());
     let insert = match item.snippet {
@@ -410,7 +410,7 @@ fn codels_are_named_as_the_others_are() {
 fn either_spelling_of_a_keyword_finds_it() {
     let fixture = Fixture::new(&in_arm("thr$0"));
     let items = fixture.analysis().completions(&fixture.at()).unwrap();
-    let throw = items.iter().find(|it| it.label == "throw").unwrap();
+    let throw = items.iter().find(|item| item.label == "throw").unwrap();
     assert_eq!(throw.filter.as_deref(), Some("throws"));
 }
 
@@ -521,7 +521,7 @@ fn documentation_on_demand() {
     let fixture = Fixture::new("struct s { long x; };\ntypedef $0;");
     let analysis = fixture.analysis();
     let items = analysis.completions(&fixture.at()).unwrap();
-    let item = items.iter().find(|it| it.label == "s").unwrap();
+    let item = items.iter().find(|item| item.label == "s").unwrap();
     assert_eq!(
         (item.label.as_str(), item.detail.as_deref()),
         ("s", Some("struct s (1 member)"))

@@ -80,8 +80,8 @@ impl TextAfter {
             if rest_open {
                 out.rest.push(Word {
                     kind: match kind {
-                        it if it.is_keyword() => IDENT,
-                        it => it,
+                        kind if kind.is_keyword() => IDENT,
+                        kind => kind,
                     },
                     text: spelt.into(),
                     range,
@@ -100,8 +100,8 @@ impl TextAfter {
     /// statement.
     pub(crate) fn list(&self) -> &[Word] {
         let mut depth = 0_i32;
-        let end = self.rest.iter().position(|it| {
-            match it.text.as_str() {
+        let end = self.rest.iter().position(|word| {
+            match word.text.as_str() {
                 "(" | "[" | "<" => depth += 1,
                 ")" | "]" | ">" => depth -= 1,
                 _ => {}

@@ -30,24 +30,28 @@ impl Fact {
 /// A Markdown list, if there are facts. Facts about `owner`, a task or a service by name, come first.
 pub(super) fn facts(
     elaborated: &Elaborated,
-    it: &Definition,
+    definition: &Definition,
     owner: Option<(bool, &str)>,
 ) -> Option<String> {
     let spec = &elaborated.spec;
-    let component = component_of(elaborated, it)?;
-    let mut lines = match it.kind {
-        DefKind::Task => task(component, &it.name),
-        DefKind::Function | DefKind::Activity | DefKind::Attribute => service(component, &it.name),
-        DefKind::Codel => codel(spec, component, &it.name),
-        DefKind::State => state(component, &it.name),
+    let component = component_of(elaborated, definition)?;
+    let mut lines = match definition.kind {
+        DefKind::Task => task(component, &definition.name),
+        DefKind::Function | DefKind::Activity | DefKind::Attribute => {
+            service(component, &definition.name)
+        }
+        DefKind::Codel => codel(spec, component, &definition.name),
+        DefKind::State => state(component, &definition.name),
         _ => Vec::new(),
     };
     if let Some((is_task, name)) = owner {
-        let is_it = |it: Owner| match it {
-            Owner::Task(it) => is_task && component.tasks[it as usize].name == name,
-            Owner::Service(it) => !is_task && component.services[it as usize].name == name,
+        let is_it = |owner: Owner| match owner {
+            Owner::Task(task) => is_task && component.tasks[task as usize].name == name,
+            Owner::Service(service) => {
+                !is_task && component.services[service as usize].name == name
+            }
         };
-        lines.sort_by_key(|it| !it.owner.is_some_and(is_it));
+        lines.sort_by_key(|line| !line.owner.is_some_and(is_it));
     }
     list(&lines)
 }
@@ -58,7 +62,10 @@ pub(super) fn of_service(component: &Component, name: &str) -> Option<String> {
 }
 
 fn list(lines: &[Fact]) -> Option<String> {
-    let lines: Vec<String> = lines.iter().map(|it| format!("* {}", it.text)).collect();
+    let lines: Vec<String> = lines
+        .iter()
+        .map(|line| format!("* {}", line.text))
+        .collect();
     (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
@@ -66,13 +73,15 @@ fn list(lines: &[Fact]) -> Option<String> {
 /// it there.
 pub(super) fn component_of<'e>(
     elaborated: &'e Elaborated,
-    it: &Definition,
+    definition: &Definition,
 ) -> Option<&'e Component> {
     let spec = &elaborated.spec;
-    if it.kind == DefKind::Codel {
+    if definition.kind == DefKind::Codel {
         let has = |component: &&Component, exactly: bool| {
             let mut codels = component.all_codels().map(|at| component.codel(at));
-            codels.any(|codel| codel.name == it.name && (!exactly || codel.src == it.src))
+            codels.any(|codel| {
+                codel.name == definition.name && (!exactly || codel.src == definition.src)
+            })
         };
         let mut all = spec.components.iter();
         return all.find(|component| has(component, true)).or_else(|| {
@@ -81,7 +90,9 @@ pub(super) fn component_of<'e>(
                 .find(|component| has(component, false))
         });
     }
-    let container = elaborated.definitions.get(it.container?.0 as usize)?;
+    let container = elaborated
+        .definitions
+        .get(definition.container?.0 as usize)?;
     spec.components.iter().find(|c| c.name == container.name)
 }
 
@@ -89,7 +100,7 @@ fn task(component: &Component, name: &str) -> Vec<Fact> {
     let mut out = Vec::new();
     let Some((index, task)) = (0..)
         .zip(&component.tasks)
-        .find(|(_, it)| it.name.as_str() == name)
+        .find(|(_, number)| number.name.as_str() == name)
     else {
         return out;
     };
@@ -101,8 +112,10 @@ fn task(component: &Component, name: &str) -> Vec<Fact> {
         )));
     }
     let services = component.services.iter();
-    let services = services.filter(|it| it.task == Some(index));
-    let names: Vec<String> = services.map(|it| format!("`{}`", it.name)).collect();
+    let services = services.filter(|service| service.task == Some(index));
+    let names: Vec<String> = services
+        .map(|service| format!("`{}`", service.name))
+        .collect();
     if !names.is_empty() {
         out.push(Fact::new(format!("runs {}", listed(&names))));
     }
@@ -112,12 +125,12 @@ fn task(component: &Component, name: &str) -> Vec<Fact> {
 fn service(component: &Component, name: &str) -> Vec<Fact> {
     let index = (0..)
         .zip(&component.services)
-        .find_map(|(index, it)| (it.name.as_str() == name).then_some(index));
+        .find_map(|(index, service)| (service.name.as_str() == name).then_some(index));
     let names_it =
-        |list: &ServiceList| list.all || index.is_some_and(|it| list.services.contains(&it));
+        |list: &ServiceList| list.all || index.is_some_and(|index| list.services.contains(&index));
     let by = component.services.iter();
-    let by = by.filter(|it| names_it(&it.interrupts));
-    let by: Vec<String> = by.map(|it| format!("`{}`", it.name)).collect();
+    let by = by.filter(|service| names_it(&service.interrupts));
+    let by: Vec<String> = by.map(|service| format!("`{}`", service.name)).collect();
     match by.is_empty() {
         true => Vec::new(),
         false => vec![Fact::new(format!("interrupted by {}", listed(&by)))],
@@ -127,15 +140,15 @@ fn service(component: &Component, name: &str) -> Vec<Fact> {
 fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<Fact> {
     let mut out = Vec::new();
     let uses = component.all_codels();
-    for it in uses.filter(|it| component.codel(*it).name.as_str() == name) {
-        let codel = component.codel(it);
-        let owner = describe_owner(component, it.owner);
+    for usage in uses.filter(|usage| component.codel(*usage).name.as_str() == name) {
+        let codel = component.codel(usage);
+        let owner = describe_owner(component, usage.owner);
         let about = |text| Fact {
-            owner: Some(it.owner),
+            owner: Some(usage.owner),
             text,
         };
         if codel.kind == CodelKind::Fsm {
-            let machine = Machine::new(component.codels_of(it.owner));
+            let machine = Machine::new(component.codels_of(usage.owner));
             out.push(about(format!("{owner}: {}", callers(&machine, codel))));
         } else {
             let word = if codel.kind == CodelKind::Validate {
@@ -145,7 +158,7 @@ fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<Fact> {
             };
             out.push(about(format!("{owner}: {word}")));
         }
-        if let (Some(wcet), Some(task)) = (&codel.wcet, component.task_of(it))
+        if let (Some(wcet), Some(task)) = (&codel.wcet, component.task_of(usage))
             && let Some(period) = &component.tasks[task as usize].period
             && period.value > Seconds::from_integer(0)
         {
@@ -156,7 +169,7 @@ fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<Fact> {
                 quantity::time(period.value)
             )));
         }
-        let excluded = exclusions(spec, component, it);
+        let excluded = exclusions(spec, component, usage);
         if !excluded.is_empty() {
             out.push(about(format!("excludes {}", listed(&excluded))));
         }
@@ -170,7 +183,11 @@ fn callers(machine: &Machine<'_>, codel: &Codel) -> String {
     let mut from: Vec<String> = Vec::new();
     for (_, other) in &machine.codels {
         for state in &other.yields {
-            if codel.triggers.iter().any(|it| it.name == state.name) {
+            if codel
+                .triggers
+                .iter()
+                .any(|trigger| trigger.name == state.name)
+            {
                 let paused = if state.paused { ", after a pause" } else { "" };
                 let text = format!("`{}`{paused}", other.name);
                 if !from.contains(&text) {
@@ -180,7 +197,7 @@ fn callers(machine: &Machine<'_>, codel: &Codel) -> String {
         }
     }
     for (state, text) in [("start", "the start"), ("stop", "an interruption")] {
-        if codel.triggers.iter().any(|it| it.name == state) {
+        if codel.triggers.iter().any(|trigger| trigger.name == state) {
             from.insert(0, text.to_owned());
         }
     }
@@ -193,8 +210,8 @@ fn callers(machine: &Machine<'_>, codel: &Codel) -> String {
 fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String> {
     let all = mutex::exclusions(spec, component, codel);
     all.iter()
-        .map(|it| {
-            let name = match it.with {
+        .map(|exclusion| {
+            let name = match exclusion.with {
                 Excluded::Codel(other) => format!(
                     "`{}` of {}",
                     component.codel(other).name,
@@ -204,7 +221,7 @@ fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String
                     format!("attribute `{}`", component.services[other as usize].name)
                 }
             };
-            match it.through.first() {
+            match exclusion.through.first() {
                 Some(through) => format!("{name} ({})", through.shared.describe(component)),
                 None => name,
             }
@@ -219,8 +236,10 @@ fn state(component: &Component, name: &str) -> Vec<Fact> {
         let yielding = machine
             .codels
             .iter()
-            .filter(|(_, it)| it.yields.iter().any(|it| it.name == name));
-        let from: Vec<String> = yielding.map(|(_, it)| format!("`{}`", it.name)).collect();
+            .filter(|(_, codel)| codel.yields.iter().any(|state| state.name == name));
+        let from: Vec<String> = yielding
+            .map(|(_, codel)| format!("`{}`", codel.name))
+            .collect();
         let codel = machine.codel(name);
         if from.is_empty() && codel.is_none() {
             continue;

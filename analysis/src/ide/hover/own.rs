@@ -21,19 +21,23 @@ pub(super) fn completion(view: &FileView<'_>, mention: TextRange, id: DefId) -> 
     if !of_an_interface {
         return None;
     }
-    let mut mentions = elaborated.references.iter().filter(|it| it.target == id);
+    let mut mentions = elaborated
+        .references
+        .iter()
+        .filter(|reference| reference.target == id);
     let here = mentions
         .clone()
-        .find(|it| view.place(it.at) == Some((view.file, mention)))?;
+        .find(|reference| view.place(reference.at) == Some((view.file, mention)))?;
     let component = elaborated.spec.components.get(here.component? as usize)?;
-    let own = mentions.find(|it| it.declaration && it.component == here.component)?;
+    let own =
+        mentions.find(|mention| mention.declaration && mention.component == here.component)?;
 
     let (file, range) = view.place(own.at)?;
     let there = view_of(view, file)?;
     let name = there.root().covering_element(range);
     let service = name
         .ancestors()
-        .find(|it| it.kind() == SyntaxKind::SERVICE)?;
+        .find(|ancestor| ancestor.kind() == SyntaxKind::SERVICE)?;
     let mut out = code(&normalized(&there, &service));
     out += &format!(
         "\n\nin `{}` · implements `{}` of the interface `{}`",
@@ -43,8 +47,8 @@ pub(super) fn completion(view: &FileView<'_>, mention: TextRange, id: DefId) -> 
         out += &format!(" from `{file}`");
     }
     let mut services = component.services.iter();
-    let service = services.find(|it| it.name == declared.name)?;
-    if let Some(doc) = service.doc.as_ref().filter(|it| !it.is_empty()) {
+    let service = services.find(|service| service.name == declared.name)?;
+    if let Some(doc) = service.doc.as_ref().filter(|doc| !doc.is_empty()) {
         out += &format!("\n\n{doc}");
     }
     if let Some(facts) = facts::of_service(component, &declared.name) {

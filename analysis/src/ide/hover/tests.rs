@@ -8,9 +8,9 @@ use crate::test_support::Fixture;
 fn check(text: &str, expected: Expect) {
     let fixture = Fixture::new(text);
     let hover = fixture.analysis().hover(&fixture.at()).unwrap();
-    let text = hover.map_or_else(String::new, |it| {
+    let text = hover.map_or_else(String::new, |hover| {
         let text = fixture.text(fixture.at().path.as_str());
-        format!("[{}]\n{}\n", &text[it.range], it.info.markdown)
+        format!("[{}]\n{}\n", &text[hover.range], hover.info.markdown)
     });
     expected.assert_eq(&text);
 }
@@ -486,7 +486,7 @@ fn a_state_tells_the_machine_it_is_seen_in_first() {
         let fixture = Fixture::new(&text.replacen(mark, &format!("{mark}$0"), 1));
         let hover = fixture.analysis().hover(&fixture.at()).unwrap();
         let text = hover.expect("it is a name").info.markdown;
-        let lines = text.lines().filter(|it| it.starts_with("* "));
+        let lines = text.lines().filter(|line| line.starts_with("* "));
         lines.map(str::to_owned).collect::<Vec<_>>()
     };
     let of_task = "* task `t`: from `f` → `g` → `ether`";
@@ -519,7 +519,7 @@ fn a_doc_is_no_markdown() {
         "component c { function f$0() { doc \"<b>*x*</b> [y](command:z) a_b # `\"; }; };\n",
     );
     let hover = fixture.analysis().hover(&fixture.at()).unwrap();
-    let text = hover.map(|it| it.info.markdown).unwrap_or_default();
+    let text = hover.map(|hover| hover.info.markdown).unwrap_or_default();
     let escaped = "\\<b\\>\\*x\\*\\</b\\> \\[y\\](command:z) a_b # \\`";
     assert!(text.contains(escaped), "{text}");
 }

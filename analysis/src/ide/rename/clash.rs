@@ -16,8 +16,8 @@ pub(super) fn taken(
 ) -> Option<String> {
     let kind = kind?;
     let rivals = unit.before.definitions.iter();
-    let rivals = rivals.filter(|it| it.name == name && family(it.kind) == family(kind));
-    let found = rivals.min_by_key(|it| it.kind != kind)?;
+    let rivals = rivals.filter(|rival| rival.name == name && family(rival.kind) == family(kind));
+    let found = rivals.min_by_key(|rival| rival.kind != kind)?;
     let (file, range) = place(db, unit_of_root(db, unit.root), found.src)?;
     let line = 1 + file.text(db)[..range.start().into()].matches('\n').count();
     let file = file.path(db).file_name().unwrap_or_default();

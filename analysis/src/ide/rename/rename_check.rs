@@ -26,13 +26,13 @@ impl<'a> RenameCheck<'a> {
         new_name: &'a str,
     ) -> RenameCheck<'a> {
         let mut edited: FxHashMap<SourceFile, Vec<Range<usize>>> = FxHashMap::default();
-        for it in edits {
-            let ranges = edited.entry(db.file(&it.path)).or_default();
-            ranges.push(it.range.clone());
+        for edit in edits {
+            let ranges = edited.entry(db.file(&edit.path)).or_default();
+            ranges.push(edit.range.clone());
         }
         edited
             .values_mut()
-            .for_each(|it| it.sort_by_key(|it| it.start));
+            .for_each(|ranges| ranges.sort_by_key(|range| range.start));
         RenameCheck {
             edited,
             old,
@@ -48,7 +48,7 @@ impl<'a> RenameCheck<'a> {
     pub(super) fn in_unit_of(&self, db: &dyn Db, root: SourceFile) -> bool {
         files(db, unit_of_root(db, root))
             .into_iter()
-            .all(|it| self.in_file(db, it))
+            .all(|file| self.in_file(db, file))
     }
 
     fn in_file(&self, db: &dyn Db, file: SourceFile) -> bool {
@@ -58,7 +58,7 @@ impl<'a> RenameCheck<'a> {
         }
         let ranges = self.edited.get(&file).map_or(&[][..], Vec::as_slice);
         let edited = |range: Range<usize>| {
-            let at = ranges.binary_search_by_key(&range.start, |it| it.start);
+            let at = ranges.binary_search_by_key(&range.start, |range| range.start);
             at.is_ok_and(|at| ranges[at] == range)
         };
         (0..raw.len()).all(|i| {
@@ -77,7 +77,7 @@ impl<'a> RenameCheck<'a> {
             false => (self.new_name, word),
         };
         let end = long.len() - short.len();
-        let same = |part: Option<&str>| part.is_some_and(|it| it.eq_ignore_ascii_case(short));
+        let same = |part: Option<&str>| part.is_some_and(|part| part.eq_ignore_ascii_case(short));
         let joint = |part: Option<&str>| part == Some("_");
         !short.is_empty()
             && (end == 0 && same(Some(long))

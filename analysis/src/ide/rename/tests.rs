@@ -7,11 +7,12 @@ fn renamed(fixture: &Fixture, new_name: &str) -> Result<String, String> {
         .analysis()
         .rename(&fixture.at(), new_name, &Progress::default())
         .unwrap();
-    let edits = edits.map_err(|it| it.0)?;
+    let edits = edits.map_err(|error| error.0)?;
     let mut out = String::new();
     for path in fixture.paths() {
         let text = fixture.text(path.as_str());
-        let text = crate::ide::speculate::apply(&text, edits.iter().filter(|it| it.path == path));
+        let text =
+            crate::ide::speculate::apply(&text, edits.iter().filter(|edit| edit.path == path));
         match fixture.paths().len() {
             1 => out += &text,
             _ => out += &format!("//- {path}\n{text}"),
@@ -231,8 +232,8 @@ fn there_and_back_is_the_identity() {
     let text = "struct s { long x; };\ninterface i { port in s p; function f(in s a = { .x = 1 }); };\ncomponent c { provides i; ids { s v; }; attribute g(in v.x); task t { codel<start> k(port in p, ids in v.x) yield go; codel<go> l(out ::ids) yield ether; }; function f(in s a) { codel m(in a.x); }; };\n";
     let mut fixture = Fixture::new(text);
     let names: Vec<usize> = text
-        .match_indices(|it: char| it.is_ascii_alphabetic())
-        .map(|it| it.0)
+        .match_indices(|character: char| character.is_ascii_alphabetic())
+        .map(|pair| pair.0)
         .collect();
     let mut renamed = 0;
     for at in names {
@@ -247,7 +248,7 @@ fn there_and_back_is_the_identity() {
             .analysis()
             .rename(&at, "other_name", &Progress::default())
             .unwrap();
-        let edits = edits.unwrap_or_else(|it| panic!("{:?}: {it}", prepared));
+        let edits = edits.unwrap_or_else(|error| panic!("{:?}: {error}", prepared));
         let there = crate::ide::speculate::apply(text, &edits);
         assert_ne!(there, text);
         fixture.edit("/main.gen", there.clone());
@@ -278,7 +279,7 @@ fn includes_follow_their_files() {
             .unwrap();
         let edits = edits
             .iter()
-            .map(|it| format!("{}: {}", it.path, it.new_text));
+            .map(|edit| format!("{}: {}", edit.path, edit.new_text));
         edits.collect::<Vec<_>>()
     };
     let text = "//- /a/main.gen\n#include \"t.idl\"\n//- /a/t.idl\n#include \"sub/u.idl\"\n//- /a/sub/u.idl\n";

@@ -12,39 +12,41 @@ use crate::item_tree::{
 };
 
 impl Lowering<'_> {
-    pub(super) fn service(&mut self, it: &ast::Service) -> ServiceDecl {
+    pub(super) fn service(&mut self, service: &ast::Service) -> ServiceDecl {
         ServiceDecl {
-            ptr: self.node(it.syntax()),
-            kind: if it.attribute_token().is_some() {
+            ptr: self.node(service.syntax()),
+            kind: if service.attribute_token().is_some() {
                 ServiceKind::Attribute
-            } else if it.function_token().is_some() {
+            } else if service.function_token().is_some() {
                 ServiceKind::Function
             } else {
                 ServiceKind::Activity
             },
-            name: self.name(it.name()),
-            params: self.params(it.param_list()),
-            properties: self.body(it),
+            name: self.name(service.name()),
+            params: self.params(service.param_list()),
+            properties: self.body(service),
         }
     }
 
-    pub(super) fn codel(&mut self, it: &ast::Codel, is_async: bool) -> CodelDecl {
+    pub(super) fn codel(&mut self, codel: &ast::Codel, is_async: bool) -> CodelDecl {
         CodelDecl {
-            ptr: self.node(it.syntax()),
+            ptr: self.node(codel.syntax()),
             is_async,
-            triggers: it.triggers().map(|it| self.states(it.states())),
-            name: self.name(it.name()),
-            params: self.params(it.param_list()),
-            yields: it.yields().map(|it| self.states(it.states())),
-            wcet: it
+            triggers: codel
+                .triggers()
+                .map(|trigger| self.states(trigger.states())),
+            name: self.name(codel.name()),
+            params: self.params(codel.param_list()),
+            yields: codel.yields().map(|yields| self.states(yields.states())),
+            wcet: codel
                 .wcets()
-                .map(|it| WcetClause {
-                    ptr: self.node(it.syntax()),
-                    bare: it.is_bare(),
-                    duration: it
+                .map(|wcet| WcetClause {
+                    ptr: self.node(wcet.syntax()),
+                    bare: wcet.is_bare(),
+                    duration: wcet
                         .quantity()
-                        .filter(|it| it.expr().is_some())
-                        .map(|it| self.duration(&it)),
+                        .filter(|quantity| quantity.expr().is_some())
+                        .map(|quantity| self.duration(&quantity)),
                 })
                 .collect_exact(),
         }
@@ -52,11 +54,11 @@ impl Lowering<'_> {
 
     fn states(&mut self, states: ast::AstChildren<ast::State>) -> Vec<StateRef> {
         states
-            .filter_map(|it| {
+            .filter_map(|state| {
                 Some(StateRef {
-                    ptr: self.node(it.syntax()),
-                    paused: it.is_paused(),
-                    name: self.name_ref(it.name_ref())?,
+                    ptr: self.node(state.syntax()),
+                    paused: state.is_paused(),
+                    name: self.name_ref(state.name_ref())?,
                 })
             })
             .collect_exact()
@@ -64,27 +66,27 @@ impl Lowering<'_> {
 
     fn params(&mut self, list: Option<ast::ParamList>) -> Vec<ParamDecl> {
         list.into_iter()
-            .flat_map(|it| it.params())
-            .filter_map(|it| self.param(&it))
+            .flat_map(|param_list| param_list.params())
+            .filter_map(|param| self.param(&param))
             .collect_exact()
     }
 
-    fn param(&mut self, it: &ast::Param) -> Option<ParamDecl> {
-        let ptr = self.node(it.syntax());
-        let (dir, spec, init) = match it {
-            ast::Param::TypedParam(it) => (
-                it.dir_token(),
+    fn param(&mut self, param: &ast::Param) -> Option<ParamDecl> {
+        let ptr = self.node(param.syntax());
+        let (dir, spec, init) = match param {
+            ast::Param::TypedParam(typed_param) => (
+                typed_param.dir_token(),
                 ParamSpec::Typed {
-                    ty: Box::new(self.type_ref(it.type_spec(), it.syntax())),
-                    declarator: it
+                    ty: Box::new(self.type_ref(typed_param.type_spec(), typed_param.syntax())),
+                    declarator: typed_param
                         .declarator()
-                        .and_then(|it| self.declarator(&it))
+                        .and_then(|declarator| self.declarator(&declarator))
                         .map(Box::new),
                 },
-                it.initializer(),
+                typed_param.initializer(),
             ),
-            ast::Param::PathParam(it) => {
-                let source = it.source_token().and_then(|token| {
+            ast::Param::PathParam(path_param) => {
+                let source = path_param.source_token().and_then(|token| {
                     let source = match token.kind() {
                         SyntaxKind::IDS_KW => Source::Ids,
                         SyntaxKind::LOCAL_KW => Source::Local,
@@ -94,13 +96,15 @@ impl Lowering<'_> {
                     };
                     Some((source, self.token(&token)))
                 });
-                let path: Vec<PathStep> = it
+                let path: Vec<PathStep> = path_param
                     .path()
                     .into_iter()
-                    .flat_map(|it| it.steps())
-                    .filter_map(|it| self.path_step(&it))
+                    .flat_map(|path| path.steps())
+                    .filter_map(|step| self.path_step(&step))
                     .collect_exact();
-                let rename = it.rename().and_then(|it| self.name(it.name()));
+                let rename = path_param
+                    .rename()
+                    .and_then(|rename| self.name(rename.name()));
                 if path.is_empty() && rename.is_none() {
                     return None;
                 }
@@ -109,7 +113,7 @@ impl Lowering<'_> {
                     path,
                     rename: rename.map(Box::new),
                 };
-                (it.dir_token(), spec, it.initializer())
+                (path_param.dir_token(), spec, path_param.initializer())
             }
         };
         let dir = match dir?.kind() {
@@ -120,42 +124,48 @@ impl Lowering<'_> {
         Some(ParamDecl {
             dir,
             spec,
-            init: init.map(|it| Box::new(self.initializer(&it))),
+            init: init.map(|init| Box::new(self.initializer(&init))),
             ptr,
         })
     }
 
-    fn path_step(&mut self, it: &ast::PathStep) -> Option<PathStep> {
-        Some(match it {
-            ast::PathStep::MemberStep(it) => PathStep::Member(self.name_ref(it.name_ref())?),
-            ast::PathStep::IndexStep(it) => PathStep::Index(self.expr(it.expr(), it.syntax())),
+    fn path_step(&mut self, step: &ast::PathStep) -> Option<PathStep> {
+        Some(match step {
+            ast::PathStep::MemberStep(member_step) => {
+                PathStep::Member(self.name_ref(member_step.name_ref())?)
+            }
+            ast::PathStep::IndexStep(index_step) => {
+                PathStep::Index(self.expr(index_step.expr(), index_step.syntax()))
+            }
         })
     }
 
-    fn initializer(&mut self, it: &ast::Initializer) -> Initializer {
-        let node = it.syntax();
+    fn initializer(&mut self, initializer: &ast::Initializer) -> Initializer {
+        let node = initializer.syntax();
         Initializer {
             ptr: self.node(node),
-            designator: it.designator().and_then(|it| {
-                Some(match it {
-                    ast::Designator::MemberDesignator(it) => {
-                        Designator::Member(self.name_ref(it.name_ref())?)
+            designator: initializer.designator().and_then(|designator| {
+                Some(match designator {
+                    ast::Designator::MemberDesignator(member_designator) => {
+                        Designator::Member(self.name_ref(member_designator.name_ref())?)
                     }
-                    ast::Designator::IndexDesignator(it) => {
-                        Designator::Index(self.expr(it.expr(), it.syntax()))
-                    }
+                    ast::Designator::IndexDesignator(index_designator) => Designator::Index(
+                        self.expr(index_designator.expr(), index_designator.syntax()),
+                    ),
                 })
             }),
-            value: match (it.initializer_list(), it.expr()) {
+            value: match (initializer.initializer_list(), initializer.expr()) {
                 (Some(list), _) => Some(InitValue::Compound(
                     list.initializers()
-                        .map(|it| self.initializer(&it))
+                        .map(|initializer| self.initializer(&initializer))
                         .collect_exact(),
                 )),
                 (None, Some(expr)) => Some(InitValue::Scalar(self.expr(Some(expr), node))),
                 (None, None) => None,
             },
-            doc: it.doc().map(|it| self.literal(it.text(), it.syntax())),
+            doc: initializer
+                .doc()
+                .map(|doc| self.literal(doc.text(), doc.syntax())),
         }
     }
 }

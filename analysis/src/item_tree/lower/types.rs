@@ -24,40 +24,40 @@ impl Lowering<'_> {
         let node = ty.syntax();
         let ptr = self.node(node);
         let kind = match &ty {
-            ast::TypeSpec::BaseType(it) => base_type(it).map(TypeRefKind::Base),
-            ast::TypeSpec::StringType(it) => Some(TypeRefKind::String {
-                bound: it.bound().map(|it| self.expr(Some(it), node)),
+            ast::TypeSpec::BaseType(ty) => base_type(ty).map(TypeRefKind::Base),
+            ast::TypeSpec::StringType(ty) => Some(TypeRefKind::String {
+                bound: ty.bound().map(|bound| self.expr(Some(bound), node)),
             }),
-            ast::TypeSpec::SequenceType(it) => Some(TypeRefKind::Sequence {
-                element: Box::new(self.type_ref(it.element(), node)),
-                bound: it.bound().map(|it| self.expr(Some(it), node)),
+            ast::TypeSpec::SequenceType(ty) => Some(TypeRefKind::Sequence {
+                element: Box::new(self.type_ref(ty.element(), node)),
+                bound: ty.bound().map(|bound| self.expr(Some(bound), node)),
             }),
-            ast::TypeSpec::OptionalType(it) => Some(TypeRefKind::Optional {
-                element: Box::new(self.type_ref(it.element(), node)),
+            ast::TypeSpec::OptionalType(ty) => Some(TypeRefKind::Optional {
+                element: Box::new(self.type_ref(ty.element(), node)),
             }),
             ast::TypeSpec::FixedType(_) => Some(TypeRefKind::Fixed),
-            ast::TypeSpec::NamedType(it) => it
+            ast::TypeSpec::NamedType(ty) => ty
                 .path()
-                .and_then(|it| self.path(&it))
+                .and_then(|path| self.path(&path))
                 .map(TypeRefKind::Named),
-            ast::TypeSpec::Struct(it) => {
-                let name = self.name(it.name());
-                let members = self.body(it);
+            ast::TypeSpec::Struct(structure) => {
+                let name = self.name(structure.name());
+                let members = self.body(structure);
                 Some(inline(name, TypeDeclKind::Struct { members }, ptr))
             }
-            ast::TypeSpec::Union(it) => {
-                let name = self.name(it.name());
-                let switch = self.type_ref(it.switch_type(), node);
-                let cases = self.body(it);
+            ast::TypeSpec::Union(union) => {
+                let name = self.name(union.name());
+                let switch = self.type_ref(union.switch_type(), node);
+                let cases = self.body(union);
                 Some(inline(name, TypeDeclKind::Union { switch, cases }, ptr))
             }
-            ast::TypeSpec::Enum(it) => {
-                let name = self.name(it.name());
-                let enumerators = it
+            ast::TypeSpec::Enum(enumeration) => {
+                let name = self.name(enumeration.name());
+                let enumerators = enumeration
                     .enumerator_list()
                     .into_iter()
-                    .flat_map(|it| it.enumerators())
-                    .filter_map(|it| self.name(it.name()))
+                    .flat_map(|enumerator| enumerator.enumerators())
+                    .filter_map(|enumerator| self.name(enumerator.name()))
                     .collect_exact();
                 Some(inline(name, TypeDeclKind::Enum { enumerators }, ptr))
             }
@@ -69,15 +69,16 @@ impl Lowering<'_> {
     }
 
     pub(super) fn declarators(&mut self, all: AstChildren<ast::Declarator>) -> Vec<Declarator> {
-        all.filter_map(|it| self.declarator(&it)).collect_exact()
+        all.filter_map(|child| self.declarator(&child))
+            .collect_exact()
     }
 
-    pub(super) fn declarator(&mut self, it: &ast::Declarator) -> Option<Declarator> {
+    pub(super) fn declarator(&mut self, declarator: &ast::Declarator) -> Option<Declarator> {
         Some(Declarator {
-            name: self.name(it.name())?,
-            dimensions: it
+            name: self.name(declarator.name())?,
+            dimensions: declarator
                 .dimensions()
-                .map(|it| self.expr(it.expr(), it.syntax()))
+                .map(|dimension| self.expr(dimension.expr(), dimension.syntax()))
                 .collect_exact(),
         })
     }
@@ -104,34 +105,36 @@ impl Lowering<'_> {
         let node = expr.syntax().clone();
         let ptr = self.node(&node);
         let kind = match expr {
-            ast::Expr::Literal(it) => self.literal_kind(&it),
-            ast::Expr::PathExpr(it) => it
+            ast::Expr::Literal(literal) => self.literal_kind(&literal),
+            ast::Expr::PathExpr(expression) => expression
                 .path()
-                .and_then(|it| self.path(&it))
+                .and_then(|path| self.path(&path))
                 .map_or(ExprKind::Missing, ExprKind::Path),
-            ast::Expr::ParenExpr(it) => ExprKind::Paren(Box::new(self.expr(it.expr(), &node))),
-            ast::Expr::PrefixExpr(it) => match it.op_token().and_then(|it| {
-                let op = unary_op(it.kind())?;
-                Some((op, self.token(&it)))
+            ast::Expr::ParenExpr(expression) => {
+                ExprKind::Paren(Box::new(self.expr(expression.expr(), &node)))
+            }
+            ast::Expr::PrefixExpr(expression) => match expression.op_token().and_then(|token| {
+                let op = unary_op(token.kind())?;
+                Some((op, self.token(&token)))
             }) {
                 Some((op, op_ptr)) => ExprKind::Unary {
                     op,
                     op_ptr,
-                    operand: Box::new(self.expr(it.expr(), &node)),
+                    operand: Box::new(self.expr(expression.expr(), &node)),
                 },
                 None => ExprKind::Missing,
             },
-            ast::Expr::BinaryExpr(it) => {
-                let left = Box::new(self.expr(it.lhs(), &node));
-                match it.op_token().and_then(|it| {
-                    let op = binary_op(it.kind())?;
-                    Some((op, self.token(&it)))
+            ast::Expr::BinaryExpr(expression) => {
+                let left = Box::new(self.expr(expression.lhs(), &node));
+                match expression.op_token().and_then(|token| {
+                    let op = binary_op(token.kind())?;
+                    Some((op, self.token(&token)))
                 }) {
                     Some((op, op_ptr)) => ExprKind::Binary {
                         op,
                         op_ptr,
                         left,
-                        right: Box::new(self.expr(it.rhs(), &node)),
+                        right: Box::new(self.expr(expression.rhs(), &node)),
                     },
                     None => left.kind,
                 }
@@ -141,12 +144,12 @@ impl Lowering<'_> {
     }
 
     /// A literal where only a literal may stand.
-    pub(super) fn literal(&mut self, it: Option<ast::Literal>, owner: &SyntaxNode) -> Expr {
-        self.expr(it.map(ast::Expr::Literal), owner)
+    pub(super) fn literal(&mut self, literal: Option<ast::Literal>, owner: &SyntaxNode) -> Expr {
+        self.expr(literal.map(ast::Expr::Literal), owner)
     }
 
-    fn literal_kind(&mut self, it: &ast::Literal) -> ExprKind {
-        match it.kind() {
+    fn literal_kind(&mut self, literal: &ast::Literal) -> ExprKind {
+        match literal.kind() {
             Some(LiteralKind::Bool(value)) => ExprKind::Bool(value),
             Some(LiteralKind::Int(token)) => ExprKind::Int(self.map.text(&token)),
             Some(LiteralKind::Float(token)) => ExprKind::Float(self.map.text(&token)),
@@ -155,7 +158,7 @@ impl Lowering<'_> {
             Some(LiteralKind::Strings(tokens)) => ExprKind::Str(
                 tokens
                     .iter()
-                    .map(|it| (self.string_text(it), self.token(it)))
+                    .map(|token| (self.string_text(token), self.token(token)))
                     .collect_exact(),
             ),
             None => ExprKind::Missing,
@@ -172,12 +175,12 @@ impl Lowering<'_> {
     }
 
     /// A number with an optional unit.
-    pub(super) fn duration(&mut self, it: &ast::Quantity) -> Duration {
-        let node = it.syntax();
+    pub(super) fn duration(&mut self, quantity: &ast::Quantity) -> Duration {
+        let node = quantity.syntax();
         Duration {
             ptr: self.node(node),
-            value: self.expr(it.expr(), node),
-            unit: it.unit_token().and_then(|token| {
+            value: self.expr(quantity.expr(), node),
+            unit: quantity.unit_token().and_then(|token| {
                 let unit = match token.kind() {
                     SyntaxKind::S_KW => Unit::S,
                     SyntaxKind::MS_KW => Unit::Ms,
@@ -188,17 +191,17 @@ impl Lowering<'_> {
                 };
                 Some((unit, self.token(&token)))
             }),
-            glued: it.is_glued(self.map),
+            glued: quantity.is_glued(self.map),
         }
     }
 
     pub(super) fn duration_or_missing(
         &mut self,
-        it: Option<ast::Quantity>,
+        quantity: Option<ast::Quantity>,
         owner: &SyntaxNode,
     ) -> Duration {
-        match it {
-            Some(it) => self.duration(&it),
+        match quantity {
+            Some(quantity) => self.duration(&quantity),
             None => Duration {
                 ptr: self.node(owner),
                 value: self.expr(None, owner),
@@ -214,9 +217,9 @@ fn inline(name: Option<crate::item_tree::Name>, kind: TypeDeclKind, ptr: Ptr) ->
 }
 
 /// `None` for unused reserved words and for errors reported by the grammar.
-fn base_type(it: &ast::BaseType) -> Option<BaseType> {
+fn base_type(ty: &ast::BaseType) -> Option<BaseType> {
     use SyntaxKind as K;
-    let words: Vec<SyntaxKind> = it.words().collect();
+    let words: Vec<SyntaxKind> = ty.words().collect();
     Some(match words.as_slice() {
         [K::BOOLEAN_KW] => BaseType::Boolean,
         [K::OCTET_KW] => BaseType::Octet,

@@ -43,17 +43,17 @@ fn shown(diagnostic: &Diagnostic, texts: &Texts) -> String {
 #[test]
 fn place_explanation_and_fix_are_shown() {
     let texts = texts(&[("/robot/arm.gen", ARM)]);
-    let mut it = diagnostic(
+    let mut diagnostic = diagnostic(
         "param-unknown-port",
         "there is no port `gaol` in component `arm`; did you mean `goal`?",
         find(ARM, "gaol", 0),
     );
-    it.related.push(Related {
+    diagnostic.related.push(Related {
         path: "/robot/arm.gen".into(),
         range: find(ARM, "goal", 0),
         message: "a port with a similar name".to_owned(),
     });
-    it.fixes.push(Fix {
+    diagnostic.fixes.push(Fix {
         kind: FixKind::Guess,
         title: "change it to `goal`".to_owned(),
         edits: vec![FileEdit {
@@ -62,36 +62,36 @@ fn place_explanation_and_fix_are_shown() {
             new_text: "goal".to_owned(),
         }],
     });
-    insta::assert_snapshot!(shown(&it, &texts));
+    insta::assert_snapshot!(shown(&diagnostic, &texts));
 }
 
 #[test]
 fn explanations_in_other_files_get_their_own_snippet() {
     const POSE: &str = "module pose {\r\n  struct state { double x; };\r\n};\r\n";
     let texts = texts(&[("/robot/arm.gen", ARM), ("/robot/pose.idl", POSE)]);
-    let mut it = diagnostic(
+    let mut diagnostic = diagnostic(
         "unknown-type",
         "`pose` has no member `stat`",
         find(ARM, "stat", 0),
     );
-    it.severity = Severity::Warning;
-    it.related.push(Related {
+    diagnostic.severity = Severity::Warning;
+    diagnostic.related.push(Related {
         path: "/robot/pose.idl".into(),
         range: find(POSE, "pose", 0),
         message: "`pose` is declared here".to_owned(),
     });
-    insta::assert_snapshot!(shown(&it, &texts));
+    insta::assert_snapshot!(shown(&diagnostic, &texts));
 }
 
 #[test]
 fn the_end_of_the_file_and_missing_text_can_be_shown() {
     let texts = texts(&[("/robot/arm.gen", "component arm {\n")]);
-    let mut it = diagnostic("syntax-eof", "expected `}`", 16..16);
-    insta::assert_snapshot!("end", shown(&it, &texts));
-    it.range = 15..15;
-    insta::assert_snapshot!("end_of_line", shown(&it, &texts));
-    it.path = "/robot/gone.gen".into();
-    insta::assert_snapshot!("gone", shown(&it, &texts));
+    let mut diagnostic = diagnostic("syntax-eof", "expected `}`", 16..16);
+    insta::assert_snapshot!("end", shown(&diagnostic, &texts));
+    diagnostic.range = 15..15;
+    insta::assert_snapshot!("end_of_line", shown(&diagnostic, &texts));
+    diagnostic.path = "/robot/gone.gen".into();
+    insta::assert_snapshot!("gone", shown(&diagnostic, &texts));
 }
 
 #[test]
@@ -101,15 +101,15 @@ fn odd_texts_and_ranges_do_not_hurt() {
     let texts = texts(&[("/robot/arm.gen", odd), ("/robot/long.gen", &long)]);
     for start in 0..odd.len() + 3 {
         for end in start..odd.len() + 3 {
-            let it = diagnostic("syntax", "odd", start..end);
-            let text = shown(&it, &texts);
+            let diagnostic = diagnostic("syntax", "odd", start..end);
+            let text = shown(&diagnostic, &texts);
             assert!(
                 text.contains("syntax") && !text.contains('\u{1b}'),
                 "{text:?}"
             );
         }
     }
-    let mut it = diagnostic("syntax", "too long to show", 500_000..500_001);
-    it.path = "/robot/long.gen".into();
-    insta::assert_snapshot!("long", shown(&it, &texts));
+    let mut diagnostic = diagnostic("syntax", "too long to show", 500_000..500_001);
+    diagnostic.path = "/robot/long.gen".into();
+    insta::assert_snapshot!("long", shown(&diagnostic, &texts));
 }

@@ -40,15 +40,16 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
         "codel", "runs", "mean", "greatest", "declared", "proposed", "",
     ];
     let mut rows = vec![head.map(str::to_owned)];
-    for it in answer.rows.iter().filter(|it| it.measure.runs > 0) {
+    for row in answer.rows.iter().filter(|row| row.measure.runs > 0) {
         rows.push([
-            terminal::text(&it.path).into_owned(),
-            it.measure.runs.to_string(),
-            nanos(it.measure.mean()),
-            nanos(it.measure.greatest),
-            it.declared.map_or("-".to_owned(), |it| nanos(in_nanos(it))),
-            it.proposed.map_or("-".to_owned(), written),
-            in_words(it).to_owned(),
+            terminal::text(&row.path).into_owned(),
+            row.measure.runs.to_string(),
+            nanos(row.measure.mean()),
+            nanos(row.measure.greatest),
+            row.declared
+                .map_or("-".to_owned(), |ratio| nanos(in_nanos(ratio))),
+            row.proposed.map_or("-".to_owned(), written),
+            in_words(row).to_owned(),
         ]);
     }
     table(&mut out, &rows)?;
@@ -61,19 +62,19 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
         )?;
     }
     let never = unobserved_codels(answer);
-    let never: Vec<&str> = never.map(|it| it.path.as_str()).collect();
+    let never: Vec<&str> = never.map(|codel| codel.path.as_str()).collect();
     if !never.is_empty() {
         writeln!(out, "{TITLE}never seen{TITLE:#}: {}", never.join(", "))?;
     }
-    for it in answer.rows.iter().filter(|it| is_outlier(it)) {
-        let (file, line) = it.measure.at;
-        let log = answer.logs.get(file).map_or("", |it| it.as_str());
+    for row in answer.rows.iter().filter(|row| is_outlier(row)) {
+        let (file, line) = row.measure.at;
+        let log = answer.logs.get(file).map_or("", |log| log.as_str());
         writeln!(
             out,
             "{TITLE}note{TITLE:#}: the greatest time of {} is {} times the mean: see {log}:{line}. \
              A clock that was set forward looks like that",
-            it.path,
-            it.measure.greatest / it.measure.mean().max(1)
+            row.path,
+            row.measure.greatest / row.measure.mean().max(1)
         )?;
     }
     let strays = answer.strays.iter();
@@ -94,8 +95,8 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
         let more = answer.strays.len() - MAX_UNMATCHED_LINES;
         writeln!(out, "{TITLE}note{TITLE:#}: {more} more of such kinds")?;
     }
-    for it in told(&answer.left) {
-        writeln!(out, "{TITLE}left out{TITLE:#}: {it}")?;
+    for text in told(&answer.left) {
+        writeln!(out, "{TITLE}left out{TITLE:#}: {text}")?;
     }
     for (function, why) in &answer.refused {
         let why = match why {
@@ -136,7 +137,9 @@ fn in_words(row: &Row) -> &'static str {
     let measured = Ratio::new(i128::from(row.measure.greatest), 1_000_000_000);
     match row.decision {
         Decision::New => "new",
-        Decision::Raised if row.declared.is_some_and(|it| it < measured) => "raised: was exceeded",
+        Decision::Raised if row.declared.is_some_and(|ratio| ratio < measured) => {
+            "raised: was exceeded"
+        }
         Decision::Raised => "raised: less than the margin",
         Decision::Kept => "kept",
         Decision::Lowered => "lowered",
@@ -175,22 +178,22 @@ fn place(path: &Utf8Path, range: &Range<usize>) -> Value {
 }
 
 pub(super) fn print_json(answer: &Answer) -> anyhow::Result<()> {
-    let codels = answer.rows.iter().filter(|it| it.measure.runs > 0);
-    let codels = codels.map(|it| {
-        let (file, line) = it.measure.at;
+    let codels = answer.rows.iter().filter(|row| row.measure.runs > 0);
+    let codels = codels.map(|codel| {
+        let (file, line) = codel.measure.at;
         json!({
-            "codel": it.path,
-            "function": it.function,
-            "runs": it.measure.runs,
-            "least": it.measure.least,
-            "mean": it.measure.mean(),
-            "greatest": it.measure.greatest,
-            "log": answer.logs.get(file).map(|it| it.as_str()),
+            "codel": codel.path,
+            "function": codel.function,
+            "runs": codel.measure.runs,
+            "least": codel.measure.least,
+            "mean": codel.measure.mean(),
+            "greatest": codel.measure.greatest,
+            "log": answer.logs.get(file).map(|codel| codel.as_str()),
             "line": line,
-            "declared": it.declared.map(in_nanos),
-            "proposed": it.proposed.map(|it| it.saturating_mul(1_000)),
-            "decision": it.decision,
-            "place": it.place.as_ref().map(|it| place(&it.path, &it.range)),
+            "declared": codel.declared.map(in_nanos),
+            "proposed": codel.proposed.map(|codel| codel.saturating_mul(1_000)),
+            "decision": codel.decision,
+            "place": codel.place.as_ref().map(|codel| place(&codel.path, &codel.range)),
         })
     });
     let never = unobserved_codels(answer);
@@ -208,21 +211,21 @@ pub(super) fn print_json(answer: &Answer) -> anyhow::Result<()> {
     });
     let refused = answer.refused.iter();
     let refused = refused.map(|(function, why)| json!({ "function": function, "why": why }));
-    let edits = answer.edits.iter().map(|it| {
-        let mut edit = place(&it.path, &it.range);
-        edit["text"] = it.new_text.as_str().into();
+    let edits = answer.edits.iter().map(|other| {
+        let mut edit = place(&other.path, &other.range);
+        edit["text"] = other.new_text.as_str().into();
         edit
     });
     let document = json!({
         "format": 1,
         "codels": codels.collect::<Vec<Value>>(),
-        "never-seen": never.map(|it| it.path.as_str()).collect::<Vec<_>>(),
+        "never-seen": never.map(|codel| codel.path.as_str()).collect::<Vec<_>>(),
         "simulated": answer.simulated.keys().collect::<Vec<_>>(),
         "unknown": strays.collect::<Vec<Value>>(),
         "left": answer.left,
         "refused": refused.collect::<Vec<Value>>(),
         "edits": edits.collect::<Vec<_>>(),
-        "changed": answer.changed.keys().map(|it| display(it)).collect::<Vec<_>>(),
+        "changed": answer.changed.keys().map(|key| display(key)).collect::<Vec<_>>(),
     });
     let text = serde_json::to_string_pretty(&document)? + "\n";
     std::io::stdout().write_all(text.as_bytes())?;

@@ -42,7 +42,9 @@ impl Job<'_> {
 
     /// True if there is a component, not only interfaces.
     pub(super) fn has_component(&self) -> bool {
-        self.components.iter().any(|it| self.is_component(*it))
+        self.components
+            .iter()
+            .any(|component| self.is_component(*component))
     }
 
     fn packages(&self, component: u32, question: &str) -> Option<Vec<String>> {
@@ -87,8 +89,8 @@ impl Job<'_> {
         walk.next().put(email.as_deref().unwrap_or_default());
         walk.next().put(name).next();
         let mut languages = vec![self.language.clone()];
-        for &it in self.components {
-            languages.push(self.facts.component(it, &["language"])?);
+        for &component in self.components {
+            languages.push(self.facts.component(component, &["language"])?);
         }
         languages.sort();
         languages.dedup();
@@ -101,12 +103,14 @@ impl Job<'_> {
         }
         walk.next();
         let (mut requires, mut of_codels) = (Vec::new(), Vec::new());
-        for &it in self.components {
-            requires.extend(self.packages(it, "require")?);
-            of_codels.extend(self.packages(it, "codels-require")?);
+        for &component in self.components {
+            requires.extend(self.packages(component, "require")?);
+            of_codels.extend(self.packages(component, "codels-require")?);
         }
         walk.next();
-        let has_genom = requires.iter().any(|it| it.starts_with("genom3 "));
+        let has_genom = requires
+            .iter()
+            .any(|requirement| requirement.starts_with("genom3 "));
         walk.when(1, !has_genom, |walk| {
             walk.next();
             Some(())
@@ -136,8 +140,8 @@ impl Job<'_> {
             Some(())
         })?;
         walk.next();
-        walk.each(3, self.components, |walk, it| {
-            let name = self.name(*it);
+        walk.each(3, self.components, |walk, number| {
+            let name = self.name(*number);
             walk.next().put(name).next().put(name).next();
             Some(())
         })?;
@@ -159,8 +163,8 @@ impl Job<'_> {
         walk.notice("#", self.notice);
         walk.next().put(self.name(*self.components.first()?));
         walk.next().put(&tcl::list(idls)).next();
-        walk.each(1, self.components, |walk, it| {
-            walk.next().put(self.name(*it)).put("-genom3.pc");
+        walk.each(1, self.components, |walk, number| {
+            walk.next().put(self.name(*number)).put("-genom3.pc");
             Some(())
         })?;
         walk.next();
@@ -210,7 +214,7 @@ impl Job<'_> {
             let tasks = (0u32..).zip(&expected.component().tasks);
             walk.each(
                 2,
-                tasks.filter(|it| expected.has_file(it.0)),
+                tasks.filter(|task| expected.has_file(task.0)),
                 |walk, (_, task)| {
                     walk.next().put(name);
                     walk.next()
@@ -222,13 +226,13 @@ impl Job<'_> {
                 walk.next().put(name);
             }
             walk.next();
-            match headers.iter_mut().find(|it| it.0 == header) {
+            match headers.iter_mut().find(|candidate| candidate.0 == header) {
                 Some(known) => known.1 = language,
                 None => headers.push((header, language)),
             }
             Some(())
         })?;
-        let names: Vec<&str> = headers.iter().map(|it| it.0.as_str()).collect();
+        let names: Vec<&str> = headers.iter().map(|header| header.0.as_str()).collect();
         walk.next().put(&tcl::list(&names)).next();
         walk.each(6, &headers, |walk, (header, language)| {
             walk.next().put(header).next().put(self.input());

@@ -45,7 +45,10 @@ impl<'a> Facts<'a> {
             template: self.template,
             language: Language::C,
         };
-        let words: Vec<String> = question.iter().map(|it| (*it).to_owned()).collect();
+        let words: Vec<String> = question
+            .iter()
+            .map(|question| (*question).to_owned())
+            .collect();
         let mut no_lambda = |_: &str, _: &str| Err(Failure::Error(String::new()));
         let answer = model.call(object, &words, &mut no_lambda).ok()?;
         Some(encoding::latin1(&answer.text).into_owned())
@@ -64,7 +67,10 @@ impl<'a> Facts<'a> {
     /// An answer that is a list of objects.
     pub(super) fn objects(&self, object: &Object, question: &[&str]) -> Option<Vec<Object>> {
         let handles = self.list(object, question)?;
-        handles.iter().map(|it| self.object_of(it)).collect()
+        handles
+            .iter()
+            .map(|handle| self.object_of(handle))
+            .collect()
     }
 
     /// An answer that is an object.
@@ -96,7 +102,10 @@ impl TemplateWriter {
         let source: Vec<char> = source.chars().collect();
         let mut texts: Vec<String> = Vec::new();
         let mut end = None;
-        for piece in pieces.iter().filter(|it| it.kind == PieceKind::Literal) {
+        for piece in pieces
+            .iter()
+            .filter(|piece| piece.kind == PieceKind::Literal)
+        {
             let text = source.get(piece.source.clone())?.iter();
             // A long text is read in parts.
             match texts.last_mut() {

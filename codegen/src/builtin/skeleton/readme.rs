@@ -24,11 +24,13 @@ pub(super) fn write(job: &Job<'_>, mut walk: TemplateWriter) -> Option<String> {
         documentation(facts, walk, port)
     })?;
     walk.next();
-    each_of(job, &mut walk, 27, "services", |walk, it| {
-        service(job, walk, it)
+    each_of(job, &mut walk, 27, "services", |walk, object| {
+        service(job, walk, object)
     })?;
     walk.next();
-    each_of(job, &mut walk, 16, "tasks", |walk, it| task(job, walk, it))?;
+    each_of(job, &mut walk, 16, "tasks", |walk, object| {
+        task(job, walk, object)
+    })?;
     walk.next();
     walk.done()
 }
@@ -65,8 +67,8 @@ fn heading(job: &Job<'_>, walk: &mut TemplateWriter) -> Option<()> {
         Some(())
     })?;
     walk.next().put(&versions.join(", ")).next();
-    walk.each(1, job.components, |walk, it| {
-        if let Some(doc) = facts.component(*it, &["doc"]) {
+    walk.each(1, job.components, |walk, number| {
+        if let Some(doc) = facts.component(*number, &["doc"]) {
             walk.next().put(&doc);
         }
         Some(())
@@ -90,7 +92,7 @@ fn each_of(
                 .objects(&Object::Component(component), &[question])?,
         );
     }
-    walk.each(count, &things, |walk, it| write(walk, it))
+    walk.each(count, &things, |walk, object| write(walk, object))
 }
 
 /// Three texts around the documentation of an object.
@@ -122,8 +124,8 @@ fn service(job: &Job<'_>, walk: &mut TemplateWriter, service: &Object) -> Option
             let some = facts.objects(service, &question)?;
             walk.when(2, !some.is_empty(), |walk| {
                 walk.next();
-                walk.each(1, &some, |walk, it| {
-                    walk.next().put(&job.parameter_lines(it)?);
+                walk.each(1, &some, |walk, parameter| {
+                    walk.next().put(&job.parameter_lines(parameter)?);
                     Some(())
                 })
             })?;
@@ -141,8 +143,8 @@ fn service(job: &Job<'_>, walk: &mut TemplateWriter, service: &Object) -> Option
                 })?;
                 ports(facts, walk, service)
             })?;
-            walk.each(2, &interrupts, |walk, it| {
-                walk.next().put(&facts.text(it, &["name"])?).next();
+            walk.each(2, &interrupts, |walk, object| {
+                walk.next().put(&facts.text(object, &["name"])?).next();
                 Some(())
             })
         })?;
@@ -177,9 +179,9 @@ fn task(job: &Job<'_>, walk: &mut TemplateWriter, task: &Object) -> Option<()> {
 fn thrown(job: &Job<'_>, walk: &mut TemplateWriter, throws: &[Object]) -> Option<()> {
     walk.when(2, !throws.is_empty(), |walk| {
         walk.next();
-        walk.each(1, throws, |walk, it| {
+        walk.each(1, throws, |walk, object| {
             walk.next();
-            walk.put(&job.type_lines("", it, &Default::default(), " *", &[])?);
+            walk.put(&job.type_lines("", object, &Default::default(), " *", &[])?);
             Some(())
         })
     })
@@ -249,7 +251,7 @@ impl DefaultValue {
                 for part in facts.objects(object, &["value"])? {
                     let name = facts.text(&part, &["member"])?;
                     let item = DefaultValue::of(facts, &part)?;
-                    match out.items.iter_mut().find(|it| it.0 == name) {
+                    match out.items.iter_mut().find(|entry| entry.0 == name) {
                         Some(known) => known.1 = item,
                         None => out.items.push((name, item)),
                     }
@@ -261,8 +263,8 @@ impl DefaultValue {
     }
 
     fn item(&self, name: &str) -> DefaultValue {
-        let found = self.items.iter().find(|it| it.0 == name);
-        found.map(|it| it.1.clone()).unwrap_or_default()
+        let found = self.items.iter().find(|entry| entry.0 == name);
+        found.map(|pair| pair.1.clone()).unwrap_or_default()
     }
 }
 
@@ -271,7 +273,7 @@ impl Job<'_> {
         let facts = self.facts;
         let initial = facts.object(parameter, &["initializer"]);
         let initial = initial
-            .and_then(|it| DefaultValue::of(facts, &it))
+            .and_then(|object| DefaultValue::of(facts, &object))
             .unwrap_or_default();
         let name = facts.text(parameter, &["name"])?;
         let of = facts.object(parameter, &["type"])?;
@@ -340,9 +342,9 @@ impl Job<'_> {
                 }
                 if kind == "enum" {
                     let members = facts.objects(of, &["members"])?;
-                    let names = members.iter().map(|it| facts.text(it, &["name"]));
+                    let names = members.iter().map(|member| facts.text(member, &["name"]));
                     let names: Option<Vec<String>> =
-                        names.map(|it| Some(format!("`{}`", it?))).collect();
+                        names.map(|name| Some(format!("`{}`", name?))).collect();
                     out += &format!(" \u{2208} {{ {} }}", names?.join(", "));
                 }
                 out.push('\n');

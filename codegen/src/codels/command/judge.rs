@@ -89,7 +89,7 @@ impl<'j, 'p> Judge<'j, 'p> {
 
     /// Judges an edit that should remove a finding of the code `mends`, or remove none.
     pub fn verdict(&mut self, edit: &Edit, mends: Option<&str>) -> Verdict {
-        let mends: Vec<(&str, usize)> = mends.into_iter().map(|it| (it, 1)).collect();
+        let mends: Vec<(&str, usize)> = mends.into_iter().map(|text| (text, 1)).collect();
         self.judged(edit, &mends)
     }
 
@@ -111,7 +111,7 @@ impl<'j, 'p> Judge<'j, 'p> {
                     refused = half
                         .iter()
                         .rev()
-                        .take_while(|it| **it == Verdict::Refused)
+                        .take_while(|verdict| **verdict == Verdict::Refused)
                         .count();
                     out.extend(half);
                     continue;
@@ -164,13 +164,13 @@ impl<'j, 'p> Judge<'j, 'p> {
     fn tried(&mut self, edit: &Edit, mends: &[(&str, usize)], before: &Findings) -> Verdict {
         let changes = self.project.changes(edit);
         let mut touched = ChangedLines::default();
-        changes.iter().for_each(|it| touched.note(it));
+        changes.iter().for_each(|change| touched.note(change));
         let mut originals = self.overlay(changes);
         let mut after = Findings::of(self.project, &self.roots);
         let mut is_paired = false;
         for _ in 0..ROUNDS {
             let added = before.added(&after, &touched);
-            if added.is_empty() || !added.iter().all(|it| after.is_followed(it)) {
+            if added.is_empty() || !added.iter().all(|code| after.is_followed(code)) {
                 break;
             }
             let repair = after.following(self.project, &added);
@@ -205,7 +205,7 @@ impl<'j, 'p> Judge<'j, 'p> {
     pub fn together(&mut self, edits: &[(Edit, &str)], follow: bool) -> (Edit, Vec<usize>) {
         if edits.len() > 1 && self.are_whole_together(edits) {
             let mut all = Edit::default();
-            edits.iter().for_each(|it| _ = all.merge(it.0.clone()));
+            edits.iter().for_each(|pair| _ = all.merge(pair.0.clone()));
             return (all, (0..edits.len()).collect());
         }
         let mut chosen = Edit::default();
@@ -234,9 +234,9 @@ impl<'j, 'p> Judge<'j, 'p> {
     /// Replaces the texts of files. Returns the previous texts.
     fn overlay(&mut self, changes: Vec<FileChange>) -> BTreeMap<Utf8PathBuf, Option<String>> {
         let mut originals = BTreeMap::new();
-        for it in changes {
-            self.project.overlay(it.path.clone(), it.after);
-            originals.insert(it.path, it.before);
+        for change in changes {
+            self.project.overlay(change.path.clone(), change.after);
+            originals.insert(change.path, change.before);
         }
         originals
     }
@@ -257,8 +257,8 @@ impl<'j, 'p> Judge<'j, 'p> {
                     edit.created.insert(path.clone(), after.to_string());
                 }
                 Some(before) => {
-                    for it in line_edits(before, &after) {
-                        edit.replace(path, it.range, it.text);
+                    for line_edit in line_edits(before, &after) {
+                        edit.replace(path, line_edit.range, line_edit.text);
                     }
                 }
             }
@@ -277,18 +277,18 @@ impl ChangedLines {
     fn note(&mut self, change: &FileChange) {
         let before = change.before.as_deref().unwrap_or_default();
         let mut moved = 0isize;
-        for it in line_edits(before, &change.after) {
-            let start = it.range.start.saturating_add_signed(moved);
+        for edit in line_edits(before, &change.after) {
+            let start = edit.range.start.saturating_add_signed(moved);
             let ranges = self.lines.entry(change.path.clone()).or_default();
-            ranges.push(start..start + it.text.len());
-            moved += it.text.len() as isize - it.range.len() as isize;
+            ranges.push(start..start + edit.text.len());
+            moved += edit.text.len() as isize - edit.range.len() as isize;
         }
     }
 
     /// True if a place is on a changed line.
     fn is_at(&self, path: &Utf8Path, at: &Range<usize>) -> bool {
         let mut ranges = self.lines.get(path).into_iter().flatten();
-        ranges.any(|it| it.start <= at.end && at.start <= it.end)
+        ranges.any(|range| range.start <= at.end && at.start <= range.end)
     }
 }
 
@@ -311,7 +311,7 @@ impl Findings {
         out.errors = out
             .all
             .iter()
-            .filter(|it| it.severity == Severity::Error)
+            .filter(|diagnostic| diagnostic.severity == Severity::Error)
             .count();
         let mut compared = Vec::new();
         for folder in project.folders(roots, &mut Vec::new()) {
@@ -323,13 +323,14 @@ impl Findings {
             let shown = diagnostics(&found, &*folder.unit.locations, Side::First);
             out.all.extend(shown);
             let index = compared.len();
-            out.drifts.extend(found.into_iter().map(|it| (index, it)));
+            out.drifts
+                .extend(found.into_iter().map(|drift| (index, drift)));
             compared.push((folder, all));
         }
         out.all.extend(project.unused_allowances(&compared));
-        out.folders = compared.into_iter().map(|it| it.0).collect();
-        for it in &out.all {
-            *out.counts.entry(it.code).or_default() += 1;
+        out.folders = compared.into_iter().map(|pair| pair.0).collect();
+        for diagnostic in &out.all {
+            *out.counts.entry(diagnostic.code).or_default() += 1;
         }
         out
     }
@@ -347,16 +348,27 @@ impl Findings {
         let mismatch = DriftCode::SignatureMismatch.as_str();
         let follows = after.count(mismatch) < self.count(mismatch);
         let in_body = [DriftCode::UndeclaredName, DriftCode::ConstantWrite];
-        let is_left = |code: &str| follows && in_body.iter().any(|it| it.as_str() == code);
+        let is_left = |code: &str| {
+            follows
+                && in_body
+                    .iter()
+                    .any(|undeclared_name| undeclared_name.as_str() == code)
+        };
         let mut out = Vec::new();
         for (&code, &count) in &after.counts {
             if count <= self.count(code) || is_left(code) {
                 continue;
             }
-            let waits = lints::find(code).is_some_and(|it| it.absence);
-            let new = after.all.iter().filter(|it| it.code == code);
-            let mut told = new.filter(|it| it.severity <= Severity::Warning);
-            if !reveals || !waits && told.any(|it| touched.is_at(&it.path, &it.range)) {
+            let waits = lints::find(code).is_some_and(|code| code.absence);
+            let new = after
+                .all
+                .iter()
+                .filter(|diagnostic| diagnostic.code == code);
+            let mut told = new.filter(|diagnostic| diagnostic.severity <= Severity::Warning);
+            if !reveals
+                || !waits
+                    && told.any(|diagnostic| touched.is_at(&diagnostic.path, &diagnostic.range))
+            {
                 out.push(code);
             }
         }
@@ -365,9 +377,9 @@ impl Findings {
 
     /// True if every finding of a code has a repair that adapts the sources.
     fn is_followed(&self, code: &&'static str) -> bool {
-        let of_code = |it: &&(usize, Drift)| it.1.code.as_str() == *code;
+        let of_code = |pair: &&(usize, Drift)| pair.1.code.as_str() == *code;
         let mut found = self.drifts.iter().filter(of_code).peekable();
-        found.peek().is_some() && found.all(|it| it.1.following().is_some())
+        found.peek().is_some() && found.all(|drift| drift.1.following().is_some())
     }
 
     /// The repairs that adapt the sources to findings of some codes, as one edit.
@@ -378,17 +390,17 @@ impl Findings {
             for expected in &folder.expected() {
                 let repairs = project.repairs(folder, expected, &options);
                 let mut stubs = Vec::new();
-                let here = self.drifts.iter().filter(|(at, it)| {
+                let here = self.drifts.iter().filter(|(at, drift)| {
                     *at == index
-                        && it.component == expected.component
-                        && codes.contains(&it.code.as_str())
+                        && drift.component == expected.component
+                        && codes.contains(&drift.code.as_str())
                 });
                 for (_, drift) in here {
                     match drift.following() {
                         Some(Repair::Stub { at }) => stubs.push(*at),
                         Some(repair) => {
                             let one = repairs.edit(repair);
-                            one.into_iter().for_each(|it| _ = edit.merge(it));
+                            one.into_iter().for_each(|change| _ = edit.merge(change));
                         }
                         None => {}
                     }

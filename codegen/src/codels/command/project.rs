@@ -66,7 +66,7 @@ impl<'a> Project<'a> {
         {
             self.overlay.insert(path.clone(), text.clone());
         }
-        let text = text.map(|it| it.to_string());
+        let text = text.map(|text| text.to_string());
         self.host.apply(Change {
             files: vec![(path, text)],
             ..Change::default()
@@ -76,17 +76,17 @@ impl<'a> Project<'a> {
     /// Findings of the specifications of some roots, and of the files they include.
     pub fn diagnostics(&self, roots: &[Utf8PathBuf]) -> Vec<Diagnostic> {
         let analysis = self.host.analysis();
-        let reports = roots.iter().map(|it| analysis.root_diagnostics(it));
-        let found = reports.flatten().flat_map(|it| it.to_vec());
+        let reports = roots.iter().map(|root| analysis.root_diagnostics(root));
+        let found = reports.flatten().flat_map(|report| report.to_vec());
         let mut seen = FxHashSet::default();
         found
-            .filter(|it| !self.refutes(it))
-            .filter(|it| {
+            .filter(|report| !self.refutes(report))
+            .filter(|report| {
                 seen.insert((
-                    it.path.clone(),
-                    it.range.clone(),
-                    it.code,
-                    it.message.clone(),
+                    report.path.clone(),
+                    report.range.clone(),
+                    report.code,
+                    report.message.clone(),
                 ))
             })
             .collect()
@@ -141,7 +141,7 @@ impl<'a> Project<'a> {
                 errors.push(format!("{root}: cannot read the file"));
                 continue;
             }
-            for mut folder in folder::folders(&unit, &mut |it| self.sources(it)) {
+            for mut folder in folder::folders(&unit, &mut |path| self.sources(path)) {
                 let specification = folder.specification.clone();
                 folder.retain(|name| seen.insert((specification.clone(), name.clone())));
                 if !folder.components.is_empty() {
@@ -156,7 +156,7 @@ impl<'a> Project<'a> {
     /// True if the text of a specification has errors, so that it cannot be compared completely.
     pub fn has_errors_in_text(&self, root: &Utf8Path) -> bool {
         let unit = self.host.analysis().root_unit(root);
-        unit.is_ok_and(|it| it.has_errors_in_text())
+        unit.is_ok_and(|unit| unit.has_errors_in_text())
     }
 
     fn sources(&self, specification: &Utf8Path) -> Sources {
@@ -179,7 +179,7 @@ impl<'a> Project<'a> {
 
     /// Comments on both sides that allow findings which do not occur.
     pub fn unused_allowances(&self, compared: &[(Folder, Vec<Drift>)]) -> Vec<Diagnostic> {
-        let compared: Vec<_> = compared.iter().map(|it| (&it.0, &*it.1)).collect();
+        let compared: Vec<_> = compared.iter().map(|pair| (&pair.0, &*pair.1)).collect();
         folder::unused_allowances(&compared, &self.host.analysis()).unwrap_or_default()
     }
 
@@ -222,7 +222,7 @@ impl Files for Project<'_> {
         let below = self
             .overlay
             .keys()
-            .filter_map(|it| it.strip_prefix(folder).ok());
+            .filter_map(|key| key.strip_prefix(folder).ok());
         let below: Vec<Utf8PathBuf> = below.map(Utf8Path::to_owned).collect();
         match self.files.list(folder) {
             Some(mut listing) => {

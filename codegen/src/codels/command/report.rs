@@ -85,7 +85,10 @@ impl CheckReport {
     /// The exit status: 0 without drift, 1 with drift (hints do not count), 2 if a specification could not be
     /// compared.
     pub fn exit_code(&self) -> u8 {
-        let drift = self.findings.iter().any(|it| it.severity != Severity::Hint);
+        let drift = self
+            .findings
+            .iter()
+            .any(|finding| finding.severity != Severity::Hint);
         match (self.errors.is_empty(), drift) {
             (false, _) => 2,
             (true, true) => 1,
@@ -107,29 +110,29 @@ impl CheckReport {
         let short =
             |path: &Utf8Path| -> String { path.strip_prefix(base).unwrap_or(path).to_string() };
         let mut out = String::new();
-        for it in &self.findings {
-            let severity = match it.severity {
+        for finding in &self.findings {
+            let severity = match finding.severity {
                 Severity::Error => "error",
                 Severity::Warning => "warning",
                 Severity::Information => "info",
                 Severity::Hint => "hint",
             };
-            if let Some(at) = &it.at {
+            if let Some(at) = &finding.at {
                 let _ = write!(out, "{}:{}:{}: ", short(&at.path), at.line, at.column);
             }
-            let _ = writeln!(out, "{severity}: {} [{}]", it.message, it.code);
-            for place in &it.related {
+            let _ = writeln!(out, "{severity}: {} [{}]", finding.message, finding.code);
+            for place in &finding.related {
                 let _ = writeln!(
                     out,
                     "  {}:{}:{}: codel of component {}",
                     short(&place.path),
                     place.line,
                     place.column,
-                    it.component
+                    finding.component
                 );
             }
-            if let (Some(expected), Some(found)) = (&it.expected, &it.found)
-                && it.code == "codel/signature-mismatch"
+            if let (Some(expected), Some(found)) = (&finding.expected, &finding.found)
+                && finding.code == "codel/signature-mismatch"
             {
                 let _ = writeln!(out, "  expected: {}", one_line(expected));
                 let _ = writeln!(out, "  found:    {}", one_line(found));
@@ -138,27 +141,27 @@ impl CheckReport {
         for error in &self.errors {
             let _ = writeln!(out, "{error}");
         }
-        for it in &self.folders {
-            let components = it.components.join(", ");
-            let spec = short(&it.specification);
-            let _ = if it.exists {
+        for folder in &self.folders {
+            let components = folder.components.join(", ");
+            let spec = short(&folder.specification);
+            let _ = if folder.exists {
                 writeln!(
                     out,
                     "{spec}: {components}: {} of {} codels defined in {} ({} sources)",
-                    it.defined,
-                    it.codels,
-                    short(&it.folder),
-                    it.sources
+                    folder.defined,
+                    folder.codels,
+                    short(&folder.folder),
+                    folder.sources
                 )
-                .and_then(|()| match it.coverage.is_complete() {
+                .and_then(|()| match folder.coverage.is_complete() {
                     true => Ok(()),
-                    false => writeln!(out, "{spec}: {components}: {}", it.coverage),
+                    false => writeln!(out, "{spec}: {components}: {}", folder.coverage),
                 })
             } else {
                 writeln!(
                     out,
                     "{spec}: {components}: no folder {}: nothing compared",
-                    short(&it.folder)
+                    short(&folder.folder)
                 )
             };
         }
@@ -168,17 +171,17 @@ impl CheckReport {
     pub(super) fn add(&mut self, project: &Project<'_>, folder: &Folder) {
         let all = folder.expected();
         let files = || folder.sources.all();
-        let functions = all.iter().flat_map(|it| &it.functions);
-        let defined = functions
-            .clone()
-            .filter(|it| files().any(|file| file.index.definitions(&it.name).next().is_some()));
+        let functions = all.iter().flat_map(|expected| &expected.functions);
+        let defined = functions.clone().filter(|function| {
+            files().any(|file| file.index.definitions(&function.name).next().is_some())
+        });
         self.folders.push(FolderSummary {
             specification: folder.specification.clone(),
             folder: folder.sources.folder.clone(),
             exists: folder.sources.exists,
             components: all
                 .iter()
-                .map(|it| it.component().name.to_string())
+                .map(|expected| expected.component().name.to_string())
                 .collect(),
             sources: folder.sources.sources.len(),
             codels: functions.clone().count(),
@@ -190,13 +193,13 @@ impl CheckReport {
             let before = text.as_bytes().get(..range.start).unwrap_or_default();
             let line_start = before
                 .iter()
-                .rposition(|it| *it == b'\n')
-                .map_or(0, |it| it + 1);
+                .rposition(|byte| *byte == b'\n')
+                .map_or(0, |index| index + 1);
             FindingPlace {
                 path: path.to_owned(),
                 start: range.start,
                 end: range.end,
-                line: 1 + before.iter().filter(|it| **it == b'\n').count(),
+                line: 1 + before.iter().filter(|byte| **byte == b'\n').count(),
                 column: 1 + range.start - line_start,
             }
         };
@@ -204,12 +207,12 @@ impl CheckReport {
             let source = drift
                 .source
                 .iter()
-                .map(|it| place(&it.path, it.range.clone()));
+                .map(|source| place(&source.path, source.range.clone()));
             let spec = drift
                 .spec
                 .iter()
-                .filter_map(|&it| folder.unit.locations.locate(it));
-            let spec = spec.map(|it| place(&it.path, it.range));
+                .filter_map(|&spec| folder.unit.locations.locate(spec));
+            let spec = spec.map(|spec| place(&spec.path, spec.range));
             let mut places = source.chain(spec);
             let component = &folder.unit.spec.components[drift.component as usize];
             self.findings.push(Finding {

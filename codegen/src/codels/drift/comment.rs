@@ -46,7 +46,7 @@ pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut
 /// comments of later uses have no function: the next declaration follows them.
 fn described_use(check: &Check<'_>, comment: &Generated, nearest: bool) -> Option<CodelRef> {
     let component = check.expected.component();
-    let owner = |it: &&CodelRef| owner_words(component, it.owner).1 == comment.owner.as_str();
+    let owner = |codel: &&CodelRef| owner_words(component, codel.owner).1 == comment.owner.as_str();
     if let Some(other) = check.expected.function(&comment.codel)
         && other.name != check.function.name
     {
@@ -96,14 +96,14 @@ fn false_statements(check: &Check<'_>, at: CodelRef, comment: &Generated) -> Vec
     let throws = expected.throws_of(at.owner);
     let throws: Vec<String> = throws
         .into_iter()
-        .map(|it| {
-            let name = expected.spec.full_name(it).unwrap_or_default();
+        .map(|exception| {
+            let name = expected.spec.full_name(exception).unwrap_or_default();
             text::c_name(cut_tag(&name, &component.name).1)
         })
         .collect();
     let mut sentence = |is: &[String], said: &Option<Vec<smol_str::SmolStr>>, words: &str| {
-        let said = said.as_deref().unwrap_or_default().iter().map(|it| {
-            let (paused, name) = cut_tag(it, &component.name);
+        let said = said.as_deref().unwrap_or_default().iter().map(|text| {
+            let (paused, name) = cut_tag(text, &component.name);
             let name = text::c_name(name);
             if paused {
                 format!("pause::{name}")

@@ -63,7 +63,7 @@ impl Flow<'_> {
 
     fn returns(&self, outcome: &mut Outcome, out: &mut Vec<Drift>) {
         let mut reported: FxHashSet<SmolStr> = FxHashSet::default();
-        for value in self.body.returns.iter().flat_map(|it| &it.values) {
+        for value in self.body.returns.iter().flat_map(|result| &result.values) {
             outcome.any = true;
             match value {
                 Value::Unknown => outcome.unknown = true,
@@ -141,8 +141,8 @@ impl Flow<'_> {
             .sources
             .all()
             .flat_map(|file| &file.index.functions)
-            .filter(|it| it.name == name)
-            .filter_map(|it| it.body.as_ref())
+            .filter(|function| function.name == name)
+            .filter_map(|function| function.body.as_ref())
             .collect();
         let [body] = all.as_slice() else {
             outcome.unknown = true;
@@ -151,7 +151,7 @@ impl Flow<'_> {
         let helper = Flow { body, ..*self };
         outcome.unknown |= depth == 0 || body.broken || helper.hides_returns();
         outcome.mentioned.extend(body.mentions.iter().cloned());
-        for value in body.returns.iter().flat_map(|it| &it.values) {
+        for value in body.returns.iter().flat_map(|result| &result.values) {
             match value {
                 Value::Call { call, .. } if !outcome.unknown => {
                     let call = &body.calls[*call];
@@ -182,9 +182,9 @@ impl Flow<'_> {
         if expected.language == Language::Cxx {
             // Scopes may be missing after `using namespace`.
             let mut all = expected.events.keys();
-            let long = all.find(|it| {
-                it.strip_suffix(name.as_str())
-                    .is_some_and(|it| it.ends_with("::"))
+            let long = all.find(|key| {
+                key.strip_suffix(name.as_str())
+                    .is_some_and(|stem| stem.ends_with("::"))
             });
             if long.is_some() {
                 return long.cloned();
@@ -198,8 +198,9 @@ impl Flow<'_> {
     /// True if the sources declare the name, so that it is not a name of the specification.
     fn is_declared(&self, name: &str) -> bool {
         let short = name.rsplit("::").next().unwrap_or(name);
-        self.check.sources.all().any(|it| {
-            it.index.names.contains(short) || it.index.macros.iter().any(|it| it.name == short)
+        self.check.sources.all().any(|file| {
+            file.index.names.contains(short)
+                || file.index.macros.iter().any(|known| known.name == short)
         })
     }
 
@@ -208,13 +209,13 @@ impl Flow<'_> {
         self.body
             .calls
             .iter()
-            .filter(|it| it.statement)
+            .filter(|call| call.statement)
             .any(|call| {
                 let name = &call.name;
-                let macros = self.check.sources.all().flat_map(|it| &it.index.macros);
-                let mut known = macros.filter(|it| it.name == *name).peekable();
+                let macros = self.check.sources.all().flat_map(|file| &file.index.macros);
+                let mut known = macros.filter(|defined| defined.name == *name).peekable();
                 if known.peek().is_some() {
-                    return known.any(|it| it.returns);
+                    return known.any(|definition| definition.returns);
                 }
                 let loud = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
                 name.chars().all(loud)
@@ -225,7 +226,7 @@ impl Flow<'_> {
         let expected = self.expected();
         let name = &self.check.function.name;
         let component = expected.component();
-        let fsm = |it: &&CodelRef| component.codel(**it).kind == CodelKind::Fsm;
+        let fsm = |codel: &&CodelRef| component.codel(**codel).kind == CodelKind::Fsm;
         let machine = self.check.function.uses.iter().find(fsm);
         let (function, event_name) = (name.clone(), event.into());
         let kind = match machine {
@@ -234,7 +235,7 @@ impl Flow<'_> {
                 Difference::ReturnsOk {
                     function,
                     event: event_name,
-                    yields: States(first.map(|&it| yields(expected, it)).unwrap_or_default()),
+                    yields: States(first.map(|&of| yields(expected, of)).unwrap_or_default()),
                 }
             }
             None => Difference::HasNoStates {
@@ -258,7 +259,7 @@ impl Flow<'_> {
             }
         }
         let declared = self.returnable(event).into_iter();
-        let declared = declared.filter_map(|it| self.returning(event, &it));
+        let declared = declared.filter_map(|text| self.returning(event, &text));
         for way in declared.map(Repair::ReturnDeclared) {
             if !drift.repairs.contains(&way) {
                 drift.repairs.push(way);
@@ -273,21 +274,23 @@ impl Flow<'_> {
         let component = self.expected().component();
         let machine = Machine::new(component.codels_of(at.owner));
         let own = &component.codel(at).triggers;
-        let is_own = |it: &str| own.iter().any(|own| own.name == it);
+        let is_own = |name: &str| own.iter().any(|own| own.name == name);
         if state.starts_with("pause::") || !machine.reaches_without_pause(state, is_own) {
             return None;
         }
         let paused = self.expected().paused(event)?;
         let returns = self.returning(event, &paused)?;
         let mut yields = component.codel(at).yields.iter();
-        Some(match yields.any(|it| it.paused && it.name == state) {
-            true => Repair::ReturnDeclared(returns),
-            false => Repair::AddPausedYield {
-                at,
-                state: state.to_owned(),
-                returns,
+        Some(
+            match yields.any(|other| other.paused && other.name == state) {
+                true => Repair::ReturnDeclared(returns),
+                false => Repair::AddPausedYield {
+                    at,
+                    state: state.to_owned(),
+                    returns,
+                },
             },
-        })
+        )
     }
 
     /// Events that the function may return in place of one, the most similar name first. If there are any
@@ -298,28 +301,31 @@ impl Flow<'_> {
         let mut all: Vec<SmolStr> = Vec::new();
         for &at in &self.check.function.uses {
             let codel = component.codel(at);
-            let yields = codel.yields.iter().map(|it| expected.spelling(it.event));
+            let yields = codel
+                .yields
+                .iter()
+                .map(|state| expected.spelling(state.event));
             match codel.kind {
                 CodelKind::Fsm => all.extend(yields),
                 _ => all.push(expected.ok().into()),
             }
         }
         let mut seen = FxHashSet::default();
-        all.retain(|it| it != event && seen.insert(it.clone()));
-        let unused = |it: &SmolStr| self.returned_places(it).next().is_none();
+        all.retain(|name| name != event && seen.insert(name.clone()));
+        let unused = |event: &SmolStr| self.returned_places(event).next().is_none();
         if all.iter().any(unused) {
             all.retain(unused);
         }
         let near = nearest(event, all.iter().map(SmolStr::as_str)).map(SmolStr::from);
-        all.sort_by_key(|it| Some(it) != near.as_ref());
+        all.sort_by_key(|text| Some(text) != near.as_ref());
         all.truncate(MAX_SUGGESTIONS);
         all
     }
 
     /// The places where the function returns an event by its name.
     fn returned_places<'s>(&'s self, event: &'s str) -> impl Iterator<Item = &'s Span> {
-        let values = self.body.returns.iter().flat_map(|it| &it.values);
-        values.filter_map(move |it| match it {
+        let values = self.body.returns.iter().flat_map(|result| &result.values);
+        values.filter_map(move |result| match result {
             Value::Name { name, span, .. } => {
                 (self.event(name).as_deref() == Some(event)).then_some(span)
             }
@@ -346,7 +352,7 @@ impl Flow<'_> {
             let written = text.get(span.clone())?;
             let left_out = from.strip_suffix(written).unwrap_or_default();
             let short = to.strip_prefix(left_out).unwrap_or(to).to_owned();
-            if out.iter().all(|it| it.0 != *span) {
+            if out.iter().all(|entry| entry.0 != *span) {
                 out.push((span.clone(), short));
             }
         }
@@ -369,27 +375,33 @@ impl Flow<'_> {
         let here = name == "ether"
             || codels
                 .iter()
-                .flat_map(|it| &it.triggers)
-                .any(|it| it.name == name);
+                .flat_map(|codel| &codel.triggers)
+                .any(|trigger| trigger.name == name);
         let pause = if paused { "pause::" } else { "" };
         here.then(|| format!("{pause}{name}"))
     }
 
     fn raises(&self, out: &mut Vec<Drift>) {
         let mut reported: FxHashSet<SmolStr> = FxHashSet::default();
-        let throws = self.body.throws.iter().map(|it| (&it.name, &it.span, None));
+        let throws = self
+            .body
+            .throws
+            .iter()
+            .map(|exception| (&exception.name, &exception.span, None));
         let calls = self
             .body
             .calls
             .iter()
-            .map(|it| (&it.name, &it.span, Some(it)));
+            .map(|call| (&call.name, &call.span, Some(call)));
         let mut all: Vec<_> = throws.chain(calls).collect();
-        all.sort_by_key(|it| it.1.start);
+        all.sort_by_key(|exception| exception.1.start);
         for (name, span, call) in all {
             let exception = self.exception(name);
             let allowed = match exception {
-                Some(it) => self.check.function.throws.contains(&it) || self.may_throw(it),
-                None => !call.is_some_and(|it| self.is_undeclared_raise(it)),
+                Some(exception) => {
+                    self.check.function.throws.contains(&exception) || self.may_throw(exception)
+                }
+                None => !call.is_some_and(|call| self.is_undeclared_raise(call)),
             };
             if !allowed && reported.insert(name.clone()) {
                 out.push(self.undeclared_throw(name, span, exception));
@@ -404,25 +416,27 @@ impl Flow<'_> {
         let trust = &check.options.trust;
         let broken = trust.is_broken(check.expected, check.function);
         let scope = check.expected.spec.ty(exception).scope.first();
-        let own = scope.is_some_and(|it| it.name == check.expected.component().name);
+        let own = scope.is_some_and(|scope| scope.name == check.expected.component().name);
         broken || check.function.may_throw_more && !(own && trust.lacks_files)
     }
 
     /// The exception of a name.
     fn exception(&self, name: &SmolStr) -> Option<TypeId> {
         let expected = self.expected();
-        if let Some(&it) = expected.exceptions.get(name) {
-            return Some(it);
+        if let Some(&exception) = expected.exceptions.get(name) {
+            return Some(exception);
         }
         if expected.language != Language::Cxx {
             return None;
         }
         let mut all = expected.exceptions.iter();
-        let long = all.find(|it| {
-            it.0.strip_suffix(name.as_str())
-                .is_some_and(|it| it.ends_with("::"))
+        let long = all.find(|exception| {
+            exception
+                .0
+                .strip_suffix(name.as_str())
+                .is_some_and(|stem| stem.ends_with("::"))
         });
-        long.map(|it| *it.1)
+        long.map(|exception| *exception.1)
     }
 
     /// True for a call in the form of a raise, with a name of the component that is not declared.
@@ -434,7 +448,7 @@ impl Flow<'_> {
         }
         let prefix = format!("{}_e_", expected.component().name);
         let context = self.found.function.parameters.last();
-        let context = context.and_then(|it| it.name.as_ref());
+        let context = context.and_then(|context| context.name.as_ref());
         expected.language == Language::C
             && call.name.starts_with(&prefix)
             && matches!(call.arguments, 1 | 2)
@@ -468,7 +482,7 @@ impl Flow<'_> {
             }
         }
         let declared = self.raisable(name, exception).into_iter();
-        let declared = declared.filter_map(|it| self.raising(name, &it));
+        let declared = declared.filter_map(|text| self.raising(name, &text));
         drift.repairs.extend(declared.map(Repair::RaiseDeclared));
         drift
     }
@@ -477,44 +491,48 @@ impl Flow<'_> {
     /// details of others have their own types.
     fn raisable(&self, name: &str, exception: Option<TypeId>) -> Vec<SmolStr> {
         let expected = self.expected();
-        let is_plain = |it: TypeId| match &expected.spec.ty(it).kind {
+        let is_plain = |ty: TypeId| match &expected.spec.ty(ty).kind {
             TypeKind::Exception { members } => members.is_empty(),
             _ => false,
         };
         let mut calls = self.body.calls.iter();
         let plain = match exception {
-            Some(it) => is_plain(it),
+            Some(exception) => is_plain(exception),
             // In C, the only argument is the context.
-            None => calls.any(|it| it.name == name && it.arguments == 1),
+            None => calls.any(|call| call.name == name && call.arguments == 1),
         };
         let throws = self.check.function.throws.iter().copied();
-        let throws = throws.filter(|&it| plain && is_plain(it) && Some(it) != exception);
-        let mut all: Vec<SmolStr> = throws.map(|it| expected.spelling(it)).collect();
+        let throws = throws.filter(|&ty| plain && is_plain(ty) && Some(ty) != exception);
+        let mut all: Vec<SmolStr> = throws.map(|ty| expected.spelling(ty)).collect();
         all.sort();
         let near = nearest(name, all.iter().map(SmolStr::as_str)).map(SmolStr::from);
-        all.sort_by_key(|it| Some(it) != near.as_ref());
+        all.sort_by_key(|spelling| Some(spelling) != near.as_ref());
         all.truncate(MAX_SUGGESTIONS);
         all
     }
 
     /// The repair that raises another exception where the function itself raises one.
     fn raising(&self, name: &str, to: &str) -> Option<NameReplacement> {
-        let throws = self.body.throws.iter().map(|it| (&it.name, &it.span));
-        let calls = self.body.calls.iter().map(|it| (&it.name, &it.span));
-        let places = throws.chain(calls).filter(|it| it.0 == name);
+        let throws = self
+            .body
+            .throws
+            .iter()
+            .map(|exception| (&exception.name, &exception.span));
+        let calls = self.body.calls.iter().map(|call| (&call.name, &call.span));
+        let places = throws.chain(calls).filter(|exception| exception.0 == name);
         let from = match self.exception(&name.into()) {
-            Some(it) => self.expected().spelling(it),
+            Some(exception) => self.expected().spelling(exception),
             None => name.into(),
         };
-        self.respelled(places.map(|it| it.1), &from, to)
+        self.respelled(places.map(|place| place.1), &from, to)
     }
 
     fn owners(&self) -> String {
         let component = self.expected().component();
         let uses = self.check.function.uses.iter();
         let mut out: Vec<String> = uses
-            .map(|it| {
-                let (kind, name) = crate::codels::expected::owner_words(component, it.owner);
+            .map(|usage| {
+                let (kind, name) = crate::codels::expected::owner_words(component, usage.owner);
                 format!("{kind} `{name}`")
             })
             .collect();
@@ -553,14 +571,15 @@ fn never_yielded(
             });
             drift.spec = vec![state.src];
             let found = definitions.first();
-            drift.source = found.map(|it| it.at(it.function.name_span.clone()));
+            drift.source =
+                found.map(|definition| definition.at(definition.function.name_span.clone()));
             drift.expected = Some(event.to_string());
             if codel.yields.len() > 1 {
                 drift.repairs.push(Repair::RemoveYield { at, index });
             }
             // An event that the code returns without permission may be a wrong spelling of this one.
             let mut others: Vec<&SmolStr> = outcome.returned.iter().collect();
-            others.retain(|it| !check.function.returns.contains(*it));
+            others.retain(|text| !check.function.returns.contains(*text));
             others.sort();
             for found in definitions {
                 let Some(body) = &found.function.body else {
@@ -568,7 +587,9 @@ fn never_yielded(
                 };
                 let found = *found;
                 let flow = Flow { check, found, body };
-                let ways = others.iter().filter_map(|it| flow.returning(it, &event));
+                let ways = others
+                    .iter()
+                    .filter_map(|name| flow.returning(name, &event));
                 drift.repairs.extend(ways.map(Repair::ReturnDeclared));
             }
             out.push(drift);

@@ -59,17 +59,17 @@ pub(super) fn check(
         .spec
         .open
         .iter()
-        .map(|it| expected.spelling(*it))
+        .map(|ty| expected.spelling(*ty))
         .collect();
     let mapped: FxHashMap<SmolStr, Vec<SmolStr>> = types
         .structures()
         // A type that is declared in a missing file has no known members.
-        .filter(|it| !it.1.is_empty() && !open.contains(it.0))
+        .filter(|structure| !structure.1.is_empty() && !open.contains(structure.0))
         .map(|(name, members)| (name.clone(), members.keys().cloned().collect()))
         .collect();
     let known: FxHashSet<&str> = mapped.values().flatten().map(SmolStr::as_str).collect();
     // Most sources use only known members and are not parsed again.
-    let strange = |it: &IndexedFile| field_words(&it.text).any(|word| !known.contains(word));
+    let strange = |file: &IndexedFile| field_words(&file.text).any(|word| !known.contains(word));
     let mut members = Members {
         expected,
         options,
@@ -84,7 +84,7 @@ pub(super) fn check(
             types.read(&file.text, file.index.grammar);
         }
         members.types = types;
-        sources.all().for_each(|it| members.read(it));
+        sources.all().for_each(|file| members.read(file));
     }
     members.read_parameters(sources);
     members.report(out);
@@ -120,7 +120,10 @@ impl<'a> Members<'a, '_> {
             }
             !is_function
         });
-        for function in functions.into_iter().filter(|it| !it.has_error()) {
+        for function in functions
+            .into_iter()
+            .filter(|function| !function.has_error())
+        {
             let scope = Scope::new(Some(function), text, &self.types);
             let mut found = Vec::new();
             preorder(function, |node| {
@@ -139,7 +142,7 @@ impl<'a> Members<'a, '_> {
                 if self
                     .types
                     .members_of(&structure)
-                    .is_some_and(|it| it.contains_key(&name))
+                    .is_some_and(|member| member.contains_key(&name))
                 {
                     self.used.insert((structure, name));
                 } else if !self.options.trust.may_have_member(&name) {
@@ -167,7 +170,10 @@ impl<'a> Members<'a, '_> {
             for file in sources.all() {
                 for found in file.index.definitions(&function.name) {
                     // With another number of parameters, the position may refer to another parameter.
-                    let wanted = function.shape.as_ref().map_or(0, |it| it.parameters.len());
+                    let wanted = function
+                        .shape
+                        .as_ref()
+                        .map_or(0, |shape| shape.parameters.len());
                     if wanted != found.parameters.len() {
                         continue;
                     }
@@ -197,11 +203,11 @@ impl<'a> Members<'a, '_> {
         let component = self.expected.component();
         let mut params = component
             .all_codels()
-            .flat_map(|it| &component.codel(it).params);
-        let members = self.ids().and_then(|it| self.mapped.get(&it));
+            .flat_map(|codel| &component.codel(codel).params);
+        let members = self.ids().and_then(|text| self.mapped.get(&text));
         let mut members = members.into_iter().flatten();
-        params.any(|it| it.name == name)
-            || members.any(|it| it == name)
+        params.any(|param| param.name == name)
+            || members.any(|member| member == name)
             || self.options.trust.may_declare(name)
     }
 
@@ -213,14 +219,16 @@ impl<'a> Members<'a, '_> {
             let to = renamed.get(&(structure.clone(), name.clone()));
             let mut places: Vec<(Utf8PathBuf, Span)> = uses
                 .iter()
-                .map(|it| (it.file.path.clone(), it.span.clone()))
+                .map(|usage| (usage.file.path.clone(), usage.span.clone()))
                 .collect();
             if let Some(to) = to.filter(|_| ids.as_ref() == Some(structure))
                 && let Some((key, all)) = self.parameters.get_key_value(&(name.clone(), to.clone()))
             {
                 followed.insert((&key.0, &key.1));
                 places.extend(all.iter().flat_map(|(file, _, places)| {
-                    places.iter().map(|it| (file.path.clone(), it.clone()))
+                    places
+                        .iter()
+                        .map(|place| (file.path.clone(), place.clone()))
                 }));
             }
             let repair = to.map(|to| Repair::FollowMember {
@@ -233,13 +241,13 @@ impl<'a> Members<'a, '_> {
                 structure: structure.as_str().into(),
                 member: name.as_str().into(),
             };
-            for it in uses {
+            for usage in uses {
                 let spec = self.declared(structure, to).into_iter();
                 out.push(Drift {
                     repairs: repair.iter().cloned().collect(),
                     found: Some(name.to_string()),
                     expected: to.map(ToString::to_string),
-                    ..self.drift(kind.clone(), spec.collect(), it.file, it.span.clone())
+                    ..self.drift(kind.clone(), spec.collect(), usage.file, usage.span.clone())
                 });
             }
         }
@@ -258,10 +266,12 @@ impl<'a> Members<'a, '_> {
             let places: Vec<(Utf8PathBuf, Span)> = all
                 .iter()
                 .flat_map(|(file, _, places)| {
-                    places.iter().map(|it| (file.path.clone(), it.clone()))
+                    places
+                        .iter()
+                        .map(|place| (file.path.clone(), place.clone()))
                 })
                 .collect();
-            for (file, span, own) in all.iter().filter(|it| !it.2.is_empty()) {
+            for (file, span, own) in all.iter().filter(|triple| !triple.2.is_empty()) {
                 let kind = Difference::FormerMember {
                     parameter: name.as_str().into(),
                     member: to.as_str().into(),
@@ -315,9 +325,9 @@ impl<'a> Members<'a, '_> {
         let TypeKind::Struct { members } = &ty.kind else {
             return Some(ty.src);
         };
-        let mut members = members.iter().map(|it| spec.ty(*it));
-        let named = members.find(|it| it.name.as_deref() == member.map(SmolStr::as_str));
-        Some(named.map_or(ty.src, |it| it.src))
+        let mut members = members.iter().map(|member| spec.ty(*member));
+        let named = members.find(|ty| ty.name.as_deref() == member.map(SmolStr::as_str));
+        Some(named.map_or(ty.src, |member| member.src))
     }
 
     /// The present names of unknown members. A present name is the member that a parameter of the old name
@@ -326,31 +336,34 @@ impl<'a> Members<'a, '_> {
     /// its uses.
     fn renamed(&self) -> FxHashMap<Unknown, SmolStr> {
         let mut out = FxHashMap::default();
-        let mut structures: Vec<&SmolStr> = self.unknown.keys().map(|it| &it.0).collect();
+        let mut structures: Vec<&SmolStr> = self.unknown.keys().map(|key| &key.0).collect();
         structures.dedup();
         for structure in structures {
             let mut lost: Vec<&SmolStr> = Vec::new();
             lost.extend(
                 self.unknown
                     .keys()
-                    .filter(|it| it.0 == *structure)
-                    .map(|it| &it.1),
+                    .filter(|key| key.0 == *structure)
+                    .map(|key| &key.1),
             );
             let mut free: Vec<&SmolStr> =
                 self.mapped.get(structure).into_iter().flatten().collect();
-            free.retain(|it| !self.used.contains(&(structure.clone(), (*it).clone())));
+            free.retain(|text| !self.used.contains(&(structure.clone(), (*text).clone())));
             free.sort();
             let mut pairs: Vec<(SmolStr, SmolStr)> = Vec::new();
             for name in &lost {
-                if let Some(to) = self.called(structure, name).filter(|it| free.contains(it)) {
+                if let Some(to) = self
+                    .called(structure, name)
+                    .filter(|text| free.contains(text))
+                {
                     pairs.push(((*name).clone(), to.clone()));
                 }
             }
-            lost.retain(|it| pairs.iter().all(|pair| pair.0 != **it));
-            free.retain(|it| pairs.iter().all(|pair| pair.1 != **it));
+            lost.retain(|text| pairs.iter().all(|pair| pair.0 != **text));
+            free.retain(|text| pairs.iter().all(|pair| pair.1 != **text));
             for name in &lost {
-                let to = nearest(name, free.iter().map(|it| it.as_str()));
-                let back = to.and_then(|to| nearest(to, lost.iter().map(|it| it.as_str())));
+                let to = nearest(name, free.iter().map(|text| text.as_str()));
+                let back = to.and_then(|to| nearest(to, lost.iter().map(|text| text.as_str())));
                 if let Some(to) = to.filter(|_| back == Some(name)) {
                     pairs.push(((*name).clone(), to.into()));
                 }
@@ -360,7 +373,7 @@ impl<'a> Members<'a, '_> {
                 let uses = self.unknown.get(&key).into_iter().flatten();
                 if uses
                     .into_iter()
-                    .all(|it| self.fits(structure, &to, &it.shape))
+                    .all(|usage| self.fits(structure, &to, &usage.shape))
                 {
                     out.insert(key, to);
                 }
@@ -372,7 +385,10 @@ impl<'a> Members<'a, '_> {
     /// The member of the `ids` that parameters of a name refer to, if all refer to one member.
     fn called(&self, structure: &SmolStr, name: &SmolStr) -> Option<&SmolStr> {
         let of_ids = self.ids().as_ref() == Some(structure);
-        let mut all = self.parameters.keys().filter(|it| of_ids && it.0 == *name);
+        let mut all = self
+            .parameters
+            .keys()
+            .filter(|key| of_ids && key.0 == *name);
         let (_, to) = all.next()?;
         all.next().is_none().then_some(to)
     }
@@ -380,7 +396,7 @@ impl<'a> Members<'a, '_> {
     /// True if the type of a member allows a use.
     fn fits(&self, structure: &str, member: &str, shape: &Shape) -> bool {
         let members = self.types.members_of(structure);
-        let Some(ty) = members.and_then(|it| it.get(member)) else {
+        let Some(ty) = members.and_then(|types| types.get(member)) else {
             return false;
         };
         match shape {
@@ -388,9 +404,10 @@ impl<'a> Members<'a, '_> {
             Shape::Elements => self.types.element(ty).is_some(),
             Shape::Member(name) => {
                 let inner = self.types.structure_of(ty);
-                let inner = inner.and_then(|it| Some((self.types.members_of(&it)?, it)));
-                inner.is_some_and(|(all, it)| {
-                    all.contains_key(name) || self.unknown.contains_key(&(it, name.clone()))
+                let inner = inner
+                    .and_then(|structure| Some((self.types.members_of(&structure)?, structure)));
+                inner.is_some_and(|(all, text)| {
+                    all.contains_key(name) || self.unknown.contains_key(&(text, name.clone()))
                 })
             }
         }
@@ -412,7 +429,10 @@ fn structure_of(node: Node<'_>, scope: &Scope<'_>, types: &Types) -> Option<Smol
 
 /// The shape that the use of a member requires.
 fn shape(node: Node<'_>, text: &str) -> Shape {
-    let Some(value) = node.parent().filter(|it| it.kind() == "field_expression") else {
+    let Some(value) = node
+        .parent()
+        .filter(|parent| parent.kind() == "field_expression")
+    else {
         return Shape::Any;
     };
     let Some(around) = value.parent() else {
@@ -424,7 +444,7 @@ fn shape(node: Node<'_>, text: &str) -> Shape {
         }
         "field_expression" if around.child_by_field_name("argument") == Some(value) => {
             let name = around.child_by_field_name("field");
-            let name = name.and_then(|it| text.get(it.byte_range()));
+            let name = name.and_then(|name| text.get(name.byte_range()));
             Shape::Member(name.unwrap_or_default().into())
         }
         _ => Shape::Any,

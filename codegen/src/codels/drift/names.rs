@@ -19,7 +19,7 @@ pub(super) fn check(
 ) {
     for found in definitions {
         let body = found.function.body.as_ref();
-        let Some(body) = body.filter(|it| !it.broken) else {
+        let Some(body) = body.filter(|body| !body.broken) else {
             continue;
         };
         let name = || check.function.name.clone();
@@ -57,29 +57,38 @@ fn named(check: &Check<'_>) -> FxHashSet<Name> {
     let component = check.expected.component();
     let mut out: FxHashSet<Name> = FxHashSet::default();
     for at in component.all_codels() {
-        out.extend(component.codel(at).params.iter().map(|it| it.name.clone()));
+        out.extend(
+            component
+                .codel(at)
+                .params
+                .iter()
+                .map(|param| param.name.clone()),
+        );
     }
     for service in &component.services {
-        out.extend(service.params.iter().map(|it| it.name.clone()));
+        out.extend(service.params.iter().map(|param| param.name.clone()));
     }
     let spec = check.expected.spec;
-    let members = component.ids.map(|it| &spec.ty(it).kind);
+    let members = component.ids.map(|ty| &spec.ty(ty).kind);
     let names = match members {
         Some(TypeKind::Struct { members }) => members.as_slice(),
         _ => &[],
     }
     .iter();
-    out.extend(names.filter_map(|&it| spec.ty(it).name.clone()));
+    out.extend(names.filter_map(|&name| spec.ty(name).name.clone()));
     out
 }
 
 /// True if a source or header of the folder declares a name, or may declare it.
 fn is_declared(check: &Check<'_>, name: &str) -> bool {
     let mut files = check.sources.all();
-    files.any(|it| {
-        let index = &it.index;
+    files.any(|file| {
+        let index = &file.index;
         index.names.contains(name)
             || index.loose.contains(name)
-            || index.macros.iter().any(|it| it.name == name)
+            || index
+                .macros
+                .iter()
+                .any(|definition| definition.name == name)
     })
 }

@@ -22,12 +22,19 @@ pub(super) fn find<'a>(
     let named = |name: &str| {
         options.also_named.contains(name)
             || options.trust.may_declare(name)
-            || all.iter().any(|it| {
-                let mut components = it.spec.components.iter();
-                components.any(|it| it.all_codels().any(|at| it.codel(at).name == name))
+            || all.iter().any(|expected| {
+                let mut components = expected.spec.components.iter();
+                components.any(|component| {
+                    component
+                        .all_codels()
+                        .any(|at| component.codel(at).name == name)
+                })
             })
     };
-    let components: Vec<&str> = all.iter().map(|it| it.component().name.as_str()).collect();
+    let components: Vec<&str> = all
+        .iter()
+        .map(|expected| expected.component().name.as_str())
+        .collect();
     let mut out = Vec::new();
     for file in sources.of_components(&components) {
         for function in &file.index.functions {
@@ -35,7 +42,9 @@ pub(super) fn find<'a>(
             if function.body.is_some()
                 && function.is_global()
                 && !function.is_static
-                && all.iter().any(|it| has_codel_shape(function, it.language))
+                && all
+                    .iter()
+                    .any(|expected| has_codel_shape(function, expected.language))
                 && !named(&function.name)
                 && (comment_names_codel(function) || !is_helper(found, sources))
             {
@@ -49,7 +58,7 @@ pub(super) fn find<'a>(
 /// True if all names in specifications are known. With missing files, all codels that those files declare
 /// would be orphans.
 pub(super) fn are_certain(all: &[Expected<'_>], options: &DriftOptions) -> bool {
-    let elsewhere = |it: &Expected<'_>| it.spec.lacks_declarations(it.component);
+    let elsewhere = |expected: &Expected<'_>| expected.spec.lacks_declarations(expected.component);
     !options.trust.is_cut && !all.iter().any(elsewhere)
 }
 
@@ -62,7 +71,9 @@ fn has_codel_shape(function: &Function, language: Language) -> bool {
             let last = function.parameters.last();
             event
                 && function.result.base == "genom_event"
-                && last.is_some_and(|it| it.ty.base == "genom_context" && it.ty.layers.is_empty())
+                && last.is_some_and(|parameter| {
+                    parameter.ty.base == "genom_context" && parameter.ty.layers.is_empty()
+                })
         }
     }
 }
@@ -71,19 +82,19 @@ fn comment_names_codel(function: &Function) -> bool {
     let mut comments = function
         .comments
         .iter()
-        .filter_map(|it| it.generated.as_ref());
-    comments.any(|it| it.codel == function.name)
+        .filter_map(|comment| comment.generated.as_ref());
+    comments.any(|comment| comment.codel == function.name)
 }
 
 /// True if other functions use it, or if it has a prototype for them.
-fn is_helper(it: FunctionIn<'_>, sources: &Sources) -> bool {
-    let name = &it.function.name;
+fn is_helper(input: FunctionIn<'_>, sources: &Sources) -> bool {
+    let name = &input.function.name;
     let declared = |function: &Function| function.body.is_none() && function.name == *name;
     sources.all().any(|file| {
         file.index.functions.iter().any(|other| {
             let body = other.body.as_ref();
             declared(other)
-                || other.name != *name && body.is_some_and(|it| it.mentions.contains(name))
+                || other.name != *name && body.is_some_and(|body| body.mentions.contains(name))
         })
     })
 }
@@ -96,23 +107,26 @@ pub(super) fn renamed<'a>(
     expected: &Expected<'_>,
     sources: &Sources,
 ) -> Option<FunctionIn<'a>> {
-    let mut said = orphans.iter().filter(|it| {
+    let mut said = orphans.iter().filter(|orphan| {
         let mut uses = function.uses.iter();
-        uses.any(|&at| comment_names_owner(it.function, expected, at))
+        uses.any(|&at| comment_names_owner(orphan.function, expected, at))
     });
     if let (Some(only), None) = (said.next(), said.next()) {
         return Some(*only);
     }
-    let names = orphans.iter().map(|it| it.function.name.as_str());
+    let names = orphans.iter().map(|orphan| orphan.function.name.as_str());
     let name = nearest(&function.name, names)?;
     // The similarity must be the highest in both directions.
-    let functions = expected.functions.iter().map(|it| it.name.as_str());
+    let functions = expected
+        .functions
+        .iter()
+        .map(|function| function.name.as_str());
     let missing = functions.filter(|name| {
         let mut files = sources.all();
         !files.any(|file| file.index.definitions(name).next().is_some())
     });
     let back = nearest(name, missing)?;
-    let found = orphans.iter().find(|it| it.function.name == name);
+    let found = orphans.iter().find(|orphan| orphan.function.name == name);
     found.filter(|_| back == function.name.as_str()).copied()
 }
 
@@ -123,15 +137,21 @@ fn comment_names_owner(function: &Function, expected: &Expected<'_>, at: CodelRe
     let mut comments = function
         .comments
         .iter()
-        .filter_map(|it| it.generated.as_ref());
-    comments.any(|it| {
-        let said = it.triggers.as_deref().unwrap_or_default().iter();
-        let said: FxHashSet<&str> = said.map(|it| cut_tag(it, &component.name).1).collect();
-        let now = codel.triggers.iter().map(|it| it.name.as_str()).collect();
-        it.codel == function.name
-            && it.owner == *owner_words(component, at.owner).1
-            && (it.owner_kind == "task") == matches!(at.owner, Owner::Task(_))
-            && it.validation == (codel.kind == CodelKind::Validate)
+        .filter_map(|comment| comment.generated.as_ref());
+    comments.any(|comment| {
+        let said = comment.triggers.as_deref().unwrap_or_default().iter();
+        let said: FxHashSet<&str> = said
+            .map(|trigger| cut_tag(trigger, &component.name).1)
+            .collect();
+        let now = codel
+            .triggers
+            .iter()
+            .map(|trigger| trigger.name.as_str())
+            .collect();
+        comment.codel == function.name
+            && comment.owner == *owner_words(component, at.owner).1
+            && (comment.owner_kind == "task") == matches!(at.owner, Owner::Task(_))
+            && comment.validation == (codel.kind == CodelKind::Validate)
             && said == now
     })
 }
@@ -140,14 +160,17 @@ pub(super) fn report(orphan: &FunctionIn<'_>, all: &[Expected<'_>]) -> Option<Dr
     let function = orphan.function;
     let expected = all
         .iter()
-        .find(|it| has_codel_shape(function, it.language))?;
+        .find(|expected| has_codel_shape(function, expected.language))?;
     let name = &function.name;
     let mut repairs = Vec::new();
-    let references = function.parameters.iter().flat_map(|it| &it.ty.layers);
+    let references = function
+        .parameters
+        .iter()
+        .flat_map(|parameter| &parameter.ty.layers);
     if function.known
         && !references
             .clone()
-            .any(|it| matches!(it, Layer::Function { .. }))
+            .any(|reference| matches!(reference, Layer::Function { .. }))
     {
         repairs.push(Repair::DeclareCodel {
             name: name.as_str().into(),

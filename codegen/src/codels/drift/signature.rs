@@ -27,10 +27,10 @@ pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut
     // With conditional compilation or overloading, one of several definitions is the codel.
     let all: Vec<Vec<String>> = definitions
         .iter()
-        .map(|it| differences(check, shape, it.function))
+        .map(|definition| differences(check, shape, definition.function))
         .collect();
-    let best = all.iter().zip(definitions).min_by_key(|it| it.0.len());
-    if let Some((differences, found)) = best.filter(|it| !it.0.is_empty()) {
+    let best = all.iter().zip(definitions).min_by_key(|pair| pair.0.len());
+    if let Some((differences, found)) = best.filter(|pair| !pair.0.is_empty()) {
         out.push(report(check, *found, differences));
         return;
     }
@@ -137,7 +137,7 @@ fn arity(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> String
     };
     let extra: Vec<String> = unmatched(check, more, less)
         .into_iter()
-        .map(|it| format!("`{}`", show(&it.ty, it.name.as_deref())))
+        .map(|parameter| format!("`{}`", show(&parameter.ty, parameter.name.as_deref())))
         .collect();
     if extra.is_empty() {
         count
@@ -150,18 +150,18 @@ fn arity(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> String
 fn unmatched<'p>(check: &Check<'_>, of: &'p [Parameter], by: &[Parameter]) -> Vec<&'p Parameter> {
     let mut partners: Vec<Option<&Parameter>> = by.iter().map(Some).collect();
     let mut rest: Vec<&Parameter> = Vec::new();
-    for it in of {
-        let same = |other: &&Parameter| it.name.is_some() && other.name == it.name;
+    for parameter in of {
+        let same = |other: &&Parameter| parameter.name.is_some() && other.name == parameter.name;
         match partners
             .iter_mut()
             .find(|other| other.as_ref().is_some_and(same))
         {
             Some(partner) => *partner = None,
-            None => rest.push(it),
+            None => rest.push(parameter),
         }
     }
-    rest.retain(|it| {
-        let same = |other: &&Parameter| compare(check, &it.ty, &other.ty) == Verdict::Same;
+    rest.retain(|parameter| {
+        let same = |other: &&Parameter| compare(check, &parameter.ty, &other.ty) == Verdict::Same;
         match partners
             .iter_mut()
             .find(|other| other.as_ref().is_some_and(same))
@@ -180,7 +180,7 @@ fn unmatched<'p>(check: &Check<'_>, of: &'p [Parameter], by: &[Parameter]) -> Ve
 fn permuted(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> Option<String> {
     let names = |all: &[Parameter]| -> Option<Vec<String>> {
         all.iter()
-            .map(|it| it.name.as_ref().map(ToString::to_string))
+            .map(|parameter| parameter.name.as_ref().map(ToString::to_string))
             .collect()
     };
     let (w, f) = (names(wanted)?, names(found)?);
@@ -193,11 +193,11 @@ fn permuted(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> Opt
         return None;
     }
     // Each parameter must keep its type; otherwise more than the order differs.
-    let kept = wanted.iter().all(|it| {
-        let other = found.iter().find(|other| other.name == it.name);
+    let kept = wanted.iter().all(|parameter| {
+        let other = found.iter().find(|other| other.name == parameter.name);
         other.is_some_and(|other| {
             matches!(
-                compare(check, &it.ty, &other.ty),
+                compare(check, &parameter.ty, &other.ty),
                 Verdict::Same | Verdict::Unknown
             )
         })
@@ -236,7 +236,7 @@ fn compare(check: &Check<'_>, wanted: &CType, found: &CType) -> Verdict {
     }
     // A length that is a name is a constant, whose value is not looked up.
     let named_length = b.layers.iter().any(
-        |it| matches!(it, Layer::Array { length: Some(length) } if length.parse::<u64>().is_err()),
+        |layer| matches!(layer, Layer::Array { length: Some(length) } if length.parse::<u64>().is_err()),
     );
     if named_length {
         return Verdict::Unknown;
@@ -256,7 +256,7 @@ fn same(a: &CType, b: &CType) -> bool {
 fn same_base(a: &str, b: &str) -> bool {
     let ends = |long: &str, short: &str| {
         long.strip_suffix(short)
-            .is_some_and(|it| it.ends_with("::"))
+            .is_some_and(|stem| stem.ends_with("::"))
     };
     let wide = |a: &str, b: &str| {
         matches!(
@@ -272,8 +272,13 @@ fn same_base(a: &str, b: &str) -> bool {
 fn is_declared_in(sources: &Sources, base: &str) -> bool {
     let short = base.rsplit("::").next().unwrap_or(base);
     let plain = short.split('<').next().unwrap_or(short);
-    sources.all().any(|it| {
-        it.index.names.contains(plain) || it.index.macros.iter().any(|it| it.name == plain)
+    sources.all().any(|file| {
+        file.index.names.contains(plain)
+            || file
+                .index
+                .macros
+                .iter()
+                .any(|definition| definition.name == plain)
     })
 }
 

@@ -23,9 +23,9 @@ impl Glue<'_, '_> {
         }
         match self.kind(ty) {
             TypeKind::String { bound: None } | TypeKind::Sequence { bound: None, .. } => true,
-            TypeKind::Struct { members } | TypeKind::Union { members, .. } => {
-                members.iter().any(|&it| self.owns_within(it, outer))
-            }
+            TypeKind::Struct { members } | TypeKind::Union { members, .. } => members
+                .iter()
+                .any(|&member| self.owns_within(member, outer)),
             TypeKind::Array { element, .. }
             | TypeKind::Sequence { element, .. }
             | TypeKind::Optional { element } => self.owns_within(*element, outer),

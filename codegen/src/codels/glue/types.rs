@@ -91,10 +91,10 @@ impl Glue<'_, '_> {
             ),
             TypeKind::Array { element, length } => {
                 let element = self.known(*element)?;
-                let text = |it: &str, verb: &str| {
+                let text = |text: &str, verb: &str| {
                     format!(
                         "  uint32_t i;\n  for (i = 0; i < {length}u; i++) \
-                         glue_{verb}_{element}({it}, &(*x)[i]);\n"
+                         glue_{verb}_{element}({text}, &(*x)[i]);\n"
                     )
                 };
                 (text("b", "save"), text("r", "load"))

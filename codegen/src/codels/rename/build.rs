@@ -36,7 +36,7 @@ pub(super) fn rename(
         for line in lines(&text) {
             let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
             let content = &text[line.1.clone()];
-            for word in content.split(|c| !part(c)).filter(|it| !it.is_empty()) {
+            for word in content.split(|c| !part(c)).filter(|part| !part.is_empty()) {
                 let at = word.as_ptr() as usize - content.as_ptr() as usize;
                 let start = line.1.start + at;
                 // The extension of a file.
@@ -47,7 +47,7 @@ pub(super) fn rename(
                 if let Some(to) = names.files.get(word).or_else(global) {
                     out.edit
                         .replace(&path, start..start + word.len(), to.as_str());
-                } else if renamed && word.split('_').any(|it| is_part(it, component)) {
+                } else if renamed && word.split('_').any(|part| is_part(part, component)) {
                     out.left.push(UnchangedPlace {
                         path: path.clone(),
                         line: line.0,
@@ -70,8 +70,8 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, Span)> {
     let mut at = 0;
     (1..)
         .zip(text.split_inclusive('\n'))
-        .map(move |(number, it)| {
-            at += it.len();
-            (number, at - it.len()..at)
+        .map(move |(number, part)| {
+            at += part.len();
+            (number, at - part.len()..at)
         })
 }

@@ -71,7 +71,8 @@ fn mapping(expected: &Expected<'_>) -> Result<String, LangError> {
 impl Names {
     /// The names of a component before and after.
     pub(super) fn new(before: &Expected<'_>, after: &Expected<'_>) -> Result<Names, MissingNames> {
-        let text = |it| mapping(it).map_err(|it| MissingNames::Mapping(it.message));
+        let text =
+            |expected| mapping(expected).map_err(|error| MissingNames::Mapping(error.message));
         let (old, new) = (text(before)?, text(after)?);
         let grammar = mapping::grammar(before);
         let mut out = Names {
@@ -118,7 +119,7 @@ impl Names {
             kinds.push(node);
             at = node.parent();
         }
-        let within = |kind: &str| kinds.iter().find(|it| it.kind() == kind);
+        let within = |kind: &str| kinds.iter().find(|node| node.kind() == kind);
         if let Some(declaration) = within("parameter_declaration")
             && node.kind() == "identifier"
         {
@@ -134,7 +135,7 @@ impl Names {
         // A use has its scopes as a prefix; a declaration is inside of them.
         let qualified = node
             .parent()
-            .is_some_and(|it| it.kind() == "qualified_identifier");
+            .is_some_and(|parent| parent.kind() == "qualified_identifier");
         if grammar == Grammar::Cxx && qualified {
             return;
         }
@@ -145,8 +146,8 @@ impl Names {
                 // The name of a structure or namespace is not in its own scope.
                 if node
                     .parent()
-                    .and_then(|it| it.child_by_field_name("name"))
-                    .is_some_and(|it| it.id() == node.id())
+                    .and_then(|parent| parent.child_by_field_name("name"))
+                    .is_some_and(|child| child.id() == node.id())
                     && scopes.last() == Some(&from)
                 {
                     scopes.pop();
@@ -170,11 +171,11 @@ impl Names {
         let mut cursor = list.walk();
         let mut all = list
             .named_children(&mut cursor)
-            .filter(|it| it.kind() == "parameter_declaration");
-        let position = all.position(|it| it.id() == declaration.id());
+            .filter(|child| child.kind() == "parameter_declaration");
+        let position = all.position(|child| child.id() == declaration.id());
         let function = list
             .parent()
-            .and_then(|it| it.child_by_field_name("declarator"));
+            .and_then(|parent| parent.child_by_field_name("declarator"));
         if let (Some(position), Some(function)) = (position, function) {
             let function = text.get(function.byte_range()).unwrap_or_default();
             let entry = (function.into(), position, from, to);
@@ -198,8 +199,8 @@ impl Names {
                 self.owners.insert(from.as_str().into(), to.as_str().into());
             }
         }
-        let stem = |it: String| SmolStr::from(it.trim_end_matches(".h"));
-        let configuration = |it: &str| SmolStr::from(format!("ac{it}"));
+        let stem = |text: String| SmolStr::from(text.trim_end_matches(".h"));
+        let configuration = |text: &str| SmolStr::from(format!("ac{text}"));
         if old.name != new.name {
             self.files
                 .insert(stem(types_header(before)), stem(types_header(after)));
@@ -226,9 +227,9 @@ pub(super) fn words(text: &str) -> Vec<Span> {
     let mut at = 0;
     while let Some(&byte) = bytes.get(at) {
         let rest = &bytes[at..];
-        let find = |what: &[u8]| rest.windows(what.len()).position(|it| it == what);
+        let find = |what: &[u8]| rest.windows(what.len()).position(|window| window == what);
         at += match byte {
-            b'/' if rest.starts_with(b"/*") => find(b"*/").map_or(rest.len(), |it| it + 2),
+            b'/' if rest.starts_with(b"/*") => find(b"*/").map_or(rest.len(), |index| index + 2),
             b'/' if rest.starts_with(b"//") => find(b"\n").unwrap_or(rest.len()),
             b'"' | b'\'' => {
                 let mut end = 1;
@@ -238,8 +239,9 @@ pub(super) fn words(text: &str) -> Vec<Span> {
                 (end + 1).min(rest.len())
             }
             _ if byte.is_ascii_alphanumeric() || byte == b'_' || !byte.is_ascii() => {
-                let part = |it: &u8| it.is_ascii_alphanumeric() || *it == b'_' || !it.is_ascii();
-                let length = rest.iter().take_while(|it| part(it)).count();
+                let part =
+                    |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_' || !byte.is_ascii();
+                let length = rest.iter().take_while(|byte| part(byte)).count();
                 if !byte.is_ascii_digit() {
                     out.push(at..at + length);
                 }

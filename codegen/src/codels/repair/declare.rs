@@ -26,10 +26,10 @@ impl Repairs<'_> {
     /// The task or service whose braces contain an offset.
     pub fn owner_at(&self, path: &Utf8Path, offset: usize) -> Option<Owner> {
         let component = self.expected.component();
-        let tasks = (0..component.tasks.len()).map(|it| Owner::Task(it as u32));
-        let services = (0..component.services.len()).map(|it| Owner::Service(it as u32));
-        tasks.chain(services).find(|it| {
-            let found = self.body(*it);
+        let tasks = (0..component.tasks.len()).map(|task| Owner::Task(task as u32));
+        let services = (0..component.services.len()).map(|service| Owner::Service(service as u32));
+        tasks.chain(services).find(|task| {
+            let found = self.body(*task);
             found.is_some_and(|(at, body)| {
                 at.path == path && body.start <= offset && offset <= body.end
             })
@@ -40,11 +40,11 @@ impl Repairs<'_> {
     pub fn parameters_of(&self, function: &Function, owner: Owner) -> Vec<String> {
         let mut parameters = function.parameters.as_slice();
         if self.expected.language == Language::C {
-            parameters = parameters.split_last().map_or(&[], |it| it.1);
+            parameters = parameters.split_last().map_or(&[], |pair| pair.1);
         }
         parameters
             .iter()
-            .filter_map(|it| self.parameter(it, owner))
+            .filter_map(|parameter| self.parameter(parameter, owner))
             .collect()
     }
 
@@ -57,20 +57,22 @@ impl Repairs<'_> {
         }
         let parameters: Option<Vec<String>> = parameters
             .iter()
-            .map(|it| self.parameter(it, owner))
+            .map(|parameter| self.parameter(parameter, owner))
             .collect();
         let parameters = parameters?.join(", ");
         let name = &function.name;
         let comment = function
             .comments
             .iter()
-            .find_map(|it| it.generated.as_ref());
-        if comment.is_some_and(|it| it.validation) {
+            .find_map(|comment| comment.generated.as_ref());
+        if comment.is_some_and(|comment| comment.validation) {
             return Some(format!("validate {name}({parameters});"));
         }
         let machine = match owner {
             Owner::Task(_) => true,
-            Owner::Service(it) => component.services[it as usize].kind == ServiceKind::Activity,
+            Owner::Service(service) => {
+                component.services[service as usize].kind == ServiceKind::Activity
+            }
         };
         if !machine {
             return Some(format!("codel {name}({parameters});"));
@@ -79,14 +81,16 @@ impl Repairs<'_> {
             let (paused, state) = cut_tag(event, &component.name);
             format!("{}{state}", if paused { "pause::" } else { "" })
         };
-        let triggers = comment.and_then(|it| it.triggers.as_ref())?;
-        let triggers: Vec<String> = triggers.iter().map(|it| state(it)).collect();
+        let triggers = comment.and_then(|comment| comment.triggers.as_ref())?;
+        let triggers: Vec<String> = triggers.iter().map(|trigger| state(trigger)).collect();
         let codels = component.codels_of(owner).iter();
         let mut handled = codels
-            .filter(|it| it.kind == CodelKind::Fsm)
-            .flat_map(|it| &it.triggers);
+            .filter(|codel| codel.kind == CodelKind::Fsm)
+            .flat_map(|codel| &codel.triggers);
         // A state has only one codel.
-        if triggers.is_empty() || handled.any(|it| triggers.contains(&it.name.to_string())) {
+        if triggers.is_empty()
+            || handled.any(|trigger| triggers.contains(&trigger.name.to_string()))
+        {
             return None;
         }
         let mut yields: Vec<String> = Vec::new();
@@ -95,7 +99,7 @@ impl Repairs<'_> {
             .as_ref()?
             .returns
             .iter()
-            .flat_map(|it| &it.values);
+            .flat_map(|result| &result.values);
         for value in values {
             if let Value::Name { name, .. } = value {
                 let prefix = format!("{}{}", component.name, self.expected.separator());
@@ -118,19 +122,19 @@ impl Repairs<'_> {
     fn owner_of(&self, function: &Function, path: &Utf8Path) -> Option<Owner> {
         let component = self.expected.component();
         let task = |name: &str| {
-            let found = component.tasks.iter().position(|it| it.name == name)?;
+            let found = component.tasks.iter().position(|task| task.name == name)?;
             Some(Owner::Task(found as u32))
         };
         if let Some(comment) = function
             .comments
             .iter()
-            .find_map(|it| it.generated.as_ref())
+            .find_map(|comment| comment.generated.as_ref())
         {
             if comment.owner_kind == "task" {
                 return task(&comment.owner);
             }
             let mut services = component.services.iter();
-            let found = services.position(|it| it.name == comment.owner)?;
+            let found = services.position(|service| service.name == comment.owner)?;
             return Some(Owner::Service(found as u32));
         }
         let stem = path.file_stem()?.strip_prefix(component.name.as_str())?;
@@ -146,7 +150,7 @@ impl Repairs<'_> {
         if let Some(port) = component
             .ports
             .iter()
-            .find(|it| self.expected.spelling(it.ty) == base)
+            .find(|port| self.expected.spelling(port.ty) == base)
         {
             let dir = match port.dir {
                 PortDir::In => "in",
@@ -157,7 +161,7 @@ impl Repairs<'_> {
         if let Some(remote) = component
             .remotes
             .iter()
-            .find(|it| self.expected.spelling(it.ty) == base)
+            .find(|remote| self.expected.spelling(remote.ty) == base)
         {
             return Some(named("remote in", &remote.name, name));
         }
@@ -167,9 +171,9 @@ impl Repairs<'_> {
                 Some(Layer::Pointer { .. } | Layer::Reference { .. } | Layer::Array { .. })
             );
         let dir = if written { "inout" } else { "in" };
-        if let Owner::Service(it) = owner {
-            let mut params = component.services[it as usize].params.iter();
-            if params.any(|it| it.name == name) {
+        if let Owner::Service(service) = owner {
+            let mut params = component.services[service as usize].params.iter();
+            if params.any(|param| param.name == name) {
                 return Some(format!("{dir} {name}"));
             }
         }
@@ -182,7 +186,7 @@ impl Repairs<'_> {
         };
         let member = members
             .iter()
-            .find(|&&it| spec.ty(it).name.as_deref() == Some(name));
+            .find(|&&member| spec.ty(member).name.as_deref() == Some(name));
         member.map(|_| format!("ids {dir} {name}"))
     }
 }

@@ -48,7 +48,7 @@ impl ManualChange {
     /// Adapts the offset to edits of its file.
     pub fn follow(&mut self, edits: &[TextEdit]) {
         let mut offset = self.offset;
-        for edit in edits.iter().filter(|it| it.range.end <= self.offset) {
+        for edit in edits.iter().filter(|edit| edit.range.end <= self.offset) {
             offset = offset + edit.text.len() - edit.range.len();
         }
         self.offset = offset;
@@ -170,7 +170,7 @@ impl Repairs<'_> {
     ) -> Calls<'_> {
         let mut out = Calls::default();
         let same = in_place(pairs, function.parameters.len());
-        if same && pairs.iter().all(|it| it.change == Change::Same) {
+        if same && pairs.iter().all(|pair| pair.change == Change::Same) {
             return out;
         }
         for file in self.sources.all() {
@@ -189,13 +189,14 @@ impl Repairs<'_> {
                     && file.text.get(called.byte_range()) == Some(name)
                     && let Some(list) = node.child_by_field_name("arguments")
                 {
-                    let inside = body.is_some_and(|it| it.span.contains(&node.start_byte()))
+                    let inside = body.is_some_and(|body| body.span.contains(&node.start_byte()))
                         || followed.contains(&node.start_byte());
                     match arguments(file, list, function, pairs).filter(|_| !inside) {
                         Some(edits) => {
                             followed = list.byte_range();
                             let edits = edits.into_iter();
-                            out.edits.extend(edits.map(|it| (&*file.path, it.0, it.1)));
+                            out.edits
+                                .extend(edits.map(|edit| (&*file.path, edit.0, edit.1)));
                         }
                         None => out.left.push((file, node.start_byte())),
                     }
@@ -213,11 +214,11 @@ impl Repairs<'_> {
             return Vec::new();
         };
         let expected = self.expected.function(name);
-        let Some(shape) = expected.and_then(|it| it.shape.as_ref()) else {
+        let Some(shape) = expected.and_then(|function| function.shape.as_ref()) else {
             return Vec::new();
         };
         let pairs = pairs(&shape.parameters, function);
-        let kept: FxHashSet<usize> = pairs.iter().filter_map(|it| it.found).collect();
+        let kept: FxHashSet<usize> = pairs.iter().filter_map(|pair| pair.found).collect();
         let by_hand = |file: &IndexedFile, offset, what| ManualChange {
             path: file.path.clone(),
             line: line_of(&file.text, offset),
@@ -261,7 +262,8 @@ fn line_of(text: &str, offset: usize) -> usize {
 
 /// True if every parameter keeps its place, and there is no additional one.
 fn in_place(pairs: &[Pair], count: usize) -> bool {
-    pairs.len() == count && (pairs.iter().enumerate()).all(|(index, it)| it.found == Some(index))
+    pairs.len() == count
+        && (pairs.iter().enumerate()).all(|(index, pair)| pair.found == Some(index))
 }
 
 /// The corresponding parameter of the function for each required one: by name, else by type, in order.
@@ -270,8 +272,9 @@ fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
     let mut free: Vec<usize> = (0..found.len()).collect();
     let mut out: Vec<Option<usize>> = wanted
         .iter()
-        .map(|it| {
-            let same = |&index: &usize| it.name.is_some() && found[index].name == it.name;
+        .map(|parameter| {
+            let same =
+                |&index: &usize| parameter.name.is_some() && found[index].name == parameter.name;
             let at = free.iter().position(same)?;
             Some(free.remove(at))
         })
@@ -280,11 +283,11 @@ fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
     let by_base = |a: &CType, b: &CType| a.base == b.base;
     // The stricter comparison of types goes first.
     for same in [&by_type as &dyn Fn(&CType, &CType) -> bool, &by_base] {
-        for (it, pair) in wanted.iter().zip(&mut out) {
+        for (parameter, pair) in wanted.iter().zip(&mut out) {
             if pair.is_none()
                 && let Some(at) = free
                     .iter()
-                    .position(|&index| same(&it.ty, &found[index].ty))
+                    .position(|&index| same(&parameter.ty, &found[index].ty))
             {
                 *pair = Some(free.remove(at));
             }
@@ -292,20 +295,26 @@ fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
     }
     let mentioned = |name: &str| {
         let body = function.body.as_ref();
-        body.is_some_and(|it| it.mentions.contains(name))
+        body.is_some_and(|body| body.mentions.contains(name))
     };
-    let named = |name: &SmolStr| found.iter().any(|it| it.name.as_ref() == Some(name));
+    let named = |name: &SmolStr| {
+        found
+            .iter()
+            .any(|parameter| parameter.name.as_ref() == Some(name))
+    };
     wanted
         .iter()
         .zip(out)
-        .map(|(it, index)| {
+        .map(|(parameter, index)| {
             let old = index.and_then(|index| found[index].name.clone());
-            let new = it.name.clone().unwrap_or_default();
+            let new = parameter.name.clone().unwrap_or_default();
             // The context is not in the specification. The body may use its usual name for another variable,
             // which would hide it.
-            let context = it.ty.base == "genom_context";
+            let context = parameter.ty.base == "genom_context";
             let taken = context || old.as_ref() != Some(&new) && (mentioned(&new) || named(&new));
-            let change = index.map_or(Change::Same, |index| change(&found[index].ty, &it.ty));
+            let change = index.map_or(Change::Same, |index| {
+                change(&found[index].ty, &parameter.ty)
+            });
             Pair {
                 found: index,
                 name: old.filter(|_| taken).unwrap_or(new),
@@ -316,7 +325,7 @@ fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
 }
 
 fn change(from: &CType, to: &CType) -> Change {
-    let pointer = |it: &CType| matches!(it.layers.as_slice(), [Layer::Pointer { .. }]);
+    let pointer = |ty: &CType| matches!(ty.layers.as_slice(), [Layer::Pointer { .. }]);
     match (from.layers.is_empty(), to.layers.is_empty()) {
         (true, false) if pointer(to) => Change::ToPointer,
         (false, true) if pointer(from) => Change::ToValue,
@@ -345,9 +354,9 @@ fn adapted_prototype(
         return None;
     }
     let gaps = found.windows(2);
-    let gaps = gaps.map(|it| text.get(it[0].span.end..it[1].span.start));
+    let gaps = gaps.map(|gap| text.get(gap[0].span.end..gap[1].span.start));
     let gaps: Vec<&str> = gaps.collect::<Option<_>>()?;
-    let is_plain = |it: &&str| !it.contains(['/', '#', '"']);
+    let is_plain = |text: &&str| !text.contains(['/', '#', '"']);
     let kept = in_place(pairs, found.len());
     if !kept && !gaps.iter().chain([&head, &tail]).all(is_plain) {
         return None;
@@ -360,12 +369,16 @@ fn adapted_prototype(
             let usual = gaps.last().copied().unwrap_or(", ");
             out += gaps.get(before).copied().unwrap_or(usual);
         }
-        let same = pair.found.map(|it| &found[it]).filter(|it| {
-            // A parameter passed by value may be `const` or not.
-            let by_value = it.ty.layers.is_empty() && wanted.ty.layers.is_empty();
-            let same_type = it.ty == wanted.ty || by_value && it.ty.base == wanted.ty.base;
-            same_type && it.name.as_deref().unwrap_or_default() == pair.name
-        });
+        let same = pair
+            .found
+            .map(|parameter| &found[parameter])
+            .filter(|parameter| {
+                // A parameter passed by value may be `const` or not.
+                let by_value = parameter.ty.layers.is_empty() && wanted.ty.layers.is_empty();
+                let same_type =
+                    parameter.ty == wanted.ty || by_value && parameter.ty.base == wanted.ty.base;
+                same_type && parameter.name.as_deref().unwrap_or_default() == pair.name
+            });
         match same {
             Some(same) => out += text.get(same.span.clone())?,
             None => out += declaration,
@@ -378,7 +391,7 @@ fn adapted_prototype(
 fn words(text: &str) -> String {
     let mut out = String::new();
     for word in text.split_whitespace() {
-        let part = |it: char| it.is_alphanumeric() || it == '_';
+        let part = |character: char| character.is_alphanumeric() || character == '_';
         if out.ends_with(part) && word.starts_with(part) {
             out.push(' ');
         }
@@ -416,21 +429,22 @@ fn with_comments(
         at = parameter.span.end;
     }
     let gap = text.get(last.span.end..function.signature_span.end)?;
-    behind[function.parameters.len() - 1].extend(comments(gap).into_iter().map(|it| it.0));
+    behind[function.parameters.len() - 1]
+        .extend(comments(gap).into_iter().map(|comment| comment.0));
     let open = prototype.find('(')?;
     let head = &prototype[..=open];
-    let column = head.len() - head.rfind('\n').map_or(0, |it| it + 1);
+    let column = head.len() - head.rfind('\n').map_or(0, |head| head + 1);
     let indent = " ".repeat(column);
     let declarations = split(prototype[open + 1..].strip_suffix(')')?);
     let mut out = head.to_owned();
     let count = declarations.len();
-    let kept: FxHashSet<usize> = pairs.iter().filter_map(|it| it.found).collect();
+    let kept: FxHashSet<usize> = pairs.iter().filter_map(|pair| pair.found).collect();
     for (index, declaration) in declarations.into_iter().enumerate() {
         if index > 0 {
             out += &format!("\n{indent}");
         }
-        let own = pairs.get(index).and_then(|it| it.found);
-        for comment in own.iter().flat_map(|&it| &before[it]) {
+        let own = pairs.get(index).and_then(|pair| pair.found);
+        for comment in own.iter().flat_map(|&pair| &before[pair]) {
             out += &format!("{comment}\n{indent}");
         }
         out += &declaration;
@@ -438,11 +452,13 @@ fn with_comments(
         if !is_last {
             out.push(',');
         }
-        let mut tail: Vec<&String> = own.iter().flat_map(|&it| &behind[it]).collect();
+        let mut tail: Vec<&String> = own.iter().flat_map(|&pair| &behind[pair]).collect();
         if is_last {
             // Comments of removed parameters are kept too.
-            let gone = (0..function.parameters.len()).filter(|it| !kept.contains(it));
-            tail.extend(gone.flat_map(|it| before[it].iter().chain(&behind[it])));
+            let gone = (0..function.parameters.len()).filter(|parameter| !kept.contains(parameter));
+            tail.extend(
+                gone.flat_map(|parameter| before[parameter].iter().chain(&behind[parameter])),
+            );
         }
         for (number, comment) in tail.iter().enumerate() {
             out += &format!(" {comment}");
@@ -469,10 +485,10 @@ fn comments(gap: &str) -> Vec<(String, bool)> {
     {
         let start = at + found;
         let length = match gap[start..].starts_with("/*") {
-            true => gap[start..].find("*/").map(|it| it + 2),
+            true => gap[start..].find("*/").map(|gap| gap + 2),
             false => gap[start..].find('\n'),
         };
-        let end = length.map_or(gap.len(), |it| start + it);
+        let end = length.map_or(gap.len(), |length| start + length);
         out.push((
             gap[start..end].trim_end().to_owned(),
             gap[..start].contains('\n'),
@@ -526,8 +542,8 @@ fn follow_body(file: &IndexedFile, function: &Function, pairs: &[Pair], edit: &m
         return;
     };
     for pair in pairs {
-        let parameter = pair.found.and_then(|it| function.parameters.get(it));
-        let Some(old) = parameter.and_then(|it| it.name.as_ref()) else {
+        let parameter = pair.found.and_then(|index| function.parameters.get(index));
+        let Some(old) = parameter.and_then(|parameter| parameter.name.as_ref()) else {
             continue;
         };
         if *old == pair.name && pair.change == Change::Same {
@@ -549,16 +565,17 @@ fn follow_body(file: &IndexedFile, function: &Function, pairs: &[Pair], edit: &m
 fn respelled(node: Node<'_>, name: &str, change: Change, text: &str) -> (Range<usize>, String) {
     let own = node.byte_range();
     let parent = node.parent();
-    let kind = parent.map_or("", |it| it.kind());
+    let kind = parent.map_or("", |parent| parent.kind());
     let operator = |field: &str| {
-        let at = parent.and_then(|it| it.child_by_field_name(field));
-        at.map_or("", |it| text.get(it.byte_range()).unwrap_or_default())
+        let at = parent.and_then(|parent| parent.child_by_field_name(field));
+        at.map_or("", |child| text.get(child.byte_range()).unwrap_or_default())
     };
-    let argument = parent.is_some_and(|it| it.child_by_field_name("argument") == Some(node));
-    let whole = parent.map_or(own.clone(), |it| it.byte_range());
+    let argument =
+        parent.is_some_and(|parent| parent.child_by_field_name("argument") == Some(node));
+    let whole = parent.map_or(own.clone(), |parent| parent.byte_range());
     let member = |to: &str| {
-        let operator = parent.and_then(|it| it.child_by_field_name("operator"));
-        let end = operator.map_or(own.end, |it| it.end_byte());
+        let operator = parent.and_then(|parent| parent.child_by_field_name("operator"));
+        let end = operator.map_or(own.end, |operator| operator.end_byte());
         (own.start..end, format!("{name}{to}"))
     };
     match (change, kind) {
@@ -572,7 +589,9 @@ fn respelled(node: Node<'_>, name: &str, change: Change, text: &str) -> (Range<u
         (Change::ToPointer, _) => {
             let postfix = argument && matches!(kind, "subscript_expression" | "update_expression");
             // A `*` after a `/` would begin a comment.
-            let division = text.get(..own.start).is_some_and(|it| it.ends_with('/'));
+            let division = text
+                .get(..own.start)
+                .is_some_and(|text| text.ends_with('/'));
             match postfix || division {
                 true => (own, format!("(*{name})")),
                 false => (own, format!("*{name}")),
@@ -600,7 +619,7 @@ fn arguments(
     let mut cursor = list.walk();
     let (notes, old): (Vec<Node<'_>>, Vec<Node<'_>>) = list
         .named_children(&mut cursor)
-        .partition(|it| it.kind() == "comment" || it.kind().starts_with("preproc"));
+        .partition(|child| child.kind() == "comment" || child.kind().starts_with("preproc"));
     if old.len() != function.parameters.len() {
         return None;
     }
@@ -615,10 +634,10 @@ fn arguments(
         .map(|pair| {
             let Some(index) = pair.found else {
                 let known = caller.parameters.iter();
-                let known = known.filter_map(|it| it.name.as_ref());
+                let known = known.filter_map(|parameter| parameter.name.as_ref());
                 return known
                     .into_iter()
-                    .find(|it| **it == pair.name)
+                    .find(|name| **name == pair.name)
                     .map(ToString::to_string);
             };
             let node = old[index];

@@ -16,7 +16,7 @@ impl Repairs<'_> {
         let stubs = Stubs::new(self.expected, &options);
         let missing = self.missing();
         let mut edit = Edit::default();
-        if self.sources.sources.is_empty() && missing.iter().all(|it| codels.contains(it)) {
+        if self.sources.sources.is_empty() && missing.iter().all(|codel| codels.contains(codel)) {
             for file in stubs.all_files()? {
                 let name = file.path.file_name().unwrap_or_default();
                 edit.created
@@ -108,8 +108,12 @@ impl Repairs<'_> {
         start: usize,
     ) -> Option<Edit> {
         let file = self.sources.file(path)?;
-        let mut comments = file.index.functions.iter().flat_map(|it| &it.comments);
-        let comment = comments.find(|it| it.span.start == start)?;
+        let mut comments = file
+            .index
+            .functions
+            .iter()
+            .flat_map(|function| &function.comments);
+        let comment = comments.find(|comment| comment.span.start == start)?;
         let generated = comment.generated.as_ref()?;
         let stubs = Stubs::new(self.expected, self.stubs);
         let mut edit = Edit::default();
@@ -135,8 +139,12 @@ impl Repairs<'_> {
             for range in mentions(&file.text, file.index.grammar, from) {
                 edit.replace(&file.path, range, to);
             }
-            let comments = file.index.functions.iter().flat_map(|it| &it.comments);
-            for generated in comments.filter_map(|it| it.generated.as_ref()) {
+            let comments = file
+                .index
+                .functions
+                .iter()
+                .flat_map(|function| &function.comments);
+            for generated in comments.filter_map(|comment| comment.generated.as_ref()) {
                 if generated.codel == from
                     && let Some(header) = file.text.get(generated.header.clone())
                     && let Some(at) = header.find(&format!(" {from} "))

@@ -53,7 +53,13 @@ impl Repairs<'_> {
         // Text from a macro does not show the layout of the list.
         let items: Option<Vec<Range<usize>>> = yields
             .iter()
-            .map(|it| Some(self.state(it).filter(|it| it.path == last.path)?.range))
+            .map(|state| {
+                Some(
+                    self.state(state)
+                        .filter(|place| place.path == last.path)?
+                        .range,
+                )
+            })
             .collect();
         let items = items.unwrap_or_else(|| vec![last.range.clone()]);
         let mut edit = Edit::default();
@@ -87,7 +93,7 @@ impl Repairs<'_> {
         let full = self.expected.spec.full_name(exception).unwrap_or_default();
         let full = full.trim_start_matches("::");
         let own = full.strip_prefix(component.as_str());
-        own.and_then(|it| it.strip_prefix("::"))
+        own.and_then(|rest| rest.strip_prefix("::"))
             .unwrap_or(full)
             .to_owned()
     }
@@ -110,12 +116,12 @@ impl Repairs<'_> {
     pub(super) fn body(&self, owner: Owner) -> Option<(SpecificationPlace, Range<usize>)> {
         let component = self.expected.component();
         let (src, name) = match owner {
-            Owner::Task(it) => {
-                let task = &component.tasks[it as usize];
+            Owner::Task(index) => {
+                let task = &component.tasks[index as usize];
                 (task.src, &task.name)
             }
-            Owner::Service(it) => {
-                let service = &component.services[it as usize];
+            Owner::Service(index) => {
+                let service = &component.services[index as usize];
                 (service.src, &service.name)
             }
         };
@@ -144,14 +150,17 @@ impl Repairs<'_> {
         let line = last
             .lines()
             .rev()
-            .find(|it| !it.trim().is_empty() && it.starts_with([' ', '\t']));
+            .find(|line| !line.trim().is_empty() && line.starts_with([' ', '\t']));
         let before = at.text.get(..at.range.start).unwrap_or_default();
         let own = before.rsplit('\n').next().unwrap_or_default();
-        let blanks =
-            |it: &str| -> String { it.chars().take_while(|c| matches!(c, ' ' | '\t')).collect() };
+        let blanks = |text: &str| -> String {
+            text.chars()
+                .take_while(|c| matches!(c, ' ' | '\t'))
+                .collect()
+        };
         let first = content
             .lines()
-            .find(|it| !it.trim().is_empty() && it.starts_with([' ', '\t']));
+            .find(|line| !line.trim().is_empty() && line.starts_with([' ', '\t']));
         let indent = first
             .or(line)
             .map_or_else(|| format!("{}  ", blanks(own)), blanks);
@@ -187,7 +196,7 @@ impl<'t> Iterator for Scan<'t> {
             let rest = self.text.get(self.at..)?;
             let first = rest.chars().next()?;
             let skip = if rest.starts_with("/*") {
-                rest.find("*/").map_or(rest.len(), |it| it + 2)
+                rest.find("*/").map_or(rest.len(), |index| index + 2)
             } else if rest.starts_with("//") || first == '#' {
                 rest.find('\n').unwrap_or(rest.len())
             } else if first == '"' || first == '\'' {
@@ -197,7 +206,7 @@ impl<'t> Iterator for Scan<'t> {
                     escaped = c == '\\' && !escaped;
                     end
                 });
-                end.map_or(rest.len(), |it| it + 2)
+                end.map_or(rest.len(), |end| end + 2)
             } else if first.is_whitespace() {
                 first.len_utf8()
             } else {
@@ -297,7 +306,10 @@ mod tests {
         let text = "{ doc \"throw x;\"; throw a,\n  b::c /* c */ ; codel f(); }";
         let body = 1..text.len() - 1;
         let items = property_items(text, body.clone(), &["throw"]);
-        let items: Vec<&str> = items.into_iter().map(|it| &text[it]).collect();
+        let items: Vec<&str> = items
+            .into_iter()
+            .map(|property_item| &text[property_item])
+            .collect();
         assert_eq!(items, ["a", "b::c"]);
         assert!(property_items(text, body, &["validate"]).is_empty());
     }

@@ -34,7 +34,10 @@ pub(super) fn read(block: Node<'_>, parameters: &[Parameter], text: &str) -> Bod
         variables: FxHashMap::default(),
         calls: FxHashMap::default(),
     };
-    for name in parameters.iter().filter_map(|it| it.name.as_ref()) {
+    for name in parameters
+        .iter()
+        .filter_map(|parameter| parameter.name.as_ref())
+    {
         reader.variable(name.clone()).unknown = true;
     }
     let mut returns = Vec::new();
@@ -43,7 +46,9 @@ pub(super) fn read(block: Node<'_>, parameters: &[Parameter], text: &str) -> Bod
     reader.body.free = names.free(parameters);
     reader.body.constant_writes = names.constant_writes(parameters);
     for node in returns {
-        let values = node.named_child(0).filter(|it| it.kind() != "comment");
+        let values = node
+            .named_child(0)
+            .filter(|child| child.kind() != "comment");
         let Some(value) = values else { continue };
         let mut out = Vec::new();
         reader.values(value, false, &mut FxHashSet::default(), &mut out);
@@ -101,10 +106,10 @@ impl<'t> Reader<'t> {
             }
             "assignment_expression" => {
                 let left = node.child_by_field_name("left");
-                if let Some(left) = left.filter(|it| it.kind() == "identifier") {
+                if let Some(left) = left.filter(|child| child.kind() == "identifier") {
                     let name: SmolStr = source(left, self.text).into();
                     let plain = node.child_by_field_name("operator");
-                    let plain = plain.is_none_or(|it| it.kind() == "=");
+                    let plain = plain.is_none_or(|child| child.kind() == "=");
                     let right = node.child_by_field_name("right").filter(|_| plain);
                     // An assignment alone does not declare a variable of the function.
                     let variable = self.variable(name);
@@ -115,9 +120,9 @@ impl<'t> Reader<'t> {
                 }
             }
             "pointer_expression" => {
-                let address = node.child(0).is_some_and(|it| it.kind() == "&");
+                let address = node.child(0).is_some_and(|child| child.kind() == "&");
                 let argument = node.child_by_field_name("argument").filter(|_| address);
-                if let Some(name) = argument.filter(|it| it.kind() == "identifier") {
+                if let Some(name) = argument.filter(|argument| argument.kind() == "identifier") {
                     self.variable(source(name, self.text).into()).unknown = true;
                 }
             }
@@ -147,17 +152,17 @@ impl<'t> Reader<'t> {
         if let Some(arguments) = arguments {
             let mut cursor = arguments.walk();
             let found = arguments.named_children(&mut cursor);
-            all.extend(found.filter(|it| it.kind() != "comment"));
+            all.extend(found.filter(|child| child.kind() != "comment"));
         }
-        let last = all.last().filter(|it| it.kind() == "identifier");
+        let last = all.last().filter(|node| node.kind() == "identifier");
         let parent = node.parent();
         self.calls.insert(node.id(), self.body.calls.len());
         self.body.calls.push(Call {
             name: compact(source(function, self.text)).into(),
             span: function.byte_range(),
             arguments: all.len(),
-            last: last.map(|it| source(*it, self.text).into()),
-            statement: parent.is_some_and(|it| it.kind() == "expression_statement"),
+            last: last.map(|node| source(*node, self.text).into()),
+            statement: parent.is_some_and(|parent| parent.kind() == "expression_statement"),
         });
     }
 
@@ -172,9 +177,9 @@ impl<'t> Reader<'t> {
             "compound_literal_expression" => value.child_by_field_name("type"),
             _ => None,
         };
-        let named = name.filter(|it| {
+        let named = name.filter(|name| {
             matches!(
-                it.kind(),
+                name.kind(),
                 "identifier" | "qualified_identifier" | "type_identifier"
             )
         });

@@ -43,7 +43,10 @@ pub(super) fn comments_above(function: Node<'_>, text: &str) -> Vec<Comment> {
     let mut out: Vec<Comment> = Vec::new();
     let mut below = function.start_byte();
     let mut node = function;
-    while let Some(above) = node.prev_sibling().filter(|it| it.kind() == "comment") {
+    while let Some(above) = node
+        .prev_sibling()
+        .filter(|sibling| sibling.kind() == "comment")
+    {
         let span = above.byte_range();
         let gap = text.get(span.end..below).unwrap_or("x");
         if !gap.trim().is_empty() || out.len() > 16 {
@@ -99,7 +102,7 @@ pub(crate) fn generated(text: &str, span: &Span) -> Option<Generated> {
     out.header = start.start..at.start + owner.len();
     let mut sentences: Option<Span> = None;
     while let Some((word, at)) = words.next() {
-        let list = match (word, words.peek().map(|it| it.0)) {
+        let list = match (word, words.peek().map(|word| word.0)) {
             ("Triggered", Some("by")) => &mut out.triggers,
             ("Yields", Some("to")) => &mut out.yields,
             ("Throws", _) => &mut out.throws,
@@ -115,7 +118,7 @@ pub(crate) fn generated(text: &str, span: &Span) -> Option<Generated> {
             end = at.start
                 + text
                     .get(at.start..)
-                    .and_then(|it| it.find('.'))
+                    .and_then(|text| text.find('.'))
                     .unwrap_or(0)
                 + 1;
         } else {
@@ -126,7 +129,7 @@ pub(crate) fn generated(text: &str, span: &Span) -> Option<Generated> {
                 let name = name.trim_end_matches(['.', ',']);
                 names.extend(
                     name.split(',')
-                        .filter(|it| !it.is_empty())
+                        .filter(|part| !part.is_empty())
                         .map(SmolStr::from),
                 );
                 if last {

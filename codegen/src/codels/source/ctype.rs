@@ -51,10 +51,10 @@ impl CType {
     /// The type that the compiler uses for a function parameter: the outermost array is a pointer, and the
     /// outermost `const` is removed. The second part is the length of the array.
     pub fn as_parameter(&self) -> (CType, Option<SmolStr>) {
-        let mut it = self.clone();
+        let mut ty = self.clone();
         let mut length = None;
-        match it.layers.first_mut() {
-            None => it.constant = false,
+        match ty.layers.first_mut() {
+            None => ty.constant = false,
             Some(Layer::Pointer { constant }) => *constant = false,
             Some(layer @ Layer::Array { .. }) => {
                 let pointer = Layer::Pointer { constant: false };
@@ -64,19 +64,19 @@ impl CType {
             }
             Some(Layer::Reference { .. } | Layer::Function { .. }) => {}
         }
-        (it, length)
+        (ty, length)
     }
 
     /// The type without any `const`.
     pub fn without_const(&self) -> CType {
-        let mut it = self.clone();
-        it.constant = false;
-        for layer in &mut it.layers {
+        let mut ty = self.clone();
+        ty.constant = false;
+        for layer in &mut ty.layers {
             if let Layer::Pointer { constant } = layer {
                 *constant = false;
             }
         }
-        it
+        ty
     }
 
     /// Replaces the base type by the definition of an alias.
@@ -86,7 +86,7 @@ impl CType {
             match alias
                 .layers
                 .iter_mut()
-                .find(|it| !matches!(it, Layer::Array { .. }))
+                .find(|layer| !matches!(layer, Layer::Array { .. }))
             {
                 Some(Layer::Pointer { constant }) => *constant = true,
                 Some(_) => {}
@@ -108,7 +108,7 @@ pub(super) fn of_declaration(node: Node<'_>, declarator: Option<Node<'_>>, text:
     let mut words = Words::default();
     let mut cursor = node.walk();
     for child in node.children(&mut cursor) {
-        if declarator.is_some_and(|it| it.id() == child.id()) {
+        if declarator.is_some_and(|declarator| declarator.id() == child.id()) {
             break;
         }
         specifier(child, text, &mut words);
@@ -170,23 +170,23 @@ fn collect_layers(node: Node<'_>, text: &str, out: &mut Vec<Layer>) {
         match node.kind() {
             "pointer_declarator" | "abstract_pointer_declarator" => {
                 let mut cursor = node.walk();
-                let constant = node
-                    .children(&mut cursor)
-                    .any(|it| it.kind() == "type_qualifier" && source(it, text) == "const");
+                let constant = node.children(&mut cursor).any(|child| {
+                    child.kind() == "type_qualifier" && source(child, text) == "const"
+                });
                 out.push(Layer::Pointer { constant });
             }
             "reference_declarator" | "abstract_reference_declarator" => {
-                let rvalue = node.child(0).is_some_and(|it| it.kind() == "&&");
+                let rvalue = node.child(0).is_some_and(|child| child.kind() == "&&");
                 out.push(Layer::Reference { rvalue });
             }
             "array_declarator" | "abstract_array_declarator" => {
                 let length = node.child_by_field_name("size");
-                let length = length.map(|it| compact(source(it, text)).into());
+                let length = length.map(|length| compact(source(length, text)).into());
                 out.push(Layer::Array { length });
             }
             "function_declarator" | "abstract_function_declarator" => {
                 let parameters = node.child_by_field_name("parameters");
-                let parameters = parameters.map_or("", |it| source(it, text));
+                let parameters = parameters.map_or("", |parameter| source(parameter, text));
                 out.push(Layer::Function {
                     parameters: compact(parameters).into(),
                 });
@@ -210,10 +210,10 @@ pub(super) fn inner_declarator(node: Node<'_>) -> Option<Node<'_>> {
     }
     // References, parentheses and attributes have their declarator without a field name.
     let mut cursor = node.walk();
-    node.named_children(&mut cursor).find(|it| {
-        it.kind().ends_with("declarator")
+    node.named_children(&mut cursor).find(|child| {
+        child.kind().ends_with("declarator")
             || matches!(
-                it.kind(),
+                child.kind(),
                 "identifier" | "field_identifier" | "qualified_identifier"
             )
     })
@@ -247,11 +247,11 @@ pub(crate) fn compact(text: &str) -> String {
     let mut rest = text;
     while let Some(c) = rest.chars().next() {
         if let Some(comment) = rest.strip_prefix("/*") {
-            rest = comment.split_once("*/").map_or("", |it| it.1);
+            rest = comment.split_once("*/").map_or("", |pair| pair.1);
             continue;
         }
         if let Some(comment) = rest.strip_prefix("//") {
-            rest = comment.split_once('\n').map_or("", |it| it.1);
+            rest = comment.split_once('\n').map_or("", |pair| pair.1);
             continue;
         }
         rest = &rest[c.len_utf8()..];
@@ -285,7 +285,7 @@ fn base_name(words: &[String]) -> SmolStr {
     let name = name.strip_prefix("::").unwrap_or(&name);
     let name = name
         .strip_prefix("std::")
-        .filter(|it| fixed_width(it).is_some())
+        .filter(|rest| fixed_width(rest).is_some())
         .unwrap_or(name);
     let arithmetic = matches!(name, "" | "int" | "char");
     let number = match (name, long, short) {

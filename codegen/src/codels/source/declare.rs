@@ -45,7 +45,7 @@ fn declaration(
         }
         "declaration" => {
             let ty = node.child_by_field_name("type");
-            let from_macro = ty.is_some_and(|it| it.kind() == "macro_type_specifier");
+            let from_macro = ty.is_some_and(|ty| ty.kind() == "macro_type_specifier");
             if from_macro || node.has_error() {
                 loose(node, text, index);
             }
@@ -65,12 +65,12 @@ fn declaration(
         "preproc_def" | "preproc_function_def" => {
             let name = node.child_by_field_name("name")?;
             let value = node.child_by_field_name("value");
-            let value = value.map_or("", |it| source(it, text));
+            let value = value.map_or("", |child| source(child, text));
             index.macros.push(Macro {
                 name: source(name, text).into(),
                 returns: ["return", "goto", "throw"]
                     .iter()
-                    .any(|it| value.contains(it)),
+                    .any(|text| value.contains(text)),
                 pastes: value.contains("##"),
             });
             None
@@ -87,7 +87,7 @@ fn declaration(
         }
         "linkage_specification" => {
             let value = node.child_by_field_name("value");
-            let c = value.is_some_and(|it| source(it, text) == "\"C\"");
+            let c = value.is_some_and(|child| source(child, text) == "\"C\"");
             Some(Context {
                 extern_c: context.extern_c || c,
                 ..context.clone()
@@ -100,7 +100,7 @@ fn declaration(
                     let name = source(name, text);
                     context
                         .scope
-                        .extend(name.split("::").map(|it| it.trim().into()));
+                        .extend(name.split("::").map(|part| part.trim().into()));
                 }
                 None => context.scope.push(SmolStr::default()),
             }
@@ -144,14 +144,14 @@ fn names_of(node: Node<'_>, text: &str, index: &mut SourceIndex) {
     for field in ["declarator", "name"] {
         for declarator in node.children_by_field_name(field, &mut cursor) {
             let name = declared_name(declarator);
-            let name = name.map_or("", |it| source(it, text));
+            let name = name.map_or("", |name| source(name, text));
             index.names.insert(name.into());
         }
     }
     // `using a::b;`
     if let Some(name) = node
         .named_child(0)
-        .filter(|it| it.kind() == "qualified_identifier")
+        .filter(|child| child.kind() == "qualified_identifier")
     {
         let name = source(name, text);
         index
@@ -181,10 +181,10 @@ fn prototypes(node: Node<'_>, context: &Context, text: &str, index: &mut SourceI
     // A structure that is defined inside the declaration.
     if let Some(ty) = node
         .child_by_field_name("type")
-        .and_then(|it| it.child_by_field_name("name"))
+        .and_then(|child| child.child_by_field_name("name"))
         && node
             .child_by_field_name("type")
-            .is_some_and(|it| it.child_by_field_name("body").is_some())
+            .is_some_and(|child| child.child_by_field_name("body").is_some())
     {
         index.names.insert(source(ty, text).into());
     }
@@ -244,7 +244,7 @@ fn signature(
         qualifiers
             .split("::")
             .map(str::trim)
-            .filter(|it| !it.is_empty())
+            .filter(|part| !part.is_empty())
             .map(SmolStr::from),
     );
 
@@ -283,7 +283,7 @@ fn signature(
     if let Some(at) = result
         .layers
         .iter()
-        .position(|it| matches!(it, super::Layer::Function { .. }))
+        .position(|layer| matches!(layer, super::Layer::Function { .. }))
     {
         result.layers.remove(at);
     }
@@ -308,7 +308,7 @@ fn parameter(node: Node<'_>, text: &str) -> Parameter {
     let declarator = node.child_by_field_name("declarator");
     let name = declarator.and_then(declared_name);
     Parameter {
-        name: name.map(|it| source(it, text).into()),
+        name: name.map(|name| source(name, text).into()),
         ty: ctype::of_declaration(node, declarator, text),
         span: node.byte_range(),
     }

@@ -14,7 +14,7 @@ pub(crate) fn qualifiers(node: Node<'_>, text: &str) -> Vec<SmolStr> {
             break;
         }
         let scope = parent.child_by_field_name("scope");
-        if let Some(scope) = scope.filter(|it| it.id() != at.id()) {
+        if let Some(scope) = scope.filter(|scope| scope.id() != at.id()) {
             let name = text.get(scope.byte_range()).unwrap_or_default();
             out.push(SmolStr::from(name.trim()));
         }
@@ -32,11 +32,11 @@ pub(crate) fn opened(root: Node<'_>, text: &str) -> Vec<Vec<SmolStr>> {
             let mut cursor = node.walk();
             let is_namespace = node
                 .children(&mut cursor)
-                .any(|it| it.kind() == "namespace");
+                .any(|child| child.kind() == "namespace");
             let name = node.named_child(0).filter(|_| is_namespace);
-            if let Some(name) = name.and_then(|it| text.get(it.byte_range())) {
+            if let Some(name) = name.and_then(|name| text.get(name.byte_range())) {
                 let path = name.trim_start_matches("::").split("::");
-                out.push(path.map(|it| SmolStr::from(it.trim())).collect());
+                out.push(path.map(|path| SmolStr::from(path.trim())).collect());
             }
         }
         true
@@ -46,8 +46,9 @@ pub(crate) fn opened(root: Node<'_>, text: &str) -> Vec<Vec<SmolStr>> {
 
 /// True if the node is the name of a structure, enumeration or namespace that is defined there.
 pub(crate) fn names_structure(node: Node<'_>) -> bool {
-    node.parent().is_some_and(|it| {
-        it.child_by_field_name("body").is_some() && it.child_by_field_name("name") == Some(node)
+    node.parent().is_some_and(|parent| {
+        parent.child_by_field_name("body").is_some()
+            && parent.child_by_field_name("name") == Some(node)
     })
 }
 
@@ -59,7 +60,7 @@ pub(crate) fn names_parameter(node: Node<'_>) -> bool {
             "parameter_declaration" | "optional_parameter_declaration" => {
                 return parent
                     .child_by_field_name("declarator")
-                    .is_some_and(|it| it.id() == at.id());
+                    .is_some_and(|child| child.id() == at.id());
             }
             // The length of an array is not a declared name.
             "array_declarator" if parent.child_by_field_name("size") == Some(at) => return false,
@@ -79,7 +80,7 @@ pub(crate) fn is_declared(node: Node<'_>) -> bool {
                 let mut cursor = parent.walk();
                 return parent
                     .children_by_field_name("declarator", &mut cursor)
-                    .any(|it| it.id() == at.id());
+                    .any(|child| child.id() == at.id());
             }
             "init_declarator" if parent.child_by_field_name("value") == Some(at) => return false,
             "array_declarator" if parent.child_by_field_name("size") == Some(at) => return false,
@@ -132,8 +133,11 @@ pub(crate) fn field_words(text: &str) -> impl Iterator<Item = &str> {
     let dots = text.match_indices('.').chain(text.match_indices("->"));
     dots.filter_map(|(at, sign)| {
         let rest = text.get(at + sign.len()..)?.trim_start();
-        let part = |it: char| it.is_alphanumeric() || it == '_';
-        let end = rest.find(|it| !part(it)).unwrap_or(rest.len());
-        (end > 0 && !rest.starts_with(|it: char| it.is_ascii_digit())).then(|| &rest[..end])
+        let part = |character: char| character.is_alphanumeric() || character == '_';
+        let end = rest
+            .find(|character| !part(character))
+            .unwrap_or(rest.len());
+        (end > 0 && !rest.starts_with(|character: char| character.is_ascii_digit()))
+            .then(|| &rest[..end])
     })
 }

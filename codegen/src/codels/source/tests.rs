@@ -9,7 +9,11 @@ fn cxx(text: &str) -> SourceIndex {
 }
 
 fn names(index: &SourceIndex) -> Vec<&str> {
-    index.functions.iter().map(|it| it.name.as_str()).collect()
+    index
+        .functions
+        .iter()
+        .map(|function| function.name.as_str())
+        .collect()
 }
 
 #[test]
@@ -23,7 +27,13 @@ fn signatures() {
     let shown: Vec<String> = f
         .parameters
         .iter()
-        .map(|it| format!("{} {:?}", it.name.as_deref().unwrap_or("-"), it.ty))
+        .map(|parameter| {
+            format!(
+                "{} {:?}",
+                parameter.name.as_deref().unwrap_or("-"),
+                parameter.ty
+            )
+        })
         .collect();
     insta::assert_snapshot!(shown.join("\n"), @r#"
     x CType { base: "a_b", constant: true, layers: [Pointer { constant: false }] }
@@ -54,7 +64,7 @@ fn attributes_are_read_over() {
                  int {attribute} f(int a {attribute}, double {attribute} *b)\n\
                  {{ int {attribute} c = a; label: {attribute}; return (*b {attribute}); }}\n"
             ));
-            let known = index.functions.iter().all(|it| it.known);
+            let known = index.functions.iter().all(|function| function.known);
             assert!(known && names(&index) == ["f", "f"], "{index:#?}");
             assert!(index.loose.is_empty(), "{index:#?}");
             assert_eq!(index.functions[0].parameters[1].ty.base, "double");
@@ -77,11 +87,19 @@ fn scopes_and_linkage() {
     let shown: Vec<String> = index
         .functions
         .iter()
-        .map(|it| {
-            let global = if it.is_global() { "" } else { " hidden" };
-            let kind = if it.body.is_some() { "" } else { " prototype" };
-            let link = if it.is_static { " static" } else { "" };
-            format!("{}::{}{global}{kind}{link}", it.scope.join("::"), it.name)
+        .map(|function| {
+            let global = if function.is_global() { "" } else { " hidden" };
+            let kind = if function.body.is_some() {
+                ""
+            } else {
+                " prototype"
+            };
+            let link = if function.is_static { " static" } else { "" };
+            format!(
+                "{}::{}{global}{kind}{link}",
+                function.scope.join("::"),
+                function.name
+            )
         })
         .collect();
     assert_eq!(
@@ -122,8 +140,8 @@ fn half_typed_code_hides_nothing() {
         let swallowed = index
             .functions
             .iter()
-            .filter_map(|it| it.body.as_ref())
-            .any(|it| it.broken && it.mentions.contains("g"));
+            .filter_map(|function| function.body.as_ref())
+            .any(|body| body.broken && body.mentions.contains("g"));
         let found = names(&index).contains(&"g");
         assert!(
             found || swallowed || index.loose.contains("g"),
@@ -144,8 +162,8 @@ fn returned_values_follow_variables_and_branches() {
     let shown: Vec<String> = body
         .returns
         .iter()
-        .map(|it| {
-            let values = it.values.iter().map(|it| match it {
+        .map(|result| {
+            let values = result.values.iter().map(|value| match value {
                 Value::Name { name, variable, .. } => {
                     format!("{name}{}", if *variable { "~" } else { "" })
                 }
@@ -170,7 +188,11 @@ fn lambdas_and_throws_of_cxx() {
     assert!(
         matches!(&body.returns[0].values[..], [Value::Name { name, .. }] if name == "c::pause::x")
     );
-    let throws: Vec<&str> = body.throws.iter().map(|it| it.name.as_str()).collect();
+    let throws: Vec<&str> = body
+        .throws
+        .iter()
+        .map(|exception| exception.name.as_str())
+        .collect();
     assert_eq!(throws, ["c::e_foo", "e_bar"]);
     assert!(body.throws_unknown);
 }
@@ -185,20 +207,24 @@ fn generated_comments() {
     let index = index(text);
     let comments = |at: usize| &index.functions[at].comments;
     let f = &comments(0)[1];
-    let it = f.generated.as_ref().unwrap();
+    let comment = f.generated.as_ref().unwrap();
     assert_eq!(
-        (it.codel.as_str(), it.owner_kind.as_str(), it.owner.as_str()),
+        (
+            comment.codel.as_str(),
+            comment.owner_kind.as_str(),
+            comment.owner.as_str()
+        ),
         ("f", "activity", "a")
     );
     assert_eq!(
-        it.triggers.as_deref().unwrap(),
+        comment.triggers.as_deref().unwrap(),
         ["c_start", "c_pause_b", "c_c"]
     );
-    assert_eq!(it.yields.as_deref().unwrap(), ["c_x"]);
-    assert_eq!(it.throws.as_deref().unwrap(), ["c_e_one"]);
-    assert_eq!(&text[it.header.clone()], "Codel f of activity a");
-    assert!(text[it.sentences.clone()].starts_with("Triggered by"));
-    assert!(text[it.sentences.clone()].ends_with("c_e_one."));
+    assert_eq!(comment.yields.as_deref().unwrap(), ["c_x"]);
+    assert_eq!(comment.throws.as_deref().unwrap(), ["c_e_one"]);
+    assert_eq!(&text[comment.header.clone()], "Codel f of activity a");
+    assert!(text[comment.sentences.clone()].starts_with("Triggered by"));
+    assert!(text[comment.sentences.clone()].ends_with("c_e_one."));
     assert_eq!(comments(0).len(), 4);
     let g = comments(1)[0].generated.as_ref().unwrap();
     assert_eq!(g.yields.as_deref().unwrap(), ["start", "ether"]);
@@ -212,7 +238,11 @@ fn names_macros_and_includes() {
         "#include \"a.h\"\n#include <b.h>\n#define RET(x) do { return x; } while (0)\n#define PASTE(a) a##_b\n\
          typedef struct s { int a; } s_t;\nstatic int global = 1, *other;\nenum color { RED };\n",
     );
-    let includes: Vec<&str> = index.includes.iter().map(|it| it.path.as_str()).collect();
+    let includes: Vec<&str> = index
+        .includes
+        .iter()
+        .map(|include| include.path.as_str())
+        .collect();
     assert_eq!(includes, ["a.h", "b.h"]);
     assert!(index.macros[0].returns && !index.macros[0].pastes && index.macros[1].pastes);
     for name in ["s_t", "global", "other", "color"] {
@@ -225,7 +255,7 @@ fn mentions_are_identifiers_only() {
     let text = "/* f */ void f(); int x() { f(); return \"f\"[0]; }";
     let found: Vec<usize> = mentions(text, Grammar::C, "f")
         .iter()
-        .map(|it| it.start)
+        .map(|mention| mention.start)
         .collect();
     assert_eq!(found, [13, text.rfind("f();").unwrap()]);
 }
@@ -258,9 +288,12 @@ fn garbage_is_read_without_panic() {
 #[test]
 fn names_that_a_function_does_not_declare() {
     let free = |index: &SourceIndex| -> Vec<String> {
-        let bodies = index.functions.iter().filter_map(|it| it.body.as_ref());
-        let names = bodies.flat_map(|it| &it.free);
-        names.map(|it| it.0.to_string()).collect()
+        let bodies = index
+            .functions
+            .iter()
+            .filter_map(|function| function.body.as_ref());
+        let names = bodies.flat_map(|body| &body.free);
+        names.map(|name| name.0.to_string()).collect()
     };
     let c = index(
         "int f(int a, int b[2]) { int c = a, *d = &e; for (int i = 0; i < g; i++) { c += i + b[i] + g; }\n\
@@ -289,7 +322,7 @@ fn writes_to_what_a_parameter_only_reads() {
     let found: Vec<&str> = body
         .constant_writes
         .iter()
-        .map(|it| it.0.as_str())
+        .map(|constant_write| constant_write.0.as_str())
         .collect();
     assert_eq!(found, ["a", "a", "c", "c", "c", "d"], "{text}");
     let body = index.functions[1].body.as_ref().expect("a body");

@@ -63,7 +63,7 @@ impl Types {
 
     /// The members of a structure.
     pub(crate) fn members_of(&self, structure: &str) -> Option<&FxHashMap<SmolStr, CType>> {
-        self.find(structure).map(|it| it.1)
+        self.find(structure).map(|pair| pair.1)
     }
 
     fn value(&mut self, name: SmolStr, ty: CType) {
@@ -116,9 +116,9 @@ impl Types {
             };
             self.members.entry(owner.clone()).or_default();
             let mut fields = Vec::new();
-            preorder(body, |it| match it.kind() {
+            preorder(body, |node| match node.kind() {
                 "field_declaration" => {
-                    fields.push(it);
+                    fields.push(node);
                     false
                 }
                 "function_definition" => false,
@@ -127,7 +127,7 @@ impl Types {
             for field in fields {
                 let ty = field.child_by_field_name("type");
                 let nameless =
-                    ty.filter(|it| is_structure(*it) && it.child_by_field_name("name").is_none());
+                    ty.filter(|ty| is_structure(*ty) && ty.child_by_field_name("name").is_none());
                 let mut cursor = field.walk();
                 let mut any = false;
                 for declarator in field.children_by_field_name("declarator", &mut cursor) {
@@ -157,7 +157,10 @@ impl Types {
         if let Some(found) = self.members.get_key_value(name) {
             return Some(found);
         }
-        let mut all = self.members.iter().filter(|it| ends_with(it.0, name));
+        let mut all = self
+            .members
+            .iter()
+            .filter(|member| ends_with(member.0, name));
         let found = all.next()?;
         all.next().is_none().then_some(found)
     }
@@ -166,7 +169,7 @@ impl Types {
         if let Some(found) = self.aliases.get(name) {
             return Some(found);
         }
-        let mut all = self.aliases.iter().filter(|it| ends_with(it.0, name));
+        let mut all = self.aliases.iter().filter(|alias| ends_with(alias.0, name));
         let found = all.next()?.1;
         all.next().is_none().then_some(found)
     }
@@ -188,7 +191,8 @@ impl Types {
     /// The structure whose members `.` and `->` access in a value of a type.
     pub(crate) fn structure_of(&self, ty: &CType) -> Option<SmolStr> {
         let ty = self.canonical(ty);
-        let plain = |it: &Layer| matches!(it, Layer::Pointer { .. } | Layer::Reference { .. });
+        let plain =
+            |layer: &Layer| matches!(layer, Layer::Pointer { .. } | Layer::Reference { .. });
         if !ty.layers.iter().all(plain) {
             return None;
         }
@@ -247,7 +251,7 @@ fn argument_of(base: &str) -> Option<CType> {
 /// `a::b` ends with `b`.
 fn ends_with(long: &str, short: &str) -> bool {
     let rest = long.strip_suffix(short);
-    !short.is_empty() && rest.is_some_and(|it| it.ends_with("::"))
+    !short.is_empty() && rest.is_some_and(|stem| stem.ends_with("::"))
 }
 
 fn is_structure(node: Node<'_>) -> bool {
@@ -259,7 +263,7 @@ fn is_structure(node: Node<'_>) -> bool {
 
 fn inside_structure(node: Node<'_>) -> bool {
     node.parent()
-        .is_some_and(|it| it.kind() == "field_declaration_list")
+        .is_some_and(|parent| parent.kind() == "field_declaration_list")
 }
 
 /// The namespaces and structures around a node, outermost first.
@@ -270,7 +274,7 @@ pub(crate) fn scopes(node: Node<'_>, text: &str) -> Vec<SmolStr> {
         let opens = node.kind() == "namespace_definition" || is_structure(node);
         if let Some(name) = node.child_by_field_name("name").filter(|_| opens) {
             let parts = source(name, text).rsplit("::");
-            out.extend(parts.map(|it| SmolStr::from(it.trim())));
+            out.extend(parts.map(|part| SmolStr::from(part.trim())));
         }
         at = node.parent();
     }
@@ -344,7 +348,7 @@ impl<'a> Scope<'a> {
                 let mut cursor = node.walk();
                 let values: Vec<Option<Node<'_>>> = node
                     .children_by_field_name("declarator", &mut cursor)
-                    .map(|it| it.child_by_field_name("value"))
+                    .map(|child| child.child_by_field_name("value"))
                     .collect();
                 let mut values = values.into_iter();
                 let mut all = Vec::new();
@@ -352,7 +356,7 @@ impl<'a> Scope<'a> {
                 for (name, ty) in all {
                     let value = values.next().flatten();
                     let ty = match ty.base.as_str() {
-                        "auto" => value.and_then(|it| self.ty(it, 0)),
+                        "auto" => value.and_then(|child| self.ty(child, 0)),
                         _ => Some(ty),
                     };
                     found.push((name, ty));
@@ -363,11 +367,11 @@ impl<'a> Scope<'a> {
                 let declarator = node.child_by_field_name("declarator");
                 if let Some(name) = declarator.and_then(declared_name) {
                     let ty = node.child_by_field_name("type");
-                    let ty = ty.map_or("", |it| source(it, self.text));
+                    let ty = ty.map_or("", |ty| source(ty, self.text));
                     let ty = match ty {
                         "auto" => right
-                            .and_then(|it| self.ty(it, 0))
-                            .and_then(|it| self.types.element(&it)),
+                            .and_then(|child| self.ty(child, 0))
+                            .and_then(|ty| self.types.element(&ty)),
                         ty => Some(CType::plain(&compact(ty))),
                     };
                     found.push((source(name, self.text).into(), ty));
@@ -467,7 +471,7 @@ impl<'a> Scope<'a> {
         let pair = designator.parent()?;
         let mut cursor = pair.walk();
         let steps = pair.children_by_field_name("designator", &mut cursor);
-        let before = steps.take_while(|it| *it != designator);
+        let before = steps.take_while(|step| *step != designator);
         self.types.structure_of(&self.within(whole, before)?)
     }
 
@@ -525,7 +529,7 @@ fn typed(declaration: Node<'_>, declarator: Node<'_>, text: &str) -> CType {
         "init_declarator" => declarator.child_by_field_name("declarator"),
         _ => Some(declarator),
     };
-    let layers = inner.map(|it| of_declaration(declaration, Some(it), text).layers);
+    let layers = inner.map(|child| of_declaration(declaration, Some(child), text).layers);
     CType {
         base: base.base.trim_start_matches("typedef ").into(),
         layers: layers.unwrap_or_default(),
@@ -549,7 +553,7 @@ pub(crate) fn owner_of(member: Node<'_>, text: &str) -> Option<SmolStr> {
                 None if around.kind() == "type_definition" => around
                     .child_by_field_name("declarator")
                     .and_then(declared_name)
-                    .map(|it| scoped(node, source(it, text), text)),
+                    .map(|name| scoped(node, source(name, text), text)),
                 None => None,
             };
             if let Some(name) = name {

@@ -49,7 +49,7 @@ pub(super) fn call(
     words: &[String],
 ) -> AnswerResult {
     let owner = model.spec.component(component);
-    let it = owner.codel(at);
+    let codel = owner.codel(at);
     let method = method(METHODS, words, "name")?;
     let arguments = words.get(1..).unwrap_or_default();
     let usage = |usage: &str| {
@@ -69,13 +69,13 @@ pub(super) fn call(
     }
     let mapper = model.mapper();
     let answer = match method {
-        "name" => Some(Answer::pure(it.name.to_string())),
+        "name" => Some(Answer::pure(codel.name.to_string())),
         "kind" => Some(Answer::pure(
-            if it.is_async { "async" } else { "sync" }.into(),
+            if codel.is_async { "async" } else { "sync" }.into(),
         )),
         "parameters" => Some(model.params(
             component,
-            &it.params,
+            &codel.params,
             |index| ParamRef::Codel(at, index),
             arguments,
             FILTERS,
@@ -84,8 +84,8 @@ pub(super) fn call(
                 _ => source_matches(param, word),
             },
         )?),
-        "yields" => Some(model.type_list(it.yields.iter().map(|state| state.event))),
-        "triggers" => Some(model.type_list(it.triggers.iter().map(|state| state.event))),
+        "yields" => Some(model.type_list(codel.yields.iter().map(|state| state.event))),
+        "triggers" => Some(model.type_list(codel.triggers.iter().map(|state| state.event))),
         "task" => {
             let task = owner.task_of(at);
             task.map(|task| model.handle(Object::Task(component, task)))
@@ -101,7 +101,7 @@ pub(super) fn call(
             let services = services.map(|service| Object::Service(component, service));
             Some(model.list(codels.chain(services)))
         }
-        "cname" => Some(Answer::pure(mapper.cname(&it.name)?)),
+        "cname" => Some(Answer::pure(mapper.cname(&codel.name)?)),
         "signature" => {
             let separator = arguments.first().map_or(" ", String::as_str);
             let location = match arguments.get(1) {
@@ -109,15 +109,15 @@ pub(super) fn call(
                 None => false,
             };
             Some(Answer::pure(
-                mapper.signature(component, it, separator, location)?,
+                mapper.signature(component, codel, separator, location)?,
             ))
         }
         "invoke" => {
             let arguments = tcl::parse_list(&arguments[0]).map_err(Failure::Error)?;
-            Some(Answer::pure(mapper.invoke(component, it, &arguments)?))
+            Some(Answer::pure(mapper.invoke(component, codel, &arguments)?))
         }
-        "loc" => model.place_of(it.src, Anchor::First, arguments)?,
-        "wcet" => it.wcet.as_ref().map(|wcet| model.type_handle(wcet.ty)),
+        "loc" => model.place_of(codel.src, Anchor::First, arguments)?,
+        "wcet" => codel.wcet.as_ref().map(|wcet| model.type_handle(wcet.ty)),
         _ => Some(Answer::pure("codel".into())),
     };
     answer.ok_or_else(|| undefined(method))

@@ -44,7 +44,7 @@ static BEFORE_STACK: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
     METHODS
         .iter()
         .copied()
-        .filter(|it| *it != "stack")
+        .filter(|method| *method != "stack")
         .collect()
 });
 
@@ -59,7 +59,7 @@ pub(super) fn call(
     words: &[String],
     lambda: &mut Lambda<'_>,
 ) -> AnswerResult {
-    let it = model.spec.component(index);
+    let component = model.spec.component(index);
     let method = match model.spec.release.has(Change::ComponentStack) {
         true => method(METHODS, words, "name")?,
         false => method(&BEFORE_STACK, words, "name")?,
@@ -71,28 +71,33 @@ pub(super) fn call(
         _ => return Err(wrong_args("$component subcommand")),
     }
     let answer = match method {
-        "name" => Some(Answer::pure(it.name.to_string())),
-        "doc" => text(&it.doc),
-        "ids" => it.ids.map(|ty| model.type_handle(ty)),
-        "version" => text(&it.version),
-        "language" => text(&it.lang),
-        "email" => text(&it.email),
-        "require" => Some(Answer::pure(tcl::list(&it.requires))),
-        "codels-require" => Some(Answer::pure(tcl::list(&it.codels_requires))),
-        "clock-rate" => it
+        "name" => Some(Answer::pure(component.name.to_string())),
+        "doc" => text(&component.doc),
+        "ids" => component.ids.map(|ty| model.type_handle(ty)),
+        "version" => text(&component.version),
+        "language" => text(&component.lang),
+        "email" => text(&component.email),
+        "require" => Some(Answer::pure(tcl::list(&component.requires))),
+        "codels-require" => Some(Answer::pure(tcl::list(&component.codels_requires))),
+        "clock-rate" => component
             .clock_rate
             .as_ref()
             .map(|rate| model.type_handle(rate.ty)),
-        "stack" => it.stack.as_ref().map(|stack| model.type_handle(stack.ty)),
-        "throws" => Some(model.type_list(component_throws(it))),
-        "tasks" => Some(model.list((0..it.tasks.len() as u32).map(|at| Object::Task(index, at)))),
+        "stack" => component
+            .stack
+            .as_ref()
+            .map(|stack| model.type_handle(stack.ty)),
+        "throws" => Some(model.type_list(component_throws(component))),
+        "tasks" => {
+            Some(model.list((0..component.tasks.len() as u32).map(|at| Object::Task(index, at))))
+        }
         "ports" => Some(ports(model, index, arguments)?),
         "services" => {
-            let services = 0..it.services.len() as u32;
+            let services = 0..component.services.len() as u32;
             Some(model.list(services.map(|at| Object::Service(index, at))))
         }
         "remotes" => {
-            let remotes = 0..it.remotes.len() as u32;
+            let remotes = 0..component.remotes.len() as u32;
             Some(model.list(remotes.map(|at| Object::Remote(index, at))))
         }
         "codels" => Some(codels(model, index, arguments)?),
@@ -105,7 +110,11 @@ pub(super) fn call(
         }
         "digest" => return digest(model, &Object::Component(index), arguments, lambda),
         // Items outside of every other component.
-        "loc" => model.place(model.places.place(it.src, Anchor::First), None, arguments)?,
+        "loc" => model.place(
+            model.places.place(component.src, Anchor::First),
+            None,
+            arguments,
+        )?,
         _ => Some(Answer::pure(
             class(model.spec, &Object::Component(index)).into(),
         )),

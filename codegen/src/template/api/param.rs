@@ -30,7 +30,7 @@ pub(super) fn param(
     at: ParamRef,
     words: &[String],
 ) -> AnswerResult {
-    let it = model.spec.param(component, at);
+    let declaration = model.spec.param(component, at);
     let method = method(PARAM_METHODS, words, "name")?;
     let arguments = words.get(1..).unwrap_or_default();
     match method {
@@ -43,28 +43,31 @@ pub(super) fn param(
         _ if arguments.is_empty() => {}
         _ => return Err(wrong_args("$param subcommand")),
     }
-    let (base, ty) = param_types(model.spec, component, it);
-    let object = matches!(it.source, ParamSource::Port(_) | ParamSource::Remote(_));
+    let (base, ty) = param_types(model.spec, component, declaration);
+    let object = matches!(
+        declaration.source,
+        ParamSource::Port(_) | ParamSource::Remote(_)
+    );
     let answer = match method {
-        "name" => Some(Answer::pure(it.name.to_string())),
-        "src" => Some(Answer::pure(source_word(it.source).into())),
-        "direction" => Some(Answer::pure(dir_word(it.dir).into())),
-        "member" if object || it.path.is_empty() => Some(Answer::pure(String::new())),
+        "name" => Some(Answer::pure(declaration.name.to_string())),
+        "src" => Some(Answer::pure(source_word(declaration.source).into())),
+        "direction" => Some(Answer::pure(dir_word(declaration.dir).into())),
+        "member" if object || declaration.path.is_empty() => Some(Answer::pure(String::new())),
         "member" => {
-            let text = model.mapper().member_path(base, &it.path)?;
+            let text = model.mapper().member_path(base, &declaration.path)?;
             Some(Answer::pure(text))
         }
         "base" => Some(model.type_handle(base)),
         "type" => Some(model.type_handle(ty)),
-        "port" => match it.source {
+        "port" => match declaration.source {
             ParamSource::Port(port) => Some(model.handle(Object::Port(component, port))),
             _ => None,
         },
-        "remote" => match it.source {
+        "remote" => match declaration.source {
             ParamSource::Remote(remote) => Some(model.handle(Object::Remote(component, remote))),
             _ => None,
         },
-        "param" => match (it.source, at) {
+        "param" => match (declaration.source, at) {
             (ParamSource::Local(Some(index)), ParamRef::Codel(codel, _)) => match codel.owner {
                 dotgen_analysis::model::Owner::Service(service) => {
                     let param = ParamRef::Service(service, index);
@@ -74,7 +77,7 @@ pub(super) fn param(
             },
             _ => None,
         },
-        "initializer" => match (arguments.first(), &it.init) {
+        "initializer" => match (arguments.first(), &declaration.init) {
             (None, Some(_)) => Some(model.handle(Object::Initializer(component, at, Vec::new()))),
             (None, None) => None,
             (Some(handle), init) => {
@@ -83,9 +86,9 @@ pub(super) fn param(
                 };
                 let mut path = Vec::new();
                 let steps = 2 * model.spec.types.len();
-                let found = init
-                    .as_ref()
-                    .is_some_and(|init| find_part(model, init, it.ty, *ty, &mut path, steps));
+                let found = init.as_ref().is_some_and(|init| {
+                    find_part(model, init, declaration.ty, *ty, &mut path, steps)
+                });
                 if !found {
                     return Err(Failure::Error("no initializer for type".into()));
                 }
@@ -94,13 +97,13 @@ pub(super) fn param(
         },
         "loc" => {
             let declared = matches!(at, ParamRef::Service(..) | ParamRef::Remote(..))
-                && matches!(it.source, ParamSource::Local(_));
+                && matches!(declaration.source, ParamSource::Local(_));
             let anchor = if declared {
-                Anchor::Named(&it.name)
+                Anchor::Named(&declaration.name)
             } else {
                 Anchor::Path
             };
-            model.place_of(it.src, anchor, arguments)?
+            model.place_of(declaration.src, anchor, arguments)?
         }
         _ => Some(Answer::pure("parameter".into())),
     };
@@ -149,7 +152,7 @@ fn find_part(
                 };
                 let member = members
                     .iter()
-                    .find(|it| model.spec.ty(**it).name.as_ref() == Some(name));
+                    .find(|member| model.spec.ty(**member).name.as_ref() == Some(name));
                 let Some(member) = member else {
                     continue;
                 };
@@ -181,26 +184,26 @@ pub(super) fn initializer(
         return Err(wrong_args("$initializer subcommand"));
     }
     let method = method(INITIALIZER_METHODS, words, "kind")?;
-    let Some(it) = model.spec.initializer(component, param, path) else {
+    let Some(initializer) = model.spec.initializer(component, param, path) else {
         return Err(undefined(method));
     };
     let answer = match method {
-        "member" => it.member.as_ref().map(|member| {
+        "member" => initializer.member.as_ref().map(|member| {
             Answer::pure(match member {
                 PathElement::Member(name) => name.to_string(),
                 PathElement::Index(index) => index.to_string(),
             })
         }),
-        "doc" => it.doc.clone().map(Answer::pure),
+        "doc" => initializer.doc.clone().map(Answer::pure),
         "kind" => Some(Answer::pure(
-            match &it.value {
+            match &initializer.value {
                 InitValue::Void => "void",
                 InitValue::Scalar(value) => value.word(),
                 InitValue::Compound(_) => "compound",
             }
             .into(),
         )),
-        "value" => Some(match &it.value {
+        "value" => Some(match &initializer.value {
             InitValue::Void => Answer::pure(String::new()),
             InitValue::Scalar(value) => Answer::pure(value_text(model.spec, value)),
             InitValue::Compound(parts) => model.list((0..parts.len() as u32).map(|index| {
@@ -209,7 +212,7 @@ pub(super) fn initializer(
                 Object::Initializer(component, param, inside)
             })),
         }),
-        "loc" => model.location(it.src, Anchor::First),
+        "loc" => model.location(initializer.src, Anchor::First),
         _ => Some(Answer::pure("initializer".into())),
     };
     answer.ok_or_else(|| undefined(method))

@@ -76,7 +76,7 @@ pub(super) fn service(
     index: u32,
     words: &[String],
 ) -> AnswerResult {
-    let it = model.spec.service(component, index);
+    let service = model.spec.service(component, index);
     let method = method(METHODS, words, "name")?;
     let arguments = words.get(1..).unwrap_or_default();
     match method {
@@ -89,7 +89,7 @@ pub(super) fn service(
         _ => return Err(wrong_args("$service subcommand")),
     }
     let codels = |wanted: &dyn Fn(CodelKind) -> bool| {
-        let codels = it.codels.iter().enumerate();
+        let codels = service.codels.iter().enumerate();
         let listed = codels.filter(|(_, codel)| wanted(codel.kind));
         model.list(listed.map(|(at, _)| {
             let owner = Owner::Service(index);
@@ -98,17 +98,17 @@ pub(super) fn service(
         }))
     };
     let answer = match method {
-        "name" => Some(Answer::pure(it.name.to_string())),
-        "kind" => Some(Answer::pure(service_word(it.kind).into())),
+        "name" => Some(Answer::pure(service.name.to_string())),
+        "kind" => Some(Answer::pure(service_word(service.kind).into())),
         "component" => Some(model.handle(Object::Component(component))),
-        "doc" => text(&it.doc),
-        "task" => it
+        "doc" => text(&service.doc),
+        "task" => service
             .task
             .map(|task| model.handle(Object::Task(component, task))),
         "validate" => Some(codels(&|kind| kind == CodelKind::Validate)),
         "codels" => {
             let mut kinds = Vec::new();
-            for filter in arguments.iter().filter(|_| !it.codels.is_empty()) {
+            for filter in arguments.iter().filter(|_| !service.codels.is_empty()) {
                 kinds.push(CODEL_KINDS[find(CODEL_KINDS, filter, "kind")?]);
             }
             Some(codels(&|kind| {
@@ -117,7 +117,7 @@ pub(super) fn service(
         }
         "parameters" => Some(model.params(
             component,
-            &it.params,
+            &service.params,
             |at| ParamRef::Service(index, at),
             arguments,
             DIRECTIONS,
@@ -128,9 +128,9 @@ pub(super) fn service(
             let throws = service_throws(model.spec.component(component), index);
             Some(model.type_list(throws))
         }
-        "interrupts" => Some(model.services(component, &it.interrupts)),
-        "before" => Some(model.services(component, &it.before)),
-        "after" => Some(model.services(component, &it.after)),
+        "interrupts" => Some(model.services(component, &service.interrupts)),
+        "before" => Some(model.services(component, &service.before)),
+        "after" => Some(model.services(component, &service.after)),
         "mutex" => {
             let codels = service_mutex(model.spec, model.spec.component(component), index);
             Some(model.list(codels.into_iter().map(|at| Object::Codel(component, at))))
@@ -140,7 +140,11 @@ pub(super) fn service(
             let digest = closure::digest(model, &object, &mut |_| Ok(true))?;
             Some(Answer::pure(digest))
         }
-        "loc" => model.place_of(it.src, Anchor::Keyword(service_word(it.kind)), arguments)?,
+        "loc" => model.place_of(
+            service.src,
+            Anchor::Keyword(service_word(service.kind)),
+            arguments,
+        )?,
         _ => Some(Answer::pure("service".into())),
     };
     answer.ok_or_else(|| undefined(method))
@@ -152,27 +156,27 @@ pub(super) fn remote(
     index: u32,
     words: &[String],
 ) -> AnswerResult {
-    let it = model.spec.remote(component, index);
+    let remote = model.spec.remote(component, index);
     let method = method(REMOTE_METHODS, words, "name")?;
     let arguments = words.get(1..).unwrap_or_default();
     if method != "parameters" && !arguments.is_empty() {
         return Err(wrong_args("$remote subcommand"));
     }
     let answer = match method {
-        "name" => Some(Answer::pure(it.name.to_string())),
-        "kind" => Some(Answer::pure(service_word(it.kind).into())),
+        "name" => Some(Answer::pure(remote.name.to_string())),
+        "kind" => Some(Answer::pure(service_word(remote.kind).into())),
         "component" => Some(model.handle(Object::Component(component))),
-        "type" => Some(model.type_handle(it.ty)),
+        "type" => Some(model.type_handle(remote.ty)),
         "parameters" => Some(model.params(
             component,
-            &it.params,
+            &remote.params,
             |at| ParamRef::Remote(index, at),
             arguments,
             &DIRECTIONS[1..],
             dir_matches,
         )?),
         "throws" => {
-            let throws = remote_throws(model.spec.component(component), it);
+            let throws = remote_throws(model.spec.component(component), remote);
             Some(model.type_list(throws))
         }
         "digest" => {
@@ -180,7 +184,7 @@ pub(super) fn remote(
             let digest = closure::digest(model, &object, &mut |_| Ok(true))?;
             Some(Answer::pure(digest))
         }
-        "loc" => model.location(it.src, Anchor::Keyword(service_word(it.kind))),
+        "loc" => model.location(remote.src, Anchor::Keyword(service_word(remote.kind))),
         _ => Some(Answer::pure("remote".into())),
     };
     answer.ok_or_else(|| undefined(method))

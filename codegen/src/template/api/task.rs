@@ -45,7 +45,7 @@ pub(super) fn task(
     index: u32,
     words: &[String],
 ) -> AnswerResult {
-    let it = model.spec.task(component, index);
+    let task = model.spec.task(component, index);
     let method = method(TASK_METHODS, words, "name")?;
     let arguments = words.get(1..).unwrap_or_default();
     let most = if matches!(method, "fsm" | "loc") {
@@ -60,25 +60,27 @@ pub(super) fn task(
             _ => "$task subcommand",
         }));
     }
-    let quantity = |it: &Option<dotgen_analysis::model::Quantity>| {
-        it.as_ref().map(|it| model.type_handle(it.ty))
+    let quantity = |quantity: &Option<dotgen_analysis::model::Quantity>| {
+        quantity
+            .as_ref()
+            .map(|quantity| model.type_handle(quantity.ty))
     };
     let answer = match method {
-        "name" => Some(Answer::pure(it.name.to_string())),
+        "name" => Some(Answer::pure(task.name.to_string())),
         "component" => Some(model.handle(Object::Component(component))),
-        "doc" => text(&it.doc),
-        "period" => quantity(&it.period),
-        "delay" => quantity(&it.delay),
-        "priority" => quantity(&it.priority),
-        "scheduling" => it.real_time.then(|| Answer::pure("real-time".into())),
-        "stack" => quantity(&it.stack),
+        "doc" => text(&task.doc),
+        "period" => quantity(&task.period),
+        "delay" => quantity(&task.delay),
+        "priority" => quantity(&task.priority),
+        "scheduling" => task.real_time.then(|| Answer::pure("real-time".into())),
+        "stack" => quantity(&task.stack),
         "services" => {
             let services = model.spec.component(component).services.iter().enumerate();
             let own = services.filter(|(_, service)| service.task == Some(index));
             Some(model.list(own.map(|(at, _)| Object::Service(component, at as u32))))
         }
         "codels" => {
-            let codels = it.codels.iter().enumerate();
+            let codels = task.codels.iter().enumerate();
             let listed = codels.filter(|(_, codel)| codel.kind != CodelKind::Validate);
             Some(model.list(listed.map(|(at, _)| {
                 let owner = Owner::Task(index);
@@ -88,10 +90,10 @@ pub(super) fn task(
         }
         "fsm" => Some(model.state_machine(component, Owner::Task(index), words.get(1))),
         "throws" => {
-            let throws = task_throws(model.spec.component(component), it);
+            let throws = task_throws(model.spec.component(component), task);
             Some(model.type_list(throws))
         }
-        "loc" => model.place_of(it.src, Anchor::Keyword("task"), arguments)?,
+        "loc" => model.place_of(task.src, Anchor::Keyword("task"), arguments)?,
         _ => Some(Answer::pure("task".into())),
     };
     answer.ok_or_else(|| undefined(method))
@@ -103,7 +105,7 @@ pub(super) fn port(
     index: u32,
     words: &[String],
 ) -> AnswerResult {
-    let it = model.spec.port(component, index);
+    let port = model.spec.port(component, index);
     let method = method(PORT_METHODS, words, "name")?;
     let arguments = words.get(1..).unwrap_or_default();
     match (method, arguments.len()) {
@@ -112,18 +114,18 @@ pub(super) fn port(
         _ => return Err(wrong_args("$port subcommand")),
     }
     let answer = match method {
-        "name" => Some(Answer::pure(it.name.to_string())),
-        "dir" => Some(Answer::pure(port_dir(it.dir).into())),
-        "kind" => Some(Answer::pure(port_kind(it).into())),
+        "name" => Some(Answer::pure(port.name.to_string())),
+        "dir" => Some(Answer::pure(port_dir(port.dir).into())),
+        "kind" => Some(Answer::pure(port_kind(port).into())),
         "component" => Some(model.handle(Object::Component(component))),
-        "type" => Some(model.type_handle(it.ty)),
-        "datatype" => Some(model.type_handle(it.data)),
-        "doc" => text(&it.doc),
+        "type" => Some(model.type_handle(port.ty)),
+        "datatype" => Some(model.type_handle(port.data)),
+        "doc" => text(&port.doc),
         "throws" => {
             let throws = &model.spec.component(component).throws;
             Some(model.type_list(throws.iter().copied()))
         }
-        "loc" => model.place_of(it.src, Anchor::Keyword("port"), arguments)?,
+        "loc" => model.place_of(port.src, Anchor::Keyword("port"), arguments)?,
         _ => Some(Answer::pure("port".into())),
     };
     answer.ok_or_else(|| undefined(method))

@@ -56,22 +56,26 @@ pub(super) fn call(
     let arguments = words.get(1..).unwrap_or_default();
     check_arguments(model, ty, method, arguments)?;
     let spec = model.spec;
-    let it = spec.ty(ty);
+    let known_type = spec.ty(ty);
     let mapper = model.mapper();
     let pure = |text: String| Some(Answer::pure(text));
     let argument = |index: usize| arguments.get(index).map_or("", String::as_str);
     let answer = match method {
-        "kind" => pure(it.kind.word().into()),
-        "name" => it.name.as_ref().and_then(|name| pure(name.to_string())),
+        "kind" => pure(known_type.kind.word().into()),
+        "name" => known_type
+            .name
+            .as_ref()
+            .and_then(|name| pure(name.to_string())),
         "fullname" => spec.full_name(ty).map(Answer::pure),
         "scope" => {
-            let scopes = it.scope.iter();
-            let scopes = scopes.map(|it| tcl::list([scope_word(it.kind), it.name.as_str()]));
+            let scopes = known_type.scope.iter();
+            let scopes =
+                scopes.map(|scope| tcl::list([scope_word(scope.kind), scope.name.as_str()]));
             pure(tcl::list(scopes))
         }
         "fixed" => pure(u8::from(fixed(model, ty, spec.types.len())).to_string()),
         "final" => Some(model.type_handle(spec.resolve_alias(ty))),
-        "parent" => it.parent.map(|parent| model.type_handle(parent)),
+        "parent" => known_type.parent.map(|parent| model.type_handle(parent)),
         "nested" => Some(model.type_list(nested(spec, ty))),
         "types" => {
             let mut words = vec!["public".to_owned()];
@@ -79,15 +83,15 @@ pub(super) fn call(
             return types(model, &Object::Type(ty), &words, lambda);
         }
         "type" => mapper.inner(ty).map(|inner| model.type_handle(inner)),
-        "length" => length_of(&it.kind).and_then(|length| pure(length.to_string())),
-        "value" => match &it.kind {
+        "length" => length_of(&known_type.kind).and_then(|length| pure(length.to_string())),
+        "value" => match &known_type.kind {
             TypeKind::Const { value, .. } => pure(value_text(spec, value)),
-            TypeKind::UnionMember { labels, .. } => {
-                pure(tcl::list(labels.iter().map(|it| label_text(spec, it))))
-            }
+            TypeKind::UnionMember { labels, .. } => pure(tcl::list(
+                labels.iter().map(|label| label_text(spec, label)),
+            )),
             _ => None,
         },
-        "valuekind" => match &it.kind {
+        "valuekind" => match &known_type.kind {
             TypeKind::Const { value, .. } => pure(value.word().into()),
             _ => None,
         },
@@ -102,15 +106,15 @@ pub(super) fn call(
             let members = mapper.members(spec.resolve_alias(ty)).iter().copied();
             Some(model.type_list(members.filter(matches)))
         }
-        "discriminator" => match it.kind {
+        "discriminator" => match known_type.kind {
             TypeKind::Union { switch, .. } => Some(model.type_handle(switch)),
             _ => None,
         },
-        "port" => match it.kind {
+        "port" => match known_type.kind {
             TypeKind::Port { component, port } => Some(model.handle(Object::Port(component, port))),
             _ => None,
         },
-        "remote" => match it.kind {
+        "remote" => match known_type.kind {
             TypeKind::Remote { component, remote } => {
                 Some(model.handle(Object::Remote(component, remote)))
             }
@@ -150,14 +154,14 @@ pub(super) fn call(
         "digest" => return digest(model, &Object::Type(ty), &[], lambda),
         "masquerade" => {
             let template = arguments.first().map_or(model.template, String::as_str);
-            let pairs = it.masquerade.iter();
+            let pairs = known_type.masquerade.iter();
             let found = pairs
-                .filter(|_| it.name.is_some())
-                .find(|it| it.0 == template);
+                .filter(|_| known_type.name.is_some())
+                .find(|pair| pair.0 == template);
             found.map(|(_, data)| Answer::pure(data.clone()))
         }
         "loc" => {
-            let context = spec.body_of(it.src);
+            let context = spec.body_of(known_type.src);
             model.place(mapper.type_place(ty), context, arguments)?
         }
         _ => pure("type".into()),
@@ -205,7 +209,9 @@ fn fixed(model: &Model<'_>, ty: TypeId, depth: usize) -> bool {
         | TypeKind::Optional { element } => fixed(model, *element, depth),
         TypeKind::Struct { members }
         | TypeKind::Union { members, .. }
-        | TypeKind::Exception { members } => members.iter().all(|it| fixed(model, *it, depth)),
+        | TypeKind::Exception { members } => {
+            members.iter().all(|member| fixed(model, *member, depth))
+        }
         _ => true,
     }
 }

@@ -42,7 +42,7 @@ impl StagedFiles {
 
     /// Number of files that differ from those of the disk.
     pub(crate) fn changed(&self) -> usize {
-        let differ = |it: &&PreviewFile| it.before.as_ref() != Some(&it.after);
+        let differ = |file: &&PreviewFile| file.before.as_ref() != Some(&file.after);
         self.files.values().filter(differ).count()
     }
 
@@ -126,11 +126,15 @@ impl StagedFiles {
     /// # Errors
     /// Fails for an unknown form.
     pub(crate) fn mode(&self, disk: &dyn Disk, path: &Path, text: &str) -> Result<u32, Failure> {
-        let known = self.files.get(&plain(disk, path)).and_then(|it| it.mode);
-        let current = known.unwrap_or_else(|| match disk.status(path).map_or(0, |it| it.mode) {
-            0 => 0o644,
-            mode => mode,
-        });
+        let known = self
+            .files
+            .get(&plain(disk, path))
+            .and_then(|file| file.mode);
+        let current =
+            known.unwrap_or_else(|| match disk.status(path).map_or(0, |status| status.mode) {
+                0 => 0o644,
+                mode => mode,
+            });
         permissions::parse(text, current)
             .ok_or_else(|| Failure::Error(format!("unknown permission string format \"{text}\"")))
     }
@@ -153,7 +157,7 @@ impl StagedFiles {
         text: &str,
     ) -> Result<(), Failure> {
         let key = plain(disk, path);
-        let on_disk_mode = || disk.status(path).map_or(0, |it| it.mode);
+        let on_disk_mode = || disk.status(path).map_or(0, |status| status.mode);
         let mode = self.mode(disk, path, text)?;
         match self.files.get_mut(&key) {
             Some(file) => file.mode = Some(mode),

@@ -86,8 +86,8 @@ impl Session<'_> {
             .map_err(Failure::Stop)?;
         loop {
             let words = self.host.receive().map_err(Failure::Stop)?;
-            if words.first().is_some_and(|it| it == b"return") {
-                let text = |index: usize| words.get(index).map(|it| tcl::decode(it));
+            if words.first().is_some_and(|word| word == b"return") {
+                let text = |index: usize| words.get(index).map(|word| tcl::decode(word));
                 let result = text(2).unwrap_or_default();
                 return match text(1).as_deref() {
                     Some("0" | "2") => Ok(result),
@@ -116,7 +116,7 @@ impl Session<'_> {
             ("template", "dir") => Ok(Answer::pure(run.dir.display().to_string())),
             ("template", "builtindir") => {
                 let dir = run.search.builtin.as_ref();
-                let dir = dir.map(|it| it.display().to_string());
+                let dir = dir.map(|directory| directory.display().to_string());
                 Ok(Answer::pure(dir.unwrap_or_default()))
             }
             ("template", "tmpdir") => Ok(Answer::pure(self.tmpdir.display().to_string())),
@@ -154,10 +154,11 @@ impl Session<'_> {
         } else {
             let components = spec.components.iter().enumerate();
             components
-                .filter(|(_, it)| {
-                    let interface = it.kind == dotgen_analysis::model::ComponentKind::Interface;
+                .filter(|(_, component)| {
+                    let interface =
+                        component.kind == dotgen_analysis::model::ComponentKind::Interface;
                     interface == (what == "interfaces")
-                        && glob.is_none_or(|glob| tcl::glob_match(glob, &it.name))
+                        && glob.is_none_or(|glob| tcl::glob_match(glob, &component.name))
                 })
                 .map(|(index, _)| Object::Component(index as u32))
                 .collect()
@@ -303,8 +304,11 @@ impl Session<'_> {
     /// Fails for any other file.
     fn check_input(&self, file: &str) -> Result<(), Failure> {
         let path = self.run.base.join(file);
-        let results = self.run.confined.map(|it| it.results.as_slice());
-        match results.is_some_and(|it| readable_files::is_below(&*self.run.disk, &path, it)) {
+        let results = self
+            .run
+            .confined
+            .map(|confinement| confinement.results.as_slice());
+        match results.is_some_and(|paths| readable_files::is_below(&*self.run.disk, &path, paths)) {
             true => Ok(()),
             false => self.check_read(&path),
         }
@@ -365,7 +369,9 @@ fn text_helper(language: Language, words: &[String]) -> Reply {
     let mut arguments = words.get(1..).unwrap_or_default();
     let spec = dotgen_analysis::model::Spec::default();
     let mapper = Mapper::new(&spec, &NoPlaces, language);
-    let option = arguments.first().and_then(|it| it.strip_prefix('-'));
+    let option = arguments
+        .first()
+        .and_then(|argument| argument.strip_prefix('-'));
     let answer = match name {
         "comment" => match option {
             Some(mark) => text::marked_comment(mark, &arguments[1..].join(" ")),
@@ -377,7 +383,11 @@ fn text_helper(language: Language, words: &[String]) -> Reply {
                     "wrong # args: should be \"fileext ?kind?\"".into(),
                 ));
             }
-            mapper.file_extension(arguments.first().is_some_and(|it| it == "header"))?
+            mapper.file_extension(
+                arguments
+                    .first()
+                    .is_some_and(|argument| argument == "header"),
+            )?
         }
         _ => {
             let mut column = 70;
@@ -391,7 +401,9 @@ fn text_helper(language: Language, words: &[String]) -> Reply {
                 arguments = &arguments[1..];
             }
             if name == "---" {
-                let filler = arguments.last().and_then(|it| it.chars().last());
+                let filler = arguments
+                    .last()
+                    .and_then(|argument| argument.chars().last());
                 let words = arguments.split_last().map_or(&[][..], |(_, words)| words);
                 text::rule(&words.join(" "), filler, column)
             } else {

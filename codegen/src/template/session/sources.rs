@@ -57,10 +57,10 @@ impl Session<'_> {
         let words = tcl::parse_list(frames).unwrap_or_default();
         let frames: Vec<Frame> = words
             .chunks_exact(3)
-            .map(|it| Frame {
-                file: it[0].clone(),
-                line: it[1].parse().unwrap_or(1),
-                command: it[2].clone(),
+            .map(|chunk| Frame {
+                file: chunk[0].clone(),
+                line: chunk[1].parse().unwrap_or(1),
+                command: chunk[2].clone(),
             })
             .collect();
         let scripts = std::mem::take(&mut self.scripts);

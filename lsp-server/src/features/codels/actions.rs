@@ -47,12 +47,12 @@ pub(crate) fn handle(
     params: &CodeActionParams,
 ) -> Cancellable<Option<CodeActionResponse>> {
     let lines = snapshot.lines(&subject.path)?;
-    let Some(range) = lines.and_then(|it| it.clamped(params.range)) else {
+    let Some(range) = lines.and_then(|line| line.clamped(params.range)) else {
         return Ok(None);
     };
     let mut out = Vec::new();
     judged_actions::offers(snapshot, &subject.path, |offers| {
-        let wanted = |it: &CodeActionKind| offered(params, it);
+        let wanted = |action_kind: &CodeActionKind| offered(params, action_kind);
         actions(snapshot, subject, &range, &wanted, offers, &mut out)
     })?;
     Ok(Some(out))
@@ -90,7 +90,10 @@ pub(crate) fn actions(
                 folder,
                 texts: &texts,
             };
-            mendable += findings.iter().filter(|it| !it.repairs.is_empty()).count();
+            mendable += findings
+                .iter()
+                .filter(|finding| !finding.repairs.is_empty())
+                .count();
             for drift in findings.iter().filter(|_| quick) {
                 here |= work.fixes(drift, range, offers, out)?;
             }
@@ -126,17 +129,20 @@ impl Work<'_> {
     ) -> Cancellable<bool> {
         let one = std::slice::from_ref(drift);
         let all = diagnostics(one, &*self.folder.unit.locations, Side::Both);
-        let touches = |it: &dotgen_analysis::diagnostic::Diagnostic| {
-            it.path == self.subject.path
-                && it.range.start <= range.end
-                && range.start <= it.range.end
+        let touches = |entry: &dotgen_analysis::diagnostic::Diagnostic| {
+            entry.path == self.subject.path
+                && entry.range.start <= range.end
+                && range.start <= entry.range.end
         };
         let Some(here) = all.into_iter().find(touches) else {
             return Ok(false);
         };
         let shown = diagnostic::to_proto(self.snapshot, &here)?;
         let expected = self.folder.expected();
-        let Some(expected) = expected.iter().find(|it| it.component == drift.component) else {
+        let Some(expected) = expected
+            .iter()
+            .find(|expected| expected.component == drift.component)
+        else {
             return Ok(true);
         };
         let stubs = codels::stub_options(self.folder, self.texts);
@@ -159,8 +165,10 @@ impl Work<'_> {
         };
         let name = |at: CodelRef| expected.component().codel(at).name.as_str();
         let ordered = repairs.ordered(drift);
-        let only = |it: &Repair| {
-            ordered.len() == 1 && !matches!(it, Repair::RemoveYield { .. }) && !it.is_choice()
+        let only = |repair: &Repair| {
+            ordered.len() == 1
+                && !matches!(repair, Repair::RemoveYield { .. })
+                && !repair.is_choice()
         };
         for &repair in &ordered {
             if let Some(edit) = repairs.edit(repair) {
@@ -194,10 +202,10 @@ impl Work<'_> {
             let component = expected.component();
             let selected = |src| {
                 let place = self.folder.unit.locations.locate(src);
-                place.is_some_and(|it| {
-                    it.path == self.subject.path
-                        && it.range.start <= range.end
-                        && range.start <= it.range.end
+                place.is_some_and(|place| {
+                    place.path == self.subject.path
+                        && place.range.start <= range.end
+                        && range.start <= place.range.end
                 })
             };
             let mut wanted: Vec<(String, Vec<CodelRef>)> = Vec::new();
@@ -209,14 +217,14 @@ impl Work<'_> {
             }
             let codel = missing
                 .iter()
-                .find(|it| selected(component.codel(**it).src));
+                .find(|codel| selected(component.codel(**codel).src));
             if let Some(at) = codel {
                 wanted.push((repairs.title(&Repair::Stub { at: *at }), vec![*at]));
             }
             for owner in component.owners() {
                 let src = match owner {
-                    Owner::Task(it) => component.tasks[it as usize].src,
-                    Owner::Service(it) => component.services[it as usize].src,
+                    Owner::Task(task) => component.tasks[task as usize].src,
+                    Owner::Service(service) => component.services[service as usize].src,
                 };
                 let of_owner = repairs.missing_codels_of(owner);
                 if selected(src) && !of_owner.is_empty() {
@@ -235,7 +243,9 @@ impl Work<'_> {
                     kind: Some(CodeActionKind::REFACTOR_REWRITE),
                     ..CodeAction::default()
                 };
-                let first = codels.first().map(|it| component.codel(*it).name.as_str());
+                let first = codels
+                    .first()
+                    .map(|codel| component.codel(*codel).name.as_str());
                 out.extend(self.action(action, &edit, first, None, offers)?);
             }
         }
@@ -253,13 +263,14 @@ impl Work<'_> {
         offers: &mut JudgedActions<'_, '_, '_>,
     ) -> Cancellable<Option<CodeActionOrCommand>> {
         let mut created = edit.created.keys();
-        if edit.is_empty() || created.any(|it| self.texts.read(it).is_some()) {
+        if edit.is_empty() || created.any(|key| self.texts.read(key).is_some()) {
             return Ok(None);
         }
-        let body = written.and_then(|it| self.body(edit, it));
+        let body = written.and_then(|text| self.body(edit, text));
         let action = CodeAction {
-            command: body
-                .map(|it| Command::new("Show".to_owned(), SHOW_CODEL.to_owned(), Some(vec![it]))),
+            command: body.map(|body| {
+                Command::new("Show".to_owned(), SHOW_CODEL.to_owned(), Some(vec![body]))
+            }),
             ..action
         };
         offers.action(action, edit, mends)
@@ -270,7 +281,7 @@ impl Work<'_> {
         if !self.snapshot.client.show_document {
             return None;
         }
-        let created = edit.created.iter().map(|it| (it.0, it.1.clone()));
+        let created = edit.created.iter().map(|pair| (pair.0, pair.1.clone()));
         let changed = edit
             .changed
             .iter()
@@ -335,7 +346,9 @@ fn sync_action(
             data: Some(json!({ "sync": subject.path })),
             ..action
         }),
-        false => sync_edit(snapshot, &subject.path)?.and_then(|it| with_edit(snapshot, action, it)),
+        false => {
+            sync_edit(snapshot, &subject.path)?.and_then(|edit| with_edit(snapshot, action, edit))
+        }
     };
     Ok(action.map(CodeActionOrCommand::CodeAction))
 }
@@ -369,7 +382,7 @@ fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<EditRes
                 snapshot
                     .roots
                     .iter()
-                    .filter(|it| it.parent() == beside)
+                    .filter(|root| root.parent() == beside)
                     .cloned(),
             );
         }
@@ -393,8 +406,8 @@ fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<EditRes
     {
         match before {
             Some(before) => {
-                for it in line_edits(&before, &after) {
-                    edit.replace(&path, it.range, it.text);
+                for line_edit in line_edits(&before, &after) {
+                    edit.replace(&path, line_edit.range, line_edit.text);
                 }
             }
             None => {

@@ -44,10 +44,13 @@ pub(crate) fn handle(
     use crate::protocol::user_result::UserResult;
     let mut specification = None;
     for compared in codels::around(snapshot, &subject.path)? {
-        specification = compared.folders().next().map(|it| it.specification.clone());
+        specification = compared
+            .folders()
+            .next()
+            .map(|folder| folder.specification.clone());
     }
     let specification = match (specification, snapshot.is_code(&subject.path)) {
-        (Some(it), _) => it,
+        (Some(specification), _) => specification,
         (None, false) => subject.path.clone(),
         (None, true) => return Ok(UserResult::default()),
     };

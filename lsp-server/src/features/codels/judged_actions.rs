@@ -67,7 +67,7 @@ impl JudgedActions<'_, '_, '_> {
         };
         let action = CodeAction {
             title,
-            is_preferred: action.is_preferred.map(|it| it && is_whole),
+            is_preferred: action.is_preferred.map(|flag| flag && is_whole),
             ..action
         };
         let edit = edit_of(self.snapshot, Review::None, edit)?;
@@ -88,7 +88,7 @@ pub(crate) fn private_host(snapshot: &Snapshot) -> Cancellable<AnalysisHost> {
     let mut files = Vec::new();
     for path in snapshot.open.keys() {
         let text = snapshot.analysis.text(path)?;
-        files.push((path.clone(), text.map(|it| it.to_string())));
+        files.push((path.clone(), text.map(|text| text.to_string())));
     }
     host.apply(Change {
         files,

@@ -77,15 +77,19 @@ pub(crate) fn lenses(
     let around = codels::around(snapshot, path)?;
     // Computed when the first codel uses a port.
     let mut units: Option<Vec<UnitResult>> = None;
-    for folder in around.iter().flat_map(|it| it.folders()) {
+    for folder in around.iter().flat_map(|folders| folders.folders()) {
         let all = folder.expected();
         let mut components = all.iter().map(Expected::component);
-        let meets = |it: &Component| it.all_codels().any(|at| uses_port(it.codel(at)));
+        let meets = |component: &Component| {
+            component
+                .all_codels()
+                .any(|at| uses_port(component.codel(at)))
+        };
         if units.is_none() && components.any(meets) {
             units = Some(snapshot.system_units(path)?);
         }
     }
-    let specs = units.iter().flatten().map(|it| &*it.spec);
+    let specs = units.iter().flatten().map(|unit| &*unit.spec);
     let system = System::new(parts(specs), &snapshot.config.connections);
     for compared in &around {
         for folder in compared.folders() {
@@ -93,11 +97,14 @@ pub(crate) fn lenses(
             for function in links::codel_functions(&all, &folder.sources, path) {
                 let mut found = Vec::new();
                 for (component, at) in &function.codels {
-                    let expected = all.iter().find(|it| it.component == *component);
+                    let expected = all.iter().find(|expected| expected.component == *component);
                     let Some(expected) = expected else { continue };
                     let place = expected.component().codel(*at).src;
                     let place = folder.unit.locations.locate(place);
-                    let places = place.into_iter().map(|it| (it.path, it.range)).collect();
+                    let places = place
+                        .into_iter()
+                        .map(|place| (place.path, place.range))
+                        .collect();
                     let mut title = title(expected, *at, &system);
                     if folder.is_earlier {
                         title += EARLIER;
@@ -106,11 +113,11 @@ pub(crate) fn lenses(
                 }
                 if found.len() > MAX_USES {
                     let title = format!("codel of {} tasks and services", found.len());
-                    let places = found.into_iter().flat_map(|it| it.places).collect();
+                    let places = found.into_iter().flat_map(|lens| lens.places).collect();
                     found = vec![Lens { title, places }];
                 }
                 let range = function.range.start..function.name_range.end;
-                out.extend(found.into_iter().map(|it| (it, range.clone())));
+                out.extend(found.into_iter().map(|lens| (lens, range.clone())));
             }
         }
     }
@@ -155,7 +162,7 @@ fn title(expected: &Expected<'_>, at: CodelRef, system: &System<'_>) -> String {
 
 fn uses_port(codel: &Codel) -> bool {
     let mut params = codel.params.iter();
-    params.any(|it| matches!(it.source, ParamSource::Port(_)))
+    params.any(|param| matches!(param.source, ParamSource::Port(_)))
 }
 
 /// Codels of other components that a codel excludes: `nav.go_codel through pom.pose`.
@@ -168,18 +175,18 @@ fn remote_exclusions(component: &Component, at: CodelRef, system: &System<'_>) -
     };
     // Another unit may have read the declaration differently.
     let read = system.parts[part].component;
-    let name = |it: &Component| it.codel(at).name.clone();
-    if !read.all_codels().any(|it| it == at) || name(read) != name(component) {
+    let name = |component: &Component| component.codel(at).name.clone();
+    if !read.all_codels().any(|codel| codel == at) || name(read) != name(component) {
         return Vec::new();
     }
     let mut out = Vec::new();
-    for it in system.exclusions(part, at) {
-        let other = system.parts[it.part].component;
-        let codel = &other.codel(it.codel).name;
+    for exclusion in system.exclusions(part, at) {
+        let other = system.parts[exclusion.part].component;
+        let codel = &other.codel(exclusion.codel).name;
         let name = format!(
             "{}.{codel} through {}",
             other.name,
-            system.port_name(it.port)
+            system.port_name(exclusion.port)
         );
         if !out.contains(&name) {
             out.push(name);

@@ -33,8 +33,10 @@ fn for_codel_at(
                     let mut uses = function.uses.iter();
                     let here = uses.any(|&at| {
                         let place = folder.unit.locations.locate(component.codel(at).src);
-                        place.is_some_and(|it| {
-                            it.path == path && it.range.start <= offset && offset <= it.range.end
+                        place.is_some_and(|place| {
+                            place.path == path
+                                && place.range.start <= offset
+                                && offset <= place.range.end
                         })
                     });
                     if here {
@@ -79,7 +81,7 @@ pub(crate) fn rename(
     snapshot: &Snapshot,
     edits: &[FileEdit],
 ) -> Cancellable<Result<Renaming, String>> {
-    let edited: BTreeSet<&Utf8PathBuf> = edits.iter().map(|it| &it.path).collect();
+    let edited: BTreeSet<&Utf8PathBuf> = edits.iter().map(|edit| &edit.path).collect();
     let mut containing: BTreeSet<Utf8PathBuf> = BTreeSet::new();
     for path in edited {
         containing.extend(snapshot.analysis.roots_containing(path)?);
@@ -97,7 +99,7 @@ pub(crate) fn rename(
         }
         for compared in codels::around(snapshot, &root)? {
             // The renamed unit is compiled only if it has sources.
-            if !compared.folders().any(|it| it.sources.exists) {
+            if !compared.folders().any(|folder| folder.sources.exists) {
                 continue;
             }
             let after = snapshot.analysis.edited_root_unit(&root, edits)?;

@@ -30,7 +30,7 @@ pub fn changes(specification: &Utf8Path, stand_ins: &[StandIn]) -> Vec<FileChang
     };
     let mut out: Vec<FileChange> = stand_ins
         .iter()
-        .filter_map(|it| new(&it.path, &it.text))
+        .filter_map(|stand_in| new(&stand_in.path, &stand_in.text))
         .collect();
     if !out.is_empty() {
         let beside = specification.parent().unwrap_or(Utf8Path::new(""));
@@ -48,30 +48,33 @@ pub(crate) fn actions(
     range: &Range<usize>,
     offers: &mut JudgedActions<'_, '_, '_>,
 ) -> Cancellable<Vec<CodeActionOrCommand>> {
-    let touches = |it: &&Diagnostic| it.range.start <= range.end && range.start <= it.range.end;
+    let touches = |diagnostic: &&Diagnostic| {
+        diagnostic.range.start <= range.end && range.start <= diagnostic.range.end
+    };
     let mut here = found
         .iter()
-        .filter(|it| is_environment(it.code))
+        .filter(|diagnostic| is_environment(diagnostic.code))
         .filter(touches);
     let cause = here.next();
     let missing = snapshot.analysis.missing_includes(&subject.path)?;
-    let mut missing = missing.iter().map(|it| &it.range);
+    let mut missing = missing.iter().map(|include| &include.range);
     // An include that depends on a missing package has no finding of its own.
-    if cause.is_none() && !missing.any(|it| it.start <= range.end && range.start <= it.end) {
+    if cause.is_none() && !missing.any(|other| other.start <= range.end && range.start <= other.end)
+    {
         return Ok(Vec::new());
     }
     let root = snapshot.analysis.root_of(&subject.path)?;
     let all = snapshot.analysis.stand_ins(&root)?;
     // At an include: the stand-in for that file. At a package: every stand-in.
-    let at = |it: &&StandIn| {
-        it.by == subject.path && it.at.start <= range.end && range.start <= it.at.end
+    let at = |input: &&StandIn| {
+        input.by == subject.path && input.at.start <= range.end && range.start <= input.at.end
     };
-    let only_here = all.iter().any(|it| at(&it));
+    let only_here = all.iter().any(|stand_in| at(&stand_in));
     let mut out = Vec::new();
-    for it in all.iter().filter(|it| !only_here || at(it)) {
-        let title = format!("Write a stand-in for `{}`", it.include);
+    for stand_in in all.iter().filter(|stand_in| !only_here || at(stand_in)) {
+        let title = format!("Write a stand-in for `{}`", stand_in.include);
         let mut edit = Edit::default();
-        for change in changes(&root, std::slice::from_ref(it)) {
+        for change in changes(&root, std::slice::from_ref(stand_in)) {
             edit.created.insert(change.path, change.after);
         }
         if edit.created.is_empty() {
@@ -86,10 +89,10 @@ pub(crate) fn actions(
         let action = CodeAction {
             title,
             kind: Some(CodeActionKind::QUICKFIX),
-            diagnostics: shown.map(|it| vec![it]),
+            diagnostics: shown.map(|proto| vec![proto]),
             ..CodeAction::default()
         };
-        out.extend(offers.action(action, &edit, mended.map(|it| it.code))?);
+        out.extend(offers.action(action, &edit, mended.map(|cause| cause.code))?);
     }
     Ok(out)
 }

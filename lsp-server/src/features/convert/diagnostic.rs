@@ -27,11 +27,11 @@ pub(crate) fn to_proto(
     };
     let mut related = Vec::new();
     if snapshot.client.related_information {
-        for it in &diagnostic.related {
-            if let Some(location) = snapshot.location(&it.path, &it.range)? {
+        for place in &diagnostic.related {
+            if let Some(location) = snapshot.location(&place.path, &place.range)? {
                 related.push(types::DiagnosticRelatedInformation {
                     location,
-                    message: it.message.clone(),
+                    message: place.message.clone(),
                 });
             }
         }

@@ -63,11 +63,11 @@ pub(crate) fn text_edits(
     let Some(lines) = snapshot.lines(path)? else {
         return Ok(None);
     };
-    let of_file = edits.iter().filter(|it| it.path == path);
+    let of_file = edits.iter().filter(|edit| edit.path == path);
     let line_end = LineEnd::of(lines.text());
-    let convert = of_file.map(|it| {
-        let new_text = line_end.fit(&it.new_text).into_owned();
-        TextEdit::new(lines.range(&it.range), new_text)
+    let convert = of_file.map(|file| {
+        let new_text = line_end.fit(&file.new_text).into_owned();
+        TextEdit::new(lines.range(&file.range), new_text)
     });
     Ok(Some(convert.collect()))
 }
@@ -105,13 +105,13 @@ pub(crate) fn edit_of(
             return Ok(Err(format!("{path} cannot be read")));
         };
         let mut converted = Vec::new();
-        for it in edits {
-            match with_line_end(line_end, &it.text, path) {
-                Ok(text) => converted.push(TextEdit::new(lines.range(&it.range), text)),
+        for edit in edits {
+            match with_line_end(line_end, &edit.text, path) {
+                Ok(text) => converted.push(TextEdit::new(lines.range(&edit.range), text)),
                 Err(why) => return Ok(Err(why)),
             }
         }
-        let version = snapshot.open.get(path).map(|it| it.version);
+        let version = snapshot.open.get(path).map(|file| file.version);
         changed.push((uri, version, converted));
     }
     let mut created: Vec<(Uri, TextEdit)> = Vec::new();
@@ -126,8 +126,8 @@ pub(crate) fn edit_of(
     }
     let client = &snapshot.client;
     if !client.document_changes || !(created.is_empty() || client.creates_files) {
-        let created = created.into_iter().map(|it| (it.0, vec![it.1]));
-        let changed = changed.into_iter().map(|it| (it.0, it.2));
+        let created = created.into_iter().map(|pair| (pair.0, vec![pair.1]));
+        let changed = changed.into_iter().map(|triple| (triple.0, triple.2));
         #[allow(clippy::mutable_key_type, reason = "the type of the protocol")]
         let changes: HashMap<_, _> = created.chain(changed).collect();
         return Ok(Ok(WorkspaceEdit::new(changes)));
@@ -213,5 +213,8 @@ pub(crate) fn with_edit(
 /// True if a client wants actions of a kind.
 pub(crate) fn is_wanted(params: &CodeActionParams, kind: &CodeActionKind) -> bool {
     let only = params.context.only.as_deref();
-    only.is_none_or(|only| only.iter().any(|it| kind.as_str().starts_with(it.as_str())))
+    only.is_none_or(|only| {
+        only.iter()
+            .any(|action_kind| kind.as_str().starts_with(action_kind.as_str()))
+    })
 }

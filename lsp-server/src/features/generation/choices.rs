@@ -25,14 +25,17 @@ pub(crate) fn remember(text: &str, choice: &Generate) -> Result<String, String> 
         |table: &Table, key: &str, text: &str| table.get(key).and_then(Item::as_str) == Some(text);
     let known = tables
         .iter_mut()
-        .find(|it| is(it, "file", &choice.file) && is(it, "template", &choice.template));
+        .find(|table| is(table, "file", &choice.file) && is(table, "template", &choice.template));
     let arguments: Array = choice.arguments.iter().map(String::as_str).collect();
     match known {
         Some(table) => {
             let same = table.get("arguments").and_then(Item::as_array);
-            let same = same.is_some_and(|it| {
-                let given = it.iter().map(toml_edit::Value::as_str);
-                given.eq(choice.arguments.iter().map(|it| Some(it.as_str())))
+            let same = same.is_some_and(|array| {
+                let given = array.iter().map(toml_edit::Value::as_str);
+                given.eq(choice
+                    .arguments
+                    .iter()
+                    .map(|argument| Some(argument.as_str())))
             });
             if !same {
                 table.insert("arguments", value(arguments));
@@ -65,7 +68,10 @@ mod tests {
         Generate {
             file: "arm.gen".to_owned(),
             template: template.to_owned(),
-            arguments: arguments.iter().map(|it| (*it).to_owned()).collect(),
+            arguments: arguments
+                .iter()
+                .map(|argument| (*argument).to_owned())
+                .collect(),
         }
     }
 

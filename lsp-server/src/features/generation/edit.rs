@@ -57,7 +57,7 @@ pub(crate) fn changes<'a>(
 /// The first line that is not UTF-8.
 fn not_utf8(bytes: &[u8]) -> Option<usize> {
     let valid = std::str::from_utf8(bytes).err()?.valid_up_to();
-    Some(1 + bytes[..valid].iter().filter(|it| **it == b'\n').count())
+    Some(1 + bytes[..valid].iter().filter(|byte| **byte == b'\n').count())
 }
 
 fn uri_of(path: &Path) -> Option<Uri> {
@@ -132,7 +132,9 @@ fn text_edits(before: &str, after: &str, able: EditSupport) -> Vec<TextEdit> {
     let (old_at, new_at) = (starts(&old), starts(&new));
     let lines = Lines::new(Arc::from(before), able.encoding);
     let ops = capture_diff_slices(Algorithm::Myers, &old, &new);
-    let changed = ops.iter().filter(|it| !matches!(it, DiffOp::Equal { .. }));
+    let changed = ops
+        .iter()
+        .filter(|slice| !matches!(slice, DiffOp::Equal { .. }));
     let edit = |op: &DiffOp| {
         let (old, new) = (op.old_range(), op.new_range());
         let range = lines.range(&(old_at[old.start]..old_at[old.end]));

@@ -61,16 +61,20 @@ fn problem(done: &Generated) -> Option<Value> {
 
 impl Plan {
     pub(crate) fn templates(&self) -> String {
-        let names: Vec<&str> = self.choices.iter().map(|it| it.template.as_str()).collect();
+        let names: Vec<&str> = self
+            .choices
+            .iter()
+            .map(|choice| choice.template.as_str())
+            .collect();
         names.join(", ")
     }
 
     /// A description of the changes, as a question to the user.
     pub(crate) fn question(&self) -> String {
-        let name = |it: &FileChange| {
-            let path = uri::to_path(&it.uri);
+        let name = |change: &FileChange| {
+            let path = uri::to_path(&change.uri);
             let name = terminal::name(path.file_name().unwrap_or_default()).into_owned();
-            match it.concern {
+            match change.concern {
                 // The name alone does not show that a folder is hidden.
                 Some(what) if what.starts_with("hidden") => {
                     format!("{} ({what})", terminal::name(path.as_str()))
@@ -80,7 +84,10 @@ impl Plan {
             }
         };
         let list = |new: bool| -> Vec<String> {
-            let of = self.changes.iter().filter(|it| it.before.is_none() == new);
+            let of = self
+                .changes
+                .iter()
+                .filter(|change| change.before.is_none() == new);
             of.map(name).collect()
         };
         let mut parts = Vec::new();
@@ -93,14 +100,14 @@ impl Plan {
     }
 
     pub(crate) fn answer(&self) -> Value {
-        let files = self.changes.iter().map(|it| {
+        let files = self.changes.iter().map(|change| {
             json!({
-                "uri": it.uri,
-                "change": if it.before.is_some() { "change" } else { "create" },
-                "before": it.before,
-                "after": it.after,
-                "mode": it.mode,
-                "concern": it.concern,
+                "uri": change.uri,
+                "change": if change.before.is_some() { "change" } else { "create" },
+                "before": change.before,
+                "after": change.after,
+                "mode": change.mode,
+                "concern": change.concern,
             })
         });
         json!({
@@ -134,18 +141,18 @@ pub(crate) fn remember(folder: &Utf8Path, choices: &[Generate]) -> std::result::
         bytes: text.into_bytes(),
         mode: None,
     };
-    SystemDisk.write(&[file]).map_err(|it| it.to_string())
+    SystemDisk.write(&[file]).map_err(|error| error.to_string())
 }
 
 /// Writes the files that the client cannot write: all or none.
 pub(crate) fn write(changes: &[FileChange]) -> std::result::Result<(), String> {
-    let content = |it: &FileChange| NewContent {
-        path: uri::to_path(&it.uri).into(),
-        bytes: it.after.clone().into_bytes(),
+    let content = |change: &FileChange| NewContent {
+        path: uri::to_path(&change.uri).into(),
+        bytes: change.after.clone().into_bytes(),
         mode: None,
     };
     let files: Vec<NewContent> = changes.iter().map(content).collect();
-    SystemDisk.write(&files).map_err(|it| it.to_string())
+    SystemDisk.write(&files).map_err(|error| error.to_string())
 }
 
 pub(crate) fn set_mode(change: &FileChange) {

@@ -69,14 +69,17 @@ pub(crate) fn job(snapshot: &Snapshot, subject: &Subject, _: &()) -> Cancellable
         }
     }
     let own = file.parent().map(Utf8Path::to_owned).unwrap_or_default();
-    let folders = snapshot.folders.iter().filter(|it| file.starts_with(it));
-    let folder = folders.max_by_key(|it| it.as_str().len()).cloned();
+    let folders = snapshot
+        .folders
+        .iter()
+        .filter(|folder| file.starts_with(folder));
+    let folder = folders.max_by_key(|folder| folder.as_str().len()).cloned();
     let project = snapshot.config.project(&file);
-    let folder = project.map(|it| it.directory.clone()).or(folder);
+    let folder = project.map(|project| project.directory.clone()).or(folder);
     let folder = folder.or_else(|| crate::config::nearest_directory(&file));
     let folder = folder.unwrap_or(own);
     let mut folders = snapshot.folders.to_vec();
-    if !folders.iter().any(|it| file.starts_with(it)) {
+    if !folders.iter().any(|folder| file.starts_with(folder)) {
         folders.push(folder.clone());
     }
     Ok(Some(Box::new(Job {
@@ -98,10 +101,10 @@ impl Job {
     /// The stored choices for this file.
     pub(crate) fn remembered(&self) -> Vec<Generate> {
         let all = self.config.generate.iter();
-        let own = all.filter(|it| it.file == self.file.as_str());
-        let named = own.map(|it| Generate {
+        let own = all.filter(|generate| generate.file == self.file.as_str());
+        let named = own.map(|generate| Generate {
             file: self.name(),
-            ..it.clone()
+            ..generate.clone()
         });
         named.collect()
     }
@@ -112,7 +115,7 @@ impl Job {
     }
 
     fn template_paths(&self) -> Option<String> {
-        let paths = self.config.template_paths.iter().map(|it| it.as_str());
+        let paths = self.config.template_paths.iter().map(|path| path.as_str());
         let paths: Vec<&str> = paths.collect();
         (!paths.is_empty()).then(|| paths.join(":"))
     }
@@ -160,11 +163,16 @@ impl Job {
     /// not options.
     fn unknown(&self, template: &str) -> Option<String> {
         let all = self.templates();
-        let known = all.iter().any(|it| it.name == template);
+        let known = all
+            .iter()
+            .any(|template_info| template_info.name == template);
         if known || Utf8Path::new(template).is_absolute() {
             return None;
         }
-        let names: Vec<String> = all.iter().map(|it| format!("`{}`", it.name)).collect();
+        let names: Vec<String> = all
+            .iter()
+            .map(|template| format!("`{}`", template.name))
+            .collect();
         Some(format!(
             "there is no template `{template}`; choose one of {}, or add the directory that has it to the setting \
              `dotgen.templatePaths` (`template-paths` in dotgen.toml)",
@@ -175,7 +183,7 @@ impl Job {
     fn run_words(&self, words: &[String], cancel: Arc<AtomicBool>) -> Generated {
         let mut arguments = Vec::new();
         let (include_paths, defines) = match self.config.project(&self.file) {
-            Some(it) => (&it.include_paths, &it.defines),
+            Some(project) => (&project.include_paths, &project.defines),
             None => (&self.config.include_paths, &self.config.defines),
         };
         for dir in include_paths {
@@ -243,7 +251,7 @@ struct OverlayDisk(Arc<FxHashMap<Utf8PathBuf, String>>);
 
 impl Disk for OverlayDisk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        match Utf8Path::from_path(path).and_then(|it| self.0.get(it)) {
+        match Utf8Path::from_path(path).and_then(|path| self.0.get(path)) {
             Some(text) => Ok(text.clone().into_bytes()),
             None => SystemDisk.read(path),
         }

@@ -27,7 +27,7 @@ pub(super) fn range(
     subject: &Subject,
     params: &SemanticTokensRangeParams,
 ) -> Cancellable<Option<SemanticTokensRangeResult>> {
-    let Some(part) = (snapshot.lines(&subject.path)?).and_then(|it| it.clamped(params.range))
+    let Some(part) = (snapshot.lines(&subject.path)?).and_then(|line| line.clamped(params.range))
     else {
         return Ok(None);
     };
@@ -47,7 +47,7 @@ fn tokens(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Vec<Token>> {
     let specs = problem.specs();
     let names = Names::new(&specs);
     let references = names.references(&problem.scenario).into_iter();
-    let types = references.map(|it| (it.range.start, type_of(&it.target)));
+    let types = references.map(|reference| (reference.range.start, type_of(&reference.target)));
     let types: FxHashMap<usize, TokenType> = types.collect();
     let text = &problem.text;
     let mut before = None;

@@ -31,8 +31,8 @@ pub(crate) fn prepare(
         return Ok(None);
     };
     let mut out = Vec::with_capacity(items.len());
-    for it in items {
-        out.extend(to_proto(snapshot, &subject.path, it)?);
+    for call_item in items {
+        out.extend(to_proto(snapshot, &subject.path, call_item)?);
     }
     Ok(Some(out))
 }
@@ -81,7 +81,7 @@ fn ranges(snapshot: &Snapshot, path: &camino::Utf8Path, call: &Call) -> Cancella
     let lines = snapshot.lines(path)?;
     let convert = lines.iter().flat_map(|lines| {
         let ranges = call.ranges.iter();
-        ranges.map(|it| lines.range(it))
+        ranges.map(|range| lines.range(range))
     });
     Ok(convert.collect())
 }
@@ -89,19 +89,19 @@ fn ranges(snapshot: &Snapshot, path: &camino::Utf8Path, call: &Call) -> Cancella
 fn to_proto(
     snapshot: &Snapshot,
     asked: &camino::Utf8Path,
-    it: CallItem,
+    call_item: CallItem,
 ) -> Cancellable<Option<CallHierarchyItem>> {
-    let Some(location) = snapshot.location(&it.path, &it.range)? else {
+    let Some(location) = snapshot.location(&call_item.path, &call_item.range)? else {
         return Ok(None);
     };
     Ok(Some(CallHierarchyItem {
-        name: it.name,
-        kind: symbol::kind(it.kind),
+        name: call_item.name,
+        kind: symbol::kind(call_item.kind),
         tags: None,
-        detail: Some(it.detail),
+        detail: Some(call_item.detail),
         uri: location.uri,
         range: location.range,
         selection_range: location.range,
-        data: Some(json!({ "path": asked, "key": it.key })),
+        data: Some(json!({ "path": asked, "key": call_item.key })),
     }))
 }

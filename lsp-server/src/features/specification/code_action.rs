@@ -56,24 +56,24 @@ fn offered(
         (CodeActionKind::SOURCE_FIX_ALL, plain, false),
         (FIX_FINDINGS, "Fix all that has a fix", true),
     ] {
-        let which = |it: &Fix| guesses || it.kind == FixKind::Plain;
+        let which = |fix: &Fix| guesses || fix.kind == FixKind::Plain;
         if params.context.only.is_some()
             && wanted(&kind)
-            && let Some(it) = fix_all(snapshot, title, all.iter(), which, offers)?
+            && let Some(fix_all) = fix_all(snapshot, title, all.iter(), which, offers)?
         {
             actions.push(CodeActionOrCommand::CodeAction(CodeAction {
                 kind: Some(kind),
-                ..it
+                ..fix_all
             }));
         }
     }
-    for it in crate::features::verification::actions(snapshot, subject, &range, offers)? {
-        let kind = match &it {
-            CodeActionOrCommand::CodeAction(it) => it.kind.as_ref(),
+    for action in crate::features::verification::actions(snapshot, subject, &range, offers)? {
+        let kind = match &action {
+            CodeActionOrCommand::CodeAction(code_action) => code_action.kind.as_ref(),
             CodeActionOrCommand::Command(_) => None,
         };
         if kind.is_none_or(wanted) {
-            actions.push(it);
+            actions.push(action);
         }
     }
     actions::actions(snapshot, subject, &range, &codels, offers, &mut actions)?;
@@ -86,30 +86,32 @@ fn offered(
     let mut codes: Vec<&str> = Vec::new();
     let mut offered: Vec<&Fix> = Vec::new();
     // Findings at this place come first, then findings elsewhere that a fix at this place repairs.
-    let (here, elsewhere): (Vec<_>, Vec<_>) = all.iter().partition(|it| touches(&it.range, &range));
+    let (here, elsewhere): (Vec<_>, Vec<_>) = all
+        .iter()
+        .partition(|finding| touches(&finding.range, &range));
     let mut tried = 0;
-    for it in here {
+    for diagnostic in here {
         let before = actions.len();
-        for (rank, fix) in it.fixes.iter().enumerate() {
-            actions.extend(quick_fix(snapshot, it, fix, rank == 0, offers)?);
+        for (rank, fix) in diagnostic.fixes.iter().enumerate() {
+            actions.extend(quick_fix(snapshot, diagnostic, fix, rank == 0, offers)?);
             offered.push(fix);
         }
-        if actions.len() == before && it.severity == Severity::Error && tried < MAX_TRIED {
+        if actions.len() == before && diagnostic.severity == Severity::Error && tried < MAX_TRIED {
             tried += 1;
-            for fix in snapshot.analysis.trials(it, &all)? {
-                actions.extend(quick_fix(snapshot, it, &fix, false, offers)?);
+            for fix in snapshot.analysis.trials(diagnostic, &all)? {
+                actions.extend(quick_fix(snapshot, diagnostic, &fix, false, offers)?);
             }
         }
-        if !it.fixes.is_empty() && !codes.contains(&it.code) {
-            codes.push(it.code);
+        if !diagnostic.fixes.is_empty() && !codes.contains(&diagnostic.code) {
+            codes.push(diagnostic.code);
         }
     }
-    for it in elsewhere {
-        for fix in &it.fixes {
+    for diagnostic in elsewhere {
+        for fix in &diagnostic.fixes {
             let mut edits = fix.edits.iter();
-            let mends = edits.any(|it| it.path == subject.path && touches(&it.range, &range));
+            let mends = edits.any(|edit| edit.path == subject.path && touches(&edit.range, &range));
             if mends && !offered.contains(&fix) {
-                actions.extend(quick_fix(snapshot, it, fix, false, offers)?);
+                actions.extend(quick_fix(snapshot, diagnostic, fix, false, offers)?);
                 offered.push(fix);
             }
         }
@@ -118,7 +120,7 @@ fn offered(
     for code in codes {
         let alike = || {
             all.iter()
-                .filter(|it| it.code == code && !it.fixes.is_empty())
+                .filter(|finding| finding.code == code && !finding.fixes.is_empty())
         };
         if alike().count() > 1 {
             let title = format!("Fix all `{code}` in this file");
@@ -139,26 +141,26 @@ pub(crate) fn touches(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>) ->
 /// The action of a fix, if the judge accepts the edit.
 fn quick_fix(
     snapshot: &Snapshot,
-    it: &Diagnostic,
+    diagnostic: &Diagnostic,
     fix: &Fix,
     first: bool,
     offers: &mut JudgedActions<'_, '_, '_>,
 ) -> Cancellable<Option<CodeActionOrCommand>> {
-    let action = without_edit(snapshot, it, fix, first)?;
-    offers.action(action, &Edit::of(&fix.edits), Some(it.code))
+    let action = without_edit(snapshot, diagnostic, fix, first)?;
+    offers.action(action, &Edit::of(&fix.edits), Some(diagnostic.code))
 }
 
 /// The action of a fix, without its edit.
 pub(crate) fn without_edit(
     snapshot: &Snapshot,
-    it: &Diagnostic,
+    diagnostic: &Diagnostic,
     fix: &Fix,
     first: bool,
 ) -> Cancellable<CodeAction> {
     Ok(CodeAction {
         title: fix.title.clone(),
         kind: Some(CodeActionKind::QUICKFIX),
-        diagnostics: diagnostic::to_proto(snapshot, it)?.map(|it| vec![it]),
+        diagnostics: diagnostic::to_proto(snapshot, diagnostic)?.map(|proto| vec![proto]),
         // Editors may apply a preferred fix without showing it.
         is_preferred: Some(first && fix.kind == FixKind::Plain),
         ..CodeAction::default()
@@ -179,15 +181,16 @@ fn refactorings(
     let organize = CodeActionKind::SOURCE_ORGANIZE_IMPORTS;
     let mut assists = Vec::new();
     // Clients ask for fixes at every move of the cursor. Such requests do not compute refactorings.
-    let asked = |it: &CodeActionKind| it.as_str().split('.').next() == Some("refactor");
+    let asked =
+        |action_kind: &CodeActionKind| action_kind.as_str().split('.').next() == Some("refactor");
     if only.is_none_or(|only| only.iter().any(asked) || only.contains(&CodeActionKind::EMPTY)) {
         assists = snapshot.analysis.assists(&subject.path, range.clone())?;
     }
     if only.is_some() && wanted(&organize) {
         assists.extend(snapshot.analysis.organize_includes(&subject.path)?);
     }
-    for it in assists {
-        let kind = match it.kind {
+    for assist in assists {
+        let kind = match assist.kind {
             AssistKind::Extract => CodeActionKind::REFACTOR_EXTRACT,
             AssistKind::Inline => CodeActionKind::REFACTOR_INLINE,
             AssistKind::Move => CodeActionKind::new("refactor.move"),
@@ -196,11 +199,11 @@ fn refactorings(
         };
         if wanted(&kind) {
             let action = CodeAction {
-                title: it.title,
+                title: assist.title,
                 kind: Some(kind),
                 ..CodeAction::default()
             };
-            actions.extend(offers.action(action, &Edit::of(&it.edits), None)?);
+            actions.extend(offers.action(action, &Edit::of(&assist.edits), None)?);
         }
     }
     Ok(())
@@ -216,12 +219,12 @@ fn generate(
     actions: &mut Vec<CodeActionOrCommand>,
 ) -> Cancellable<()> {
     let only = params.context.only.as_deref().unwrap_or_default();
-    let asked = |it: &CodeActionKind| GENERATE.as_str().starts_with(it.as_str());
+    let asked = |action_kind: &CodeActionKind| GENERATE.as_str().starts_with(action_kind.as_str());
     let kind = if only.is_empty() || only.contains(&CodeActionKind::EMPTY) {
         let symbols = snapshot.analysis.document_symbols(&subject.path)?;
-        let here = symbols.iter().any(|it| {
-            it.kind == dotgen_analysis::ide::SymbolKind::Component
-                && touches(&it.selection_range, range)
+        let here = symbols.iter().any(|symbol| {
+            symbol.kind == dotgen_analysis::ide::SymbolKind::Component
+                && touches(&symbol.selection_range, range)
         });
         if !here {
             return Ok(());
@@ -233,7 +236,11 @@ fn generate(
         return Ok(());
     };
     let path = subject.path.as_str();
-    let remembered = snapshot.config.generate.iter().any(|it| it.file == path);
+    let remembered = snapshot
+        .config
+        .generate
+        .iter()
+        .any(|generate| generate.file == path);
     for (title, command) in crate::features::generation::actions(&subject.uri, remembered) {
         actions.push(CodeActionOrCommand::CodeAction(CodeAction {
             title,
@@ -254,7 +261,7 @@ fn fix_all<'d>(
     which: impl Fn(&Fix) -> bool,
     offers: &mut JudgedActions<'_, '_, '_>,
 ) -> Cancellable<Option<CodeAction>> {
-    let first = of.filter_map(|it| Some((it.fixes.first()?, it.code)));
+    let first = of.filter_map(|diagnostic| Some((diagnostic.fixes.first()?, diagnostic.code)));
     let chosen = first.filter(|(fix, _)| fix.kind != FixKind::Choice && which(fix));
     let edits = chosen.map(|(fix, code)| (Edit::of(&fix.edits), code));
     let edit = offers.together(&edits.collect::<Vec<_>>())?;

@@ -35,18 +35,18 @@ pub(crate) fn handle(
     };
     let mut lenses = snapshot.analysis.code_lenses(&subject.path, config)?;
     // One lens for a task: the verdict on its time, else the link to its state machine.
-    lenses.retain(|it| !verdicts.iter().any(|(at, _)| *at == it.range.start));
-    let convert = lenses.into_iter().map(|it| CodeLens {
-        range: lines.range(&it.range),
+    lenses.retain(|lens| !verdicts.iter().any(|(at, _)| *at == lens.range.start));
+    let convert = lenses.into_iter().map(|lens| CodeLens {
+        range: lines.range(&lens.range),
         command: None,
         data: Some(json!({
             "path": subject.path,
-            "lens": it.kind,
+            "lens": lens.kind,
             "version": subject.version,
         })),
     });
     let ready = runs::lenses(snapshot, subject)?.into_iter().chain(verdicts);
-    Ok(Some(convert.chain(ready.map(|it| it.1)).collect()))
+    Ok(Some(convert.chain(ready.map(|lens| lens.1)).collect()))
 }
 
 /// Adds the title and command to a lens.
@@ -56,7 +56,7 @@ pub(crate) fn resolve(snapshot: &Snapshot, lens: &CodeLens) -> Cancellable<Optio
         return Ok(None);
     };
     // Offsets of another version are invalid; the client asks again after a change.
-    let version = snapshot.open.get(&data.path).map(|it| it.version);
+    let version = snapshot.open.get(&data.path).map(|file| file.version);
     let text = match version == data.version {
         true => snapshot.analysis.resolve_lens(&data.path, &data.lens)?,
         false => None,
@@ -75,8 +75,8 @@ pub(crate) fn resolve(snapshot: &Snapshot, lens: &CodeLens) -> Cancellable<Optio
         ),
         LensKind::Accesses { .. } if !text.references.is_empty() => {
             let mut locations = Vec::with_capacity(text.references.len());
-            for it in &text.references {
-                locations.extend(snapshot.location(&it.path, &it.range)?);
+            for reference in &text.references {
+                locations.extend(snapshot.location(&reference.path, &reference.range)?);
             }
             let position = lens.range.start;
             (

@@ -28,7 +28,7 @@ pub(crate) fn is_wanted(
 ) -> Cancellable<bool> {
     let position = params.text_document_position.position;
     let lines = snapshot.lines(&subject.path)?;
-    Ok(lines.is_none_or(|it| typed::wanted(params.context.as_ref(), &it, position)))
+    Ok(lines.is_none_or(|line| typed::wanted(params.context.as_ref(), &line, position)))
 }
 
 pub(crate) fn handle(
@@ -48,8 +48,8 @@ pub(crate) fn handle(
     };
     let mut items = snapshot.analysis.completions(&at)?;
     functions(snapshot, &at, &mut items)?;
-    let convert = (0..).zip(items).map(|(order, it)| {
-        let mut item = to_proto(snapshot, &lines, it, order);
+    let convert = (0..).zip(items).map(|(order, completion)| {
+        let mut item = to_proto(snapshot, &lines, completion, order);
         item.data = item.data.map(|definition| {
             let name = last_name(&item.label);
             serde_json::json!({ "path": subject.path, "definition": definition, "name": name })
@@ -69,7 +69,10 @@ fn functions(
     at: &ide::FilePosition,
     items: &mut Vec<ide::CompletionItem>,
 ) -> Cancellable<()> {
-    let Some((item, place)) = items.iter().find_map(|it| Some((it.clone(), it.codel?))) else {
+    let Some((item, place)) = items
+        .iter()
+        .find_map(|completion_item| Some((completion_item.clone(), completion_item.codel?)))
+    else {
         return Ok(());
     };
     let texts = Texts::new(snapshot);
@@ -78,7 +81,10 @@ fn functions(
             let all = folder.expected();
             for (file, function) in folder.unnamed(&all) {
                 let name = function.name.to_string();
-                if items.iter().any(|it| it.label == name) {
+                if items
+                    .iter()
+                    .any(|completion_item| completion_item.label == name)
+                {
                     continue;
                 }
                 let stubs = codels::stub_options(folder, &texts);
@@ -98,7 +104,10 @@ fn functions(
                 items.push(ide::CompletionItem {
                     label: name,
                     insert,
-                    detail: file.path.file_name().map(|it| format!("function in {it}")),
+                    detail: file
+                        .path
+                        .file_name()
+                        .map(|name| format!("function in {name}")),
                     // Ranked before the generated name.
                     rank: 0,
                     ..item.clone()
@@ -106,13 +115,18 @@ fn functions(
             }
         }
     }
-    items.sort_by_key(|it| (it.rank, it.codel.is_some() && it.detail.is_none()));
+    items.sort_by_key(|completion_item| {
+        (
+            completion_item.rank,
+            completion_item.codel.is_some() && completion_item.detail.is_none(),
+        )
+    });
     texts.check()
 }
 
 /// The name in `port in p` or `m::t`.
 fn last_name(label: &str) -> &str {
-    let at = label.rfind([' ', ':']).map_or(0, |it| it + 1);
+    let at = label.rfind([' ', ':']).map_or(0, |index| index + 1);
     let name = label.strip_suffix(" =").unwrap_or(label);
     match name.strip_prefix('.') {
         Some(member) => member,
@@ -123,29 +137,29 @@ fn last_name(label: &str) -> &str {
 fn to_proto(
     snapshot: &Snapshot,
     lines: &Lines,
-    it: ide::CompletionItem,
+    completion_item: ide::CompletionItem,
     order: usize,
 ) -> CompletionItem {
     let snippets = snapshot.client.snippets;
-    let new_text = match it.snippet && !snippets {
-        true => plain_snippet(&it.insert),
-        false => it.insert,
+    let new_text = match completion_item.snippet && !snippets {
+        true => plain_snippet(&completion_item.insert),
+        false => completion_item.insert,
     };
     CompletionItem {
-        label: it.label,
-        kind: Some(kind(it.kind)),
-        detail: it.detail,
-        filter_text: it.filter,
-        sort_text: Some(format!("{:02}{order:05}", it.rank)),
-        insert_text_format: Some(match it.snippet && snippets {
+        label: completion_item.label,
+        kind: Some(kind(completion_item.kind)),
+        detail: completion_item.detail,
+        filter_text: completion_item.filter,
+        sort_text: Some(format!("{:02}{order:05}", completion_item.rank)),
+        insert_text_format: Some(match completion_item.snippet && snippets {
             true => InsertTextFormat::SNIPPET,
             false => InsertTextFormat::PLAIN_TEXT,
         }),
         text_edit: Some(CompletionTextEdit::Edit(TextEdit::new(
-            lines.range(&it.replace),
+            lines.range(&completion_item.replace),
             new_text,
         ))),
-        data: it.definition.map(Into::into),
+        data: completion_item.definition.map(Into::into),
         ..CompletionItem::default()
     }
 }
@@ -192,13 +206,13 @@ pub(crate) fn resolve(
     let doc = snapshot
         .analysis
         .resolve_completion(&data.path, data.definition, &data.name)?;
-    let documentation = doc.map(|it| {
+    let documentation = doc.map(|doc| {
         Documentation::MarkupContent(MarkupContent {
             kind: match snapshot.client.markdown_hover {
                 true => MarkupKind::Markdown,
                 false => MarkupKind::PlainText,
             },
-            value: it.markdown,
+            value: doc.markdown,
         })
     });
     Ok(Some(CompletionItem {

@@ -19,9 +19,9 @@ pub(crate) fn handle(
         return Ok(None);
     };
     let highlights = snapshot.analysis.highlights(&at)?;
-    let convert = highlights.iter().map(|it| DocumentHighlight {
-        range: lines.range(&it.range),
-        kind: Some(symbol::highlight(it.access)),
+    let convert = highlights.iter().map(|highlight| DocumentHighlight {
+        range: lines.range(&highlight.range),
+        kind: Some(symbol::highlight(highlight.access)),
     });
     Ok(Some(convert.collect()))
 }

@@ -14,10 +14,10 @@ pub(crate) fn handle(
         return Ok(None);
     };
     let links = snapshot.analysis.document_links(&subject.path)?;
-    let convert = links.iter().map(|it| DocumentLink {
-        range: lines.range(&it.range),
-        target: snapshot.uri(&it.target),
-        tooltip: Some(it.target.to_string()),
+    let convert = links.iter().map(|link| DocumentLink {
+        range: lines.range(&link.range),
+        target: snapshot.uri(&link.target),
+        tooltip: Some(link.target.to_string()),
         data: None,
     });
     Ok(Some(convert.collect()))

@@ -16,17 +16,17 @@ pub(crate) fn handle(
     };
     let whole_lines = snapshot.client.line_folding_only;
     let folds = snapshot.analysis.folding_ranges(&subject.path)?;
-    let convert = folds.iter().filter_map(|it| {
-        let range = lines.range(&it.range);
+    let convert = folds.iter().filter_map(|folding_range| {
+        let range = lines.range(&folding_range.range);
         // A client that folds whole lines would hide the text after the closing brace.
-        let keep_last = whole_lines && it.kind.is_none();
+        let keep_last = whole_lines && folding_range.kind.is_none();
         let end_line = range.end.line - u32::from(keep_last && range.end.line > 0);
         (end_line > range.start.line).then(|| FoldingRange {
             start_line: range.start.line,
             start_character: (!whole_lines).then_some(range.start.character),
             end_line,
             end_character: (!whole_lines).then_some(range.end.character),
-            kind: it.kind.map(|kind| match kind {
+            kind: folding_range.kind.map(|kind| match kind {
                 FoldKind::Comment => FoldingRangeKind::Comment,
                 FoldKind::Imports => FoldingRangeKind::Imports,
                 FoldKind::Region => FoldingRangeKind::Region,

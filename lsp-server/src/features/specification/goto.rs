@@ -44,18 +44,18 @@ pub(crate) fn implementation(
         return Ok(found);
     };
     let mut functions = Vec::new();
-    for it in navigation::implementations(snapshot, &at.path, at.offset)? {
-        functions.extend(snapshot.location(&it.path, &it.range)?);
+    for implementation in navigation::implementations(snapshot, &at.path, at.offset)? {
+        functions.extend(snapshot.location(&implementation.path, &implementation.range)?);
     }
     if functions.is_empty() {
         return Ok(found);
     }
     let found = match found {
-        Some(GotoDefinitionResponse::Scalar(it)) => vec![it],
+        Some(GotoDefinitionResponse::Scalar(location)) => vec![location],
         Some(GotoDefinitionResponse::Array(all)) => all,
         Some(GotoDefinitionResponse::Link(all)) => {
             let convert =
-                |it: LocationLink| Location::new(it.target_uri, it.target_selection_range);
+                |link: LocationLink| Location::new(link.target_uri, link.target_selection_range);
             all.into_iter().map(convert).collect()
         }
         None => Vec::new(),
@@ -89,7 +89,7 @@ pub(crate) fn links(
     };
     let origin = snapshot
         .location(&at.path, &found.range)?
-        .map(|it| it.range);
+        .map(|location| location.range);
     for target in found.info {
         let whole = snapshot.location(&target.path, &target.full_range)?;
         let focus = snapshot.location(&target.path, &target.focus_range)?;
@@ -118,7 +118,7 @@ pub(crate) fn response(
         false => GotoDefinitionResponse::Array(
             links
                 .into_iter()
-                .map(|it| Location::new(it.target_uri, it.target_selection_range))
+                .map(|link| Location::new(link.target_uri, link.target_selection_range))
                 .collect(),
         ),
     })

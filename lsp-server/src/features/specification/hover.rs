@@ -38,7 +38,7 @@ pub(crate) fn handle(
         markdown = format!("{markdown}\n\n{image}");
     }
     let location = snapshot.location(&at.path, &hover.range)?;
-    let range = location.map(|it| it.range);
+    let range = location.map(|location| location.range);
     Ok(Some(response(snapshot, markdown, range)))
 }
 
@@ -70,21 +70,22 @@ fn remote_exclusions(
     // Most codels use no port and exclude no codel of another component.
     let unit = snapshot.analysis.unit(&subject.path)?;
     let own = unit.spec.components.iter();
-    let own = own.filter(|it| it.name.as_str() == component);
-    let mut params = own.flat_map(|it| uses(it, codel).flat_map(|at| &it.codel(at).params));
-    if !params.any(|it| matches!(it.source, ParamSource::Port(_))) {
+    let own = own.filter(|candidate| candidate.name.as_str() == component);
+    let mut params =
+        own.flat_map(|component| uses(component, codel).flat_map(|at| &component.codel(at).params));
+    if !params.any(|param| matches!(param.source, ParamSource::Port(_))) {
         return Ok(None);
     }
     let units = snapshot.system_units(&subject.path)?;
-    let specs = units.iter().map(|it| &*it.spec);
+    let specs = units.iter().map(|unit| &*unit.spec);
     let system = System::new(parts(specs), &snapshot.config.connections);
     let Some(part) = system.part(component) else {
         return Ok(None);
     };
     let mut names: Vec<String> = Vec::new();
     for at in uses(system.parts[part].component, codel) {
-        for it in system.exclusions(part, at) {
-            let name = system.describe(&it);
+        for exclusion in system.exclusions(part, at) {
+            let name = system.describe(&exclusion);
             if !names.contains(&name) {
                 names.push(name);
             }
@@ -114,10 +115,13 @@ fn prototypes(
 ) -> Cancellable<Option<String>> {
     let unit = snapshot.analysis.unit(&subject.path)?;
     let mut components = (0..).zip(&unit.spec.components);
-    let found = components.find(|(_, it)| it.name.as_str() == component);
+    let found = components.find(|(_, candidate)| candidate.name.as_str() == component);
     let codel = found.and_then(|(index, component)| {
-        let mut codels = component.all_codels().map(|it| component.codel(it));
-        Some((index, codels.find(|it| it.name.as_str() == codel)?))
+        let mut codels = component.all_codels().map(|codel| component.codel(codel));
+        Some((
+            index,
+            codels.find(|candidate| candidate.name.as_str() == codel)?,
+        ))
     });
     let Some((index, codel)) = codel else {
         return Ok(None);

@@ -21,15 +21,15 @@ pub(crate) fn handle(
     let hints = snapshot
         .analysis
         .inlay_hints(&subject.path, range, &config)?;
-    let convert = hints.into_iter().map(|it| InlayHint {
-        position: lines.range(&(it.at..it.at)).start,
-        label: InlayHintLabel::String(it.label),
-        kind: (it.kind == InlayKind::Type).then_some(InlayHintKind::TYPE),
+    let convert = hints.into_iter().map(|hint| InlayHint {
+        position: lines.range(&(hint.at..hint.at)).start,
+        label: InlayHintLabel::String(hint.label),
+        kind: (hint.kind == InlayKind::Type).then_some(InlayHintKind::TYPE),
         text_edits: None,
-        tooltip: (!it.tooltip.is_empty()).then_some({
+        tooltip: (!hint.tooltip.is_empty()).then_some({
             InlayHintTooltip::MarkupContent(MarkupContent {
                 kind: MarkupKind::Markdown,
-                value: it.tooltip,
+                value: hint.tooltip,
             })
         }),
         padding_left: None,

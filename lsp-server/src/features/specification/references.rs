@@ -28,10 +28,10 @@ pub(crate) fn of(
     declaration: bool,
 ) -> Cancellable<Option<Vec<Location>>> {
     let mut locations = of_specifications(snapshot, at, declaration)?;
-    for it in navigation::references(snapshot, &at.path, at.offset)? {
-        locations.extend(snapshot.location(&it.path, &it.range)?);
+    for reference in navigation::references(snapshot, &at.path, at.offset)? {
+        locations.extend(snapshot.location(&reference.path, &reference.range)?);
     }
-    Ok(Some(locations).filter(|it| !it.is_empty()))
+    Ok(Some(locations).filter(|location| !location.is_empty()))
 }
 
 /// The mentions in specifications and scenarios only.
@@ -42,8 +42,8 @@ pub(crate) fn of_specifications(
 ) -> Cancellable<Vec<Location>> {
     let mut locations = Vec::new();
     let references = snapshot.analysis.references(at, declaration)?;
-    for it in references.unwrap_or_default() {
-        locations.extend(snapshot.location(&it.place.path, &it.place.range)?);
+    for reference in references.unwrap_or_default() {
+        locations.extend(snapshot.location(&reference.place.path, &reference.place.range)?);
     }
     for (path, range) in mentions::mentions(snapshot, at)? {
         locations.extend(snapshot.location(&path, &range)?);

@@ -31,9 +31,9 @@ pub(crate) fn prepare(
         Err(error) => return Ok(UserResult(Err(error.0))),
     };
     let location = snapshot.location(&at.path, &found.range)?;
-    Ok(UserResult(Ok(location.map(|it| {
+    Ok(UserResult(Ok(location.map(|location| {
         PrepareRenameResponse::RangeWithPlaceholder {
-            range: it.range,
+            range: location.range,
             placeholder: found.info,
         }
     }))))
@@ -84,12 +84,15 @@ pub(crate) fn rename_at(
     };
     let mut all = Edit::of(&edits);
     for (path, edits) in sources.edit.changed {
-        for it in edits {
-            all.replace(&path, it.range, it.text);
+        for edit in edits {
+            all.replace(&path, edit.range, edit.text);
         }
     }
     let label = format!("Rename to {new_name}");
-    let mut folders = snapshot.folders.iter().filter(|it| at.path.starts_with(it));
+    let mut folders = snapshot
+        .folders
+        .iter()
+        .filter(|folder| at.path.starts_with(folder));
     let folder = folders.next().cloned().unwrap_or_default();
     let left = listed(&sources.left, MAX_LISTED, &folder);
     let review = match left.is_empty() {
@@ -107,10 +110,10 @@ pub(crate) fn files(
     snapshot: &Snapshot,
     params: &RenameFilesParams,
 ) -> Cancellable<UserResult<WorkspaceEdit>> {
-    let path = |it: &str| -> Option<Utf8PathBuf> { Some(uri::to_path(&it.parse().ok()?)) };
+    let path = |text: &str| -> Option<Utf8PathBuf> { Some(uri::to_path(&text.parse().ok()?)) };
     let moves = params.files.iter();
     let moves: Vec<_> = moves
-        .filter_map(|it| Some((path(&it.old_uri)?, path(&it.new_uri)?)))
+        .filter_map(|movement| Some((path(&movement.old_uri)?, path(&movement.new_uri)?)))
         .collect();
     let edits = snapshot.analysis.files_moved(&moves)?;
     match edits.is_empty() {

@@ -45,32 +45,34 @@ pub(crate) fn fixes(
     range: &Range<usize>,
     out: &mut Vec<CodeActionOrCommand>,
 ) -> Cancellable<()> {
-    let touches = |it: &Range<usize>| it.start <= range.end && range.start <= it.end;
+    let touches = |other: &Range<usize>| other.start <= range.end && range.start <= other.end;
     let mut includes = snapshot.analysis.missing_includes(&subject.path)?;
     let mut packages = snapshot.analysis.missing_packages(&subject.path)?;
-    let at_include = includes.iter().any(|it| touches(&it.range));
-    let at_package = packages.iter().any(|it| touches(&it.range));
+    let at_include = includes.iter().any(|include| touches(&include.range));
+    let at_package = packages.iter().any(|package| touches(&package.range));
     if !at_include && !at_package {
         return Ok(());
     }
-    includes.retain(|it| at_package || touches(&it.range));
-    packages.retain(|it| at_include || touches(&it.range));
+    includes.retain(|include| at_package || touches(&include.range));
+    packages.retain(|package| at_include || touches(&package.range));
     let Some(project) = project(snapshot, &subject.path) else {
         return Ok(());
     };
     let of_includes = includes
         .iter()
-        .flat_map(|it| below(&project, Utf8Path::new(&it.path)));
+        .flat_map(|include| below(&project, Utf8Path::new(&include.path)));
     for directory in of_includes.collect::<BTreeSet<_>>() {
         add(snapshot, &project, &INCLUDES, &directory, out)?;
     }
-    for name in packages.into_iter().flat_map(|it| it.names) {
+    for name in packages.into_iter().flat_map(|package| package.names) {
         // A package that is found does not have the required version: another directory does not help.
         let file = format!("{name}.pc");
         let mut found = below(&project, Utf8Path::new(&file));
         for prefix in prefixes() {
-            let all = BELOW_PREFIX.iter().map(|it| prefix.join(it));
-            found.extend(all.filter(|it| it.join(&file).is_file()));
+            let all = BELOW_PREFIX
+                .iter()
+                .map(|below_prefix| prefix.join(below_prefix));
+            found.extend(all.filter(|prefix| prefix.join(&file).is_file()));
         }
         found.truncate(MAX_DIRECTORIES);
         for directory in found {
@@ -84,13 +86,13 @@ pub(crate) fn fixes(
 fn prefixes() -> Vec<Utf8PathBuf> {
     let said = std::env::var("ROBOTPKG_BASE").ok();
     let home = std::env::var("HOME").ok().map(Utf8PathBuf::from);
-    let homes = home.iter().map(|it| it.join("openrobots"));
+    let homes = home.iter().map(|path| path.join("openrobots"));
     let mut out: Vec<Utf8PathBuf> = Vec::new();
     let usual = std::iter::once(Utf8PathBuf::from("/opt/openrobots"));
     let said = said.map(Utf8PathBuf::from).into_iter();
-    for it in said.chain(usual).chain(homes) {
-        if it.is_absolute() && !out.contains(&it) {
-            out.push(it);
+    for path in said.chain(usual).chain(homes) {
+        if path.is_absolute() && !out.contains(&path) {
+            out.push(path);
         }
     }
     out
@@ -130,8 +132,11 @@ fn project(snapshot: &Snapshot, path: &Utf8Path) -> Option<Utf8PathBuf> {
     if let Some(project) = snapshot.config.project(path) {
         return Some(project.directory.clone());
     }
-    let around = snapshot.folders.iter().filter(|it| path.starts_with(it));
-    around.max_by_key(|it| it.as_str().len()).cloned()
+    let around = snapshot
+        .folders
+        .iter()
+        .filter(|folder| path.starts_with(folder));
+    around.max_by_key(|folder| folder.as_str().len()).cloned()
 }
 
 /// The directories below a folder that contain a file, relative to the folder.
@@ -140,9 +145,9 @@ fn below(folder: &Utf8Path, wanted: &Utf8Path) -> Vec<Utf8PathBuf> {
         return Vec::new();
     };
     let all = vfs::files_below(folder, &[extension]).into_iter();
-    let found = all.filter(|it| it.ends_with(wanted));
-    let directory = |it: Utf8PathBuf| {
-        let up = it.ancestors().nth(wanted.components().count())?;
+    let found = all.filter(|path| path.ends_with(wanted));
+    let directory = |path: Utf8PathBuf| {
+        let up = path.ancestors().nth(wanted.components().count())?;
         Some(up.strip_prefix(folder).ok()?.to_owned())
     };
     found.filter_map(directory).take(MAX_DIRECTORIES).collect()
@@ -156,8 +161,8 @@ fn edit(project: &Utf8Path, setting: &Setting, directory: &Utf8Path) -> Option<E
     match vfs::read(&path) {
         FileContent::Text(before) => {
             let after = with_directory(&before, setting, directory)?;
-            for it in line_edits(&before, &after) {
-                edit.replace(&path, it.range, it.text);
+            for line_edit in line_edits(&before, &after) {
+                edit.replace(&path, line_edit.range, line_edit.text);
             }
         }
         _ if path.exists() => return None,
@@ -180,8 +185,10 @@ fn with_directory(text: &str, setting: &Setting, directory: &Utf8Path) -> Option
     let entry = document
         .entry(setting.key)
         .or_insert_with(|| value(Array::new()));
-    let paths = entry.as_value_mut().and_then(|it| it.as_array_mut())?;
-    if paths.iter().any(|it| it.as_str() == Some(&directory)) {
+    let paths = entry
+        .as_value_mut()
+        .and_then(|value| value.as_array_mut())?;
+    if paths.iter().any(|path| path.as_str() == Some(&directory)) {
         return None;
     }
     paths.push(directory);

@@ -28,7 +28,7 @@ pub(crate) fn answer(
     };
     let positions = params.positions.iter();
     let Some(offsets) = positions
-        .map(|it| lines.offset(*it))
+        .map(|position| lines.offset(*position))
         .collect::<Option<Vec<_>>>()
     else {
         return Ok(None);

@@ -291,7 +291,7 @@ impl Prepared {
 
     fn errors(&self) -> Vec<String> {
         let errors = self.problem.errors.iter();
-        errors.map(|it| it.message.clone()).collect()
+        errors.map(|error| error.message.clone()).collect()
     }
 
     /// The problem and options to verify, or the errors that prevent it.
@@ -381,8 +381,12 @@ pub(crate) fn present(
         answer,
         errors,
     } = shown;
-    let options = answer.as_ref().map_or(&prepared.options, |it| &it.options);
-    let problem = answer.as_ref().map_or(&prepared.problem, |it| &it.problem);
+    let options = answer
+        .as_ref()
+        .map_or(&prepared.options, |answer| &answer.options);
+    let problem = answer
+        .as_ref()
+        .map_or(&prepared.problem, |answer| &answer.problem);
     let settings = settings(&problem.scenario, options);
     let unit = TimeUnit::of(&settings);
     let location = |at: &CodelLocation| locate(snapshot, &prepared.places, at.src);
@@ -396,15 +400,15 @@ pub(crate) fn present(
             location: location(&row.codel)?,
         });
         let mut by = Vec::new();
-        for it in &row.by {
+        for blocker in &row.by {
             by.push(BlockerResult {
-                codel: it.codel.path.to_string(),
-                location: location(&it.codel)?,
-                time: it
+                codel: blocker.codel.path.to_string(),
+                location: location(&blocker.codel)?,
+                time: blocker
                     .codel
                     .upper
-                    .map_or("no end".to_owned(), |it| unit.show(it)),
-                through: it.through.join(", "),
+                    .map_or("no end".to_owned(), |number| unit.show(number)),
+                through: blocker.through.join(", "),
             });
         }
         if !by.is_empty() {
@@ -428,9 +432,9 @@ pub(crate) fn present(
         durations: settings.durations.name().to_owned(),
         errors: errors.clone(),
         bounds: (prepared.bounds.iter())
-            .map(|it| BoundResult {
-                task: it.task.clone(),
-                bound: unit.show(it.bound),
+            .map(|bound| BoundResult {
+                task: bound.task.clone(),
+                bound: unit.show(bound.bound),
             })
             .collect(),
         blocking: blocked,
@@ -442,12 +446,12 @@ pub(crate) fn present(
         return Ok(Some(out));
     };
     let report = &answer.report;
-    for it in together(&report.diagnostics) {
-        if it.severity == Severity::Error {
-            out.errors.push(it.message);
+    for diagnostic in together(&report.diagnostics) {
+        if diagnostic.severity == Severity::Error {
+            out.errors.push(diagnostic.message);
             continue;
         }
-        let at = prepared.places.diagnostic(&it);
+        let at = prepared.places.diagnostic(&diagnostic);
         out.warnings.push(WarningResult {
             location: snapshot.location(&at.path, &at.range)?,
             message: at.message,
@@ -457,9 +461,9 @@ pub(crate) fn present(
         out.how_far = Some(report.how_far());
     }
     out.advice = advice::of_report(report, problem, advice::Names::Settings);
-    out.minimum_cores = answer.cores.as_ref().and_then(|it| it.cores);
+    out.minimum_cores = answer.cores.as_ref().and_then(|core| core.cores);
     let repairs = answer.repairs.all.iter();
-    out.repairs = repairs.map(|it| it.words.clone()).collect();
+    out.repairs = repairs.map(|repair| repair.words.clone()).collect();
     out.assumptions.clone_from(&report.assumptions);
     out.notes.clone_from(&report.notes);
     out.states = report.states;
@@ -492,7 +496,7 @@ fn shown_check(
 ) -> Cancellable<CheckResult> {
     let check = view.report;
     let location = match &view.written {
-        Some(it) => snapshot.location(&prepared.places.path, it)?,
+        Some(range) => snapshot.location(&prepared.places.path, range)?,
         None => None,
     };
     Ok(CheckResult {
@@ -527,7 +531,7 @@ fn shown_run(
     let unit = answer.unit();
     let omitted = check.run().len().saturating_sub(MAX_EVENTS);
     let events = &check.run()[omitted..];
-    let cycle = check.cycle.and_then(|it| it.checked_sub(omitted));
+    let cycle = check.cycle.and_then(|cycle| cycle.checked_sub(omitted));
     let mut lines = Vec::new();
     let mut line = |text: String, location| lines.push(EventResult { text, location });
     if omitted > 0 {

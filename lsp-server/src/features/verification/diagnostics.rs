@@ -52,8 +52,8 @@ pub(super) fn at(
     range: &Range<usize>,
 ) -> Cancellable<Vec<(Uri, AboutCheck)>> {
     let mut out = Vec::new();
-    let touches = |it: &AboutCheck| {
-        it.diagnostic.range.start <= range.end && range.start <= it.diagnostic.range.end
+    let touches = |check: &AboutCheck| {
+        check.diagnostic.range.start <= range.end && range.start <= check.diagnostic.range.end
     };
     for (of, entry) in about(snapshot, path) {
         let found = match path.extension() == Some(EXTENSION) {
@@ -62,7 +62,7 @@ pub(super) fn at(
         };
         if let Some(uri) = snapshot.uri(of) {
             let here = found.into_iter().filter(touches);
-            out.extend(here.map(|it| (uri.clone(), it)));
+            out.extend(here.map(|scenario| (uri.clone(), scenario)));
         }
     }
     Ok(out)
@@ -76,7 +76,11 @@ pub(crate) fn in_specification(
     let mut out = Vec::new();
     for (_, entry) in about(snapshot, path) {
         let found = specification(snapshot, entry, path);
-        out.extend(found.into_iter().map(|it| it.diagnostic));
+        out.extend(
+            found
+                .into_iter()
+                .map(|specification| specification.diagnostic),
+        );
         out.extend(of_model(entry, path));
     }
     Ok(out)
@@ -86,10 +90,10 @@ pub(crate) fn in_specification(
 /// warnings, and the scenario reports its own errors.
 fn of_model(entry: &Entry, path: &Utf8Path) -> Vec<Diagnostic> {
     let answer = entry.known().filter(|_| !entry.problem.is_written());
-    let found = answer.iter().flat_map(|it| &it.report.diagnostics);
-    let found = found.filter(|it| it.remark.is_none());
-    let found = found.map(|it| entry.problem.diagnostic(it));
-    found.filter(|it| it.path == path).collect()
+    let found = answer.iter().flat_map(|answer| &answer.report.diagnostics);
+    let found = found.filter(|diagnostic| diagnostic.remark.is_none());
+    let found = found.map(|diagnostic| entry.problem.diagnostic(diagnostic));
+    found.filter(|diagnostic| diagnostic.path == path).collect()
 }
 
 fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<AboutCheck> {
@@ -100,29 +104,29 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Abo
     let mut out = Vec::new();
     let view = answer.view();
     for task in tasks(&entry.problem, path) {
-        for (check, it) in view.of_task(task.id) {
-            let asked = match it.report.kind {
+        for (check, view) in view.of_task(task.id) {
+            let asked = match view.report.kind {
                 PropertyKind::Schedulable => true,
-                PropertyKind::Response => it.report.bound.is_some(),
+                PropertyKind::Response => view.report.bound.is_some(),
                 _ => false,
             };
             // Several checks that gave up get one diagnostic: the same change helps all of them.
-            let given_up = it.outcome == Outcome::GaveUp
-                && it.report.kind == PropertyKind::Schedulable
+            let given_up = view.outcome == Outcome::GaveUp
+                && view.report.kind == PropertyKind::Schedulable
                 && !entry.problem.is_written()
                 && !out
                     .iter()
-                    .any(|it: &AboutCheck| it.diagnostic.code == GAVE_UP);
+                    .any(|check: &AboutCheck| check.diagnostic.code == GAVE_UP);
             let vacuous =
-                it.outcome == Outcome::Vacuous && it.report.kind == PropertyKind::Schedulable;
-            if given_up || vacuous || (asked && it.report.verdict == Verdict::Refuted) {
-                let found = diagnostic(snapshot, entry, answer, it, path, &task.range);
+                view.outcome == Outcome::Vacuous && view.report.kind == PropertyKind::Schedulable;
+            if given_up || vacuous || (asked && view.report.verdict == Verdict::Refuted) {
+                let found = diagnostic(snapshot, entry, answer, view, path, &task.range);
                 out.extend(found.map(|diagnostic| AboutCheck {
-                    changes: changes(answer, it),
+                    changes: changes(answer, view),
                     problem: entry.places().clone(),
                     diagnostic,
                     check,
-                    refuting_run: has_refuting_run(it.report),
+                    refuting_run: has_refuting_run(view.report),
                 }));
             }
         }
@@ -138,20 +142,20 @@ pub(crate) fn in_scenario(snapshot: &Snapshot, path: &Utf8Path) -> Vec<Diagnosti
     let mut out: Vec<Diagnostic> = Vec::new();
     if let Some(answer) = entry.known() {
         let of_model = together(&answer.report.diagnostics);
-        let of_model = of_model.iter().map(|it| at_use(&entry.problem, it));
-        out.extend(of_model.filter_map(|it| Level::apply(&snapshot.config.severity, it)));
+        let of_model = of_model.iter().map(|model| at_use(&entry.problem, model));
+        out.extend(of_model.filter_map(|model| Level::apply(&snapshot.config.severity, model)));
     }
     let checks = scenario(snapshot, entry, path).into_iter();
-    out.extend(checks.map(|it| it.diagnostic));
+    out.extend(checks.map(|check| check.diagnostic));
     out
 }
 
 /// A diagnostic about a specification, at the `use` of that specification, with a link to it.
-fn at_use(problem: &Problem, it: &dotgen_timing::diagnostic::Diagnostic) -> Diagnostic {
-    let mut out = problem.diagnostic(it);
-    if let Some(place) = it.places.first().filter(|_| out.path != problem.path) {
+fn at_use(problem: &Problem, entry: &dotgen_timing::diagnostic::Diagnostic) -> Diagnostic {
+    let mut out = problem.diagnostic(entry);
+    if let Some(place) = entry.places.first().filter(|_| out.path != problem.path) {
         let uses = problem::used(&problem.scenario, &problem.path);
-        let range = uses.get(place.spec).map(|it| it.range.clone());
+        let range = uses.get(place.spec).map(|usage| usage.range.clone());
         let related = Related {
             path: std::mem::replace(&mut out.path, problem.path.clone()),
             range: std::mem::replace(&mut out.range, range.unwrap_or_default()),
@@ -167,17 +171,17 @@ fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<AboutChe
         return Vec::new();
     };
     let mut out = Vec::new();
-    for (check, it) in answer.view().checks.iter().enumerate() {
-        let Some(written) = &it.written else {
+    for (check, view) in answer.view().checks.iter().enumerate() {
+        let Some(written) = &view.written else {
             continue;
         };
-        let found = diagnostic(snapshot, entry, answer, it, path, written);
+        let found = diagnostic(snapshot, entry, answer, view, path, written);
         out.extend(found.map(|diagnostic| AboutCheck {
-            changes: changes(answer, it),
+            changes: changes(answer, view),
             problem: entry.places().clone(),
             diagnostic,
             check,
-            refuting_run: has_refuting_run(it.report),
+            refuting_run: has_refuting_run(view.report),
         }));
     }
     out
@@ -187,13 +191,13 @@ fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<AboutChe
 fn changes(answer: &Answer, view: &CheckView) -> Vec<Change> {
     let mut out: Vec<Change> = view
         .why
-        .and_then(|it| it.remedy.clone())
+        .and_then(|cause| cause.remedy.clone())
         .into_iter()
         .collect();
     if view.why.is_some() {
-        for it in &answer.repairs.all {
-            if !out.contains(&it.change) {
-                out.push(it.change.clone());
+        for repair in &answer.repairs.all {
+            if !out.contains(&repair.change) {
+                out.push(repair.change.clone());
             }
         }
     }
@@ -220,11 +224,11 @@ fn diagnostic(
             (VACUOUS, format!("`{kind} {of}` says nothing: {why}"))
         }
         (Outcome::GaveUp, kind) => (GAVE_UP, {
-            let reason = check.gave_up.map(|it| it.reason);
+            let reason = check.gave_up.map(|gave_up| gave_up.reason);
             let advice = advice::of(reason, &answer.problem, Names::Settings);
-            let advice = advice.map_or(String::new(), |it| format!("; {it}"));
+            let advice = advice.map_or(String::new(), |advice| format!("; {advice}"));
             let why = match (&check.gave_up, &check.note) {
-                (Some(it), _) => format!(" {}", advice::within(it)),
+                (Some(gave_up), _) => format!(" {}", advice::within(gave_up)),
                 (None, Some(note)) => format!(": {note}"),
                 (None, None) => String::new(),
             };
@@ -237,7 +241,7 @@ fn diagnostic(
         }),
         (_, PropertyKind::Schedulable) => {
             let last = check.run().last();
-            let at = last.map_or(String::new(), |it| format!("at {} ", unit.show(it.time)));
+            let at = last.map_or(String::new(), |run| format!("at {} ", unit.show(run.time)));
             let what = format!("{at}its next period begins before the job has ended");
             (MISS, format!("`{of}` can miss its deadline: {what}"))
         }
@@ -286,8 +290,8 @@ fn severity(snapshot: &Snapshot, code: &str) -> Option<Severity> {
     if let Some(level) = snapshot.config.severity.get(code) {
         return Level::severity(*level);
     }
-    let known = codes::all().find(|it| it.id == code);
-    Some(known.map_or(Severity::Warning, |it| it.severity))
+    let known = codes::all().find(|candidate| candidate.id == code);
+    Some(known.map_or(Severity::Warning, |code| code.severity))
 }
 
 /// The last places of the run.

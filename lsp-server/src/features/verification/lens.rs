@@ -55,14 +55,17 @@ pub(crate) fn lenses(
             };
             argument["tooltip"] = details.join("\n").into();
             let lens = lens(snapshot, lines.range(&task.range), title, argument);
-            match worst.iter_mut().find(|it| it.0 == task.range) {
+            match worst.iter_mut().find(|entry| entry.0 == task.range) {
                 Some(known) if known.1 <= mark => {}
                 Some(known) => *known = (task.range, mark, lens),
                 None => worst.push((task.range, mark, lens)),
             }
         }
     }
-    Ok(worst.into_iter().map(|it| (it.0.start, it.2)).collect())
+    Ok(worst
+        .into_iter()
+        .map(|triple| (triple.0.start, triple.2))
+        .collect())
 }
 
 /// The results of the task whose name is at an offset, for its hover.
@@ -74,10 +77,12 @@ pub(crate) fn hover(
     let mut out: Vec<String> = Vec::new();
     for (_, entry) in about(snapshot, &subject.path) {
         let mut tasks = tasks(&entry.problem, &subject.path).into_iter();
-        let here = |it: &TaskLocation| it.range.start <= offset && offset <= it.range.end;
+        let here = |location: &TaskLocation| {
+            location.range.start <= offset && offset <= location.range.end
+        };
         let Some((task, (mark, title))) = tasks
             .find(here)
-            .and_then(|it| Some((it.id, verdict(entry, it.id)?)))
+            .and_then(|task| Some((task.id, verdict(entry, task.id)?)))
         else {
             continue;
         };
@@ -88,7 +93,11 @@ pub(crate) fn hover(
         ));
         if mark != Mark::Open {
             let details = details(entry, task);
-            out.extend(details.iter().map(|it| format!("* {}", markdown::text(it))));
+            out.extend(
+                details
+                    .iter()
+                    .map(|detail| format!("* {}", markdown::text(detail))),
+            );
         }
     }
     Ok((!out.is_empty()).then(|| out.join("\n")))
@@ -114,23 +123,23 @@ pub(crate) fn scenario_lenses(
     let mut out = vec![lens(snapshot, heading, whole(entry), argument(uri, None))];
     if let Some(answer) = entry.known() {
         let mut titles: Vec<(std::ops::Range<usize>, Vec<String>, usize)> = Vec::new();
-        for (i, it) in answer.view().checks.iter().enumerate() {
-            let Some(range) = it.written.clone() else {
+        for (i, check) in answer.view().checks.iter().enumerate() {
+            let Some(range) = check.written.clone() else {
                 continue;
             };
-            let mut word = outcome(it);
-            if let Some(value) = &it.value {
+            let mut word = outcome(check);
+            if let Some(value) = &check.value {
                 word = format!("{value} · {word}");
             }
-            if it.is_one_of_all {
-                word = format!("{} {word}", it.report.of);
+            if check.is_one_of_all {
+                word = format!("{} {word}", check.report.of);
             }
-            let refutes = has_refuting_run(it.report);
-            match titles.iter_mut().find(|it| it.0 == range) {
-                Some(it) => {
-                    it.1.push(word);
-                    if refutes && !has_refuting_run(&answer.report.checks[it.2]) {
-                        it.2 = i;
+            let refutes = has_refuting_run(check.report);
+            match titles.iter_mut().find(|title| title.0 == range) {
+                Some(title) => {
+                    title.1.push(word);
+                    if refutes && !has_refuting_run(&answer.report.checks[title.2]) {
+                        title.2 = i;
                     }
                 }
                 None => titles.push((range, vec![word], i)),
@@ -176,14 +185,14 @@ fn shown(entry: &Entry, task: TaskId) -> Option<usize> {
     let view = entry.known()?.view();
     let of_task = || {
         view.of_task(task)
-            .filter(|it| it.1.outcome != Outcome::Open)
+            .filter(|task| task.1.outcome != Outcome::Open)
     };
-    let refuted = of_task().find(|it| it.1.report.verdict == Verdict::Refuted);
-    let response = || of_task().find(|it| it.1.report.kind == PropertyKind::Response);
+    let refuted = of_task().find(|task| task.1.report.verdict == Verdict::Refuted);
+    let response = || of_task().find(|task| task.1.report.kind == PropertyKind::Response);
     refuted
         .or_else(response)
         .or_else(|| of_task().next())
-        .map(|it| it.0)
+        .map(|task| task.0)
 }
 
 /// The state of a verification as a whole.
@@ -197,11 +206,11 @@ fn whole(entry: &Entry) -> String {
         Status::Blocked => return "not verified: there are errors".to_owned(),
     };
     match (entry.settled(), entry.known()) {
-        (Some(it), _) => format!(
+        (Some(answer), _) => format!(
             "{text} · {} states, {:.2} s",
-            it.report.states, it.report.seconds
+            answer.report.states, answer.report.seconds
         ),
-        (None, Some(it)) => format!("{text} · {}", it.report.how_far()),
+        (None, Some(answer)) => format!("{text} · {}", answer.report.how_far()),
         (None, None) => text,
     }
 }
@@ -209,9 +218,9 @@ fn whole(entry: &Entry) -> String {
 /// The summary of a verification without failures. It is not a proof if a response time without a limit
 /// exceeds the period of its task, or if a check is vacuous.
 fn proved(entry: &Entry) -> &'static str {
-    let weak = |it: &CheckView| matches!(it.outcome, Outcome::Exceeds | Outcome::Vacuous);
+    let weak = |check: &CheckView| matches!(check.outcome, Outcome::Exceeds | Outcome::Vacuous);
     let answer = entry.known();
-    match answer.is_some_and(|it| it.view().checks.iter().any(weak)) {
+    match answer.is_some_and(|answer| answer.view().checks.iter().any(weak)) {
         true => "answered",
         false => "proved",
     }
@@ -251,17 +260,17 @@ fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
         return say(Mark::Open, "verifying");
     };
     let view = answer.view();
-    let all: Vec<&CheckView> = view.of_task(task).map(|it| it.1).collect();
-    let first = |outcome| all.iter().copied().find(|it| it.outcome == outcome);
+    let all: Vec<&CheckView> = view.of_task(task).map(|task| task.1).collect();
+    let first = |outcome| all.iter().copied().find(|task| task.outcome == outcome);
     if all.is_empty() || first(Outcome::Nothing).is_some() {
         return None;
     }
     let response = all
         .iter()
-        .find(|it| it.report.kind == PropertyKind::Response);
-    let measured = response.and_then(|it| it.share.clone());
+        .find(|task| task.report.kind == PropertyKind::Response);
+    let measured = response.and_then(|response| response.share.clone());
     let and_measured = |text: &str| match &measured {
-        Some(it) => format!("{text}: {it}"),
+        Some(share) => format!("{text}: {share}"),
         None => text.to_owned(),
     };
     if let Some(refuted) = first(Outcome::Refuted) {
@@ -272,7 +281,7 @@ fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
         let unit = answer.report.unit;
         let cause = refuted
             .why
-            .map(|it| it.wait_in_words(unit).replace('`', ""));
+            .map(|cause| cause.wait_in_words(unit).replace('`', ""));
         return match (late, cause) {
             (true, Some(cause)) => say(Mark::Fails, &format!("can be late: {cause}")),
             (true, None) => say(Mark::Fails, &and_measured("can be late")),
@@ -306,10 +315,14 @@ fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
 /// `not settled in 10 s, any client`: the causes that a user can change, not the progress of the search.
 fn undecided_causes(answer: &Answer, check: &CheckView) -> String {
     let mut text = "not settled".to_owned();
-    if let Some(seconds) = check.report.gave_up.and_then(|it| match it.reason {
-        Stop::Time => it.seconds,
-        _ => None,
-    }) {
+    if let Some(seconds) = check
+        .report
+        .gave_up
+        .and_then(|gave_up| match gave_up.reason {
+            Stop::Time => gave_up.seconds,
+            _ => None,
+        })
+    {
         text += &format!(" in {seconds} s");
     }
     if !answer.problem.is_written() {
@@ -323,17 +336,17 @@ fn details(entry: &Entry, task: TaskId) -> Vec<String> {
     let mut out: Vec<String> = of_task(entry, task).into_iter().collect();
     if let Some(answer) = entry.known() {
         let view = answer.view();
-        let reasons = view.of_task(task).flat_map(|(_, it)| {
-            let first = [&it.cause, &it.remedy].into_iter().flatten();
-            first.chain(&it.reason).cloned()
+        let reasons = view.of_task(task).flat_map(|(_, check)| {
+            let first = [&check.cause, &check.remedy].into_iter().flatten();
+            first.chain(&check.reason).cloned()
         });
-        for it in reasons {
-            if !out.contains(&it) {
-                out.push(it);
+        for reason in reasons {
+            if !out.contains(&reason) {
+                out.push(reason);
             }
         }
-        let given_up = view.of_task(task).filter_map(|it| it.1.report.gave_up);
-        let stops: Vec<Stop> = given_up.map(|it| it.reason).collect();
+        let given_up = view.of_task(task).filter_map(|task| task.1.report.gave_up);
+        let stops: Vec<Stop> = given_up.map(|task| task.reason).collect();
         if let Some(advice) = advice::of(stops, &answer.problem, advice::Names::Settings) {
             out.push(format!("To settle it, {advice}."));
         }
@@ -343,40 +356,40 @@ fn details(entry: &Entry, task: TaskId) -> Vec<String> {
 
 /// The results of a task; `None` if the verification has none.
 fn of_task(entry: &Entry, task: TaskId) -> Option<String> {
-    let bound = entry.bounds.iter().find(|it| it.id == task);
+    let bound = entry.bounds.iter().find(|bound| bound.id == task);
     let bound = bound.filter(|_| entry.status == Status::Running);
-    let bound = bound.map(|it| format!("R ≤ {}", unit_of(entry).show(it.bound)));
+    let bound = bound.map(|bound| format!("R ≤ {}", unit_of(entry).show(bound.bound)));
     let Some(answer) = entry.known().filter(|_| entry.status != Status::Blocked) else {
         let what = match entry.status {
             Status::Blocked => "not verified: there are errors",
             _ => VERIFYING,
         };
         return Some(match bound {
-            Some(it) => format!("{it} · {what}"),
+            Some(bound) => format!("{bound} · {what}"),
             None => what.to_owned(),
         });
     };
     let view = answer.view();
-    let all: Vec<&CheckView> = view.of_task(task).map(|it| it.1).collect();
-    let of_kind = |kind: PropertyKind| all.iter().find(|it| it.report.kind == kind);
+    let all: Vec<&CheckView> = view.of_task(task).map(|task| task.1).collect();
+    let of_kind = |kind: PropertyKind| all.iter().find(|task| task.report.kind == kind);
     let response = of_kind(PropertyKind::Response);
     if all.is_empty() {
         return None;
     }
-    let has = |outcome| all.iter().any(|it| it.outcome == outcome);
+    let has = |outcome| all.iter().any(|task| task.outcome == outcome);
     let open = has(Outcome::Open);
     if has(Outcome::Nothing) {
         return Some("nothing to verify: no execution times".to_owned());
     }
     let mut parts = Vec::new();
-    match of_kind(PropertyKind::Schedulable).map(|it| it.outcome) {
+    match of_kind(PropertyKind::Schedulable).map(|kind| kind.outcome) {
         Some(Outcome::Refuted) => parts.push("deadline missed".to_owned()),
         Some(Outcome::PossiblyRefuted) => parts.push("deadline perhaps missed".to_owned()),
         Some(Outcome::Proved) if open => parts.push("deadline met".to_owned()),
         _ => {}
     }
-    match response.filter(|it| it.outcome != Outcome::Open) {
-        Some(it) => parts.extend(measured(it)),
+    match response.filter(|response| response.outcome != Outcome::Open) {
+        Some(response) => parts.extend(measured(response)),
         None => parts.extend(bound.filter(|_| open)),
     }
     if open {
@@ -390,8 +403,8 @@ fn of_task(entry: &Entry, task: TaskId) -> Option<String> {
         "refuted".to_owned()
     } else if has(Outcome::PossiblyRefuted) {
         "refuted with rounded durations only".to_owned()
-    } else if let Some(it) = all.iter().find(|it| it.outcome == Outcome::GaveUp) {
-        outcome(it)
+    } else if let Some(task) = all.iter().find(|task| task.outcome == Outcome::GaveUp) {
+        outcome(task)
     } else if has(Outcome::Exceeds) {
         "later than its period".to_owned()
     } else if has(Outcome::Vacuous) {
@@ -399,7 +412,7 @@ fn of_task(entry: &Entry, task: TaskId) -> Option<String> {
     } else {
         "proved".to_owned()
     };
-    if let Some(cores) = answer.cores.as_ref().and_then(|it| it.cores) {
+    if let Some(cores) = answer.cores.as_ref().and_then(|core| core.cores) {
         word += &format!(", ≥ {cores} {}", if cores == 1 { "core" } else { "cores" });
     } else if let Some(cores) = settings(&answer.problem.scenario, &answer.options).cores {
         word += &format!(" on {cores} {}", if cores == 1 { "core" } else { "cores" });
@@ -433,6 +446,6 @@ fn outcome(check: &CheckView) -> String {
     match (check.outcome, check.report.gave_up) {
         (Outcome::GaveUp, Some(why)) => why.to_string(),
         (Outcome::Open, _) => VERIFYING.to_owned(),
-        (it, _) => it.counted().to_owned(),
+        (outcome, _) => outcome.counted().to_owned(),
     }
 }

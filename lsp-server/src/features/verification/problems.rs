@@ -30,9 +30,9 @@ pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<VerificationRequest
         paths.sort();
         paths
             .into_iter()
-            .filter(move |it| it.extension() == Some(extension))
+            .filter(move |path| path.extension() == Some(extension))
     };
-    let version = |path: &Utf8Path| snapshot.open.get(path).map(|it| it.version);
+    let version = |path: &Utf8Path| snapshot.open.get(path).map(|file| file.version);
     for path in open(EXTENSION) {
         let problem = problem_of(snapshot, path)?;
         out.extend(problem.map(|problem| VerificationRequest {
@@ -50,7 +50,10 @@ pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<VerificationRequest
             continue;
         };
         let files = problem::used(&scn::parse(&text).scenario, path);
-        if files.iter().any(|it| snapshot.open.contains_key(&it.path)) {
+        if files
+            .iter()
+            .any(|file| snapshot.open.contains_key(&file.path))
+        {
             unopened += 1;
             let problem = scenario(snapshot, path, text)?;
             out.push(VerificationRequest {
@@ -61,11 +64,11 @@ pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<VerificationRequest
         }
     }
     for path in open("gen") {
-        if out.iter().any(|it| it.problem.uses(path)) {
+        if out.iter().any(|request| request.problem.uses(path)) {
             continue;
         }
         if let Some(problem) = problem_of(snapshot, path)?
-            && problem.units.iter().any(|it| is_timed(&it.spec))
+            && problem.units.iter().any(|unit| is_timed(&unit.spec))
         {
             out.push(VerificationRequest {
                 path: path.clone(),
@@ -92,7 +95,7 @@ pub(crate) fn problem_of(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Op
             let unit = snapshot.analysis.root_unit(path)?;
             let name = path.file_name().unwrap_or_default().to_owned();
             let platform = scn::Platform {
-                cores: snapshot.config.lints.cores.filter(|&it| it > 0),
+                cores: snapshot.config.lints.cores.filter(|&core| core > 0),
                 policy: snapshot.config.verification.policy(),
                 semantics: snapshot.config.verification.semantics(),
             };
@@ -118,10 +121,10 @@ pub(crate) fn scenario(snapshot: &Snapshot, path: &Utf8Path, text: String) -> Ca
 
 /// True if a specification has timing: a period, and the duration of a codel.
 fn is_timed(spec: &Spec) -> bool {
-    problem::components(spec).any(|it| {
-        it.tasks.iter().any(|it| it.period.is_some())
-            && it.all_codels().any(|codel| {
-                let codel = it.codel(codel);
+    problem::components(spec).any(|component| {
+        component.tasks.iter().any(|task| task.period.is_some())
+            && component.all_codels().any(|codel| {
+                let codel = component.codel(codel);
                 codel.kind == CodelKind::Fsm && codel.wcet.is_some()
             })
     })

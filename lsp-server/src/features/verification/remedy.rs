@@ -26,7 +26,7 @@ pub(super) fn action(
     let action = CodeAction {
         title: format!("{title}, with which this holds"),
         kind: Some(CodeActionKind::QUICKFIX),
-        diagnostics: diagnostic.map(|it| vec![it]),
+        diagnostics: diagnostic.map(|diagnostic| vec![diagnostic]),
         ..CodeAction::default()
     };
     offers.action(action, &Edit::of(&[edit]), None)

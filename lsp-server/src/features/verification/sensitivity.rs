@@ -105,15 +105,15 @@ pub(crate) async fn ask(
     let to = to.clone();
     let (asked, with) = (problem.clone(), options.clone());
     let work = tokio::task::spawn_blocking(move || {
-        asked.sensitivity(&with, &cancel, &|it| {
-            if let (Some(token), InterimResult::Asking(it)) = (&token, it) {
+        asked.sensitivity(&with, &cancel, &|interim_result| {
+            if let (Some(token), InterimResult::Asking(progress)) = (&token, interim_result) {
                 to.notify::<notification::Progress>(ProgressParams {
                     token: token.clone(),
                     value: ProgressParamsValue::WorkDone(WorkDoneProgress::Report(
                         WorkDoneProgressReport {
                             cancellable: Some(true),
-                            message: Some(it.asking.clone()),
-                            percentage: Some((100 * it.done / it.of) as u32),
+                            message: Some(progress.asking.clone()),
+                            percentage: Some((100 * progress.done / progress.of) as u32),
                         },
                     )),
                 });
@@ -121,7 +121,11 @@ pub(crate) async fn ask(
         })
     });
     let found = match work.await {
-        Ok(found) => found.map_err(|all| all.into_iter().map(|it| it.message).collect()),
+        Ok(found) => found.map_err(|all| {
+            all.into_iter()
+                .map(|diagnostic| diagnostic.message)
+                .collect()
+        }),
         Err(error) => {
             tracing::error!("the search for limits panicked: {error}");
             Err(vec!["the search failed; the log says more".to_owned()])
@@ -161,31 +165,31 @@ pub(crate) fn shown(
     );
     let spec = |c: usize| names.components[c].spec_index;
     let codels = system.codels.iter();
-    let codels = codels.map(|it| {
-        let src = it.site.and_then(|(c, _)| Some((spec(c), it.src?)));
-        (it.path.to_string(), src)
+    let codels = codels.map(|codel| {
+        let src = codel.site.and_then(|(c, _)| Some((spec(c), codel.src?)));
+        (codel.path.to_string(), src)
     });
     let tasks = system.tasks.iter();
-    let tasks = tasks.map(|it| {
-        let component = &system.components[it.component].name;
-        let src = it.src.map(|(c, src)| (spec(c), src));
-        (format!("{component}.{}", it.name), src)
+    let tasks = tasks.map(|task| {
+        let component = &system.components[task.component].name;
+        let src = task.src.map(|(c, src)| (spec(c), src));
+        (format!("{component}.{}", task.name), src)
     });
     let places: Vec<(String, Option<(usize, Src)>)> = codels.chain(tasks).collect();
-    let show = |it: &Extreme| -> Cancellable<ExtremeResult> {
-        let (extreme, remark) = summary::extreme(it, unit);
-        let place = places.iter().find(|(path, _)| *path == it.of);
+    let show = |limit: &Extreme| -> Cancellable<ExtremeResult> {
+        let (extreme, remark) = summary::extreme(limit, unit);
+        let place = places.iter().find(|(path, _)| *path == limit.of);
         Ok(ExtremeResult {
-            of: it.of.clone(),
-            now: unit.show_value(it.now),
+            of: limit.of.clone(),
+            now: unit.show_value(limit.now),
             extreme,
             remark: remark.to_owned(),
-            location: locate(snapshot, &asked.problem, place.and_then(|it| it.1))?,
+            location: locate(snapshot, &asked.problem, place.and_then(|place| place.1))?,
         })
     };
     out.cores = found.minimum_cores.cores;
     let next = found.next_to_break.as_ref();
-    out.next_to_break = next.map(|it| summary::next_to_break(it, unit));
+    out.next_to_break = next.map(|stop| summary::next_to_break(stop, unit));
     out.wcet = found.wcet.iter().map(show).collect::<Cancellable<_>>()?;
     out.period = found.period.iter().map(show).collect::<Cancellable<_>>()?;
     Ok(out)

@@ -56,12 +56,14 @@ pub(crate) fn trace(
             None => title(check),
         },
         unit: report.unit,
-        events: simulation.as_ref().map_or(check.run(), |it| &it.events),
+        events: simulation
+            .as_ref()
+            .map_or(check.run(), |simulation| &simulation.events),
         ending: match simulation {
             Some(_) => Ending::Fine,
             None => ending(check),
         },
-        end: simulation.as_ref().map(|it| it.end),
+        end: simulation.as_ref().map(|simulation| simulation.end),
         cycle: check.cycle.filter(|_| simulation.is_none()),
         blocking: &blocking::table(&answer.problem, &answer.options),
     });
@@ -69,10 +71,14 @@ pub(crate) fn trace(
         trace.notes.extend(check.note.clone());
     }
     let places = question.shown.places();
-    let trace = trace.placed(|it| locate(snapshot, places, Some(it)))?;
-    let next = simulation.map(|it| Next {
-        choices: it.choices.iter().map(|it| in_words(it, answer)).collect(),
-        taken: it.taken,
+    let trace = trace.placed(|pair| locate(snapshot, places, Some(pair)))?;
+    let next = simulation.map(|simulation| Next {
+        choices: simulation
+            .choices
+            .iter()
+            .map(|choice| in_words(choice, answer))
+            .collect(),
+        taken: simulation.taken,
     });
     Ok(Some(TraceResult { trace, next }))
 }

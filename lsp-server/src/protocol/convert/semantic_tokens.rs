@@ -131,7 +131,7 @@ mod tests {
     }
 
     fn plain(tokens: &[SemanticToken]) -> Vec<[u32; 3]> {
-        let numbers = |it: &SemanticToken| [it.delta_line, it.delta_start, it.length];
+        let numbers = |token: &SemanticToken| [token.delta_line, token.delta_start, token.length];
         tokens.iter().map(numbers).collect()
     }
 

@@ -28,14 +28,14 @@ pub struct Symbol {
 }
 
 impl From<ide::DocumentSymbol> for Symbol {
-    fn from(it: ide::DocumentSymbol) -> Symbol {
+    fn from(symbol: ide::DocumentSymbol) -> Symbol {
         Symbol {
-            name: it.name,
-            detail: it.detail,
-            kind: kind(it.kind),
-            range: it.range,
-            selection: it.selection_range,
-            children: it.children.into_iter().map(Symbol::from).collect(),
+            name: symbol.name,
+            detail: symbol.detail,
+            kind: kind(symbol.kind),
+            range: symbol.range,
+            selection: symbol.selection_range,
+            children: symbol.children.into_iter().map(Symbol::from).collect(),
         }
     }
 }
@@ -48,32 +48,37 @@ pub fn response(
     lines: &Lines,
 ) -> DocumentSymbolResponse {
     if hierarchical {
-        return DocumentSymbolResponse::Nested(symbols.map(|it| nested(it, lines)).collect());
+        return DocumentSymbolResponse::Nested(
+            symbols.map(|symbol| nested(symbol, lines)).collect(),
+        );
     }
     let mut flat = Vec::new();
-    for it in symbols {
-        flatten(it, None, uri, lines, &mut flat);
+    for symbol in symbols {
+        flatten(symbol, None, uri, lines, &mut flat);
     }
     DocumentSymbolResponse::Flat(flat)
 }
 
-fn nested(it: Symbol, lines: &Lines) -> DocumentSymbol {
-    let children = it.children.into_iter().map(|it| nested(it, lines));
+fn nested(symbol: Symbol, lines: &Lines) -> DocumentSymbol {
+    let children = symbol
+        .children
+        .into_iter()
+        .map(|child| nested(child, lines));
     #[allow(deprecated, reason = "the field has to be given")]
     DocumentSymbol {
         children: Some(children.collect()),
-        name: it.name,
-        detail: it.detail,
-        kind: it.kind,
+        name: symbol.name,
+        detail: symbol.detail,
+        kind: symbol.kind,
         tags: None,
         deprecated: None,
-        range: lines.range(&it.range),
-        selection_range: lines.range(&it.selection),
+        range: lines.range(&symbol.range),
+        selection_range: lines.range(&symbol.selection),
     }
 }
 
 fn flatten(
-    it: Symbol,
+    symbol: Symbol,
     container: Option<&str>,
     uri: &Uri,
     lines: &Lines,
@@ -81,15 +86,15 @@ fn flatten(
 ) {
     #[allow(deprecated, reason = "the field has to be given")]
     out.push(SymbolInformation {
-        name: it.name.clone(),
-        kind: it.kind,
+        name: symbol.name.clone(),
+        kind: symbol.kind,
         tags: None,
         deprecated: None,
-        location: Location::new(uri.clone(), lines.range(&it.range)),
+        location: Location::new(uri.clone(), lines.range(&symbol.range)),
         container_name: container.map(str::to_owned),
     });
-    for child in it.children {
-        flatten(child, Some(&it.name), uri, lines, out);
+    for child in symbol.children {
+        flatten(child, Some(&symbol.name), uri, lines, out);
     }
 }
 

@@ -113,8 +113,12 @@ impl Backend {
                         None => return Ok(Some(json!({ "status": "cancelled" }))),
                     },
                 };
-                let before = remembered.into_iter().find(|it| it.template == template);
-                let before = before.map(|it| it.arguments).unwrap_or_default();
+                let before = remembered
+                    .into_iter()
+                    .find(|generate| generate.template == template);
+                let before = before
+                    .map(|generate| generate.arguments)
+                    .unwrap_or_default();
                 let choice = Generate {
                     file: job.name(),
                     arguments: params.arguments.unwrap_or(before),
@@ -137,16 +141,19 @@ impl Backend {
 
     /// Asks the user for a template.
     async fn choose(&self, job: &Job) -> Result<Option<String>> {
-        let actions = job.templates().into_iter().map(|it| MessageActionItem {
-            title: it.name,
-            properties: Default::default(),
-        });
+        let actions = job
+            .templates()
+            .into_iter()
+            .map(|template| MessageActionItem {
+                title: template.name,
+                properties: Default::default(),
+            });
         let question = format!("Generate from {} with the template", job.name());
         let client = self.dispatch.client();
         let answer = client
             .show_message_request(MessageType::INFO, question, Some(actions.collect()))
             .await?;
-        Ok(answer.map(|it| it.title))
+        Ok(answer.map(|answer| answer.title))
     }
 
     async fn generate(
@@ -157,7 +164,10 @@ impl Backend {
     ) -> Result<Option<Value>> {
         let cancel = Arc::new(AtomicBool::new(false));
         let _guard = StopOnDrop(cancel.clone());
-        let names: Vec<&str> = choices.iter().map(|it| it.template.as_str()).collect();
+        let names: Vec<&str> = choices
+            .iter()
+            .map(|choice| choice.template.as_str())
+            .collect();
         let title = format!("Generating {}", names.join(", "));
         let progress = self.begin_progress(&job, &title, &cancel).await;
         let work = job.clone();
@@ -217,7 +227,7 @@ impl Backend {
         let answer = client
             .show_message_request(MessageType::INFO, plan.question(), Some(actions))
             .await?;
-        if answer.is_none_or(|it| it.title != "Write") {
+        if answer.is_none_or(|answer| answer.title != "Write") {
             return Ok(false);
         }
         // The server writes the files that the client cannot write.
@@ -225,7 +235,7 @@ impl Backend {
             .changes
             .iter()
             .cloned()
-            .partition(|it| !able.apply || (!able.create && it.before.is_none()));
+            .partition(|change| !able.apply || (!able.create && change.before.is_none()));
         write(&ours).map_err(refused)?;
         if !theirs.is_empty() {
             let edit = edit::workspace_edit(&theirs, able);
@@ -250,10 +260,14 @@ impl Backend {
     fn report(&self, plan: &Plan) {
         let outbox = self.dispatch.outbox();
         let mut reported = lock(&self.generation.reported);
-        let found = plan.problem.as_ref().and_then(|it| {
-            let uri: Uri = serde_json::from_value(it["uri"].clone()).ok()?;
-            let line = u32::try_from(it["line"].as_u64()?).ok()?;
-            Some((uri::to_path(&uri), line, it["message"].as_str()?.to_owned()))
+        let found = plan.problem.as_ref().and_then(|problem| {
+            let uri: Uri = serde_json::from_value(problem["uri"].clone()).ok()?;
+            let line = u32::try_from(problem["line"].as_u64()?).ok()?;
+            Some((
+                uri::to_path(&uri),
+                line,
+                problem["message"].as_str()?.to_owned(),
+            ))
         });
         for choice in &plan.choices {
             let before = reported.remove(&choice.template).unwrap_or_default();

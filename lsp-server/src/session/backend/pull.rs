@@ -27,8 +27,8 @@ impl Backend {
         // A client that has results asks again at once. That request waits for a change.
         let has_results = !params.previous_result_ids.is_empty();
         let mut known: FxHashMap<Utf8PathBuf, PreviousResultId> = FxHashMap::default();
-        for it in params.previous_result_ids {
-            known.insert(uri::to_path(&it.uri), it);
+        for previous_result_id in params.previous_result_ids {
+            known.insert(uri::to_path(&previous_result_id.uri), previous_result_id);
         }
         let mut revisions = self.revisions.clone();
         let mut told = false;
@@ -38,10 +38,12 @@ impl Backend {
             let mut queue: VecDeque<Utf8PathBuf> = open.into_iter().chain(rest).collect();
             let there: FxHashSet<&Utf8PathBuf> = queue.iter().collect();
             let gone = known.extract_if(|path, _| !there.contains(path));
-            let mut items: Vec<_> = gone.map(|it| diagnostics::gone(it.1)).collect();
+            let mut items: Vec<_> = gone.map(|pair| diagnostics::gone(pair.1)).collect();
             while !queue.is_empty() || !items.is_empty() && token.is_some() {
                 let paths = queue.drain(..BATCH.min(queue.len())).collect();
-                let ids = known.iter().map(|it| (it.0.clone(), it.1.value.clone()));
+                let ids = known
+                    .iter()
+                    .map(|pair| (pair.0.clone(), pair.1.value.clone()));
                 let part = Part {
                     paths,
                     known: Arc::new(ids.collect()),
@@ -50,12 +52,13 @@ impl Backend {
                 items.extend(reports.await.map_err(retriggered)?);
                 let Some(token) = &token else { continue };
                 let mut news = std::mem::take(&mut items);
-                news.retain(|it| !diagnostics::is_unchanged(it));
-                for it in &news {
-                    if let WorkspaceDocumentDiagnosticReport::Full(it) = it
-                        && let Some(value) = it.full_document_diagnostic_report.result_id.clone()
+                news.retain(|news| !diagnostics::is_unchanged(news));
+                for news in &news {
+                    if let WorkspaceDocumentDiagnosticReport::Full(report) = news
+                        && let Some(value) =
+                            report.full_document_diagnostic_report.result_id.clone()
                     {
-                        let uri = it.uri.clone();
+                        let uri = report.uri.clone();
                         known.insert(uri::to_path(&uri), PreviousResultId { uri, value });
                     }
                 }
@@ -75,11 +78,14 @@ impl Backend {
                     let left: FxHashSet<Utf8PathBuf> = queue.drain(..).collect();
                     let Listing { open, rest } = self.listing().await?;
                     let (left, done): (Vec<_>, Vec<_>) =
-                        rest.into_iter().partition(|it| left.contains(it));
+                        rest.into_iter().partition(|path| left.contains(path));
                     queue.extend(open.into_iter().chain(left).chain(done));
                 }
             }
-            let news = told || items.iter().any(|it| !diagnostics::is_unchanged(it));
+            let news = told
+                || items
+                    .iter()
+                    .any(|report| !diagnostics::is_unchanged(report));
             if news || !has_results || !self.changed(&mut revisions).await {
                 return Ok(WorkspaceDiagnosticReport { items });
             }

@@ -62,12 +62,12 @@ impl TokenResults {
         result_id: &str,
     ) -> Option<Vec<SemanticToken>> {
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        let (_, tokens) = last.iter().find(|it| it.0 == *uri)?;
+        let (_, tokens) = last.iter().find(|entry| entry.0 == *uri)?;
         (tokens.result_id.as_deref() == Some(result_id)).then(|| tokens.data.clone())
     }
 
     pub(in crate::session) fn forget(&self, uri: &Uri) {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        last.retain(|it| it.0 != *uri);
+        last.retain(|entry| entry.0 != *uri);
     }
 }

@@ -210,7 +210,7 @@ pub(super) fn header_at_end(body: &[u8]) -> Option<usize> {
 /// The start of the last `Content-Length:` of a line, in upper or lower case.
 fn find_name(line: &[u8]) -> Option<usize> {
     let mut windows = line.windows(NAME.len());
-    windows.rposition(|it| it.eq_ignore_ascii_case(NAME))
+    windows.rposition(|window| window.eq_ignore_ascii_case(NAME))
 }
 
 /// A length, with any number of digits.
@@ -224,7 +224,7 @@ fn number(text: &[u8]) -> Option<u64> {
 
 /// True for `Name: value`. Headers other than the length are ignored.
 fn is_header(line: &[u8]) -> bool {
-    let name = |it: &u8| it.is_ascii_alphanumeric() || *it == b'-';
+    let name = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'-';
     let colon = memchr::memchr(b':', line);
     colon.is_some_and(|colon| colon > 0 && line[..colon].iter().all(name))
 }

@@ -85,7 +85,7 @@ impl Spelling {
             true => self.published.remove(&path),
             false => self.published.insert(path, text.to_owned()),
         };
-        let before = before.filter(|it| it != text)?;
+        let before = before.filter(|old| old != text)?;
         Some(json!({
             "jsonrpc": "2.0",
             "method": PUBLISH,
@@ -95,7 +95,7 @@ impl Spelling {
 
     fn rewrite(&self, value: &mut Value) {
         match value {
-            Value::Array(values) => values.iter_mut().for_each(|it| self.rewrite(it)),
+            Value::Array(values) => values.iter_mut().for_each(|value| self.rewrite(value)),
             Value::Object(fields) => {
                 // The edits of a workspace edit by URI.
                 if let Some(Value::Object(changes)) = fields.get_mut("changes") {
@@ -129,7 +129,7 @@ impl Spelling {
             None => {
                 let folder = path
                     .ancestors()
-                    .find_map(|it| self.folders.get_key_value(it));
+                    .find_map(|ancestor| self.folders.get_key_value(ancestor));
                 let (folder, own) = folder?;
                 // The rest of the path has the spelling of the server.
                 let server = uri::from_path(folder)?;

@@ -44,25 +44,25 @@ impl Job {
             } = self;
             // The last interim answer that was not sent yet.
             let held: Arc<Mutex<Option<JobResult>>> = Arc::default();
-            let send = |events: &Post<News>, it: JobResult| {
-                events.send(News::JobResult(Box::new(it)));
+            let send = |events: &Post<News>, answer: JobResult| {
+                events.send(News::JobResult(Box::new(answer)));
             };
             let tell = |found: Interim| {
                 let part = matches!(found, Interim::SoFar(_));
-                let it = JobResult {
+                let answer = JobResult {
                     path: path.clone(),
                     number,
                     found,
                 };
                 if !part {
-                    return send(&events, it);
+                    return send(&events, answer);
                 }
-                if lock(&held).replace(it).is_none() {
+                if lock(&held).replace(answer).is_none() {
                     let (held, events) = (held.clone(), events.clone());
                     pace.spawn(async move {
                         tokio::time::sleep(RESULT_INTERVAL).await;
-                        let it = lock(&held).take();
-                        it.into_iter().for_each(|it| send(&events, it));
+                        let lock = lock(&held).take();
+                        lock.into_iter().for_each(|lock| send(&events, lock));
                     });
                 }
             };
@@ -73,6 +73,6 @@ impl Job {
     }
 }
 
-fn lock<T>(it: &Mutex<T>) -> MutexGuard<'_, T> {
-    it.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -122,7 +122,7 @@ impl State {
                 self.scan();
             }
             Mutation::Choose(file, root) => {
-                self.chosen.retain(|it| it.0 != file);
+                self.chosen.retain(|entry| entry.0 != file);
                 self.chosen.extend(root.map(|root| (file.clone(), root)));
                 self.pending.chosen = true;
                 self.pending.files.insert(file);
@@ -169,7 +169,7 @@ impl State {
     /// The kind of an open document.
     pub(super) fn kind_of(&self, path: &Utf8Path) -> DocumentKind {
         let open = self.documents.open_files().get(path);
-        open.map_or(DocumentKind::Specification, |it| it.kind)
+        open.map_or(DocumentKind::Specification, |file| file.kind)
     }
 
     /// The kind of a document that is opened.
@@ -180,8 +180,8 @@ impl State {
         let is_code = codels::is_code(path, Some(language));
         // Codels in a folder below a template are codels.
         let is_codel = || {
-            let home = (self.config.codels_of(path)).and_then(|it| codels::home(it, path));
-            home.is_some_and(|it| !vfs::specifications_in(&it).is_empty())
+            let home = (self.config.codels_of(path)).and_then(|codel| codels::home(codel, path));
+            home.is_some_and(|home| !vfs::specifications_in(&home).is_empty())
         };
         if templates::is_template(&self.workspace.templates, path) && !(is_code && is_codel()) {
             return DocumentKind::Template;
@@ -240,7 +240,7 @@ impl State {
     /// Handles the deletion of a file or folder. Returns true if it was known.
     fn gone(&mut self, path: &Utf8Path) -> bool {
         let mut known = self.host.known_at(path);
-        known.retain(|it| self.documents.text(it).is_none());
+        known.retain(|path| self.documents.text(path).is_none());
         let found = self.workspace.remove(path) || !known.is_empty();
         self.pending.roots |= found;
         self.pending.files.extend(known);
@@ -292,11 +292,12 @@ impl State {
             let progress =
                 crate::protocol::progress::begin(&client, wants_progress, "Indexing").await;
             let listing = tokio::task::spawn_blocking(move || {
-                let below = |it: &Utf8PathBuf| vfs::files_below(it, &["gen", "scn", "tcl", "toml"]);
+                let below =
+                    |path: &Utf8PathBuf| vfs::files_below(path, &["gen", "scn", "tcl", "toml"]);
                 folders.iter().flat_map(below).collect::<Vec<_>>()
             });
             let files = listing.await.unwrap_or_default();
-            let specifications = files.iter().filter(|it| it.extension() == Some("gen"));
+            let specifications = files.iter().filter(|file| file.extension() == Some("gen"));
             let summary = match specifications.count() {
                 1 => "1 specification".to_owned(),
                 count => format!("{count} specifications"),

@@ -35,18 +35,18 @@ impl State {
         }
         if pending.roots {
             let open = self.documents.open_files().keys();
-            let open = open.filter(|it| {
-                !self.documents.is_lost(it)
-                    && it.extension() != Some(dotgen_views::verification::problem::EXTENSION)
-                    && !self.kind_of(it).is_template()
+            let open = open.filter(|key| {
+                !self.documents.is_lost(key)
+                    && key.extension() != Some(dotgen_views::verification::problem::EXTENSION)
+                    && !self.kind_of(key).is_template()
             });
             let (code, open): (Vec<_>, Vec<_>) =
-                open.partition(|it| self.kind_of(it) == DocumentKind::Code);
+                open.partition(|key| self.kind_of(key) == DocumentKind::Code);
             let mut roots: Vec<_> = self.workspace.files.iter().chain(open).cloned().collect();
             // A source finds its specification even if its folder is not searched.
             let home = |source: &&Utf8PathBuf| codels::home(self.config.codels_of(source)?, source);
             let homes = code.iter().filter_map(home);
-            roots.extend(homes.flat_map(|it| vfs::specifications_in(&it)));
+            roots.extend(homes.flat_map(|home| vfs::specifications_in(&home)));
             roots.sort();
             roots.dedup();
             self.roots = Arc::new(roots);
@@ -66,7 +66,7 @@ impl State {
             // A document that differs from the client's text gets no findings.
             None => self.documents.is_lost(path).then(String::new),
         };
-        let files = pending.files.into_iter().map(|it| (text(&it), it));
+        let files = pending.files.into_iter().map(|file| (text(&file), file));
         let change = Change {
             files: files.map(|(text, path)| (path, text)).collect(),
             roots: pending.roots.then(|| self.roots.to_vec()),

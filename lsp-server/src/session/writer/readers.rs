@@ -39,14 +39,22 @@ impl State {
             // The request is about the present text.
             let mut read = read;
             let subject = read.subject.as_ref().map(uri::to_path);
-            let version =
-                subject.and_then(|it| self.documents.open_files().get(&it).map(|it| it.version));
+            let version = subject.and_then(|subject| {
+                self.documents
+                    .open_files()
+                    .get(&subject)
+                    .map(|file| file.version)
+            });
             read.expected.get_or_insert(version);
             return self.waiting.push(read);
         }
         let subject = read.subject.map(|uri| {
             let path = uri::to_path(&uri);
-            let version = self.documents.open_files().get(&path).map(|it| it.version);
+            let version = self
+                .documents
+                .open_files()
+                .get(&path)
+                .map(|file| file.version);
             Subject { path, uri, version }
         });
         if let Some(subject) = &subject {
@@ -57,7 +65,10 @@ impl State {
             if unknown {
                 return (read.work)(Admission::UnknownDocument);
             }
-            if read.expected.is_some_and(|it| it != subject.version) {
+            if read
+                .expected
+                .is_some_and(|version| version != subject.version)
+            {
                 return (read.work)(Admission::Outdated);
             }
         }

@@ -80,12 +80,12 @@ impl State {
         };
         self.outbox.run_conversation(move |client| async move {
             let mut gone = before.unregistrations();
-            gone.retain(|it| offered(&it.method));
+            gone.retain(|unregistration| offered(&unregistration.method));
             if !gone.is_empty() {
                 let _ = client.unregister_capability(gone).await;
             }
             let mut new = wanted.registrations();
-            new.retain(|it| offered(&it.method));
+            new.retain(|registration| offered(&registration.method));
             if !new.is_empty()
                 && let Err(error) = client.register_capability(new).await
             {

@@ -44,7 +44,7 @@ impl State {
     pub(super) fn receive_text(&mut self, uri: &Uri, sent: Option<DocumentText>) {
         let path = uri::to_path(uri);
         let open = self.documents.open_files().get(&path);
-        let Some(sent) = sent.filter(|it| open.is_some_and(|open| open.version == it.version))
+        let Some(sent) = sent.filter(|sent| open.is_some_and(|open| open.version == sent.version))
         else {
             return;
         };
@@ -58,7 +58,11 @@ impl State {
         if !self.mended.remove(&path) {
             return;
         }
-        let version = self.documents.open_files().get(&path).map(|it| it.version);
+        let version = self
+            .documents
+            .open_files()
+            .get(&path)
+            .map(|file| file.version);
         if let (Some(version), FileContent::Text(text)) = (version, vfs::read(&path)) {
             self.replace_text(&path, version, text);
         }

@@ -13,7 +13,11 @@ async fn drift_is_shown_once_without_a_document_being_open() {
     }
     for message in check(&path(&folder.uri("tank.gen"))) {
         let times = shown.values().flat_map(messages);
-        assert_eq!(times.filter(|it| *it == message).count(), 1, "{message}");
+        assert_eq!(
+            times.filter(|time| *time == message).count(),
+            1,
+            "{message}"
+        );
         let is_missing = message.starts_with("codel/missing-definition");
         assert_eq!(
             messages(&shown["tank.gen"]).contains(&message),
@@ -27,9 +31,9 @@ async fn drift_is_shown_once_without_a_document_being_open() {
         .expect("a list")
         .iter();
     let there = all
-        .find(|it| {
-            let message = it["message"].as_str().unwrap_or_default();
-            it["code"] == "codel/signature-mismatch" && message.contains("tank_mix")
+        .find(|codelsc| {
+            let message = codelsc["message"].as_str().unwrap_or_default();
+            codelsc["code"] == "codel/signature-mismatch" && message.contains("tank_mix")
         })
         .expect("it is there");
     assert_eq!(
@@ -75,7 +79,7 @@ async fn an_edit_of_either_side_changes_what_is_said_of_both() {
     // The source, as typed and not yet saved.
     let typed = json!([{ "range": { "start": { "line": 0, "character": 16 }, "end": { "line": 0, "character": 23 } }, "text": "double" }]);
     client.change(&c_uri, 2, typed).await;
-    let mismatch = |it: &[String]| it == ["codel/signature-mismatch"];
+    let mismatch = |codes: &[String]| codes == ["codel/signature-mismatch"];
     client.pushed_until(&c_uri, mismatch).await;
     assert_eq!(client.pulled(&gen_uri).await, Vec::<String>::new());
     // Without the function, the finding is at the specification, and the client is asked to refresh.
@@ -160,7 +164,7 @@ async fn findings_follow_the_configuration_and_comments() {
     let folder = Folder::new(&[("c.gen", specification), ("codels/c_codels.c", source)]);
     let (uri, code) = (folder.uri("c.gen"), folder.uri("codels/c_codels.c"));
     let mut client = Client::start(folder.params(capable())).await;
-    let is = |wanted: &'static [&'static str]| move |it: &[String]| it == wanted;
+    let is = |wanted: &'static [&'static str]| move |codes: &[String]| codes == wanted;
     let shown = client
         .pushed_until(&uri, is(&["codel/missing-definition"]))
         .await;
@@ -209,7 +213,7 @@ async fn findings_follow_the_configuration_and_comments() {
         "codel/missing-definition",
         "codel/missing-definition",
     ];
-    client.pushed_until(&uri, |it| it == elsewhere).await;
+    client.pushed_until(&uri, |codes| codes == elsewhere).await;
     folder.write("dotgen.toml", "[codels]\ncheck = false\n");
     client
         .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 2))
@@ -233,9 +237,10 @@ async fn comments_that_allow_nothing_are_told_on_both_sides() {
     client.open(&uri, specification).await;
     client.open_code(&code, &source).await;
     let unused = |wanted: usize| {
-        move |it: &[String]| {
-            it.iter()
-                .filter(|it| *it == "lint/unused-suppression")
+        move |codes: &[String]| {
+            codes
+                .iter()
+                .filter(|code| *code == "lint/unused-suppression")
                 .count()
                 == wanted
         }

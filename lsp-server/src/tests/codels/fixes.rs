@@ -32,10 +32,12 @@ async fn every_quick_fix_removes_what_it_is_offered_for() {
             }
             assert!(offered > 0, "no fix for {finding} in {name}: {actions:#?}");
             // Only unambiguous fixes are preferred.
-            let preferred = actions.iter().filter(|it| it["isPreferred"] == true);
+            let preferred = actions
+                .iter()
+                .filter(|action| action["isPreferred"] == true);
             let preferred: Vec<&str> = preferred.map(title).collect();
             assert!(
-                preferred.iter().all(|it| !it.starts_with("Remove")),
+                preferred.iter().all(|title| !title.starts_with("Remove")),
                 "{preferred:?}"
             );
             assert!(offered == 1 || preferred.len() < offered, "{finding}");
@@ -75,7 +77,7 @@ async fn shown_body(capabilities: Value) -> Option<String> {
     let actions = client.actions(&uri, &range, Some("quickfix")).await;
     let stub = actions
         .iter()
-        .find(|it| title(it).starts_with("Write a stub of"))
+        .find(|action| title(action).starts_with("Write a stub of"))
         .unwrap_or_else(|| panic!("{actions:#?}"));
     client.ignore("textDocument/publishDiagnostics");
     drop(client);
@@ -88,7 +90,7 @@ async fn shown_body(capabilities: Value) -> Option<String> {
     let range = serde_json::from_value(place["range"].clone()).expect("a range");
     let range = lines.bytes(range).expect("a range of the text");
     let function = text[..range.start].rfind("tank_drain_wait(");
-    assert!(function.is_some_and(|it| !text[it..range.start].contains('}')));
+    assert!(function.is_some_and(|function| !text[function..range.start].contains('}')));
     Some(text[range].to_owned())
 }
 
@@ -119,7 +121,7 @@ async fn fix_all(only: Option<&str>, ranges: &Value) {
     let actions = client.actions(&uri, ranges, only).await;
     let all: Vec<_> = actions
         .iter()
-        .filter(|it| title(it) == "Fix all differences between specification and codels")
+        .filter(|action| title(action) == "Fix all differences between specification and codels")
         .collect();
     assert_eq!(all.len(), 1, "{actions:#?}");
     write(&all[0]["edit"]);
@@ -189,7 +191,7 @@ async fn saving_with_fix_all_does_not_touch_codels() {
     assert!(
         !actions
             .iter()
-            .any(|it| it.to_string().contains("_codels.c")),
+            .any(|action| action.to_string().contains("_codels.c")),
         "{actions:#?}"
     );
     client.ignore("textDocument/publishDiagnostics");
@@ -212,12 +214,12 @@ async fn stubs_of_a_component_without_sources_make_the_files_of_the_skeleton() {
         let actions = client.actions(&uri, &range, Some("refactor")).await;
         let stubs = actions
             .iter()
-            .find(|it| title(it) == "Write the 13 missing stubs of component `tank`")
+            .find(|action| title(action) == "Write the 13 missing stubs of component `tank`")
             .unwrap_or_else(|| panic!("{actions:#?}"));
         let files = applied(&stubs["edit"], on_disk);
         let names: Vec<_> = files
             .keys()
-            .map(|it| it.rsplit('/').next().unwrap_or_default())
+            .map(|key| key.rsplit('/').next().unwrap_or_default())
             .collect();
         assert_eq!(names, ["tank_codels.c", "tank_control_codels.c"]);
         std::fs::create_dir_all(path(&folder.uri("codels"))).expect("a folder");
@@ -303,7 +305,7 @@ async fn a_state_is_split_on_both_sides() {
         let actions = client.actions(&uri, &range, Some("refactor")).await;
         let found = actions
             .into_iter()
-            .filter(|it| title(it).starts_with("Split state"));
+            .filter(|action| title(action).starts_with("Split state"));
         split.extend(found);
     }
     client.finish().await;

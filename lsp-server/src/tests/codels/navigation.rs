@@ -34,7 +34,7 @@ async fn from_codels_to_functions_and_back() {
         .as_array()
         .expect("a list")
         .iter()
-        .map(|it| it["uri"].clone())
+        .map(|client| client["uri"].clone())
         .collect();
     assert_eq!(uris, [json!(uri), json!(source)]);
 
@@ -52,8 +52,8 @@ async fn from_codels_to_functions_and_back() {
         .as_array()
         .expect("a list")
         .iter()
-        .map(|it| {
-            it["command"]["title"]
+        .map(|lens| {
+            lens["command"]["title"]
                 .as_str()
                 .unwrap_or_default()
                 .to_owned()
@@ -156,10 +156,13 @@ async fn names_in_sources_lead_to_their_declarations() {
         references["context"] = json!({ "includeDeclaration": true });
         let found = client.ok("textDocument/references", references).await;
         let found = found.as_array().cloned().unwrap_or_default();
-        let starts: Vec<_> = found.iter().map(|it| &it["range"]["start"]).collect();
+        let starts: Vec<_> = found
+            .iter()
+            .map(|client| &client["range"]["start"])
+            .collect();
         assert!(starts.contains(&&wanted), "{name}: {found:#?}");
         assert!(
-            found.iter().all(|it| it["uri"] == uri),
+            found.iter().all(|client| client["uri"] == uri),
             "{name}: {found:#?}"
         );
     }
@@ -207,7 +210,7 @@ async fn a_codel_is_renamed_on_both_sides() {
     );
     let after: Vec<_> = check(&path(&uri))
         .iter()
-        .map(|it| it.replace("fill_watch", "fill_wait"))
+        .map(|check| check.replace("fill_watch", "fill_wait"))
         .collect();
     assert_eq!(after, before);
 
@@ -278,13 +281,13 @@ async fn sources_are_asked_for_where_clients_let_choose() {
     let mut client = Client::start_answering(folder.params(capabilities), answers).await;
     client.pushed(&folder.uri("tank.gen")).await;
     let lens = |asked: &[Value]| -> Vec<Value> {
-        let all = asked.iter().flat_map(|it| {
-            it["params"]["registrations"]
+        let all = asked.iter().flat_map(|message| {
+            message["params"]["registrations"]
                 .as_array()
                 .cloned()
                 .unwrap_or_default()
         });
-        all.filter(|it| it["method"] == "textDocument/codeLens")
+        all.filter(|registration| registration["method"] == "textDocument/codeLens")
             .collect()
     };
     while lens(&client.asked).is_empty() {

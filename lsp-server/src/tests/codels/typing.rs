@@ -4,7 +4,7 @@ use super::*;
 
 /// The starts of the tokens of a text.
 fn tokens(text: &str) -> Vec<usize> {
-    let is_word = |it: char| it.is_alphanumeric() || it == '_';
+    let is_word = |character: char| character.is_alphanumeric() || character == '_';
     let mut out = Vec::new();
     let mut before = ' ';
     for (at, now) in text.char_indices() {
@@ -44,8 +44,8 @@ async fn a_text_that_breaks_off_anywhere_keeps_lenses_implementations_and_findin
     client.open_code(&source, &code).await;
     let titles = |lenses: &Value| -> Vec<String> {
         let all = lenses.as_array().expect("a list").iter();
-        all.map(|it| {
-            it["command"]["title"]
+        all.map(|lens| {
+            lens["command"]["title"]
                 .as_str()
                 .unwrap_or_default()
                 .to_owned()
@@ -73,23 +73,25 @@ async fn a_text_that_breaks_off_anywhere_keeps_lenses_implementations_and_findin
         let now = titles(&client.ok("textDocument/codeLens", document(&source)).await);
         let plain: Vec<_> = now
             .iter()
-            .map(|it| it.trim_end_matches(EARLIER).to_owned())
+            .map(|title| title.trim_end_matches(EARLIER).to_owned())
             .collect();
         // A text that ends between two declarations is complete, with fewer declarations.
-        if now.iter().all(|it| !it.ends_with(EARLIER)) {
+        if now.iter().all(|title| !title.ends_with(EARLIER)) {
             continue;
         }
         earlier += 1;
         assert_eq!(plain, lenses, "at {cut}");
         let left = drift(&mut client, &places).await;
         // The last codel name may be cut; names after it have no place for a finding.
-        let whole = text[..cut].rfind("codel").map_or("", |it| &text[..it]);
+        let whole = text[..cut]
+            .rfind("codel")
+            .map_or("", |index| &text[..index]);
         for message in &findings {
             let named = message.split('`').skip(1).step_by(2);
-            let mut codels = named.filter(|it| it.starts_with("tank_"));
+            let mut codels = named.filter(|part| part.starts_with("tank_"));
             let is_whole = codels
                 .next()
-                .is_some_and(|it| whole.contains(&format!("{it}(")));
+                .is_some_and(|codel| whole.contains(&format!("{codel}(")));
             assert!(
                 left.contains(message) || !is_whole,
                 "at {cut}: {message}\n{left:#?}"

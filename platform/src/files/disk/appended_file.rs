@@ -52,7 +52,7 @@ struct State {
 
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(|it| it.into_inner())
+        self.state.lock().unwrap_or_else(|error| error.into_inner())
     }
 }
 
@@ -133,7 +133,7 @@ impl Write for AppendedFile {
         let mut state = self.shared.lock();
         while state.bytes.len() >= LIMIT && !state.failed {
             let waited = self.shared.room.wait(state);
-            state = waited.unwrap_or_else(|it| it.into_inner());
+            state = waited.unwrap_or_else(|error| error.into_inner());
         }
         // After an error, which was reported, data is dropped.
         if !state.failed {
@@ -153,7 +153,7 @@ impl Write for AppendedFile {
 
 /// Writes until the data is complete.
 fn write(shared: &Shared, mut file: File) -> io::Result<()> {
-    let is_file = file.metadata().is_ok_and(|it| it.is_file());
+    let is_file = file.metadata().is_ok_and(|metadata| metadata.is_file());
     let mut piece = Vec::new();
     let mut begun = false;
     // The time of the first write that is not yet synced.
@@ -162,7 +162,7 @@ fn write(shared: &Shared, mut file: File) -> io::Result<()> {
         let mut state = shared.lock();
         if state.bytes.len() < MANY && !state.over {
             let waited = shared.more.wait_timeout(state, FLUSH_INTERVAL);
-            state = waited.unwrap_or_else(|it| it.into_inner()).0;
+            state = waited.unwrap_or_else(|error| error.into_inner()).0;
         }
         piece.clear();
         std::mem::swap(&mut state.bytes, &mut piece);
@@ -177,7 +177,9 @@ fn write(shared: &Shared, mut file: File) -> io::Result<()> {
             file.write_all(&piece)?;
             unsynced.get_or_insert_with(Instant::now);
         }
-        if is_file && (over || unsynced.is_some_and(|it| it.elapsed() + FLUSH_INTERVAL >= SYNC)) {
+        if is_file
+            && (over || unsynced.is_some_and(|instant| instant.elapsed() + FLUSH_INTERVAL >= SYNC))
+        {
             sync(&file)?;
             unsynced = None;
         }
@@ -189,11 +191,15 @@ fn write(shared: &Shared, mut file: File) -> io::Result<()> {
 
 /// Syncs a file. Some file systems do not support this, which is not an error of the file.
 fn sync(file: &File) -> io::Result<()> {
-    let cannot =
-        |it: &io::Error| matches!(it.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported);
-    file.sync_data().or_else(|it| match cannot(&it) {
+    let cannot = |error: &io::Error| {
+        matches!(
+            error.kind(),
+            ErrorKind::InvalidInput | ErrorKind::Unsupported
+        )
+    };
+    file.sync_data().or_else(|error| match cannot(&error) {
         true => Ok(()),
-        false => Err(it),
+        false => Err(error),
     })
 }
 

@@ -23,7 +23,7 @@ impl Stream {
     /// The file cannot be written there, or the existing file is read-only.
     pub fn create(path: &Path) -> io::Result<Stream> {
         let (file, replaces) = match std::fs::metadata(path) {
-            Ok(it) if !it.is_file() => (File::options().write(true).open(path)?, None),
+            Ok(metadata) if !metadata.is_file() => (File::options().write(true).open(path)?, None),
             _ => {
                 let (temporary, target, file) = write::beside(path)?;
                 (file, Some((TemporaryFile::new(temporary), target)))
@@ -70,7 +70,7 @@ mod tests {
         std::fs::write(&path, "before").expect("written");
         let names = || -> Vec<PathBuf> {
             let entries = std::fs::read_dir(folder.path()).expect("a folder");
-            entries.flatten().map(|it| it.path()).collect()
+            entries.flatten().map(|entry| entry.path()).collect()
         };
         let mut dropped = Stream::create(&path).expect("created");
         dropped.write_all(b"half").expect("written");

@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard};
 static ALL: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn all() -> MutexGuard<'static, Vec<PathBuf>> {
-    ALL.lock().unwrap_or_else(|it| it.into_inner())
+    ALL.lock().unwrap_or_else(|error| error.into_inner())
 }
 
 /// A file that is removed on drop, and by [`leave`].
@@ -32,7 +32,7 @@ impl TemporaryFile {
 impl Drop for TemporaryFile {
     fn drop(&mut self) {
         let mut all = all();
-        all.retain(|it| *it != self.path);
+        all.retain(|path| *path != self.path);
         // The file may have been renamed, or removed by another process.
         let _ = std::fs::remove_file(&self.path);
     }
@@ -42,8 +42,8 @@ impl Drop for TemporaryFile {
 pub fn leave(status: i32) -> ! {
     // The lock is never released: no other thread can create a file that would remain.
     let all = all();
-    for it in all.iter() {
-        let _ = std::fs::remove_file(it);
+    for path in all.iter() {
+        let _ = std::fs::remove_file(path);
     }
     std::process::exit(status)
 }

@@ -99,7 +99,10 @@ pub(super) fn write(
                 finisher.register_moves(batch.rollback_moves());
             }
             Err(WriteError {
-                path: files.get(at).map(|it| it.path.clone()).unwrap_or_default(),
+                path: files
+                    .get(at)
+                    .map(|file| file.path.clone())
+                    .unwrap_or_default(),
                 reason,
                 changed: batch.roll_back(hook),
                 of: files.len(),
@@ -154,7 +157,7 @@ struct PreviousFile {
 impl Batch {
     fn stage_all(&mut self, files: &[NewContent], hook: Hook<'_>) -> Result<(), WriteFailure> {
         for (at, file) in files.iter().enumerate() {
-            let staged = self.stage(file, hook).map_err(|it| (at, it))?;
+            let staged = self.stage(file, hook).map_err(|error| (at, error))?;
             self.files.push(staged);
         }
         Ok(())
@@ -163,8 +166,8 @@ impl Batch {
     fn stage(&mut self, file: &NewContent, hook: Hook<'_>) -> io::Result<StagedFile> {
         let target = followed(&file.path)?;
         let old = match std::fs::metadata(&target) {
-            Ok(it) if it.is_dir() => return Err(ErrorKind::IsADirectory.into()),
-            Ok(it) => Some(it),
+            Ok(metadata) if metadata.is_dir() => return Err(ErrorKind::IsADirectory.into()),
+            Ok(metadata) => Some(metadata),
             Err(error) if error.kind() == ErrorKind::NotFound => None,
             Err(error) => return Err(error),
         };
@@ -177,7 +180,7 @@ impl Batch {
             }),
             replaced: false,
         };
-        if old.as_ref().is_some_and(|it| !it.is_file()) {
+        if old.as_ref().is_some_and(|metadata| !metadata.is_file()) {
             return Ok(staged(Content::Stream(file.bytes.clone())));
         }
         if old.is_some() {
@@ -185,7 +188,7 @@ impl Batch {
         }
         let directory = directory_of(&target);
         self.make(directory, hook)?;
-        if !self.cleaned.iter().any(|it| it == directory) {
+        if !self.cleaned.iter().any(|path| path == directory) {
             clean(directory);
             self.cleaned.push(directory.to_owned());
         }
@@ -204,20 +207,22 @@ impl Batch {
     fn make(&mut self, directory: &Path, hook: Hook<'_>) -> io::Result<()> {
         let mut missing = Vec::new();
         let mut at = Some(directory);
-        while let Some(it) = at.filter(|it| !it.as_os_str().is_empty() && !it.exists()) {
-            missing.push(it);
-            at = it.parent();
+        while let Some(directory) =
+            at.filter(|directory| !directory.as_os_str().is_empty() && !directory.exists())
+        {
+            missing.push(directory);
+            at = directory.parent();
         }
-        for it in missing.into_iter().rev() {
+        for path in missing.into_iter().rev() {
             hook(Step::MakeDirectory)?;
-            match std::fs::create_dir(it) {
-                Ok(()) => self.directories.push(it.to_owned()),
-                Err(error) if error.kind() == ErrorKind::AlreadyExists && it.is_dir() => {}
+            match std::fs::create_dir(path) {
+                Ok(()) => self.directories.push(path.to_owned()),
+                Err(error) if error.kind() == ErrorKind::AlreadyExists && path.is_dir() => {}
                 Err(error) => {
                     return Err(with_context(
                         &error,
                         "there is no folder, and none can be made at",
-                        it,
+                        path,
                     ));
                 }
             }
@@ -230,7 +235,8 @@ impl Batch {
         let several = self.files.len() > 1;
         for (at, file) in self.files.iter_mut().enumerate() {
             if let (true, Some(old), Content::File(..)) = (several, &mut file.old, &file.content) {
-                old.back_up(&file.target, hook).map_err(|it| (at, it))?;
+                old.back_up(&file.target, hook)
+                    .map_err(|error| (at, error))?;
             }
         }
         Ok(())
@@ -276,7 +282,7 @@ impl Batch {
         for stream in [false, true] {
             for (at, file) in self.files.iter_mut().enumerate() {
                 if stream == matches!(file.content, Content::Stream(_)) {
-                    file.replace(hook).map_err(|it| (at, it))?;
+                    file.replace(hook).map_err(|error| (at, error))?;
                 }
             }
         }
@@ -292,7 +298,7 @@ impl Batch {
         }
         for directory in &self.cleaned {
             // Some systems cannot sync a directory.
-            let _ = File::open(directory).and_then(|it| it.sync_all());
+            let _ = File::open(directory).and_then(|file| file.sync_all());
         }
     }
 
@@ -309,7 +315,7 @@ impl Batch {
                 });
                 if let Err(error) = undone {
                     let error = match second {
-                        Some(it) => with_context(&error, "what it was is in", it),
+                        Some(path) => with_context(&error, "what it was is in", path),
                         None => error,
                     };
                     stuck.push((file.target.clone(), error));
@@ -334,7 +340,7 @@ impl Batch {
 impl StagedFile {
     /// The second name of the old file.
     fn second(&self) -> Option<&PathBuf> {
-        self.old.as_ref().and_then(|it| it.second.as_ref())
+        self.old.as_ref().and_then(|file| file.second.as_ref())
     }
 
     fn replace(&mut self, hook: Hook<'_>) -> io::Result<()> {
@@ -358,7 +364,7 @@ impl PreviousFile {
         let directory = directory_of(target);
         self.lock = File::open(target)
             .ok()
-            .filter(|it| it.try_lock_shared().is_ok());
+            .filter(|file| file.try_lock_shared().is_ok());
         let named = tempfile::Builder::new()
             .prefix(OLD)
             .suffix(SUFFIX)
@@ -371,7 +377,7 @@ impl PreviousFile {
                     done => done,
                 }
             })?;
-        self.second = Some(named.into_temp_path().keep().map_err(|it| it.error)?);
+        self.second = Some(named.into_temp_path().keep().map_err(|error| error.error)?);
         Ok(())
     }
 }
@@ -413,7 +419,7 @@ fn removal(path: impl AsRef<Path>) -> Move {
 
 fn directory_of(path: &Path) -> &Path {
     match path.parent() {
-        Some(it) if !it.as_os_str().is_empty() => it,
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     }
 }
@@ -451,7 +457,7 @@ fn create(directory: &Path, private: bool, hook: Hook<'_>) -> io::Result<(PathBu
             })?;
         let (file, path) = named.into_parts();
         let locked = file.try_lock();
-        let path = path.keep().map_err(|it| it.error)?;
+        let path = path.keep().map_err(|error| error.error)?;
         // Before the file is locked, another writer may take it for a leftover and remove it.
         if !matches!(locked, Err(TryLockError::WouldBlock)) && path.exists() {
             return Ok((path, file));
@@ -489,7 +495,7 @@ fn set_attributes(file: &File, mode: Option<u32>, old: Option<&Metadata>) -> io:
             // A group can be set by its members.
             let _ = fchown(file, None, Some(old.gid()));
             // A file that ran with the rights of its owner must not run with the rights of this user.
-            mode = mode.map(|it| it & 0o1777);
+            mode = mode.map(|mode| mode & 0o1777);
         }
     }
     match mode {
@@ -510,11 +516,11 @@ fn clean(directory: &Path) {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         let ours = (name.starts_with(NEW) || name.starts_with(OLD)) && name.ends_with(SUFFIX);
-        if !ours || !entry.file_type().is_ok_and(|it| it.is_file()) {
+        if !ours || !entry.file_type().is_ok_and(|file_type| file_type.is_file()) {
             continue;
         }
         // Opened without blocking or changing anything. A live writer holds the lock.
-        let unused = File::open(entry.path()).is_ok_and(|it| it.try_lock().is_ok());
+        let unused = File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
         if unused {
             let _ = std::fs::remove_file(entry.path());
         }

@@ -16,7 +16,7 @@ pub(super) fn release(config: &PackageConfig) -> Option<ReleaseChoice> {
     let configured = config
         .templates
         .iter()
-        .map(|it| it.clone().into_std_path_buf());
+        .map(|template| template.clone().into_std_path_buf());
     // The settings replace the list of templates in the environment. The built-in folder is always searched.
     let search = search_path(None, &|name| std::env::var(name).ok());
     let mut templates: Vec<std::path::PathBuf> = configured.collect();

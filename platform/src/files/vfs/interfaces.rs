@@ -44,18 +44,18 @@ const PREFIX: &str = "interfaces-";
 
 /// Returns `true` if dotgen includes the interfaces of a package.
 pub fn has(package: &str) -> bool {
-    PACKAGES.iter().any(|it| it.0 == package)
+    PACKAGES.iter().any(|candidate| candidate.0 == package)
 }
 
 /// The folders with the interfaces of a package. None if there are no such interfaces, or if they cannot be
 /// written.
 pub(super) fn folders_of(package: &str) -> Vec<Utf8PathBuf> {
-    let needed = PACKAGES.iter().find(|it| it.0 == package);
-    let folder = needed.and_then(|it| Some((it.1, written()?)));
+    let needed = PACKAGES.iter().find(|candidate| candidate.0 == package);
+    let folder = needed.and_then(|package| Some((package.1, written()?)));
     let Some((needed, folder)) = folder else {
         return Vec::new();
     };
-    needed.iter().map(|it| folder.join(it)).collect()
+    needed.iter().map(|package| folder.join(package)).collect()
 }
 
 /// The folder of all definitions, written once.
@@ -108,7 +108,9 @@ fn content() -> u64 {
 
 fn is_whole(folder: &Utf8Path) -> bool {
     let mut all = DEFINITIONS.iter();
-    all.all(|(path, text)| std::fs::read_to_string(folder.join(path)).is_ok_and(|it| it == *text))
+    all.all(|(path, text)| {
+        std::fs::read_to_string(folder.join(path)).is_ok_and(|content| content == *text)
+    })
 }
 
 /// Writes into a temporary folder next to `folder` and renames it, so that `folder` is always complete.
@@ -144,16 +146,18 @@ mod tests {
     fn all_definitions_are_embedded() {
         let folder = Utf8Path::new(env!("CARGO_MANIFEST_DIR")).join("interfaces");
         let files = walkdir::WalkDir::new(&folder).into_iter();
-        let files = files.map(|it| it.expect("an entry").into_path());
-        let files = files.filter(|it| it.is_file() && it.extension().is_some_and(|it| it != "md"));
+        let files = files.map(|file| file.expect("an entry").into_path());
+        let files = files.filter(|file| {
+            file.is_file() && file.extension().is_some_and(|extension| extension != "md")
+        });
         let mut found: Vec<String> = files
-            .map(|it| Utf8PathBuf::from_path_buf(it).expect("UTF-8"))
-            .map(|it| it.strip_prefix(&folder).expect("inside").to_string())
+            .map(|file| Utf8PathBuf::from_path_buf(file).expect("UTF-8"))
+            .map(|path| path.strip_prefix(&folder).expect("inside").to_string())
             .collect();
         found.sort();
-        let known: Vec<&str> = DEFINITIONS.iter().map(|it| it.0).collect();
+        let known: Vec<&str> = DEFINITIONS.iter().map(|definition| definition.0).collect();
         assert_eq!(found, known);
-        let packages = |it: &&str| has(it.split('/').next().unwrap_or_default());
+        let packages = |text: &&str| has(text.split('/').next().unwrap_or_default());
         assert!(known.iter().all(packages));
     }
 

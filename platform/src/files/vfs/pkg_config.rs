@@ -32,7 +32,7 @@ pub fn query(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlag
     let (own, rest) = replaced(config, arguments);
     let folders: Vec<_> = own
         .iter()
-        .flat_map(|it| interfaces::folders_of(it))
+        .flat_map(|package| interfaces::folders_of(package))
         .collect();
     if folders.is_empty() {
         return Err(why);
@@ -54,7 +54,7 @@ fn replaced(config: &PackageConfig, arguments: &[String]) -> (Vec<String>, Vec<S
     for argument in arguments {
         let names = packages::names(argument);
         let is_own =
-            |it: &&str| interfaces::has(it) && pkg_file::version(&directories, it).is_none();
+            |name: &&str| interfaces::has(name) && pkg_file::version(&directories, name).is_none();
         match !names.is_empty() && names.iter().all(is_own) {
             true => own.extend(names.into_iter().map(str::to_owned)),
             false => rest.push(argument.clone()),
@@ -107,7 +107,7 @@ pub(super) fn version(config: &PackageConfig, name: &str) -> Option<String> {
     let program = pkg_file::tool();
     let is_plain = program == pkg_file::TOOL
         && process::find_in_path(Path::new(pkg_file::TOOL))
-            .is_none_or(|it| process::is_machine_code(&it));
+            .is_none_or(|path| process::is_machine_code(&path));
     if !config.may_run || is_plain {
         return None;
     }
@@ -130,7 +130,7 @@ fn run(
     words.extend(arguments.iter().map(Into::into));
     let mut environment = Vec::new();
     if !paths.is_empty() {
-        let mut path: Vec<String> = paths.iter().map(|it| it.to_string()).collect();
+        let mut path: Vec<String> = paths.iter().map(|path| path.to_string()).collect();
         path.extend(std::env::var("PKG_CONFIG_PATH").ok());
         environment.push(("PKG_CONFIG_PATH", path.join(":")));
     }
@@ -159,13 +159,13 @@ fn run(
         child
             .stdout
             .take()
-            .map(|it| Box::new(it) as Box<dyn Read + Send>),
+            .map(|stdout| Box::new(stdout) as Box<dyn Read + Send>),
     );
     let stderr = drain(
         child
             .stderr
             .take()
-            .map(|it| Box::new(it) as Box<dyn Read + Send>),
+            .map(|stderr| Box::new(stderr) as Box<dyn Read + Send>),
     );
     for _ in 0..2 {
         if finished.recv_timeout(PKG_CONFIG_TIMEOUT).is_err() {

@@ -33,7 +33,7 @@ struct Requirement {
 pub(super) fn search_path(configured: &[Utf8PathBuf]) -> Vec<Utf8PathBuf> {
     let variable = |name: &str| -> Option<Vec<Utf8PathBuf>> {
         let value = std::env::var(name).ok()?;
-        let parts = value.split(':').filter(|it| !it.is_empty());
+        let parts = value.split(':').filter(|part| !part.is_empty());
         Some(parts.map(Utf8PathBuf::from).collect())
     };
     let mut path = configured.to_vec();
@@ -58,7 +58,9 @@ pub(super) fn search_path(configured: &[Utf8PathBuf]) -> Vec<Utf8PathBuf> {
 
 /// The package tool: the program that the environment variable `PKG_CONFIG` names, or [`TOOL`].
 pub(super) fn tool() -> String {
-    let named = std::env::var("PKG_CONFIG").ok().filter(|it| !it.is_empty());
+    let named = std::env::var("PKG_CONFIG")
+        .ok()
+        .filter(|variable| !variable.is_empty());
     named.unwrap_or_else(|| TOOL.to_owned())
 }
 
@@ -66,7 +68,7 @@ pub(super) fn tool() -> String {
 /// `/opt/robot/bin/pkg-config`, also if a link leads there. They are built into the tool.
 fn installation_directories() -> Vec<Utf8PathBuf> {
     let found = crate::process::find_in_path(Path::new(&tool()));
-    let real = found.as_deref().and_then(|it| it.canonicalize().ok());
+    let real = found.as_deref().and_then(|path| path.canonicalize().ok());
     let mut out = Vec::new();
     for tool in found.into_iter().chain(real) {
         let prefix = Utf8PathBuf::from_path_buf(tool).ok();
@@ -74,7 +76,7 @@ fn installation_directories() -> Vec<Utf8PathBuf> {
         if let Some(prefix) = prefix.and_then(Utf8Path::parent) {
             // The last one is FreeBSD's.
             let parts = ["lib/pkgconfig", "share/pkgconfig", "libdata/pkgconfig"];
-            out.extend(parts.map(|it| prefix.join(it)));
+            out.extend(parts.map(|part| prefix.join(part)));
         }
     }
     out
@@ -98,7 +100,11 @@ pub(super) fn names(configured: &[Utf8PathBuf]) -> Vec<String> {
 pub(super) fn cflags(path: &[Utf8PathBuf], arguments: &[String]) -> Result<Vec<String>, String> {
     let mut todo: Vec<(Requirement, Option<String>)> = Vec::new();
     for argument in arguments {
-        todo.extend(requirements(argument).into_iter().map(|it| (it, None)));
+        todo.extend(
+            requirements(argument)
+                .into_iter()
+                .map(|requirement| (requirement, None)),
+        );
     }
     todo.reverse();
     let mut words = Vec::new();
@@ -106,7 +112,7 @@ pub(super) fn cflags(path: &[Utf8PathBuf], arguments: &[String]) -> Result<Vec<S
     while let Some((wanted, by)) = todo.pop() {
         let required_by = by.map_or(String::new(), |by| format!(", required by '{by}',"));
         let Some(package) = find(path, &wanted.name) else {
-            let places: Vec<&str> = path.iter().map(|it| it.as_str()).collect();
+            let places: Vec<&str> = path.iter().map(|path| path.as_str()).collect();
             return Err(format!(
                 "package '{}'{required_by} was not found: no {}.pc in {}",
                 wanted.name,
@@ -127,14 +133,14 @@ pub(super) fn cflags(path: &[Utf8PathBuf], arguments: &[String]) -> Result<Vec<S
         }
         words.extend(package.cflags);
         let next = package.requires.into_iter().rev();
-        todo.extend(next.map(|it| (it, Some(wanted.name.clone()))));
+        todo.extend(next.map(|requirement| (requirement, Some(wanted.name.clone()))));
     }
     Ok(words)
 }
 
 /// The version of a package.
 pub(super) fn version(path: &[Utf8PathBuf], name: &str) -> Option<String> {
-    find(path, name).map(|it| it.version)
+    find(path, name).map(|package| package.version)
 }
 
 fn find(path: &[Utf8PathBuf], name: &str) -> Option<Package> {
@@ -144,7 +150,10 @@ fn find(path: &[Utf8PathBuf], name: &str) -> Option<Package> {
         let package = parse(&String::from_utf8_lossy(&text), directory);
         // pkg-config ignores files without these fields.
         let fields = [&package.name, &package.description, &package.version];
-        fields.iter().all(|it| !it.is_empty()).then_some(package)
+        fields
+            .iter()
+            .all(|field| !field.is_empty())
+            .then_some(package)
     })
 }
 
@@ -227,7 +236,7 @@ fn requirements(text: &str) -> Vec<Requirement> {
     let mut words = spaced.split_whitespace().peekable();
     let mut out = Vec::new();
     while let Some(name) = words.next() {
-        let constraint = match words.next_if(|it| it.starts_with(['<', '>', '=', '!'])) {
+        let constraint = match words.next_if(|word| word.starts_with(['<', '>', '=', '!'])) {
             Some(operator) => words
                 .next()
                 .map(|version| (operator.to_owned(), version.to_owned())),
@@ -317,7 +326,7 @@ mod tests {
     fn requirements_are_read_with_and_without_blanks() {
         let plain: Vec<String> = requirements("a >= 1.2, b c=3 d")
             .iter()
-            .map(|it| format!("{} {:?}", it.name, it.constraint))
+            .map(|requirement| format!("{} {:?}", requirement.name, requirement.constraint))
             .collect();
         assert_eq!(
             plain,

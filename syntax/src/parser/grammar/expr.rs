@@ -82,7 +82,7 @@ fn binary(p: &mut Parser<'_>, weakest: u8, what: &str) -> Option<Operand> {
         let m = lhs.precede(p);
         p.bump_any();
         let rhs = binary(p, binding_power + 1, "a value after the operator");
-        height = height.max(rhs.map_or(0, |it| it.1)) + 1;
+        height = height.max(rhs.map_or(0, |binary| binary.1)) + 1;
         lhs = m.complete(p, BINARY_EXPR);
         if rhs.is_none() {
             return Some((lhs, height));
@@ -105,7 +105,7 @@ fn unary(p: &mut Parser<'_>, what: &str) -> Option<Operand> {
     } else {
         primary(p, "a value after the operator")
     };
-    let height = height.map_or(0, |it| it.1) + 1;
+    let height = height.map_or(0, |height| height.1) + 1;
     Some((m.complete(p, PREFIX_EXPR), height))
 }
 
@@ -147,6 +147,6 @@ fn paren(p: &mut Parser<'_>, m: Marker) -> Option<Operand> {
     p.in_angles = outer;
     p.expect(R_PAREN);
     p.leave();
-    let height = inner.map_or(0, |it| it.1) + 1;
+    let height = inner.map_or(0, |binary| binary.1) + 1;
     Some((m.complete(p, PAREN_EXPR), height))
 }

@@ -27,12 +27,12 @@ impl Walker<'_> {
     /// Executes a directive. For one that begins a group, returns true if the group is active.
     pub(super) fn execute(&mut self, directive: &Directive, index: usize) -> Option<bool> {
         let range = directive.range;
-        if let Some(it) = &directive.misspelt {
+        if let Some(misspelt) = &directive.misspelt {
             let kind = Preprocessing::Misspelt {
-                word: it.word.text.clone(),
-                meant: it.meant,
+                word: misspelt.word.text.clone(),
+                meant: misspelt.meant,
             };
-            self.error(it.word.range, kind);
+            self.error(misspelt.word.range, kind);
         }
         match &directive.kind {
             DirectiveKind::Include(operand) => self.include(operand, index, range),
@@ -46,7 +46,7 @@ impl Walker<'_> {
                 let wanted = matches!(directive.kind, DirectiveKind::Ifdef(_));
                 let value = self
                     .is_defined(operand, directive)
-                    .is_some_and(|it| it == wanted);
+                    .is_some_and(|flag| flag == wanted);
                 return Some(self.open(index, value));
             }
             DirectiveKind::Elif(condition) => return self.elif(condition.clone(), range),
@@ -72,7 +72,10 @@ impl Walker<'_> {
             }
             DirectiveKind::Pragma(pragma) => self.pragma(pragma, range),
             DirectiveKind::Unknown => {
-                let word = directive.keyword.as_ref().map_or("", |it| it.text.as_str());
+                let word = directive
+                    .keyword
+                    .as_ref()
+                    .map_or("", |keyword| keyword.text.as_str());
                 self.report(PpError {
                     kind: Preprocessing::UnknownDirective { word: word.into() },
                     range,
@@ -156,7 +159,7 @@ impl Walker<'_> {
             let param = define
                 .params
                 .as_ref()
-                .is_some_and(|it| it.names.iter().any(|it| it.text == text));
+                .is_some_and(|param| param.names.iter().any(|name| name.text == text));
             if param {
                 continue;
             }
@@ -182,7 +185,7 @@ impl Walker<'_> {
             let related = here
                 .then(|| self.out.define_directive(old.site.ordinal))
                 .flatten()
-                .map(|it| (it.range, "the former definition"));
+                .map(|directive| (directive.range, "the former definition"));
             self.report(PpError {
                 kind: Preprocessing::Redefined {
                     name: definition.name.clone(),
@@ -206,7 +209,10 @@ impl Walker<'_> {
     }
 
     fn is_defined(&mut self, operand: &Operand, directive: &Directive) -> Option<bool> {
-        let keyword = directive.keyword.as_ref().map_or("", |it| it.text.as_str());
+        let keyword = directive
+            .keyword
+            .as_ref()
+            .map_or("", |keyword| keyword.text.as_str());
         let Some(name) = &operand.name else {
             self.error(
                 directive.range,
@@ -235,7 +241,10 @@ impl Walker<'_> {
 
     /// Records that a name was looked up.
     fn record(&mut self, name: &Name) {
-        let site = self.env.get(&name.text).map(|it| it.site.clone());
+        let site = self
+            .env
+            .get(&name.text)
+            .map(|environment| environment.site.clone());
         self.expander.uses.push(MacroUse {
             name: name.text.clone(),
             range: name.range,
@@ -302,7 +311,7 @@ impl Walker<'_> {
         };
         if conditional.seen_else {
             let opening = self.out.directives.get(conditional.opening);
-            let related = opening.map(|it| (it.range, "the conditional begins here"));
+            let related = opening.map(|directive| (directive.range, "the conditional begins here"));
             conditional.closed = true;
             self.live = false;
             self.report(PpError {
@@ -328,7 +337,10 @@ impl Walker<'_> {
 
     /// Warns about superfluous tokens after `#else` and `#endif`, or about a missing line end.
     fn tail(&mut self, rest: &Range<u32>, directive: &Directive) {
-        let keyword = directive.keyword.as_ref().map_or("", |it| it.text.as_str());
+        let keyword = directive
+            .keyword
+            .as_ref()
+            .map_or("", |keyword| keyword.text.as_str());
         if !rest.is_empty() {
             let range = self.span(rest.start, rest.end);
             self.warning(
@@ -350,7 +362,9 @@ impl Walker<'_> {
 
     fn line(&mut self, operand: Range<u32>, range: TextRange) {
         let tokens = self.expand(operand, range);
-        let number = |it: &Token| it.kind == INT && it.text.bytes().all(|it| it.is_ascii_digit());
+        let number = |token: &Token| {
+            token.kind == INT && token.text.bytes().all(|byte| byte.is_ascii_digit())
+        };
         let valid = match &tokens[..] {
             [line] => number(line),
             [line, file] => number(line) && file.kind == STRING,
@@ -376,8 +390,11 @@ impl Walker<'_> {
                 );
             }
             1..=MAX_PACKAGES => {
-                let arguments: Vec<SmolStr> =
-                    pragma.args.iter().map(|it| it.text.clone()).collect();
+                let arguments: Vec<SmolStr> = pragma
+                    .args
+                    .iter()
+                    .map(|argument| argument.text.clone())
+                    .collect();
                 match self.host.requires(&arguments, &self.env) {
                     Ok(required) => {
                         self.env = required.env;

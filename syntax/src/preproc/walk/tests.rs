@@ -137,8 +137,8 @@ fn live_text(text: &str, raw: &RawTokens, out: &Preprocessed) -> String {
                     let words: Vec<&str> = pragma
                         .name
                         .iter()
-                        .map(|it| &it.text)
-                        .chain(pragma.args.iter().map(|it| &it.text))
+                        .map(|name| &name.text)
+                        .chain(pragma.args.iter().map(|argument| &argument.text))
                         .map(SmolStr::as_str)
                         .collect();
                     live.push_str(&format!(" #pragma[{}] ", words.join("|")));
@@ -155,10 +155,10 @@ fn live_text(text: &str, raw: &RawTokens, out: &Preprocessed) -> String {
     }
     let lines = live
         .lines()
-        .map(|it| it.split_whitespace().collect::<Vec<_>>().join(" "));
+        .map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "));
     lines
-        .filter(|it| !it.is_empty())
-        .map(|it| it + "\n")
+        .filter(|line| !line.is_empty())
+        .map(|line| line + "\n")
         .collect()
 }
 
@@ -193,7 +193,11 @@ fn conditionals_leave_text_out() {
         "#]],
     );
     let (_, out, _) = run("#if 0\na\n #elif 1\nb\n#else\nc\n#endif\n");
-    let taken: Vec<Option<bool>> = out.directives.iter().map(|it| it.taken).collect();
+    let taken: Vec<Option<bool>> = out
+        .directives
+        .iter()
+        .map(|directive| directive.taken)
+        .collect();
     assert_eq!(taken, [Some(false), Some(true), Some(false), None]);
     assert_eq!(format!("{:?}", out.inactive), "[6..8, 25..27]");
 }
@@ -336,12 +340,15 @@ fn includes() {
     let requests: Vec<String> = out
         .includes
         .iter()
-        .map(|it| {
+        .map(|include| {
             format!(
                 "{} {:?} {}",
-                it.directive,
-                it.request.as_ref().map(|it| (&*it.path, it.angled)),
-                it.included
+                include.directive,
+                include
+                    .request
+                    .as_ref()
+                    .map(|request| (&*request.path, request.angled)),
+                include.included
             )
         })
         .collect();
@@ -570,12 +577,12 @@ fn options_define_macros() {
     let raw = lex(text);
     let out = preprocess(&"f".into(), text, &raw, env, &mut NoIncludes);
     assert_eq!(live_text(text, &raw, &out), "1 4 y y\n");
-    let codes: Vec<&str> = out.errors.iter().map(|it| it.kind.code()).collect();
+    let codes: Vec<&str> = out.errors.iter().map(|error| error.kind.code()).collect();
     assert_eq!(codes, ["pp-redefined"]);
     let texts: Vec<String> = ["B", "F"]
         .iter()
-        .filter_map(|it| out.exit_env.get(it))
-        .map(|it| it.definition_text())
+        .filter_map(|text| out.exit_env.get(text))
+        .map(|definition| definition.definition_text())
         .collect();
     assert_eq!(texts, ["4", "(x) x x"]);
 }
@@ -634,7 +641,7 @@ proptest! {
 
     #[test]
     fn elements_cover_lines(lines in prop::collection::vec(prop::collection::vec(prop::sample::select(PIECES), 0..6), 0..12)) {
-        let lines: Vec<String> = lines.into_iter().map(|it| it.join(" ")).collect();
+        let lines: Vec<String> = lines.into_iter().map(|line| line.join(" ")).collect();
         run(&lines.join("\n"));
     }
 }

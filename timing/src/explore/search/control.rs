@@ -100,7 +100,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
             ..
         } = self;
         CarryOver {
-            random_search: random_search.map(|it| it.carried_over(layers)),
+            random_search: random_search.map(|search| search.carried_over(layers)),
             zones: zone_search.into_proof(),
         }
     }
@@ -121,7 +121,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
         let may_refuse = layers.observations.rules.system().may_refuse();
         let refusals = may_refuse && !self.zone_search.is_done();
         let until = match self.until {
-            Some(it) => it,
+            Some(number) => number,
             None => {
                 let mut further = if refusals { STEPS_AFTER_ANSWERS } else { 0 };
                 if self.may_find_earlier_end(layers) {
@@ -137,12 +137,15 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
 
     /// Returns the number of states examined outside the layers.
     pub(super) fn states_outside_layers(&self) -> usize {
-        self.random_search.as_ref().map_or(0, |it| it.states) + self.zone_search.states()
+        self.random_search
+            .as_ref()
+            .map_or(0, |search| search.states)
+            + self.zone_search.states()
     }
 
     /// Returns the number of steps so far, including those of randomised search and of zones.
     pub(super) fn effort(&self, layers: &Layers<'a, R>) -> u64 {
-        let random_steps = self.random_search.as_ref().map_or(0, |it| it.steps);
+        let random_steps = self.random_search.as_ref().map_or(0, |search| search.steps);
         layers.steps + self.zone_search.steps() + random_steps
     }
 
@@ -165,24 +168,25 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     /// Returns, by predicate of the watch, whether the predicate is certainly never reached.
     fn never(&self, watch: &Watch) -> Vec<bool> {
         let all = 0..watch.reach.len();
-        all.map(|it| self.zone_search.never_reached(it)).collect()
+        all.map(|predicate| self.zone_search.never_reached(predicate))
+            .collect()
     }
 
     /// Returns the services with a refused request.
     fn refused(&self, layers: &Layers<'a, R>) -> Vec<usize> {
-        let beside = |it: usize| {
+        let beside = |index: usize| {
             self.random_search
                 .as_ref()
-                .is_ok_and(|random_search| random_search.refused.contains(&it))
+                .is_ok_and(|random_search| random_search.refused.contains(&index))
         };
-        let orbits = |it: usize| {
+        let orbits = |index: usize| {
             use crate::explore::reductions::Reductions;
-            layers.observations.reductions.orbits().of_service(it)
+            layers.observations.reductions.orbits().of_service(index)
         };
         (0..layers.observations.rules.system().services.len())
             .filter(|&service| {
                 layers.observations.has_refused(service)
-                    || orbits(service).iter().any(|&it| beside(it))
+                    || orbits(service).iter().any(|&orbit| beside(orbit))
                     || self.zone_search.refused(service)
             })
             .collect()
@@ -203,9 +207,9 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
                 });
             }
             let longest = layers.observations.seen.longest[i];
-            let (reached, limit) = (longest.map(|it| it.value), gauge.limit);
+            let (reached, limit) = (longest.map(|longest| longest.value), gauge.limit);
             if let (Some(run), Some(limit)) =
-                (&gauge.excess, limit.filter(|it| reached <= Some(*it)))
+                (&gauge.excess, limit.filter(|limit| reached <= Some(*limit)))
             {
                 // Found by an earlier exploration, but not by this one.
                 return Some(Measured {
@@ -214,9 +218,9 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
                     excess,
                 });
             }
-            longest.map(|it| Measured {
-                bound: Bound::Finite(it.value),
-                longest: found(layers.trace(it.at, &Target::Lasts(gauge.of, it.value))),
+            longest.map(|longest| Measured {
+                bound: Bound::Finite(longest.value),
+                longest: found(layers.trace(longest.at, &Target::Lasts(gauge.of, longest.value))),
                 excess,
             })
         };
@@ -249,7 +253,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
         let mut response = Self::measured(layers);
         let within = response.split_off(watch.response.len());
         let services = 0..layers.observations.rules.system().services.len();
-        let restarts = services.filter(|&it| layers.observations.has_ended_restarts(it));
+        let restarts = services.filter(|&service| layers.observations.has_ended_restarts(service));
         let deadlock = layers.deadlock.filter(|_| watch.deadlock);
         Findings {
             missed,
@@ -269,13 +273,13 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
             reductions: vec![self.activities(layers)],
             states: self.states(layers),
             steps: self.effort(layers),
-            bytes: (random_search.map_or(0, |it| it.bytes))
+            bytes: (random_search.map_or(0, |search| search.bytes))
                 .max(self.zone_search.final_bytes())
                 .max(layers.memory() + self.zone_search.bytes()),
             // All states have been examined, possibly with zones.
             stopped: layers
                 .stopped
-                .filter(|&it| it != Stop::Answered || !self.zone_search.is_done()),
+                .filter(|&stop| stop != Stop::Answered || !self.zone_search.is_done()),
         }
     }
 }

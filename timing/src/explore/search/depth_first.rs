@@ -68,7 +68,7 @@ impl Order {
     fn sort_actions(&mut self, list: &mut [(Action, SleepSet)], kept: impl Fn(Action) -> bool) {
         if self.steady {
             let dice = self.dice;
-            list.sort_by_cached_key(|it| (!kept(it.0), FxBuildHasher.hash_one((dice, it.0))));
+            list.sort_by_cached_key(|pair| (!kept(pair.0), FxBuildHasher.hash_one((dice, pair.0))));
             return;
         }
         let Some(dice) = &mut self.dice else { return };
@@ -152,7 +152,7 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
         let mut enabled = Enabled::default();
         let mut first = Vec::new();
         let mut followed = Vec::new();
-        let mut it = Encoded::default();
+        let mut encoding = Encoded::default();
         while !self.is_over() && self.steps < steps {
             let Some(Open {
                 mut s,
@@ -175,11 +175,11 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
             if ordered {
                 at.parent = push(trail, at.parent, Step::Order);
             }
-            encode(observations.rules.frame(), &s, &mut it);
+            encode(observations.rules.frame(), &s, &mut encoding);
             if held != 0 {
-                it.key.extend(held.to_le_bytes());
+                encoding.key.extend(held.to_le_bytes());
             }
-            if self.passed.insert(&it, 0, |_, _| 0).is_none() {
+            if self.passed.insert(&encoding, 0, |_, _| 0).is_none() {
                 continue;
             }
             if self.is_unpromising(at) {
@@ -194,10 +194,10 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
                         if !matches!(l.window(&s, executor).1, 0 | FOREVER))
                 });
             }
-            order.sort_actions(&mut followed, |it| observations.is_measured(it));
+            order.sort_actions(&mut followed, |action| observations.is_measured(action));
             let calm = enabled.is_calm();
             let jump = calm.then(|| self.jump(&s, order)).flatten();
-            let jump = jump.filter(|&it| at.time + u64::from(it) <= end);
+            let jump = jump.filter(|&jump| at.time + u64::from(jump) <= end);
             if !order.patient {
                 jump.into_iter().for_each(|jump| self.pass(&s, at, jump));
             }
@@ -237,14 +237,14 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
     /// Returns true if a run has continued for so long that it is unlikely to show news.
     fn is_unpromising(&self, at: Sight<StepId>) -> bool {
         self.lasts
-            .is_some_and(|it| at.time > MAX_PLAUSIBLE_TIMES * u64::from(it))
+            .is_some_and(|number| at.time > MAX_PLAUSIBLE_TIMES * u64::from(number))
     }
 
     /// Returns the longest time seen, if it is longer than the one searched for.
     fn longest(&self) -> Option<Longest<StepId>> {
         let longest = self.observations.seen.longest.first().copied().flatten()?;
         self.lasts
-            .is_some_and(|it| longest.value > it)
+            .is_some_and(|number| longest.value > number)
             .then_some(longest)
     }
 
@@ -262,8 +262,8 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
             gauges,
             ..
         } = &self.observations;
-        let of = gauges.first().map(|it| it.of);
-        let age = |s: &State| of.map_or((0, 0), |it| it.age(rules.frame(), s));
+        let of = gauges.first().map(|gauge| gauge.of);
+        let age = |s: &State| of.map_or((0, 0), |gauge| gauge.age(rules.frame(), s));
         run.repetition(rules, (observers, value), &age, self.cancel)
     }
 
@@ -294,7 +294,7 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
         rules.next_moment(s, &|executor| {
             let waits = waiters.as_ref();
             rules.frame().window(s, executor).1 != FOREVER
-                || waits.is_some_and(|it| it.can_be_deferred(rules.system(), executor))
+                || waits.is_some_and(|wait| wait.can_be_deferred(rules.system(), executor))
         })
     }
 
@@ -330,8 +330,8 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
     pub(super) fn found_run(&mut self) -> PerGoal<Option<Run>> {
         let Observations { goals, seen, .. } = &self.observations;
         let sights = goals.each(|id| seen.goals[id].map(|at| (at, goals.get(id))));
-        let run = |it: Option<(Sight<StepId>, Goal<'a>)>| {
-            it.map(|(at, goal)| match goal {
+        let run = |found: Option<(Sight<StepId>, Goal<'a>)>| {
+            found.map(|(at, goal)| match goal {
                 Goal::Missed(task) => self.run_to(at, Some((task, R::missed))),
                 Goal::Overdue(task) => self.run_to(at, Some((task, R::overdue))),
                 Goal::Reached(_) => self.run_to(at, None),
@@ -391,9 +391,9 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
             .of_task(task)
             .iter()
             .copied();
-        match alike.find(|&it| shown(&observations.rules, &s, it)) {
-            Some(it) if names.task(it) != task => {
-                observations.exchanged(&run, names.task(it), task)
+        match alike.find(|&task| shown(&observations.rules, &s, task)) {
+            Some(index) if names.task(index) != task => {
+                observations.exchanged(&run, names.task(index), task)
             }
             _ => run,
         }
@@ -402,7 +402,7 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
     /// Returns the services with a refused request.
     pub(super) fn refused(&self) -> Vec<usize> {
         (0..self.observations.rules.system().services.len())
-            .filter(|&it| self.observations.has_refused(it))
+            .filter(|&service| self.observations.has_refused(service))
             .collect()
     }
 

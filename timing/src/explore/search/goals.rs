@@ -80,7 +80,7 @@ impl<'w> Goals<'w> {
     pub(super) fn reached(&self) -> impl Iterator<Item = (GoalId, &'w Predicate)> + use<'w> {
         let first = self.counts()[0] + self.counts()[1];
         let predicates = self.watch.reach.iter().enumerate();
-        predicates.map(move |(i, it)| (GoalId(first + i), it))
+        predicates.map(move |(i, predicate)| (GoalId(first + i), predicate))
     }
 
     /// Returns the goal with an index.
@@ -106,8 +106,8 @@ impl<'w> Goals<'w> {
     pub(super) fn alike(&self, id: GoalId, orbits: &Orbits) -> Vec<GoalId> {
         let same = |all: &mut dyn Iterator<Item = (GoalId, usize)>, task: usize| {
             let orbit = orbits.of_task(task);
-            all.filter(|it| orbit.contains(&it.1))
-                .map(|it| it.0)
+            all.filter(|pair| orbit.contains(&pair.1))
+                .map(|pair| pair.0)
                 .collect()
         };
         match self.get(id) {
@@ -118,8 +118,8 @@ impl<'w> Goals<'w> {
     }
 
     /// Returns one value for each goal.
-    pub(super) fn each<T>(&self, it: impl FnMut(GoalId) -> T) -> PerGoal<T> {
-        PerGoal(self.ids().map(it).collect())
+    pub(super) fn each<T>(&self, of: impl FnMut(GoalId) -> T) -> PerGoal<T> {
+        PerGoal(self.ids().map(of).collect())
     }
 
     /// Returns a watch for some of the goals, which must be in order. Their indices there are their positions
@@ -133,7 +133,7 @@ impl<'w> Goals<'w> {
             match self.get(id) {
                 Goal::Missed(task) => watch.schedulable.push(task),
                 Goal::Overdue(task) => watch.overdue.push(task),
-                Goal::Reached(it) => watch.reach.push(it.clone()),
+                Goal::Reached(predicate) => watch.reach.push(predicate.clone()),
             }
         }
         watch
@@ -160,8 +160,8 @@ impl<T> PerGoal<T> {
     }
 
     /// Converts each value.
-    pub(super) fn map<U>(self, it: impl FnMut(T) -> U) -> PerGoal<U> {
-        PerGoal(self.0.into_iter().map(it).collect())
+    pub(super) fn map<U>(self, function: impl FnMut(T) -> U) -> PerGoal<U> {
+        PerGoal(self.0.into_iter().map(function).collect())
     }
 
     /// Returns the values, in the order of the goals.

@@ -63,19 +63,19 @@ impl Graph {
     /// Keeps a state as a node, unless the state is covered by an earlier one.
     pub(super) fn keep(
         &mut self,
-        it: &Encoded,
+        encoding: &Encoded,
         time: u64,
         parents: impl Iterator<Item = NodeId>,
     ) -> Option<NodeId> {
-        let key = self.passed.insert(it, 0, |_, _| 0)?;
+        let key = self.passed.insert(encoding, 0, |_, _| 0)?;
         let mut edges = END;
         for parent in parents {
             edges = self.edges.push((parent, edges)) as u32;
         }
         let node = self.nodes.push(Node {
             key,
-            start: self.dims.extend(&it.dims),
-            len: it.dims.len() as u32,
+            start: self.dims.extend(&encoding.dims),
+            len: encoding.dims.len() as u32,
             time,
             edges,
         });

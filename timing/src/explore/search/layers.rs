@@ -109,20 +109,20 @@ impl<'a, R: Reduced> Layers<'a, R> {
         let longest = system
             .tasks
             .iter()
-            .filter_map(|it| it.period)
+            .filter_map(|task| task.period)
             .max()
             .unwrap_or(0);
         let work = system
             .codels
             .iter()
-            .map(|it| {
-                if it.upper == crate::system::FOREVER {
-                    it.lower
+            .map(|codel| {
+                if codel.upper == crate::system::FOREVER {
+                    codel.lower
                 } else {
-                    it.upper
+                    codel.upper
                 }
             })
-            .fold(0u32, |sum, it| sum.saturating_add(it));
+            .fold(0u32, |sum, codel| sum.saturating_add(codel));
         let clocks = observations.rules.frame().clocks();
         let covering = covering(limits);
         Layers {
@@ -142,7 +142,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
             divergence_threshold: longest.saturating_add(work).max(16),
             patient: gauges
                 .iter()
-                .any(|it| it.how == MeasurementMode::UntilRepetition),
+                .any(|gauge| gauge.how == MeasurementMode::UntilRepetition),
             diverging: None,
             limits,
             cancel,
@@ -191,8 +191,8 @@ impl<'a, R: Reduced> Layers<'a, R> {
         self.release();
         self.limits_under_way();
         let mut diverging = self.diverging.take()?;
-        if let Some(it) = self.excess_run(diverging.gauge) {
-            diverging.excess = Some(it);
+        if let Some(excess_run) = self.excess_run(diverging.gauge) {
+            diverging.excess = Some(excess_run);
         }
         Some(diverging)
     }
@@ -249,7 +249,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         let mut enabled = Enabled::default();
         let mut first = Vec::new();
         let mut followed = Vec::new();
-        let mut it = Encoded::default();
+        let mut encoding = Encoded::default();
         while let Some((mut s, parent, mut held)) = stack.pop() {
             self.steps += 1;
             if self.steps % 16 == 1 {
@@ -261,19 +261,19 @@ impl<'a, R: Reduced> Layers<'a, R> {
             let at = Sight { parent, time };
             self.observations
                 .settle(&mut s, &mut held, &mut enabled, |_| at);
-            encode(self.observations.rules.frame(), &s, &mut it);
+            encode(self.observations.rules.frame(), &s, &mut encoding);
             // States with different sleep sets have different actions to follow, and are different.
             if held != 0 {
-                it.key.extend(held.to_le_bytes());
+                encoding.key.extend(held.to_le_bytes());
             }
             // An earlier dense instant has followed the state already.
-            if self.dense_states.holds(&it) {
+            if self.dense_states.holds(&encoding) {
                 self.spare.push(s);
                 continue;
             }
             let tag = links.one(parent);
             let join = |one, other| links.join(one, other);
-            let Some(key) = self.layer.states.insert(&it, tag, join) else {
+            let Some(key) = self.layer.states.insert(&encoding, tag, join) else {
                 links.undo();
                 self.spare.push(s);
                 continue;
@@ -304,17 +304,17 @@ impl<'a, R: Reduced> Layers<'a, R> {
         }
         let layer = std::mem::take(&mut self.layer.states);
         self.layer.under_way = layer.memory();
-        let mut it = Encoded::default();
+        let mut encoding = Encoded::default();
         for key in 0..layer.len() as u32 {
             if key % 64 == 63 && by.look(self) {
                 break;
             }
-            it.key.clear();
-            it.key.extend(layer.key(key));
+            encoding.key.clear();
+            encoding.key.extend(layer.key(key));
             for (dims, _) in layer.covers(key) {
-                it.dims.clear();
-                it.dims.extend(dims);
-                self.dense_states.insert(&it, 0, |_, _| 0);
+                encoding.dims.clear();
+                encoding.dims.extend(dims);
+                self.dense_states.insert(&encoding, 0, |_, _| 0);
             }
         }
         self.layer.under_way = 0;
@@ -327,7 +327,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         self.layer.under_way = layer.memory() + links.memory();
         let redundant = self.redundant(&layer);
         self.layer.under_way += redundant.capacity() * TAG_BYTES;
-        let mut it = Encoded::default();
+        let mut encoding = Encoded::default();
         let mut s = State::default();
         for key in 0..layer.len() as u32 {
             if key % 64 == 63 && by.look(self) {
@@ -336,15 +336,15 @@ impl<'a, R: Reduced> Layers<'a, R> {
             if !self.layer.calm[key as usize] {
                 continue;
             }
-            it.key.clear();
-            it.key.extend(layer.key(key));
+            encoding.key.clear();
+            encoding.key.extend(layer.key(key));
             for (dims, tag) in layer.covers(key) {
                 if self.ends_now(dims) || redundant.contains(&tag) {
                     continue;
                 }
-                it.dims.clear();
-                it.dims.extend(dims);
-                let Some(node) = self.graph.keep(&it, time, links.list(tag)) else {
+                encoding.dims.clear();
+                encoding.dims.extend(dims);
+                let Some(node) = self.graph.keep(&encoding, time, links.list(tag)) else {
                     continue;
                 };
                 let Observations {
@@ -384,11 +384,11 @@ impl<'a, R: Reduced> Layers<'a, R> {
         if layer.count() > room / SOURCE_BYTES {
             return FxHashSet::default();
         }
-        for key in (0..layer.len() as u32).filter(|&it| self.layer.calm[it as usize]) {
-            let covers = layer.covers(key).filter(|it| !self.ends_now(it.0));
+        for key in (0..layer.len() as u32).filter(|&index| self.layer.calm[index as usize]) {
+            let covers = layer.covers(key).filter(|pair| !self.ends_now(pair.0));
             sources.extend(covers.map(|(dims, tag)| (dims.len(), key, dims, tag)));
         }
-        sources.sort_by_key(|it| std::cmp::Reverse(it.0));
+        sources.sort_by_key(|source| std::cmp::Reverse(source.0));
         let mut out = FxHashSet::default();
         let mut budget = 1000 + CLOSURE_STATES_PER_STATE * layer.len();
         for (_, key, dims, tag) in sources {
@@ -399,9 +399,9 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 continue;
             }
             let s = decode(rules.frame(), layer.key(key), dims);
-            reductions.closure(rules, &s, &mut budget, |it| {
-                for (other, other_tag) in layer.find(&it.key) {
-                    if other_tag != tag && holds(rules.frame(), &it.dims, other) {
+            reductions.closure(rules, &s, &mut budget, |encoding| {
+                for (other, other_tag) in layer.find(&encoding.key) {
+                    if other_tag != tag && holds(rules.frame(), &encoding.dims, other) {
                         out.insert(other_tag);
                     }
                 }
@@ -418,7 +418,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
             return;
         }
         let mut gauges = 0..self.observations.gauges.len();
-        let gauge = gauges.find(|&it| self.observations.measures(it, s).is_some());
+        let gauge = gauges.find(|&gauge| self.observations.measures(gauge, s).is_some());
         if let Some(gauge) = gauge {
             self.limits_in_jump(s, at.parent, Ticks::MAX);
             self.diverging = Some(Divergence {
@@ -457,8 +457,8 @@ impl<'a, R: Reduced> Layers<'a, R> {
             let recent = (&self.observations.observers[..], value);
             let age = |s: &State| of.age(rules.frame(), s);
             if let Some(cycle) = run.repetition(rules, recent, &age, self.cancel) {
-                let left = limit.and_then(|it| it.checked_sub(value));
-                out.excess = left.and_then(|it| run.prolonged(cycle, it + 1));
+                let left = limit.and_then(|limit| limit.checked_sub(value));
+                out.excess = left.and_then(|difference| run.prolonged(cycle, difference + 1));
                 out.proof = Some(run.repeating(cycle));
                 return Some(out);
             }
@@ -480,13 +480,16 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 continue;
             };
             // Clocks beyond the limit were recorded when they passed the limit.
-            let Some(left) = limit.checked_sub(s.t[clock]).filter(|&it| it < jump) else {
+            let Some(left) = limit
+                .checked_sub(s.t[clock])
+                .filter(|&difference| difference < jump)
+            else {
                 continue;
             };
             let time = self.graph[parent].time + u64::from(left) + 1;
-            if observations.seen.excess[i].is_none_or(|it| time < it.time) {
-                for it in observations.alike(i) {
-                    observations.seen.excess[it] = Some(Sight { parent, time });
+            if observations.seen.excess[i].is_none_or(|excess| time < excess.time) {
+                for index in observations.alike(i) {
+                    observations.seen.excess[index] = Some(Sight { parent, time });
                 }
             }
         }
@@ -494,7 +497,12 @@ impl<'a, R: Reduced> Layers<'a, R> {
 
     /// Records the limits that are exceeded in jumps under way at the end of the exploration.
     fn limits_under_way(&mut self) {
-        if self.observations.gauges.iter().all(|it| it.limit.is_none()) {
+        if self
+            .observations
+            .gauges
+            .iter()
+            .all(|gauge| gauge.limit.is_none())
+        {
             return;
         }
         for (time, parents) in self.graph.take_queue() {
@@ -520,11 +528,11 @@ impl<'a, R: Reduced> Layers<'a, R> {
     pub(super) fn of_all_alike(&self, found: &Divergence) -> Vec<Divergence> {
         let task = |gauge: usize| self.observations.gauges[gauge].of.task();
         let of = |gauge: usize| {
-            let run = |it: &Option<Run>| {
-                it.as_ref()
-                    .map(|it| match (task(found.gauge), task(gauge)) {
-                        (Some(from), Some(to)) => self.observations.exchanged(it, from, to),
-                        _ => it.clone(),
+            let run = |run: &Option<Run>| {
+                run.as_ref()
+                    .map(|run| match (task(found.gauge), task(gauge)) {
+                        (Some(from), Some(to)) => self.observations.exchanged(run, from, to),
+                        _ => run.clone(),
                     })
             };
             Divergence {

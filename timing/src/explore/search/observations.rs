@@ -57,7 +57,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
     /// Creates the observation of a watch, with the reductions that respect it.
     pub(super) fn new(rules: &R, watch: &'a Watch, gauges: &'a [Gauge], without: Kinds) -> Self {
         let system = rules.system();
-        let measured = |of: Timing| gauges.iter().any(|it| it.of == of && it.active());
+        let measured = |of: Timing| gauges.iter().any(|gauge| gauge.of == of && gauge.active());
         let measured_task = |task: usize| measured(Timing::Response(task));
         let waiting_only: Vec<bool> = (0..system.tasks.len())
             .map(|t| {
@@ -68,8 +68,8 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
             .map(|t| measured_task(t) || waiting_only[t])
             .collect();
         let clocked: Vec<Stages> = (watch.within.iter().enumerate())
-            .map(|(i, it)| Stages {
-                count: it.responses.len(),
+            .map(|(i, bound)| Stages {
+                count: bound.responses.len(),
                 measured: measured(Timing::Within(i)),
             })
             .collect();
@@ -80,7 +80,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         };
         let own = rules.with_clocks(&clocks);
         let predicates: Vec<&Predicate> = (watch.within.iter())
-            .flat_map(|it| it.responses.iter().chain([&it.trigger]))
+            .flat_map(|bound| bound.responses.iter().chain([&bound.trigger]))
             .chain(&watch.reach)
             .collect();
         let label = |task: usize| Label {
@@ -89,8 +89,8 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
                 watch.overdue.contains(&task),
             ],
             measured: (gauges.iter())
-                .filter(|it| it.of == Timing::Response(task))
-                .map(|it| (it.limit, it.most, it.active()))
+                .filter(|gauge| gauge.of == Timing::Response(task))
+                .map(|gauge| (gauge.limit, gauge.most, gauge.active()))
                 .collect(),
         };
         let asked = Watched {
@@ -106,9 +106,9 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
             observers: watch
                 .within
                 .iter()
-                .map(|it| Observer {
-                    trigger: it.trigger.clone(),
-                    responses: it.responses.clone(),
+                .map(|bound| Observer {
+                    trigger: bound.trigger.clone(),
+                    responses: bound.responses.clone(),
                 })
                 .collect(),
             gauges,
@@ -127,7 +127,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
 
     /// Removes all observations.
     pub(super) fn clear_observations(&mut self) {
-        self.seen.goals.values_mut().for_each(|it| *it = None);
+        self.seen.goals.values_mut().for_each(|goal| *goal = None);
         self.seen.longest.fill(None);
         self.seen.enough = false;
     }
@@ -218,8 +218,8 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
 
     /// Records that a goal is reached, and all goals of its orbit.
     fn sight(&mut self, goal: GoalId, at: Sight<P>) {
-        for it in self.goals.alike(goal, self.reductions.orbits()) {
-            self.seen.goals[it] = Some(at);
+        for goal in self.goals.alike(goal, self.reductions.orbits()) {
+            self.seen.goals[goal] = Some(at);
         }
     }
 
@@ -233,8 +233,10 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
                 self.seen.enough |= self.watch.stop_at_first;
             }
         }
-        for (goal, it) in self.goals.reached() {
-            if self.seen.goals[goal].is_none() && observe::predicate(&self.rules, before, s, it) {
+        for (goal, predicate) in self.goals.reached() {
+            if self.seen.goals[goal].is_none()
+                && observe::predicate(&self.rules, before, s, predicate)
+            {
                 self.seen.goals[goal] = Some(at);
             }
         }
@@ -245,8 +247,8 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
             if self.seen.longest[i].is_none()
                 && (gauge.of.runs(&self.rules, s) || self.is_answered_at_once(before, s, gauge.of))
             {
-                for it in self.alike(i) {
-                    self.seen.longest[it] = Some(Longest { value: 0, at });
+                for index in self.alike(i) {
+                    self.seen.longest[index] = Some(Longest { value: 0, at });
                 }
             }
         }
@@ -260,11 +262,11 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         let Some(value) = self.measures(gauge, s).map(|clock| s.t[clock]) else {
             return;
         };
-        if value > 0 && self.seen.longest[gauge].is_none_or(|it| it.value < value) {
+        if value > 0 && self.seen.longest[gauge].is_none_or(|longest| longest.value < value) {
             self.seen.longest[gauge] = Some(Longest { value, at });
         }
         let exceeds = self.gauges[gauge].limit.is_some_and(|limit| value > limit);
-        if exceeds && self.seen.excess[gauge].is_none_or(|it| at.time < it.time) {
+        if exceeds && self.seen.excess[gauge].is_none_or(|excess| at.time < excess.time) {
             self.seen.excess[gauge] = Some(at);
         }
     }
@@ -280,7 +282,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
             return false;
         };
         let trigger = &self.observers[observer].trigger;
-        let was = before.is_some_and(|it| trigger.eval_still(&|a| self.rules.atom(it, a)));
+        let was = before.is_some_and(|state| trigger.eval_still(&|a| self.rules.atom(state, a)));
         !was && observe::predicate(&self.rules, before, s, trigger)
     }
 
@@ -313,11 +315,11 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         at: Sight<P>,
     ) -> Option<Ticks> {
         let value = self.measures(gauge, s).map(|clock| s.t[clock])?;
-        if self.seen.longest[gauge].is_some_and(|it| it.value >= value) {
+        if self.seen.longest[gauge].is_some_and(|longest| longest.value >= value) {
             return None;
         }
-        for it in self.alike(gauge) {
-            self.seen.longest[it] = Some(Longest { value, at });
+        for index in self.alike(gauge) {
+            self.seen.longest[index] = Some(Longest { value, at });
         }
         Some(value)
     }
@@ -336,37 +338,40 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         let Some(task) = self.rules.task_of(action) else {
             return false;
         };
-        self.gauges.iter().any(|it| it.of == Timing::Response(task))
+        self.gauges
+            .iter()
+            .any(|gauge| gauge.of == Timing::Response(task))
     }
 
     /// Returns true if a gauge has reached its known maximum, and its limit needs no further search.
     fn is_longest(&self, gauge: usize) -> bool {
-        let it = &self.gauges[gauge];
-        it.most.is_some_and(|most| {
-            it.active()
-                && it.limit.is_none_or(|limit| most <= limit)
-                && self.seen.longest[gauge].is_some_and(|it| it.value >= most)
+        let entry = &self.gauges[gauge];
+        entry.most.is_some_and(|most| {
+            entry.active()
+                && entry.limit.is_none_or(|limit| most <= limit)
+                && self.seen.longest[gauge].is_some_and(|longest| longest.value >= most)
         })
     }
 
     /// Returns true if no gauge needs further measurements.
     pub(super) fn all_measured(&self) -> bool {
-        let unbounded = |it: usize| matches!(self.gauges[it].how, MeasurementMode::Unbounded(_));
-        (0..self.gauges.len()).all(|it| unbounded(it) || self.is_longest(it))
+        let unbounded =
+            |gauge: usize| matches!(self.gauges[gauge].how, MeasurementMode::Unbounded(_));
+        (0..self.gauges.len()).all(|gauge| unbounded(gauge) || self.is_longest(gauge))
     }
 
     // ---- Symmetry --------------------------------------------------------------------------
 
     /// Returns the gauges of the orbit of a gauge, including itself.
     pub(super) fn alike(&self, gauge: usize) -> Vec<usize> {
-        let it = &self.gauges[gauge];
-        let Timing::Response(task) = it.of else {
+        let entry = &self.gauges[gauge];
+        let Timing::Response(task) = entry.of else {
             return vec![gauge];
         };
         let orbit = self.reductions.orbits().of_task(task);
         let same = |other: &Gauge| {
             let alike = matches!(other.of, Timing::Response(task) if orbit.contains(&task));
-            alike && (other.limit, other.most) == (it.limit, it.most)
+            alike && (other.limit, other.most) == (entry.limit, entry.most)
         };
         (0..self.gauges.len())
             .filter(|&other| same(&self.gauges[other]))
@@ -379,7 +384,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         let steps = run.steps.iter();
         Run {
             steps: steps
-                .map(|&(time, it)| (time, renaming.action(it)))
+                .map(|&(time, step)| (time, renaming.action(step)))
                 .collect(),
             ..run.clone()
         }
@@ -388,12 +393,12 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
     /// Returns true if a request for a service, or for one of its orbit, was refused.
     pub(super) fn has_refused(&self, service: usize) -> bool {
         let mut orbit = self.reductions.orbits().of_service(service).iter();
-        orbit.any(|&it| self.rules.has_refused(it))
+        orbit.any(|&orbit| self.rules.has_refused(orbit))
     }
 
     /// Returns true if two waiting instances of a service, or of one of its orbit, interrupted each other.
     pub(super) fn has_ended_restarts(&self, service: usize) -> bool {
         let mut orbit = self.reductions.orbits().of_service(service).iter();
-        orbit.any(|&it| self.rules.has_ended_restarts(it))
+        orbit.any(|&orbit| self.rules.has_ended_restarts(orbit))
     }
 }

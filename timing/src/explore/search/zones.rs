@@ -115,7 +115,7 @@ impl<'a, R: Reduced> Zones<'a, R> {
     /// Returns true if a request for a service, or for one of its orbit, was refused.
     fn refused(&self, service: usize) -> bool {
         let mut orbit = self.reductions.orbits().of_service(service).iter();
-        orbit.any(|&it| self.rules.has_refused(it))
+        orbit.any(|&orbit| self.rules.has_refused(orbit))
     }
 
     /// Performs an action.
@@ -171,18 +171,18 @@ impl<'a, R: Reduced> Zones<'a, R> {
             self.set_windows(&mut s, &zone);
         }
         if let Some(names) = self.reductions.order(&self.rules, &mut s) {
-            zone = zone.renamed(|it| names.executor(it));
+            zone = zone.renamed(|executor| names.executor(executor));
         }
         let number = self.covered.len() as u32;
         if let Some(known) = self.passed.get_mut(&s.d[..]) {
-            if known.iter().any(|(_, it)| it.covers(&zone)) {
+            if known.iter().any(|(_, other)| other.covers(&zone)) {
                 return;
             }
-            known.retain(|(number, it)| {
-                let covered = zone.covers(it);
+            known.retain(|(number, other)| {
+                let covered = zone.covers(other);
                 if covered {
                     self.covered[*number as usize] = true;
-                    self.bytes -= it.memory();
+                    self.bytes -= other.memory();
                 }
                 !covered
             });
@@ -227,12 +227,12 @@ pub(super) fn suit(system: &TimedSystem, watch: &Watch, limits: Limits) -> Resul
     if watch.reach.is_empty() && !watch.deadlock {
         return Err(Reason::NothingToFind);
     }
-    if system.tasks.iter().any(|it| it.period.is_some()) {
+    if system.tasks.iter().any(|task| task.period.is_some()) {
         return Err(Reason::Periodic);
     }
-    let codels = system.codels.iter().map(|it| (it.lower, it.upper));
-    let steps = system.clients.iter().flat_map(|it| &it.steps);
-    let delays = steps.filter_map(|it| match it.action {
+    let codels = system.codels.iter().map(|codel| (codel.lower, codel.upper));
+    let steps = system.clients.iter().flat_map(|client| &client.steps);
+    let delays = steps.filter_map(|step| match step.action {
         ClientAction::Delay(lower, upper) => Some((lower, upper)),
         _ => None,
     });
@@ -283,7 +283,7 @@ impl<R: Reduced> Zones<'_, R> {
             seen: ZoneFindings {
                 reached: self.reached.clone(),
                 deadlock: self.deadlock,
-                refused: services.filter(|&it| self.refused(it)).collect(),
+                refused: services.filter(|&service| self.refused(service)).collect(),
             },
             absent: self.absent.clone(),
             states: self.covered.len(),
@@ -312,7 +312,7 @@ fn search_zones_by<R: Reduced>(
 ) -> Option<ZoneFindings> {
     let mut zones = Zones::new(rules, goals, without);
     zones.run(steps);
-    zones.proof().map(|it| it.seen)
+    zones.proof().map(|proof| proof.seen)
 }
 
 /// A search in zones next to layers.
@@ -351,7 +351,7 @@ impl<'a, R: Reduced> ZoneSearch<'a, R> {
         };
         let observations = &layers.observations;
         let mut predicates = observations.goals.reached();
-        let open = predicates.any(|it| observations.seen.goals[it.0].is_none())
+        let open = predicates.any(|predicate| observations.seen.goals[predicate.0].is_none())
             || (observations.watch.deadlock && layers.deadlock.is_none());
         if !open || layers.steps < STEPS_OF_LARGE_SEARCH {
             return;
@@ -394,23 +394,24 @@ impl<'a, R: Reduced> ZoneSearch<'a, R> {
 
     /// Returns true if a predicate is proved never to hold.
     pub(super) fn never_reached(&self, predicate: usize) -> bool {
-        self.proof().is_some_and(|it| !it.seen.reached[predicate])
+        self.proof()
+            .is_some_and(|proof| !proof.seen.reached[predicate])
     }
 
     /// Returns the jobs and atoms that no state has.
     pub(super) fn absent(&self) -> Option<&NeverObserved> {
-        self.proof().map(|it| &it.absent)
+        self.proof().map(|proof| &proof.absent)
     }
 
     /// Returns true if there is certainly no deadlock.
     pub(super) fn never_deadlocked(&self) -> bool {
-        self.proof().is_some_and(|it| !it.seen.deadlock)
+        self.proof().is_some_and(|proof| !proof.seen.deadlock)
     }
 
     /// Returns true if a request for a service was refused in a state with a zone.
     pub(super) fn refused(&self, service: usize) -> bool {
         self.proof()
-            .is_some_and(|it| it.seen.refused.contains(&service))
+            .is_some_and(|proof| proof.seen.refused.contains(&service))
     }
 
     /// Returns the number of examined states.
@@ -441,6 +442,6 @@ impl<'a, R: Reduced> ZoneSearch<'a, R> {
 
     /// Returns the bytes in use at the end of the search, including those of the layers.
     pub(super) fn final_bytes(&self) -> usize {
-        self.proof().map_or(0, |it| it.bytes)
+        self.proof().map_or(0, |proof| proof.bytes)
     }
 }

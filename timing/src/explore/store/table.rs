@@ -38,7 +38,7 @@ impl Table {
     /// Returns the number with this hash for which `is` returns true.
     pub(super) fn find(&self, hash: u64, mut is: impl FnMut(u32) -> bool) -> Option<u32> {
         self.parts[self.part(hash)]
-            .find(hash, |&it| is(it))
+            .find(hash, |&index| is(index))
             .copied()
     }
 
@@ -50,7 +50,7 @@ impl Table {
         let part = self.part(hash);
         let table = &mut self.parts[part];
         let before = table.capacity();
-        table.insert_unique(hash, number, |&it| hash_of(it));
+        table.insert_unique(hash, number, |&number| hash_of(number));
         self.capacity += table.capacity() - before;
     }
 
@@ -70,7 +70,7 @@ impl Table {
         for number in whole {
             let hash = hash_of(number);
             let part = self.part(hash);
-            self.parts[part].insert_unique(hash, number, |&it| hash_of(it));
+            self.parts[part].insert_unique(hash, number, |&number| hash_of(number));
         }
         self.capacity = self.parts.iter().map(HashTable::capacity).sum();
     }
@@ -90,7 +90,7 @@ mod tests {
         let mut all = Table::default();
         for i in 0..1_000_000 {
             let before = all.memory();
-            assert_eq!(all.find(hash(i), |it| it == i), None);
+            assert_eq!(all.find(hash(i), |table| table == i), None);
             all.insert(hash(i), i, hash);
             let grown = all.memory() - before;
             assert!(
@@ -99,9 +99,9 @@ mod tests {
             );
         }
         for i in (0..1_000_000).step_by(997) {
-            assert_eq!(all.find(hash(i), |it| it == i), Some(i));
+            assert_eq!(all.find(hash(i), |table| table == i), Some(i));
         }
         all.clear();
-        assert_eq!(all.find(hash(7), |it| it == 7), None);
+        assert_eq!(all.find(hash(7), |table| table == 7), None);
     }
 }

@@ -25,7 +25,7 @@ impl Parser<'_> {
         if self
             .tokens
             .get(self.at + 1)
-            .is_some_and(|it| it.kind == Kind::Colon)
+            .is_some_and(|token| token.kind == Kind::Colon)
         {
             name = Some(self.name("the name of the check")?);
             self.at += 1;
@@ -114,19 +114,19 @@ impl Parser<'_> {
     }
 
     fn factor(&mut self) -> Option<Pred> {
-        self.nested(|it| {
-            if it.eat_word("not") {
-                return Some(Pred::Not(Box::new(it.factor()?)));
+        self.nested(|parser| {
+            if parser.eat_word("not") {
+                return Some(Pred::Not(Box::new(parser.factor()?)));
             }
-            if it.eat_word("leave") {
-                return Some(Pred::Leave(it.path()?));
+            if parser.eat_word("leave") {
+                return Some(Pred::Leave(parser.path()?));
             }
-            if it.eat(Kind::OpenParen) {
-                let pred = it.pred()?;
-                it.expect(Kind::CloseParen, "`)`")?;
+            if parser.eat(Kind::OpenParen) {
+                let pred = parser.pred()?;
+                parser.expect(Kind::CloseParen, "`)`")?;
                 return Some(pred);
             }
-            Some(Pred::Atom(it.path()?))
+            Some(Pred::Atom(parser.path()?))
         })
     }
 }

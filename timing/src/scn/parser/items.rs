@@ -193,7 +193,10 @@ impl Parser<'_> {
                 let path = self.path()?;
                 let range = self.range();
                 let count = self.number()?;
-                let Some(count) = u32::try_from(count).ok().filter(|it| SLOTS.contains(it)) else {
+                let Some(count) = u32::try_from(count)
+                    .ok()
+                    .filter(|number| SLOTS.contains(number))
+                else {
                     let message = format!(
                         "a task or an activity can have {} to {} slots, not {count}: without one it never \
                             runs, and each one more multiplies what has to be explored",

@@ -15,27 +15,27 @@ const REPEAT: u64 = 1000;
 
 impl Parser<'_> {
     pub(super) fn steps(&mut self) -> Option<Vec<Step>> {
-        self.nested(|it| {
-            it.expect(Kind::OpenBrace, "`{`")?;
+        self.nested(|parser| {
+            parser.expect(Kind::OpenBrace, "`{`")?;
             let mut steps = Vec::new();
             loop {
-                match it.peek() {
+                match parser.peek() {
                     None => {
-                        it.expected("`}`");
+                        parser.expected("`}`");
                         return None;
                     }
                     Some(Kind::CloseBrace) => {
-                        it.at += 1;
+                        parser.at += 1;
                         return Some(steps);
                     }
-                    Some(Kind::Semicolon) => it.at += 1,
+                    Some(Kind::Semicolon) => parser.at += 1,
                     Some(_) => {
-                        let start = it.at;
-                        match it.step() {
+                        let start = parser.at;
+                        match parser.step() {
                             Some(step) => steps.push(step),
                             None => {
-                                it.at += usize::from(it.at == start);
-                                it.recover();
+                                parser.at += usize::from(parser.at == start);
+                                parser.recover();
                             }
                         }
                     }
@@ -46,7 +46,7 @@ impl Parser<'_> {
 
     /// Parses `ok`, `failed` or nothing; a component may have such a name as well.
     fn ending(&mut self) -> Ending {
-        let is_path = (self.tokens.get(self.at + 1)).is_some_and(|it| it.kind == Kind::Dot);
+        let is_path = (self.tokens.get(self.at + 1)).is_some_and(|token| token.kind == Kind::Dot);
         if !is_path && self.eat_word("ok") {
             Ending::Ok
         } else if !is_path && self.eat_word("failed") {
@@ -62,7 +62,7 @@ impl Parser<'_> {
         if self
             .tokens
             .get(self.at + 1)
-            .is_some_and(|it| it.kind == Kind::Colon)
+            .is_some_and(|token| token.kind == Kind::Colon)
         {
             label = Some(self.name("a label")?);
             self.at += 1;

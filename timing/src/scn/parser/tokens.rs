@@ -10,19 +10,19 @@ use crate::scn::lexer::Kind;
 
 impl<'t> Parser<'t> {
     pub(super) fn peek(&self) -> Option<Kind> {
-        self.tokens.get(self.at).map(|it| it.kind)
+        self.tokens.get(self.at).map(|token| token.kind)
     }
 
     pub(super) fn word(&self) -> &'t str {
         match self.tokens.get(self.at) {
-            Some(it) if it.kind == Kind::Name => &self.text[it.range.clone()],
+            Some(token) if token.kind == Kind::Name => &self.text[token.range.clone()],
             _ => "",
         }
     }
 
     pub(super) fn range(&self) -> Range<usize> {
         match self.tokens.get(self.at) {
-            Some(it) => it.range.clone(),
+            Some(token) => token.range.clone(),
             None => self.text.len()..self.text.len(),
         }
     }
@@ -31,7 +31,7 @@ impl<'t> Parser<'t> {
     pub(super) fn end(&self) -> usize {
         self.at
             .checked_sub(1)
-            .map_or(0, |it| self.tokens[it].range.end)
+            .map_or(0, |difference| self.tokens[difference].range.end)
     }
 
     pub(super) fn eat(&mut self, kind: Kind) -> bool {
@@ -49,7 +49,7 @@ impl<'t> Parser<'t> {
     pub(super) fn expected(&mut self, what: &str) {
         let range = self.range();
         let found = match self.tokens.get(self.at) {
-            Some(it) => format!("found `{}`", &self.text[it.range.clone()]),
+            Some(token) => format!("found `{}`", &self.text[token.range.clone()]),
             None => "the file ends here".to_owned(),
         };
         self.errors.push(Diagnostic::error(

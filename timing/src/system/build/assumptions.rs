@@ -30,7 +30,13 @@ impl Builder<'_> {
                 ast::Policy::Priority => format!(
                     "cores: {cores}, at each moment for the ready tasks of highest priority, control tasks \
                         included{}",
-                    match self.out.system.tasks.iter().any(|it| it.priority.is_some()) {
+                    match self
+                        .out
+                        .system
+                        .tasks
+                        .iter()
+                        .any(|task| task.priority.is_some())
+                    {
                         true => "",
                         false => "; no task has a `priority`: the shorter period goes first",
                     }
@@ -59,7 +65,7 @@ impl Builder<'_> {
         if settings.clients.is_empty() {
             say("clients: none; only permanent activities run".to_owned());
         }
-        let throws = self.out.system.codels.iter().any(|it| it.throws);
+        let throws = self.out.system.codels.iter().any(|codel| codel.throws);
         let published = settings.semantics().is_published();
         say(match (throws, published) {
             (true, _) => {
@@ -70,8 +76,13 @@ impl Builder<'_> {
         }
         .to_owned());
         if !settings.async_free || !published {
-            let any = self.out.system.machines.iter().flat_map(|it| &it.states);
-            if any.clone().any(|it| it.is_async) {
+            let any = self
+                .out
+                .system
+                .machines
+                .iter()
+                .flat_map(|machine| &machine.states);
+            if any.clone().any(|state| state.is_async) {
                 self.out.assumptions.push(
                     "async: executed like any other codel, the task keeps its core".to_owned(),
                 );
@@ -89,10 +100,12 @@ impl Builder<'_> {
         let mut ordered: Vec<String> = Vec::new();
         for &(c, s) in &self.requested {
             let component = self.names.components[c].component;
-            let it = &component.services[s as usize];
-            let mut lists = [&it.before, &it.after].into_iter();
-            let path = format!("{}.{}", component.name, it.name);
-            if lists.any(|it| it.all || !it.services.is_empty()) && !ordered.contains(&path) {
+            let service = &component.services[s as usize];
+            let mut lists = [&service.before, &service.after].into_iter();
+            let path = format!("{}.{}", component.name, service.name);
+            if lists.any(|service_list| service_list.all || !service_list.services.is_empty())
+                && !ordered.contains(&path)
+            {
                 ordered.push(path);
             }
         }
@@ -106,13 +119,13 @@ impl Builder<'_> {
             .out
             .diagnostics
             .iter()
-            .any(|it| matches!(it.remark.as_deref(), Some(Remark::NoWcet { .. })))
+            .any(|diagnostic| matches!(diagnostic.remark.as_deref(), Some(Remark::NoWcet { .. })))
         {
             self.out
                 .assumptions
                 .push("codels without `wcet` take no time".to_owned());
         }
-        if published && self.out.system.tasks.iter().any(|it| it.delay > 0) {
+        if published && self.out.system.tasks.iter().any(|task| task.delay > 0) {
             self.out.assumptions.push(
                 "delay: the first tick of a task comes one period and its delay after its start"
                     .to_owned(),

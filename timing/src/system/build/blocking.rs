@@ -40,8 +40,8 @@ impl Builder<'_> {
                 found.push(remark.warning(0..0, vec![self.place(c, src, "this codel")]));
             }
         }
-        for it in found {
-            self.report(it);
+        for diagnostic in found {
+            self.report(diagnostic);
         }
     }
 
@@ -54,7 +54,7 @@ impl Builder<'_> {
             }
         }
         let live = live_codels(&self.out).into_iter().enumerate();
-        live.filter(|it| it.1)
+        live.filter(|pair| pair.1)
             .map(|(codel, _)| RunnableCodel {
                 codel,
                 component: system.codels[codel].component,
@@ -63,9 +63,9 @@ impl Builder<'_> {
             .collect()
     }
 
-    fn waits_for(&self, waiting: RunnableCodel, it: RunnableCodel) -> bool {
+    fn waits_for(&self, waiting: RunnableCodel, codel: RunnableCodel) -> bool {
         let system = &self.out.system;
-        !waiting.same_thread(it) && system.codels[waiting.codel].conflicts.contains(it.codel)
+        !waiting.same_thread(codel) && system.codels[waiting.codel].conflicts.contains(codel.codel)
     }
 
     /// Returns the task with the shortest period of at most `time`, among the tasks of some codels.
@@ -74,12 +74,12 @@ impl Builder<'_> {
         codels: impl Iterator<Item = &'l RunnableCodel>,
         time: Ticks,
     ) -> Option<(&'l RunnableCodel, usize, Ticks)> {
-        let with_period = codels.filter_map(|it| {
-            let task = it.task?;
-            Some((it, task, self.out.system.tasks[task].period?))
+        let with_period = codels.filter_map(|codel| {
+            let task = codel.task?;
+            Some((codel, task, self.out.system.tasks[task].period?))
         });
-        let too_short = with_period.filter(|it| it.2 <= time);
-        too_short.min_by_key(|it| it.2)
+        let too_short = with_period.filter(|period| period.2 <= time);
+        too_short.min_by_key(|period| period.2)
     }
 
     fn holds_port(
@@ -88,8 +88,10 @@ impl Builder<'_> {
         long: RunnableCodel,
         time: Ticks,
     ) -> Option<Remark> {
-        let others = live.iter().filter(|it| it.component != long.component);
-        let waiting = others.filter(|it| self.waits_for(**it, long));
+        let others = live
+            .iter()
+            .filter(|codel| codel.component != long.component);
+        let waiting = others.filter(|codel| self.waits_for(**codel, long));
         let (other, task, period) = self.shortest(waiting, time)?;
         let system = &self.out.system;
         Some(Remark::PortHold {
@@ -111,15 +113,18 @@ impl Builder<'_> {
         if semantics.is_published() || semantics.locks != LockRule::Queue {
             return None;
         }
-        let own = || live.iter().filter(|it| it.component == long.component);
+        let own = || {
+            live.iter()
+                .filter(|codel| codel.component == long.component)
+        };
         let heads: Vec<RunnableCodel> = own()
-            .filter(|it| self.waits_for(**it, long))
+            .filter(|codel| self.waits_for(**codel, long))
             .copied()
             .collect();
         // A task that shares a lock with the codel waits in any case, and is not reported. Any codel of such
         // a task can be at the head of the queue.
-        let shares = |it: &RunnableCodel| heads.iter().any(|head| head.same_thread(*it));
-        let behind = own().filter(|it| !it.same_thread(long) && !shares(it));
+        let shares = |codel: &RunnableCodel| heads.iter().any(|head| head.same_thread(*codel));
+        let behind = own().filter(|codel| !codel.same_thread(long) && !shares(codel));
         let (_, task, period) = self.shortest(behind, time)?;
         let system = &self.out.system;
         Some(Remark::LockQueue {

@@ -18,7 +18,7 @@ impl Builder<'_> {
         }
         for path in paths {
             match self.service(path) {
-                Ok(it) => self.requested.push(it),
+                Ok(service) => self.requested.push(service),
                 Err(error) => self.report(error),
             }
         }
@@ -44,7 +44,9 @@ impl Builder<'_> {
                     continue;
                 }
                 StepKind::Choice(branches) => {
-                    branches.iter().for_each(|it| self.only_of_servers(it));
+                    branches
+                        .iter()
+                        .for_each(|branch| self.only_of_servers(branch));
                     continue;
                 }
                 _ => continue,
@@ -101,9 +103,10 @@ impl Builder<'_> {
         if which == Builtin::Connect {
             let all = codel(&format!("{} (all tasks at rest)", which.name()), system);
             let executed = system.automata.iter();
-            let executed = executed.filter(|it| system.tasks[it.task].component == number);
-            let states = executed.flat_map(|it| &system.machines[it.machine].states);
-            let codels: Vec<usize> = states.map(|it| it.codel).collect();
+            let executed =
+                executed.filter(|automaton| system.tasks[automaton.task].component == number);
+            let states = executed.flat_map(|automaton| &system.machines[automaton.machine].states);
+            let codels: Vec<usize> = states.map(|state| state.codel).collect();
             for other in codels {
                 system.exclude(all, other);
             }
@@ -146,7 +149,7 @@ impl Builder<'_> {
             builtins(client, &client.steps, &mut |path, _| paths.push(path));
             let here = paths.iter().any(|path| {
                 self.component_of(path)
-                    .is_some_and(|it| self.out.components.contains_key(&it))
+                    .is_some_and(|component| self.out.components.contains_key(&component))
             });
             if !here && !paths.is_empty() {
                 continue;
@@ -169,10 +172,10 @@ impl Builder<'_> {
         let mut can = vec![false; system.services.len()];
         let after = |service: usize, can: &[bool]| {
             let mut all = system.services[service].after.iter();
-            all.all(|&it| can[it])
+            all.all(|&index| can[index])
         };
         while let Some(new) =
-            (0..can.len()).find(|&it| requested[it] && !can[it] && after(it, &can))
+            (0..can.len()).find(|&index| requested[index] && !can[index] && after(index, &can))
         {
             can[new] = true;
         }
@@ -184,10 +187,10 @@ impl Builder<'_> {
         for path in paths {
             let service = program::Resolve::service(self, path).ok();
             // The requests of a client with an error are not known.
-            if let Some(it) = service.filter(|&it| requested[it] && !can[it])
-                && found.iter().all(|other| other.0 != it)
+            if let Some(service) = service.filter(|&service| requested[service] && !can[service])
+                && found.iter().all(|other| other.0 != service)
             {
-                found.push((it, path));
+                found.push((service, path));
             }
         }
         for (service, path) in found {
@@ -195,10 +198,12 @@ impl Builder<'_> {
             let missing = system.services[service]
                 .after
                 .iter()
-                .filter(|&&it| !can[it]);
+                .filter(|&&index| !can[index]);
             let remark = Remark::OnlyRefused {
                 service: system.service_path(service),
-                missing: missing.map(|&it| system.service_path(it)).collect(),
+                missing: missing
+                    .map(|&service| system.service_path(service))
+                    .collect(),
             };
             self.report(remark.warning(path.range(), Vec::new()));
         }
@@ -214,8 +219,8 @@ impl Builder<'_> {
 
 impl program::Resolve for Builder<'_> {
     fn service(&self, path: &Path) -> Result<usize, Diagnostic> {
-        let it = Builder::service(self, path)?;
-        let found = self.out.services.get(&it).copied();
+        let service = Builder::service(self, path)?;
+        let found = self.out.services.get(&service).copied();
         found.ok_or_else(|| not_a("service", path))
     }
 
@@ -230,13 +235,15 @@ impl program::Resolve for Builder<'_> {
     fn builtin(&self, path: &Path, which: Builtin) -> Result<usize, Diagnostic> {
         // An abort names an activity of the component; the other requests name the component alone.
         let alone = which == Builtin::Abort || path.names.len() == 1;
-        let number =
-            (self.component_of(path).filter(|_| alone)).and_then(|it| self.out.components.get(&it));
+        let number = (self.component_of(path).filter(|_| alone))
+            .and_then(|component| self.out.components.get(&component));
         let services = self.out.system.services.iter();
         let mut services = services.enumerate();
         services
-            .find(|(_, it)| Some(&it.component) == number && it.builtin == Some(which))
-            .map(|it| it.0)
+            .find(|(_, service)| {
+                Some(&service.component) == number && service.builtin == Some(which)
+            })
+            .map(|service| service.0)
             .ok_or_else(|| not_a("component", path))
     }
 }
@@ -254,15 +261,17 @@ fn builtins<'s>(
                 [label] => {
                     let mut labels = Vec::new();
                     program::labelled(&client.steps, &mut labels);
-                    let requests = labels.iter().filter(|it| it.0 == label.value);
-                    requests.for_each(|it| each(it.1, Builtin::Abort));
+                    let requests = labels.iter().filter(|other| other.0 == label.value);
+                    requests.for_each(|request| each(request.1, Builtin::Abort));
                 }
                 _ => each(path, Builtin::Abort),
             },
             StepKind::Kill(path) => each(path, Builtin::Kill),
             StepKind::Connect(path) => each(path, Builtin::Connect),
             StepKind::Repeat(_, body) => builtins(client, body, each),
-            StepKind::Choice(branches) => branches.iter().for_each(|it| builtins(client, it, each)),
+            StepKind::Choice(branches) => branches
+                .iter()
+                .for_each(|branch| builtins(client, branch, each)),
             _ => {}
         }
     }
@@ -274,7 +283,7 @@ fn sends<'s>(steps: &'s [ast::Step], out: &mut Vec<&'s Path>) {
         match &step.kind {
             StepKind::Send(path) => out.push(path),
             StepKind::Repeat(_, body) => sends(body, out),
-            StepKind::Choice(branches) => branches.iter().for_each(|it| sends(it, out)),
+            StepKind::Choice(branches) => branches.iter().for_each(|branch| sends(branch, out)),
             _ => {}
         }
     }

@@ -13,11 +13,11 @@ use crate::system::{Automaton, Component, Service, Task};
 
 impl Builder<'_> {
     pub(super) fn component(&mut self, c: usize) {
-        let it = self.names.components[c].component;
+        let component = self.names.components[c].component;
         let number = self.out.system.components.len();
         self.out.components.insert(c, number);
         self.out.system.components.push(Component {
-            name: it.name.to_string(),
+            name: component.name.to_string(),
             tasks: Vec::new(),
             services: Vec::new(),
         });
@@ -26,10 +26,10 @@ impl Builder<'_> {
     }
 
     fn tasks(&mut self, c: usize, number: usize) {
-        let it = self.names.components[c].component;
-        for (t, task) in (0..).zip(&it.tasks) {
-            let path = format!("{}.{}", it.name, task.name);
-            let src = task.period.as_ref().map_or(task.src, |it| it.src);
+        let component = self.names.components[c].component;
+        for (t, task) in (0..).zip(&component.tasks) {
+            let path = format!("{}.{}", component.name, task.name);
+            let src = task.period.as_ref().map_or(task.src, |period| period.src);
             let period_of = self.time_of_task("period", &path, self.place(c, src, "the period"));
             let period = self.period(c, t).map(|time| self.ticks(time, &period_of));
             if period == Some(0) {
@@ -37,7 +37,7 @@ impl Builder<'_> {
                 let error = Diagnostic::error("scn-zero-period", 0..0, message);
                 self.report(error.about(period_of.place));
             }
-            let src = task.delay.as_ref().map_or(task.src, |it| it.src);
+            let src = task.delay.as_ref().map_or(task.src, |delay| delay.src);
             let delay_of = self.time_of_task("delay", &path, self.place(c, src, "the delay"));
             let delay = self.delay(c, t).unwrap_or(Ratio::new(0, 1));
             let delay = self.ticks(delay, &delay_of);
@@ -60,14 +60,14 @@ impl Builder<'_> {
             self.out.system.tasks.push(Task {
                 name: task.name.to_string(),
                 component: number,
-                period: period.map(|it| it.max(1)),
+                period: period.map(|period| period.max(1)),
                 delay,
                 keep_idle_tick: keep,
                 permanent,
                 slots: Vec::new(),
                 places: self.places.get(&(c, t)).copied().unwrap_or(DEFAULT_PLACES),
                 priority: (task.priority.as_ref())
-                    .and_then(|it| u32::try_from(it.value.to_integer()).ok()),
+                    .and_then(|priority| u32::try_from(priority.value.to_integer()).ok()),
                 affinity: self.affinity.get(&(c, t)).map(|core| core - 1),
                 src: Some((c, task.src)),
             });
@@ -85,7 +85,7 @@ impl Builder<'_> {
         if self.settings.semantics().is_published() {
             return;
         }
-        let to_f64 = |it: Seconds| *it.numer() as f64 / *it.denom() as f64;
+        let to_f64 = |seconds: Seconds| *seconds.numer() as f64 / *seconds.denom() as f64;
         let times = [("period", &task.period), ("delay", &task.delay)];
         for (what, time) in times {
             let Some(time) = time else { continue };
@@ -112,9 +112,9 @@ impl Builder<'_> {
     }
 
     fn services(&mut self, c: usize, number: usize) {
-        let it = self.names.components[c].component;
-        for (s, service) in (0..).zip(&it.services) {
-            let path = format!("{}.{}", it.name, service.name);
+        let component = self.names.components[c].component;
+        for (s, service) in (0..).zip(&component.services) {
+            let path = format!("{}.{}", component.name, service.name);
             let owner = Owner::Service(s);
             let activity = service.kind == ServiceKind::Activity;
             let id = self.out.system.services.len();
@@ -132,7 +132,7 @@ impl Builder<'_> {
                 }
             }
             // The servers copy values of the ids before codels run, for every kind of service.
-            let copies = |it: &Param| it.source == ParamSource::Ids;
+            let copies = |param: &Param| param.source == ParamSource::Ids;
             if self.settings.semantics().is_published() {
                 if service.kind == ServiceKind::Attribute {
                     simple.push(self.attribute(c, number, s, &path));
@@ -187,14 +187,15 @@ impl Builder<'_> {
             let component = self.names.components[c].component;
             for (s, service) in (0..).zip(&component.services) {
                 let listed = |list: &ServiceList, itself: bool| -> Vec<usize> {
-                    let all = (0..component.services.len() as u32).filter(|&it| itself || it != s);
+                    let all = (0..component.services.len() as u32)
+                        .filter(|&service| itself || service != s);
                     let list: Vec<u32> = match list.all {
                         true => all.collect(),
                         false => list.services.clone(),
                     };
                     let known = list
                         .iter()
-                        .filter_map(|it| self.out.services.get(&(c, *it)));
+                        .filter_map(|service| self.out.services.get(&(c, *service)));
                     known.copied().collect()
                 };
                 let interrupts = listed(&service.interrupts, true);

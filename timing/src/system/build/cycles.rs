@@ -13,43 +13,49 @@ impl Builder<'_> {
         let mut found = Vec::new();
         for machine in 0..self.out.system.machines.len() {
             let system = &self.out.system;
-            let used = system.automata.iter().find(|it| it.machine == machine);
+            let used = system
+                .automata
+                .iter()
+                .find(|automaton| automaton.machine == machine);
             let Some(used) = used else { continue };
             let aperiodic = system.tasks[used.task].period.is_none();
             let permanent = used.service.is_none();
             let rule = self.loop_rules.get(&machine).cloned().unwrap_or_default();
-            let it = &system.machines[machine];
-            let cycles = loops::pauseless_cycles(it);
+            let definition = &system.machines[machine];
+            let cycles = loops::pauseless_cycles(definition);
             let rounds = aperiodic
                 && permanent
-                && (0..it.states.len()).any(|state| !loops::can_pause(it, state));
-            if it.loop_limit.is_none() {
-                let can_be_limited = rounds || loops::can_be_limited(it);
+                && (0..definition.states.len()).any(|state| !loops::can_pause(definition, state));
+            if definition.loop_limit.is_none() {
+                let can_be_limited = rounds || loops::can_be_limited(definition);
                 for cycle in cycles {
-                    let names: Vec<&str> = cycle.iter().map(|&at| &*it.states[at].name).collect();
+                    let names: Vec<&str> = cycle
+                        .iter()
+                        .map(|&at| &*definition.states[at].name)
+                        .collect();
                     let remark = Remark::StateCycle {
-                        machine: it.name.clone(),
+                        machine: definition.name.clone(),
                         cycle: names.join(" → "),
                         can_be_limited,
                     };
-                    found.push(remark.warning(rule.clone(), self.around(it, &cycle)));
+                    found.push(remark.warning(rule.clone(), self.around(definition, &cycle)));
                 }
                 continue;
             }
-            let it = &mut self.out.system.machines[machine];
+            let entry = &mut self.out.system.machines[machine];
             if cycles.is_empty() {
                 // The machine has no loop to count.
-                it.loop_limit = None;
+                entry.loop_limit = None;
                 continue;
             }
-            it.rounds = rounds;
-            let it = &self.out.system.machines[machine];
-            let limits = match it.loop_limit {
+            entry.rounds = rounds;
+            let machine = &self.out.system.machines[machine];
+            let limits = match machine.loop_limit {
                 Some(1) => "no limit helps, as what led there can be repeated",
                 _ => "a greater limit need not help",
             };
-            for at in loop_contradictions(it) {
-                let (name, state) = (&it.name, &it.states[at].name);
+            for at in loop_contradictions(machine) {
+                let (name, state) = (&machine.name, &machine.states[at].name);
                 let mut error = Diagnostic::error(
                     "scn-contradictory-loop",
                     rule.clone(),
@@ -59,12 +65,12 @@ impl Builder<'_> {
                          leave the turns without a limit: `loop free {name};`",
                     ),
                 );
-                error.places = self.codel_place(it, at, None, "nowhere to go from here");
+                error.places = self.codel_place(machine, at, None, "nowhere to go from here");
                 found.push(error);
             }
         }
-        for it in found {
-            self.report(it);
+        for diagnostic in found {
+            self.report(diagnostic);
         }
     }
 
@@ -92,8 +98,8 @@ impl Builder<'_> {
         };
         let codel = self.names.components[c].component.codel(site);
         let yielded = codel.yields.iter();
-        let yielded = yielded.filter(|it| !it.paused && Some(it.name.as_str()) == next);
-        let src: Src = yielded.map(|it| it.src).next().unwrap_or(codel.src);
+        let yielded = yielded.filter(|state| !state.paused && Some(state.name.as_str()) == next);
+        let src: Src = yielded.map(|state| state.src).next().unwrap_or(codel.src);
         vec![self.place(c, src, what)]
     }
 }

@@ -21,10 +21,15 @@ impl Builder<'_> {
         let mut names: Vec<(String, u32)> = Vec::new();
         for (index, codel) in (0..).zip(codels) {
             if codel.kind == CodelKind::Fsm {
-                names.extend(codel.triggers.iter().map(|it| (it.name.to_string(), index)));
+                names.extend(
+                    codel
+                        .triggers
+                        .iter()
+                        .map(|trigger| (trigger.name.to_string(), index)),
+                );
             }
         }
-        let find = |name: &str| names.iter().position(|(it, _)| it == name);
+        let find = |name: &str| names.iter().position(|(text, _)| text == name);
         let start = find("start")?;
         let stop = find("stop");
         let states = names
@@ -32,11 +37,11 @@ impl Builder<'_> {
             .map(|(name, index)| {
                 let codel = &codels[*index as usize];
                 let mut yields: Vec<Yield> = Vec::new();
-                for it in &codel.yields {
-                    let to = match find(&it.name) {
-                        Some(to) if it.paused => Yield::Pause(to),
+                for state in &codel.yields {
+                    let to = match find(&state.name) {
+                        Some(to) if state.paused => Yield::Pause(to),
                         // A codel attached to `ether` runs once, before the end.
-                        Some(to) if it.name != "ether" || name != "ether" => Yield::Next(to),
+                        Some(to) if state.name != "ether" || name != "ether" => Yield::Next(to),
                         _ => Yield::End,
                     };
                     if !yields.contains(&to) {
@@ -64,7 +69,7 @@ impl Builder<'_> {
             .collect();
         let id = self.out.system.machines.len();
         let (loop_limit, rule) = self.loop_limit(c, owner);
-        self.loop_rules.extend(rule.map(|it| (id, it)));
+        self.loop_rules.extend(rule.map(|rule| (id, rule)));
         self.out.machines.insert((c, owner), id);
         self.out.system.machines.push(Machine {
             name: path.to_owned(),
@@ -96,7 +101,7 @@ impl Builder<'_> {
         let given = self
             .durations
             .get(&(c, owner, index, state.to_owned()))
-            .map(|&it| self.settings.duration[it].0.range());
+            .map(|&duration| self.settings.duration[duration].0.range());
         if codel.wcet.is_none() && given.is_none() {
             let remark = Remark::NoWcet {
                 codel: codel.name.to_string(),
@@ -126,7 +131,7 @@ impl Builder<'_> {
         let given = self
             .durations
             .get(&(c, Owner::Service(s), u32::MAX, String::new()))
-            .map(|&it| self.settings.duration[it].0.range());
+            .map(|&duration| self.settings.duration[duration].0.range());
         let time_of = TimeOf {
             what: path.to_owned(),
             range: given.unwrap_or_default(),
@@ -145,7 +150,7 @@ impl Builder<'_> {
         time_of: &TimeOf,
     ) -> usize {
         let lower = self.ticks(lower, time_of);
-        let upper = upper.map_or(FOREVER, |it| self.ticks(it, time_of));
+        let upper = upper.map_or(FOREVER, |ratio| self.ticks(ratio, time_of));
         self.out.system.codels.push(Codel {
             path,
             component: number,

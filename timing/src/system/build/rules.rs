@@ -56,7 +56,7 @@ impl Builder<'_> {
     ) -> (Option<u16>, Option<Range<usize>>) {
         let mut limit = (None, None);
         for (rule, path, range) in &self.settings.loops {
-            let rule = (rule.map(|it| it as u16), Some(range.clone()));
+            let rule = (rule.map(|rule| rule as u16), Some(range.clone()));
             let Some(path) = path else {
                 limit = rule;
                 continue;

@@ -60,10 +60,11 @@ impl Builder<'_> {
                 times.extend(self.delay(c, t));
                 times.extend(self.period(c, t));
             }
-            for it in component.all_codels() {
-                let codel = component.codel(it);
+            for reference in component.all_codels() {
+                let codel = component.codel(reference);
                 let mut add = |state: &str| {
-                    let (a, b) = self.duration(c, it.owner, it.index, state, Some(codel));
+                    let (a, b) =
+                        self.duration(c, reference.owner, reference.index, state, Some(codel));
                     times.push(a);
                     times.extend(b);
                 };
@@ -99,13 +100,14 @@ impl Builder<'_> {
         match self.durations.get(&key) {
             Some(&i) => {
                 let (_, interval, unit) = &self.settings.duration[i];
-                let seconds = |it: u64| unit.seconds() * Ratio::from_integer(i128::from(it));
+                let seconds =
+                    |number: u64| unit.seconds() * Ratio::from_integer(i128::from(number));
                 (seconds(interval.lower), interval.upper.map(seconds))
             }
             None => {
                 let wcet = codel
-                    .and_then(|it| it.wcet.as_ref())
-                    .map_or(zero, |it| it.value);
+                    .and_then(|codel| codel.wcet.as_ref())
+                    .map_or(zero, |wcet| wcet.value);
                 (zero, Some(wcet))
             }
         }
@@ -130,13 +132,13 @@ impl Builder<'_> {
         let (lower, upper) = match self.unit() {
             Some(unit) => (
                 units::round_down(lower, unit),
-                upper.map(|it| units::round_up(it, unit)),
+                upper.map(|ratio| units::round_up(ratio, unit)),
             ),
             None => (lower, upper),
         };
         let upper = match &self.settings.upper_bound {
             Some((path, bound))
-                if self.names.resolve(path).is_ok_and(|it| match it {
+                if self.names.resolve(path).is_ok_and(|target| match target {
                     Target::State(a, b, c2, d) => {
                         (a, b, c2, d.as_str()) == (c, owner, index, state)
                     }
@@ -166,7 +168,7 @@ impl Builder<'_> {
         let exact_unit = self.out.exact_unit.unwrap_or(unit);
         let times = [exact_unit, lower, upper.unwrap_or(exact_unit)];
         self.out.exact_unit = Some(units::base_unit(times));
-        let up = upper.map(|it| (it, units::round_up(it, unit)));
+        let up = upper.map(|ratio| (ratio, units::round_up(ratio, unit)));
         let down = (lower, units::round_down(lower, unit));
         let changed = [up, Some(down)].into_iter().flatten();
         let changed = { changed }.find(|(exact, taken)| exact != taken);
@@ -224,7 +226,7 @@ impl Builder<'_> {
         self.names.components[c].component.tasks[t as usize]
             .period
             .as_ref()
-            .map(|it| it.value)
+            .map(|period| period.value)
     }
 
     pub(super) fn delay(&self, c: usize, t: u32) -> Option<Seconds> {
@@ -234,7 +236,7 @@ impl Builder<'_> {
             return Some(*delay);
         }
         let task = &self.names.components[c].component.tasks[t as usize];
-        task.delay.as_ref().map(|it| it.value)
+        task.delay.as_ref().map(|delay| delay.value)
     }
 
     pub(super) fn ticks(&mut self, time: Seconds, of: &TimeOf) -> Ticks {
@@ -255,12 +257,13 @@ fn delays(steps: &[ast::Step], out: &mut Vec<Seconds>) {
     for step in steps {
         match &step.kind {
             StepKind::Delay(interval, unit) => {
-                let seconds = |it: u64| unit.seconds() * Ratio::from_integer(i128::from(it));
+                let seconds =
+                    |number: u64| unit.seconds() * Ratio::from_integer(i128::from(number));
                 out.push(seconds(interval.lower));
                 out.extend(interval.upper.map(seconds));
             }
             StepKind::Repeat(_, body) => delays(body, out),
-            StepKind::Choice(branches) => branches.iter().for_each(|it| delays(it, out)),
+            StepKind::Choice(branches) => branches.iter().for_each(|branch| delays(branch, out)),
             _ => {}
         }
     }

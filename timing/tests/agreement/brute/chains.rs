@@ -43,13 +43,15 @@ impl Brute<'_> {
                 return None;
             }
             let (s, followed) = node;
-            if let Some(it) = &followed {
+            if let Some(followed) = &followed {
                 let counts = match chain.kind {
                     ChainKind::Reaction => true,
-                    ChainKind::Age => it.places.contains(&(DataPlace::Shared(chain.last), None)),
+                    ChainKind::Age => followed
+                        .places
+                        .contains(&(DataPlace::Shared(chain.last), None)),
                 };
                 if counts {
-                    greatest = greatest.max(Some(it.age));
+                    greatest = greatest.max(Some(followed.age));
                 }
             }
             let (actions, urgent) = self.actions(&s);
@@ -57,9 +59,9 @@ impl Brute<'_> {
                 self.step(chain, (&s, &followed), action, &mut todo);
             }
             if !urgent {
-                let later = followed.map(|it| Followed {
-                    age: (it.age + 1).min(CAP),
-                    ..it
+                let later = followed.map(|followed| Followed {
+                    age: (followed.age + 1).min(CAP),
+                    ..followed
                 });
                 self.come_to(chain, (self.pass(&s), later), (&[], false), &mut todo);
             }
@@ -85,8 +87,8 @@ impl Brute<'_> {
         if let Some(e) = ended {
             let codel = self.codel(s, e);
             first_written = chain.writes[codel].contains(&DataPlace::Shared(chain.first));
-            if let Some(it) = &mut followed {
-                let depends = it.readers.remove(&e);
+            if let Some(followed) = &mut followed {
+                let depends = followed.readers.remove(&e);
                 for &place in &chain.writes[codel] {
                     let datum = self.datum(e, place);
                     if depends
@@ -99,36 +101,36 @@ impl Brute<'_> {
                     let new_first =
                         place == DataPlace::Shared(chain.first) && chain.kind == ChainKind::Age;
                     if depends && !new_first {
-                        it.places.insert(datum);
+                        followed.places.insert(datum);
                     } else if chain.kind == ChainKind::Age {
-                        it.places.remove(&datum);
+                        followed.places.remove(&datum);
                     }
                 }
             }
         }
         let automata = s.automata.len();
-        if let (Some(it), Some(e)) = (&mut followed, ended)
+        if let (Some(followed), Some(e)) = (&mut followed, ended)
             && e >= automata
         {
             // The variables of a request become those of its instance.
             let born =
                 |&a: &usize| s.automata[a].mode == Mode::Void && n.automata[a].mode != Mode::Void;
             for a in (0..automata).filter(born) {
-                let of_request = it.places.iter().filter(|it| it.1 == Some(e));
-                let own: Vec<Datum> = of_request.map(|it| (it.0, Some(a))).collect();
-                it.places.extend(own);
+                let of_request = followed.places.iter().filter(|place| place.1 == Some(e));
+                let own: Vec<Datum> = of_request.map(|request| (request.0, Some(a))).collect();
+                followed.places.extend(own);
             }
         }
         let began = self.begun(Some(s), &n, ended);
-        if let Some(it) = &mut followed {
-            self.read(chain, it, &n, &began);
+        if let Some(followed) = &mut followed {
+            self.read(chain, followed, &n, &began);
             // Variables last as long as the instance, or the handling of the request.
-            it.places.retain(|it| match it.1 {
+            followed.places.retain(|place| match place.1 {
                 Some(e) if e < automata => n.automata[e].mode != Mode::Void,
                 Some(e) => !matches!(n.controls[e - automata].step, Step::Ready),
                 None => true,
             });
-            if it.places.is_empty() && it.readers.is_empty() {
+            if followed.places.is_empty() && followed.readers.is_empty() {
                 return;
             }
         }
@@ -145,25 +147,25 @@ impl Brute<'_> {
     ) {
         if followed.is_none() {
             let first = (DataPlace::Shared(chain.first), None);
-            let mut begin = |it: Followed| todo.push((s.clone(), Some(it)));
+            let mut begin = |followed: Followed| todo.push((s.clone(), Some(followed)));
             if !chain.external {
                 if first_written {
-                    let mut it = Followed::default();
-                    it.places.insert(first);
-                    self.read(chain, &mut it, &s, began);
-                    begin(it);
+                    let mut followed = Followed::default();
+                    followed.places.insert(first);
+                    self.read(chain, &mut followed, &s, began);
+                    begin(followed);
                 }
             } else if chain.kind == ChainKind::Reaction {
-                let mut it = Followed::default();
-                it.places.insert(first);
-                begin(it);
+                let mut followed = Followed::default();
+                followed.places.insert(first);
+                begin(followed);
             } else {
                 for &e in began {
                     let codel = self.codel(&s, e);
                     if chain.reads[codel].contains(&first.0) && chain.carries[codel] {
-                        let mut it = Followed::default();
-                        it.readers.insert(e);
-                        begin(it);
+                        let mut followed = Followed::default();
+                        followed.readers.insert(e);
+                        begin(followed);
                     }
                 }
             }
@@ -171,13 +173,14 @@ impl Brute<'_> {
         todo.push((s, followed));
     }
 
-    fn read(&self, chain: &Chain, it: &mut Followed, s: &State, began: &[usize]) {
+    fn read(&self, chain: &Chain, followed: &mut Followed, s: &State, began: &[usize]) {
         for &e in began {
             let codel = self.codel(s, e);
             let mut reads = chain.reads[codel].iter();
-            if chain.carries[codel] && reads.any(|&place| it.places.contains(&self.datum(e, place)))
+            if chain.carries[codel]
+                && reads.any(|&place| followed.places.contains(&self.datum(e, place)))
             {
-                it.readers.insert(e);
+                followed.readers.insert(e);
             }
         }
     }
@@ -195,7 +198,7 @@ impl Brute<'_> {
         let codels = s.automata.len() + s.controls.len();
         (0..codels)
             .filter(|&e| executing(s, e))
-            .filter(|&e| ended == Some(e) || !before.is_some_and(|it| executing(it, e)))
+            .filter(|&e| ended == Some(e) || !before.is_some_and(|state| executing(state, e)))
             .collect()
     }
 }

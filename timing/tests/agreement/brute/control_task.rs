@@ -53,10 +53,10 @@ impl Brute<'_> {
         client: usize,
         results: &mut Results,
     ) {
-        let it = &self.system.services[service];
+        let definition = &self.system.services[service];
         let mut own = None;
-        if it.activity {
-            own = it
+        if definition.activity {
+            own = definition
                 .slots
                 .iter()
                 .copied()
@@ -73,7 +73,7 @@ impl Brute<'_> {
                 }
             }
         }
-        for &other in &it.interrupts {
+        for &other in &definition.interrupts {
             for &a in &self.system.services[other].slots {
                 if Some(a) != own {
                     match s.automata[a].mode {
@@ -84,7 +84,7 @@ impl Brute<'_> {
                 }
             }
         }
-        if !it.activity && !it.simple.is_empty() {
+        if !definition.activity && !definition.simple.is_empty() {
             s.controls[c].step = Step::Simple(service, client, 0);
             self.control_codel(s, c);
         } else {

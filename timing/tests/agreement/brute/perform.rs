@@ -30,7 +30,7 @@ impl Brute<'_> {
                 }
             }
             Action::Grant { task } => {
-                n.queue.retain(|&it| it != task);
+                n.queue.retain(|&queue| queue != task);
                 n.tasks[task].status = Status::Running;
                 self.turns(&mut n, task, 0);
             }
@@ -39,7 +39,7 @@ impl Brute<'_> {
                 n.tasks[task].tick = true;
             }
             Action::Acquire { executor } => {
-                n.lock_queue.retain(|&it| it != executor);
+                n.lock_queue.retain(|&lock_queue| lock_queue != executor);
                 if executor < n.automata.len() {
                     n.automata[executor].doing = Doing::Executing(0);
                 } else {
@@ -145,15 +145,15 @@ impl Brute<'_> {
     }
 
     fn enter(&self, s: &mut State, a: usize, state: usize) {
-        let it = &self.system.machine_of(a).states[state];
+        let entry = &self.system.machine_of(a).states[state];
         let in_cycle = !matches!(s.automata[a].mode, Mode::FirstCodel | Mode::FirstRun);
         let automaton = &mut s.automata[a];
         automaton.at = state;
         if self.system.machine_of(a).loop_limit.is_some() {
             automaton.visits[state] += 1;
         }
-        automaton.separate = it.is_async && self.system.platform.async_free && in_cycle;
-        if self.system.codels[it.codel].conflicts.is_empty() {
+        automaton.separate = entry.is_async && self.system.platform.async_free && in_cycle;
+        if self.system.codels[entry.codel].conflicts.is_empty() {
             automaton.doing = Doing::Executing(0);
         } else {
             automaton.doing = Doing::Locking;
@@ -231,10 +231,10 @@ impl Brute<'_> {
     }
 
     pub(super) fn to_void(&self, s: &mut State, a: usize) {
-        let it = &mut s.automata[a];
-        it.mode = Mode::Void;
-        it.stopping = false;
-        it.at = self.system.machine_of(a).start;
-        it.visits.fill(0);
+        let automaton = &mut s.automata[a];
+        automaton.mode = Mode::Void;
+        automaton.stopping = false;
+        automaton.at = self.system.machine_of(a).start;
+        automaton.visits.fill(0);
     }
 }

@@ -9,31 +9,36 @@ impl Brute<'_> {
     /// Updates obligations. Every time the trigger becomes true an obligation begins, which proceeds from
     /// response to response.
     pub(super) fn watch(&self, before: Option<&State>, now: &mut State) {
-        for (i, it) in self.within.iter().enumerate() {
-            let value = |it: &Predicate| self.predicate(before, now, it);
+        for (i, bound) in self.within.iter().enumerate() {
+            let value = |predicate: &Predicate| self.predicate(before, now, predicate);
             let mut open = now.obligations[i].clone();
             let was =
-                before.is_some_and(|before| self.predicate(Some(before), before, &it.trigger));
-            if value(&it.trigger) && !was {
+                before.is_some_and(|before| self.predicate(Some(before), before, &bound.trigger));
+            if value(&bound.trigger) && !was {
                 open.insert((0, 0));
             }
             let moved = open.into_iter().map(|(mut stage, age)| {
-                while it.responses.get(stage).is_some_and(value) {
+                while bound.responses.get(stage).is_some_and(value) {
                     stage += 1;
                 }
                 (stage, age)
             });
-            now.obligations[i] = moved.filter(|at| at.0 < it.responses.len()).collect();
+            now.obligations[i] = moved.filter(|at| at.0 < bound.responses.len()).collect();
         }
     }
 
-    pub(super) fn predicate(&self, before: Option<&State>, now: &State, it: &Predicate) -> bool {
-        match it {
-            Predicate::Atom(it) => self.atom(now, it),
-            Predicate::Leave(it) => {
-                before.is_some_and(|before| self.atom(before, it)) && !self.atom(now, it)
+    pub(super) fn predicate(
+        &self,
+        before: Option<&State>,
+        now: &State,
+        predicate: &Predicate,
+    ) -> bool {
+        match predicate {
+            Predicate::Atom(atom) => self.atom(now, atom),
+            Predicate::Leave(atom) => {
+                before.is_some_and(|before| self.atom(before, atom)) && !self.atom(now, atom)
             }
-            Predicate::Not(it) => !self.predicate(before, now, it),
+            Predicate::Not(predicate) => !self.predicate(before, now, predicate),
             Predicate::And(a, b) => {
                 self.predicate(before, now, a) && self.predicate(before, now, b)
             }
@@ -41,8 +46,8 @@ impl Brute<'_> {
         }
     }
 
-    fn atom(&self, s: &State, it: &Atom) -> bool {
-        match *it {
+    fn atom(&self, s: &State, atom: &Atom) -> bool {
+        match *atom {
             Atom::Task(t, state) => match state {
                 TaskState::Idle => s.tasks[t].status == Status::Idle,
                 TaskState::Waiting => s.tasks[t].status == Status::Waiting,
@@ -68,11 +73,11 @@ impl Brute<'_> {
                     .iter()
                     .map(|&a| s.automata[a].mode);
                 match status {
-                    SlotStatus::Void => modes.all(|it| it == Mode::Void),
-                    SlotStatus::Wait => modes.any(|it| it == Mode::Wait),
-                    SlotStatus::Run => modes.any(|it| it == Mode::Run),
-                    SlotStatus::Stop => modes.any(|it| it == Mode::Stop),
-                    SlotStatus::Active => modes.any(|it| it != Mode::Void),
+                    SlotStatus::Void => modes.all(|mode| mode == Mode::Void),
+                    SlotStatus::Wait => modes.any(|mode| mode == Mode::Wait),
+                    SlotStatus::Run => modes.any(|mode| mode == Mode::Run),
+                    SlotStatus::Stop => modes.any(|mode| mode == Mode::Stop),
+                    SlotStatus::Active => modes.any(|mode| mode != Mode::Void),
                 }
             }
             Atom::Handling { .. } | Atom::ControlBusy(_) | Atom::Client(..) => {

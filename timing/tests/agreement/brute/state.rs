@@ -120,21 +120,21 @@ impl Brute<'_> {
             automata: sys
                 .automata
                 .iter()
-                .map(|it| Automaton {
-                    mode: if it.service.is_some() {
+                .map(|automaton| Automaton {
+                    mode: if automaton.service.is_some() {
                         Mode::Void
                     } else {
                         Mode::Unstarted
                     },
                     stopping: false,
-                    at: if it.service.is_some() {
-                        sys.machines[it.machine].start
+                    at: if automaton.service.is_some() {
+                        sys.machines[automaton.machine].start
                     } else {
                         0
                     },
                     doing: Doing::Nothing,
                     separate: false,
-                    visits: vec![0; sys.machines[it.machine].states.len()],
+                    visits: vec![0; sys.machines[automaton.machine].states.len()],
                 })
                 .collect(),
             controls: sys
@@ -149,11 +149,11 @@ impl Brute<'_> {
             clients: sys
                 .clients
                 .iter()
-                .map(|it| Client {
+                .map(|client| Client {
                     at: None,
                     clock: 0,
                     outstanding: false,
-                    tracked: vec![Tracked::Over; it.trackers],
+                    tracked: vec![Tracked::Over; client.trackers],
                 })
                 .collect(),
             queue: Vec::new(),
@@ -183,7 +183,7 @@ impl Brute<'_> {
                 .at
                 .and_then(|at| self.system.clients[k].steps.get(at))
             {
-                Some(it) if matches!(it.action, ClientAction::Delay(..)) => {
+                Some(step) if matches!(step.action, ClientAction::Delay(..)) => {
                     Doing::Executing(s.clients[k].clock)
                 }
                 _ => Doing::Nothing,

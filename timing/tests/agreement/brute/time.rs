@@ -10,7 +10,7 @@ impl Brute<'_> {
     pub(super) fn pass(&self, s: &State) -> State {
         let mut n = s.clone();
         for task in &mut n.tasks {
-            task.timer = task.timer.map(|it| it + 1);
+            task.timer = task.timer.map(|timer| timer + 1);
             if task.status != Status::Idle {
                 task.age = (task.age + 1).min(CAP);
             }
@@ -33,16 +33,16 @@ impl Brute<'_> {
                 }
             }
         }
-        for it in &mut n.obligations {
+        for obligation in &mut n.obligations {
             let older = |(stage, age)| (stage, u32::min(age + 1, CAP));
-            *it = std::mem::take(it).into_iter().map(older).collect();
+            *obligation = std::mem::take(obligation).into_iter().map(older).collect();
         }
         n
     }
 
     /// Returns true if no event can follow a state in which time passes.
     pub(super) fn dead(&self, s: &State) -> bool {
-        s.tasks.iter().all(|it| it.timer.is_none())
+        s.tasks.iter().all(|task| task.timer.is_none())
             && (0..self.executors(s)).all(|e| !matches!(self.doing(s, e), Doing::Executing(_)))
     }
 }

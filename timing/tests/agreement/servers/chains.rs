@@ -43,8 +43,8 @@ impl Interpreter<'_> {
         let mut seen: HashSet<Node> = HashSet::new();
         let mut todo: Vec<Node> = Vec::new();
         let mut initial = State::initial(self.system, 0);
-        for (c, it) in self.system.components.iter().enumerate() {
-            if !it.tasks.is_empty() {
+        for (c, component) in self.system.components.iter().enumerate() {
+            if !component.tasks.is_empty() {
                 self.start(&mut initial, c, 0);
             }
         }
@@ -57,20 +57,20 @@ impl Interpreter<'_> {
                 return None;
             }
             let (s, followed) = node;
-            if let Some(it) = &followed
+            if let Some(followed) = &followed
                 && (chain.kind == ChainKind::Reaction
-                    || it.data.contains(&(chain.last.clone(), None)))
+                    || followed.data.contains(&(chain.last.clone(), None)))
             {
-                greatest = greatest.max(Some(it.age));
+                greatest = greatest.max(Some(followed.age));
             }
             let (steps, urgent) = self.possible(&s);
             for step in steps {
                 self.follow(chain, (&s, &followed), step, &mut todo);
             }
             if !urgent {
-                let later = followed.map(|it| Followed {
-                    age: (it.age + 1).min(CAP),
-                    ..it
+                let later = followed.map(|followed| Followed {
+                    age: (followed.age + 1).min(CAP),
+                    ..followed
                 });
                 self.come_to(chain, (self.pass(&s), later), (&[], false), &mut todo);
             }
@@ -95,19 +95,19 @@ impl Interpreter<'_> {
         let mut first_written = false;
         if let Some((c, who)) = ended {
             let (_, writes) = self.named(s, c, who);
-            first_written = writes.iter().any(|it| it.0 == chain.first);
-            if let Some(it) = &mut followed {
-                let depends = it.readers.remove(&(c, who));
+            first_written = writes.iter().any(|entry| entry.0 == chain.first);
+            if let Some(followed) = &mut followed {
+                let depends = followed.readers.remove(&(c, who));
                 for datum in writes {
                     let arrives = depends && datum.0 == chain.last;
                     match chain.kind {
                         ChainKind::Reaction if arrives => return,
                         // A new first datum is another datum.
                         ChainKind::Age if !depends || datum.0 == chain.first => {
-                            it.data.remove(&datum);
+                            followed.data.remove(&datum);
                         }
                         _ if depends => {
-                            it.data.insert(datum);
+                            followed.data.insert(datum);
                         }
                         _ => {}
                     }
@@ -116,14 +116,15 @@ impl Interpreter<'_> {
         }
         let executing =
             |s: &State, c: usize, who: Who| matches!(s.doing(c, who), Some(Doing::Executing(_)));
-        let everybody = (0..n.components.len()).flat_map(|c| n.everybody(c).map(move |it| (c, it)));
+        let everybody =
+            (0..n.components.len()).flat_map(|c| n.everybody(c).map(move |thread| (c, thread)));
         let began: Vec<(usize, Who)> = everybody
             .filter(|&(c, who)| executing(&n, c, who))
             .filter(|&(c, who)| ended == Some((c, who)) || !executing(s, c, who))
             .collect();
-        if let Some(it) = &mut followed {
-            self.read(it, &n, &began);
-            it.data.retain(|it| match it.1 {
+        if let Some(followed) = &mut followed {
+            self.read(followed, &n, &began);
+            followed.data.retain(|data| match data.1 {
                 Some((c, Some((t, slot)))) => n.components[c].tasks[t].slots[slot].is_some(),
                 Some((c, None)) => {
                     matches!(
@@ -133,7 +134,7 @@ impl Interpreter<'_> {
                 }
                 None => true,
             });
-            if it.data.is_empty() && it.readers.is_empty() {
+            if followed.data.is_empty() && followed.readers.is_empty() {
                 return;
             }
         }
@@ -149,33 +150,33 @@ impl Interpreter<'_> {
         todo: &mut Vec<Node>,
     ) {
         if followed.is_none() {
-            let mut it = Followed::default();
+            let mut followed = Followed::default();
             let first = (chain.first.clone(), None);
             if chain.external && chain.kind == ChainKind::Age {
                 for &(c, who) in began {
                     if self.named(&s, c, who).0.contains(&first) {
-                        let mut it = Followed::default();
-                        it.readers.insert((c, who));
-                        todo.push((s.clone(), Some(it)));
+                        let mut followed = Followed::default();
+                        followed.readers.insert((c, who));
+                        todo.push((s.clone(), Some(followed)));
                     }
                 }
             } else if chain.external {
-                it.data.insert(first);
-                todo.push((s.clone(), Some(it)));
+                followed.data.insert(first);
+                todo.push((s.clone(), Some(followed)));
             } else if first_written {
-                it.data.insert(first);
-                self.read(&mut it, &s, began);
-                todo.push((s.clone(), Some(it)));
+                followed.data.insert(first);
+                self.read(&mut followed, &s, began);
+                todo.push((s.clone(), Some(followed)));
             }
         }
         todo.push((s, followed));
     }
 
-    fn read(&self, it: &mut Followed, s: &State, began: &[(usize, Who)]) {
+    fn read(&self, followed: &mut Followed, s: &State, began: &[(usize, Who)]) {
         for &(c, who) in began {
             let (reads, _) = self.named(s, c, who);
-            if reads.iter().any(|datum| it.data.contains(datum)) {
-                it.readers.insert((c, who));
+            if reads.iter().any(|datum| followed.data.contains(datum)) {
+                followed.readers.insert((c, who));
             }
         }
     }
@@ -191,9 +192,9 @@ impl Interpreter<'_> {
             return Default::default();
         };
         let codel = &self.system.components[c].codels[codel];
-        let kept = |it: &Datum| match it {
-            Datum::Variable(..) => (it.clone(), Some((c, slot))),
-            _ => (it.clone(), None),
+        let kept = |datum: &Datum| match datum {
+            Datum::Variable(..) => (datum.clone(), Some((c, slot))),
+            _ => (datum.clone(), None),
         };
         let all = |list: &[Datum]| list.iter().map(kept).collect();
         (all(&codel.reads), all(&codel.writes))

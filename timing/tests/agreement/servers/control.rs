@@ -15,7 +15,7 @@ impl Interpreter<'_> {
         let model = &self.system.components[c].services[service];
         let awaits = self.system.clients[client].awaits;
         let tracked = &mut s.clients[client].tracked;
-        tracked.retain(|it| (it.0, it.1) != (c, service));
+        tracked.retain(|triple| (triple.0, triple.1) != (c, service));
         if awaits {
             tracked.push((c, service, Tracked::Handled));
         }
@@ -45,7 +45,7 @@ impl Interpreter<'_> {
                 mark: false,
             });
         }
-        let succeeded = |&it: &usize| component.succeeded[it];
+        let succeeded = |&index: &usize| component.succeeded[index];
         let in_order = model.after.iter().all(succeeded) && !model.before.iter().any(succeeded);
         if self.system.order && !in_order {
             component.control = Control::Rest(request, Handled::Refused);
@@ -71,7 +71,7 @@ impl Interpreter<'_> {
             }
             true => {
                 let builtin = self.system.components[c].services[request.service].builtin;
-                let done = builtin.is_none_or(|it| self.builtin(s, c, request, it));
+                let done = builtin.is_none_or(|builtin| self.builtin(s, c, request, builtin));
                 match done {
                     true => Handled::Accepted,
                     false => Handled::Refused,
@@ -93,16 +93,18 @@ impl Interpreter<'_> {
         let mut tracked = Tracked::Over(handled == Handled::Accepted || !asks);
         match (handled, request.slot) {
             (Handled::Accepted, Some((task, slot))) => {
-                if let Some(it) = &mut s.components[c].tasks[task].slots[slot]
-                    && it.status == Status::Asked
+                if let Some(slot) = &mut s.components[c].tasks[task].slots[slot]
+                    && slot.status == Status::Asked
                 {
-                    it.status = Status::Init(false);
+                    slot.status = Status::Init(false);
                 }
                 tracked = Tracked::Slot(task, slot);
                 if self.system.clients[request.client].aborts {
                     let instances = &mut s.clients[request.client].instances;
                     let (service, node) = (request.service, request.node);
-                    instances.retain(|it| (it.0, it.1, it.2) != (c, service, node));
+                    instances.retain(|instance| {
+                        (instance.0, instance.1, instance.2) != (c, service, node)
+                    });
                     instances.push((c, service, node, Some((task, slot))));
                 }
             }
@@ -119,9 +121,9 @@ impl Interpreter<'_> {
         }
         let client = &mut s.clients[request.client];
         client.outstanding = false;
-        for it in &mut client.tracked {
-            if it.2 == Tracked::Handled {
-                it.2 = tracked;
+        for triple in &mut client.tracked {
+            if triple.2 == Tracked::Handled {
+                triple.2 = tracked;
             }
         }
         self.report(s, c);
@@ -133,22 +135,23 @@ impl Interpreter<'_> {
         for t in 0..s.components[c].tasks.len() {
             for slot in 0..s.components[c].tasks[t].slots.len() {
                 let place = &mut s.components[c].tasks[t].slots[slot];
-                let Some(Status::Ended(succeeded)) = place.as_ref().map(|it| it.status) else {
+                let Some(Status::Ended(succeeded)) = place.as_ref().map(|place| place.status)
+                else {
                     continue;
                 };
-                let service = place.take().and_then(|it| it.service);
+                let service = place.take().and_then(|place| place.service);
                 let Some(service) = service else { continue };
                 s.components[c].succeeded[service] |= succeeded;
                 for (k, client) in s.clients.iter_mut().enumerate() {
                     let asks = self.system.clients[k].outcomes;
-                    for it in &mut client.tracked {
-                        if (it.0, it.2) == (c, Tracked::Slot(t, slot)) {
-                            it.2 = Tracked::Over(succeeded || !asks);
+                    for triple in &mut client.tracked {
+                        if (triple.0, triple.2) == (c, Tracked::Slot(t, slot)) {
+                            triple.2 = Tracked::Over(succeeded || !asks);
                         }
                     }
-                    for it in &mut client.instances {
-                        if (it.0, it.3) == (c, Some((t, slot))) {
-                            it.3 = None;
+                    for instance in &mut client.instances {
+                        if (instance.0, instance.3) == (c, Some((t, slot))) {
+                            instance.3 = None;
                         }
                     }
                 }
@@ -158,17 +161,18 @@ impl Interpreter<'_> {
             // Only the last one of the finished requests can still be awaited.
             let last = client.tracked.len().saturating_sub(1);
             let mut at = 0;
-            client.tracked.retain(|it| {
+            client.tracked.retain(|triple| {
                 at += 1;
-                it.2 != Tracked::Over(true) || at > last
+                triple.2 != Tracked::Over(true) || at > last
             });
         }
         for t in 0..s.components[c].tasks.len() {
             for slot in 0..s.components[c].tasks[t].slots.len() {
-                let Some(it) = &s.components[c].tasks[t].slots[slot] else {
+                let Some(instance) = &s.components[c].tasks[t].slots[slot] else {
                     continue;
                 };
-                let (Some(service), Status::Init(false)) = (it.service, it.status) else {
+                let (Some(service), Status::Init(false)) = (instance.service, instance.status)
+                else {
                     continue;
                 };
                 let others = self.interrupted(s, c, service, Some((t, slot)));
@@ -176,15 +180,15 @@ impl Interpreter<'_> {
                     self.mark(s, c, task, other);
                 }
                 let status = |&(task, other): &(usize, usize)| {
-                    let it = s.components[c].tasks[task].slots[other].as_ref();
-                    it.map(|it| it.status)
+                    let slot = s.components[c].tasks[task].slots[other].as_ref();
+                    slot.map(|slot| slot.status)
                 };
-                let at_work = |it| matches!(status(it), Some(Status::Run | Status::Stop));
+                let at_work = |pair| matches!(status(pair), Some(Status::Run | Status::Stop));
                 if others.iter().any(at_work) {
                     continue;
                 }
-                if let Some(it) = &mut s.components[c].tasks[t].slots[slot] {
-                    it.status = Status::Init(true);
+                if let Some(slot) = &mut s.components[c].tasks[t].slots[slot] {
+                    slot.status = Status::Init(true);
                 }
                 self.set_runnable(s, c, t);
             }
@@ -202,9 +206,9 @@ impl Interpreter<'_> {
         let list = &self.system.components[c].services[service].interrupts;
         let mut out = Vec::new();
         for (t, task) in s.components[c].tasks.iter().enumerate() {
-            for (slot, it) in task.slots.iter().enumerate() {
-                let of = it.as_ref().and_then(|it| it.service);
-                if of.is_some_and(|it| list.contains(&it)) && Some((t, slot)) != but {
+            for (slot, instance) in task.slots.iter().enumerate() {
+                let of = instance.as_ref().and_then(|instance| instance.service);
+                if of.is_some_and(|service| list.contains(&service)) && Some((t, slot)) != but {
                     out.push((t, slot));
                 }
             }
@@ -213,13 +217,13 @@ impl Interpreter<'_> {
     }
 
     fn mark(&self, s: &mut State, c: usize, t: usize, slot: usize) {
-        let Some(it) = &mut s.components[c].tasks[t].slots[slot] else {
+        let Some(slot) = &mut s.components[c].tasks[t].slots[slot] else {
             return;
         };
-        match it.status {
-            Status::Init(_) => it.mark = true,
+        match slot.status {
+            Status::Init(_) => slot.mark = true,
             Status::Run => {
-                it.mark = true;
+                slot.mark = true;
                 self.set_runnable(s, c, t);
             }
             Status::Asked | Status::Stop | Status::Ended(_) => {}

@@ -17,13 +17,16 @@ impl System {
 
     /// Returns the priority, or the period if no task states a priority; the lower number goes first.
     fn priority(&self, c: usize, who: Who) -> u64 {
-        let mut all = self.components.iter().flat_map(|it| &it.tasks);
-        let stated = all.any(|it| it.priority.is_some());
+        let mut all = self
+            .components
+            .iter()
+            .flat_map(|component| &component.tasks);
+        let stated = all.any(|task| task.priority.is_some());
         let of = |t: usize| {
-            let it = &self.components[c].tasks[t];
+            let task = &self.components[c].tasks[t];
             match stated {
-                true => u64::from(it.priority.unwrap_or(UNSTATED)),
-                false => it.period.map_or(u64::MAX, u64::from),
+                true => u64::from(task.priority.unwrap_or(UNSTATED)),
+                false => task.period.map_or(u64::MAX, u64::from),
             }
         };
         match who {
@@ -43,7 +46,8 @@ impl Interpreter<'_> {
 
     /// Returns the ready threads: those that can act once they have a core.
     fn all_ready(&self, s: &State) -> Vec<(usize, Who)> {
-        let all = (0..s.components.len()).flat_map(|c| s.everybody(c).map(move |it| (c, it)));
+        let all =
+            (0..s.components.len()).flat_map(|c| s.everybody(c).map(move |thread| (c, thread)));
         all.filter(|&(c, who)| self.is_ready(s, c, who)).collect()
     }
 
@@ -58,8 +62,8 @@ impl Interpreter<'_> {
         }
         match who {
             Who::Task(t) => {
-                let it = &s.components[c].tasks[t];
-                it.wake || it.phase == Phase::Between || self.wants(s, c, t)
+                let task = &s.components[c].tasks[t];
+                task.wake || task.phase == Phase::Between || self.wants(s, c, t)
             }
             Who::Control => match s.components[c].control {
                 Control::Ready => s.components[c].signal || self.is_asked(s, c),
@@ -71,7 +75,7 @@ impl Interpreter<'_> {
 
     fn is_asked(&self, s: &State, c: usize) -> bool {
         let mut all = s.clients.iter().enumerate();
-        all.any(|(k, it)| self.asked(s, k) == Some(c) && !it.outstanding)
+        all.any(|(k, client)| self.asked(s, k) == Some(c) && !client.outstanding)
     }
 
     /// Returns the first threads of a list that fit on the cores, each bound task alone on its core.
@@ -81,12 +85,12 @@ impl Interpreter<'_> {
             self.system.components[c].tasks[t].affinity
         };
         let mut out: Vec<(usize, Who)> = Vec::new();
-        for it in order {
+        for order in order {
             let free = out
                 .iter()
-                .all(|other| tied(other).is_none() || tied(other) != tied(it));
+                .all(|other| tied(other).is_none() || tied(other) != tied(order));
             if free && out.len() < self.cores.unwrap_or(usize::MAX) {
-                out.push(*it);
+                out.push(*order);
             }
         }
         out
@@ -120,8 +124,8 @@ impl Interpreter<'_> {
     pub(super) fn no_more_ready(&self, s: &mut State) {
         if self.preempts() {
             let ready = self.all_ready(s);
-            s.ready.retain(|it| ready.contains(it));
-            s.on.retain(|it| ready.contains(it));
+            s.ready.retain(|pair| ready.contains(pair));
+            s.on.retain(|pair| ready.contains(pair));
             // The order in which threads of different priorities became ready is irrelevant.
             s.ready
                 .sort_by_key(|&(c, who)| self.system.priority(c, who));
@@ -130,16 +134,16 @@ impl Interpreter<'_> {
 
     /// Adds the steps of threads that have become ready: they are listed in any order, or take a free core.
     pub(super) fn gives(&self, s: &State, out: &mut Vec<Step>) {
-        for it in self.all_ready(s) {
+        for pair in self.all_ready(s) {
             if self.system.policy == Policy::Priority {
-                if !s.ready.contains(&it) {
-                    out.push(Step::Queue(it));
+                if !s.ready.contains(&pair) {
+                    out.push(Step::Queue(pair));
                 }
-            } else if !s.on.contains(&it) {
+            } else if !s.on.contains(&pair) {
                 let mut order = s.on.clone();
-                order.push(it);
+                order.push(pair);
                 if self.fit(&order).len() == order.len() {
-                    out.push(Step::Give(it));
+                    out.push(Step::Give(pair));
                 }
             }
         }
@@ -150,17 +154,17 @@ impl Interpreter<'_> {
         if !self.preempts() || self.system.policy != Policy::Fair {
             return;
         }
-        for it in self
+        for pair in self
             .all_ready(s)
             .into_iter()
-            .filter(|it| !s.on.contains(it))
+            .filter(|pair| !s.on.contains(pair))
         {
             for &other in &s.on {
                 let mut order = s.on.clone();
-                order.retain(|it| *it != other);
-                order.push(it);
+                order.retain(|order| *order != other);
+                order.push(pair);
                 if self.fit(&order).len() == order.len() {
-                    out.push(Step::Swap(it, other));
+                    out.push(Step::Swap(pair, other));
                 }
             }
         }

@@ -192,29 +192,30 @@ pub(crate) fn read(specs: &[&model::Spec], scenario: &Scenario) -> System {
     };
     for item in &scenario.items {
         match item {
-            Item::Cores(cores) => out.cores = cores.map(|it| it as usize),
+            Item::Cores(cores) => out.cores = cores.map(|core| core as usize),
             Item::Policy(policy) => out.policy = *policy,
-            Item::Durations(it) => reader.fixed = *it == Durations::Fixed,
-            Item::AperiodicCore(it) => out.aperiodic_core = *it,
-            Item::Order(it) => out.order = *it,
+            Item::Durations(duration) => reader.fixed = *duration == Durations::Fixed,
+            Item::AperiodicCore(core) => out.aperiodic_core = *core,
+            Item::Order(order) => out.order = *order,
             Item::Exceptions(on, path) => reader.exceptions.push((*on, path.as_ref().map(text))),
             Item::Connect(from, to) => {
                 reader.connect.push((text(from), to.as_ref().map(text)));
             }
-            Item::Ticks(it) => points.ticks = Some(*it),
-            Item::Turns(it) => points.turns = Some(*it),
-            Item::Locks(it) => points.locks = Some(*it),
-            Item::Ports(it) => points.ports = Some(*it),
-            Item::Pause(it) => points.pause = Some(*it),
+            Item::Ticks(tick) => points.ticks = Some(*tick),
+            Item::Turns(turn) => points.turns = Some(*turn),
+            Item::Locks(lock) => points.locks = Some(*lock),
+            Item::Ports(port) => points.ports = Some(*port),
+            Item::Pause(pause) => points.pause = Some(*pause),
             _ => {}
         }
     }
     out.semantics = points.over(Preset::Servers);
     for spec in specs {
-        for it in &spec.components {
-            if it.kind == model::ComponentKind::Component {
+        for component in &spec.components {
+            if component.kind == model::ComponentKind::Component {
                 let semantics = out.semantics;
-                out.components.push(reader.component(spec, it, semantics));
+                out.components
+                    .push(reader.component(spec, component, semantics));
             }
         }
     }
@@ -222,8 +223,8 @@ pub(crate) fn read(specs: &[&model::Spec], scenario: &Scenario) -> System {
         match item {
             Item::Slots(path, count) => out.task(path).slots = *count as usize,
             Item::Affinity(path, core) => out.task(path).affinity = Some(*core),
-            Item::Client(it) => {
-                let client = client(&out, it);
+            Item::Client(declared) => {
+                let client = client(&out, declared);
                 out.clients.push(client);
             }
             _ => {}
@@ -235,13 +236,14 @@ pub(crate) fn read(specs: &[&model::Spec], scenario: &Scenario) -> System {
 impl System {
     pub(crate) fn component(&self, name: &str) -> usize {
         let mut all = self.components.iter();
-        all.position(|it| it.name == name).expect("a component")
+        all.position(|component| component.name == name)
+            .expect("a component")
     }
 
     fn task(&mut self, path: &ast::Path) -> &mut Task {
         let c = self.component(&path.names[0].value);
         let mut tasks = self.components[c].tasks.iter_mut();
-        let task = tasks.find(|it| it.name == path.names[1].value);
+        let task = tasks.find(|task| task.name == path.names[1].value);
         task.expect("a task")
     }
 
@@ -271,29 +273,35 @@ impl Reader<'_> {
     /// Returns true if exceptions of a task or service count.
     fn may_throw(&self, component: &str, owner: &str) -> bool {
         let path = format!("{component}.{owner}");
-        let about = |it: &&(bool, Option<String>)| match &it.1 {
+        let about = |pair: &&(bool, Option<String>)| match &pair.1 {
             None => true,
-            Some(it) => *it == path || it == component,
+            Some(written) => *written == path || written == component,
         };
-        self.exceptions.iter().rfind(about).is_none_or(|it| it.0)
+        self.exceptions
+            .iter()
+            .rfind(about)
+            .is_none_or(|exception| exception.0)
     }
 
     /// Returns the data that a codel names, except parameters with this direction.
     fn data(&self, component: &model::Component, at: CodelRef, but: model::ParamDir) -> Vec<Datum> {
         let name = component.name.to_string();
         let params = component.codel(at).params.iter();
-        let data = |it: &model::Param| match (it.source, at.owner) {
+        let data = |param: &model::Param| match (param.source, at.owner) {
             (model::ParamSource::Port(p), _) => {
                 let port = &component.ports[p as usize];
                 self.sources(component, port)
             }
-            (model::ParamSource::Ids, _) => vec![member(&name, it)],
+            (model::ParamSource::Ids, _) => vec![member(&name, param)],
             (model::ParamSource::Local(Some(i)), Owner::Service(s)) => {
                 vec![Datum::Variable(name.clone(), s, i)]
             }
             other => panic!("{other:?} is not drawn"),
         };
-        params.filter(|it| it.dir != but).flat_map(data).collect()
+        params
+            .filter(|param| param.dir != but)
+            .flat_map(data)
+            .collect()
     }
 
     /// Returns the outputs that supply the data of a port, or the port itself.
@@ -316,20 +324,24 @@ impl Reader<'_> {
             return vec![(name, port.name.to_string())];
         }
         let input = format!("{name}.{}", port.name);
-        let mut stated = self.connect.iter().filter(|it| it.0 == input).peekable();
+        let mut stated = self
+            .connect
+            .iter()
+            .filter(|entry| entry.0 == input)
+            .peekable();
         if stated.peek().is_some() {
-            let outputs = stated.filter_map(|it| it.1.as_ref()?.split_once('.'));
+            let outputs = stated.filter_map(|pair| pair.1.as_ref()?.split_once('.'));
             return outputs
-                .map(|it| (it.0.to_owned(), it.1.to_owned()))
+                .map(|output| (output.0.to_owned(), output.1.to_owned()))
                 .collect();
         }
         // An output of the same name.
-        let others = self.all.iter().flat_map(|it| &it.components);
-        let others = others.filter(|it| it.name != component.name);
-        let mut found = others.filter_map(|it| {
-            let mut ports = it.ports.iter();
-            ports.find(|it| it.dir == model::PortDir::Out && it.name == port.name)?;
-            Some((it.name.to_string(), port.name.to_string()))
+        let others = self.all.iter().flat_map(|spec| &spec.components);
+        let others = others.filter(|other| other.name != component.name);
+        let mut found = others.filter_map(|component| {
+            let mut ports = component.ports.iter();
+            ports.find(|other| other.dir == model::PortDir::Out && other.name == port.name)?;
+            Some((component.name.to_string(), port.name.to_string()))
         });
         found.next().into_iter().collect()
     }
@@ -337,22 +349,22 @@ impl Reader<'_> {
     fn component(
         &self,
         spec: &model::Spec,
-        it: &model::Component,
+        component: &model::Component,
         semantics: Semantics,
     ) -> Component {
         let mut codels = Vec::new();
         let throws = |owner: &str, more: &[&[model::TypeId]]| {
-            let declares = !it.throws.is_empty() || more.iter().any(|it| !it.is_empty());
-            declares && self.may_throw(&it.name, owner)
+            let declares = !component.throws.is_empty() || more.iter().any(|ty| !ty.is_empty());
+            declares && self.may_throw(&component.name, owner)
         };
         let mut codel = |at: CodelRef| {
-            let codel = it.codel(at);
-            let upper = codel.wcet.as_ref().map_or(0, |it| millis(it.value));
+            let codel = component.codel(at);
+            let upper = codel.wcet.as_ref().map_or(0, |wcet| millis(wcet.value));
             let executed = |at: CodelRef| {
-                let task = it.task_of(at).map(|it| it as usize);
-                (task, it.codel(at).name.to_string())
+                let task = component.task_of(at).map(|task| task as usize);
+                (task, component.codel(at).name.to_string())
             };
-            let list = mutex::exclusions(spec, it, at).into_iter();
+            let list = mutex::exclusions(spec, component, at).into_iter();
             codels.push(Codel {
                 lower: if self.fixed { upper } else { 0 },
                 upper,
@@ -360,29 +372,34 @@ impl Reader<'_> {
                 waits_for: list
                     .map(|found| match found.with {
                         Excluded::Codel(other) => executed(other),
-                        Excluded::Service(s) => (None, copy_of(it, s)),
+                        Excluded::Service(s) => (None, copy_of(component, s)),
                     })
                     .collect(),
                 ports: (codel.params.iter())
                     .filter_map(|param| match param.source {
-                        model::ParamSource::Port(p) => Some(&it.ports[p as usize]),
+                        model::ParamSource::Port(p) => Some(&component.ports[p as usize]),
                         _ => None,
                     })
-                    .flat_map(|port| self.outputs(it, port))
+                    .flat_map(|port| self.outputs(component, port))
                     .filter(|_| semantics.ports == PortRule::Lock)
                     .collect(),
-                reads: self.data(it, at, model::ParamDir::Out),
-                writes: self.data(it, at, model::ParamDir::In),
+                reads: self.data(component, at, model::ParamDir::Out),
+                writes: self.data(component, at, model::ParamDir::In),
             });
             codels.len() - 1
         };
         let mut machine = |owner: Owner, throws: bool| {
-            let list: Vec<(u32, &model::Codel)> = (0..).zip(it.codels_of(owner)).collect();
+            let list: Vec<(u32, &model::Codel)> = (0..).zip(component.codels_of(owner)).collect();
             let mut names: Vec<(&str, u32)> = Vec::new();
-            for &(index, codel) in list.iter().filter(|it| it.1.kind == CodelKind::Fsm) {
-                names.extend(codel.triggers.iter().map(|it| (it.name.as_str(), index)));
+            for &(index, codel) in list.iter().filter(|pair| pair.1.kind == CodelKind::Fsm) {
+                names.extend(
+                    codel
+                        .triggers
+                        .iter()
+                        .map(|trigger| (trigger.name.as_str(), index)),
+                );
             }
-            let find = |name: &str| names.iter().position(|it| it.0 == name);
+            let find = |name: &str| names.iter().position(|candidate| candidate.0 == name);
             let states = names.iter().map(|&(name, index)| {
                 let yields = list[index as usize].1.yields.iter();
                 let mut outcomes: Vec<Outcome> = yields
@@ -406,35 +423,35 @@ impl Reader<'_> {
                 stop: find("stop"),
             }
         };
-        let tasks = (0..).zip(&it.tasks).map(|(t, task)| Task {
+        let tasks = (0..).zip(&component.tasks).map(|(t, task)| Task {
             name: task.name.to_string(),
-            period: task.period.as_ref().map(|it| millis(it.value)),
-            delay: task.delay.as_ref().map_or(0, |it| millis(it.value)),
+            period: task.period.as_ref().map(|period| millis(period.value)),
+            delay: task.delay.as_ref().map_or(0, |delay| millis(delay.value)),
             slots: SLOTS,
             priority: (task.priority.as_ref())
-                .and_then(|it| u32::try_from(it.value.to_integer()).ok()),
+                .and_then(|priority| u32::try_from(priority.value.to_integer()).ok()),
             affinity: None,
             machine: machine(Owner::Task(t), throws(&task.name, &[&task.throws])),
         });
         let tasks: Vec<Task> = tasks.collect();
         let mut machines: Vec<Option<(usize, Machine)>> = (0..)
-            .zip(&it.services)
+            .zip(&component.services)
             .map(|(s, service)| {
                 let task = service
                     .task
                     .filter(|_| service.kind == ServiceKind::Activity)?;
                 let throws = throws(
                     &service.name,
-                    &[&service.throws, &it.tasks[task as usize].throws],
+                    &[&service.throws, &component.tasks[task as usize].throws],
                 );
                 Some((task as usize, machine(Owner::Service(s), throws)))
             })
             .collect();
-        let services = (0..).zip(&it.services).map(|(s, service)| {
+        let services = (0..).zip(&component.services).map(|(s, service)| {
             let owner = Owner::Service(s);
             let of_kind = |kind: CodelKind| {
                 let all = (0..).zip(&service.codels);
-                all.filter(move |it| it.1.kind == kind)
+                all.filter(move |pair| pair.1.kind == kind)
             };
             let mut control: Vec<ControlCodel> = Vec::new();
             for (index, found) in of_kind(CodelKind::Validate) {
@@ -458,10 +475,14 @@ impl Reader<'_> {
                     can_fail: throws(&service.name, &[&service.throws]),
                 });
             }
-            let all = it.services.len();
+            let all = component.services.len();
             let list = |list: &ServiceList| match list.all {
                 true => (0..all).collect(),
-                false => list.services.iter().map(|&it| it as usize).collect(),
+                false => list
+                    .services
+                    .iter()
+                    .map(|&service| service as usize)
+                    .collect(),
             };
             Service {
                 name: service.name.to_string(),
@@ -475,35 +496,41 @@ impl Reader<'_> {
         });
         let mut services: Vec<Service> = services.collect();
         for (s, service) in (0..).zip(&mut services) {
-            for copy in service.control.iter_mut().filter(|it| it.name.is_none()) {
-                let others = mutex::service_exclusions(spec, it, s).into_iter();
+            for copy in service
+                .control
+                .iter_mut()
+                .filter(|control| control.name.is_none())
+            {
+                let others = mutex::service_exclusions(spec, component, s).into_iter();
                 let others = others.map(|at| {
-                    let task = it.task_of(at).map(|it| it as usize);
-                    (task, it.codel(at).name.to_string())
+                    let task = component.task_of(at).map(|task| task as usize);
+                    (task, component.codel(at).name.to_string())
                 });
-                let params = &it.services[s as usize].params;
+                let params = &component.services[s as usize].params;
                 let copied = || {
                     (0..)
                         .zip(params)
-                        .filter(|it| it.1.dir != model::ParamDir::Out)
+                        .filter(|pair| pair.1.dir != model::ParamDir::Out)
                 };
                 copy.codel = codels.len();
                 codels.push(Codel {
                     lower: 0,
                     upper: 0,
-                    executed: (None, copy_of(it, s)),
+                    executed: (None, copy_of(component, s)),
                     waits_for: others.collect(),
                     ports: Vec::new(),
                     reads: copied()
-                        .map(|(i, _)| Datum::Variable(it.name.to_string(), s, i))
+                        .map(|(i, _)| Datum::Variable(component.name.to_string(), s, i))
                         .collect(),
-                    writes: copied().map(|(_, param)| member(&it.name, param)).collect(),
+                    writes: copied()
+                        .map(|(_, param)| member(&component.name, param))
+                        .collect(),
                 });
             }
         }
         self.builtins(&mut services, &mut codels);
         Component {
-            name: it.name.to_string(),
+            name: component.name.to_string(),
             tasks,
             services,
             codels,
@@ -515,12 +542,12 @@ impl Reader<'_> {
     /// Adds the requests that all components accept after their services, in the order of [`Builtin`].
     fn builtins(&self, services: &mut Vec<Service>, codels: &mut Vec<Codel>) {
         let of_tasks: Vec<Executed> = (codels.iter())
-            .map(|it| it.executed.clone())
-            .filter(|it| it.0.is_some())
+            .map(|codel| codel.executed.clone())
+            .filter(|codel| codel.0.is_some())
             .collect();
         let stop = (None, "all tasks at rest".to_owned());
-        for it in codels.iter_mut().filter(|it| it.executed.0.is_some()) {
-            it.waits_for.push(stop.clone());
+        for codel in codels.iter_mut().filter(|codel| codel.executed.0.is_some()) {
+            codel.waits_for.push(stop.clone());
         }
         for builtin in [Builtin::Abort, Builtin::Connect, Builtin::Kill] {
             let mut control = Vec::new();
@@ -558,8 +585,8 @@ impl Reader<'_> {
 }
 
 /// The copy of an attribute is not a function; its name is one that no function has.
-fn member(component: &str, it: &model::Param) -> Datum {
-    match it.path.first() {
+fn member(component: &str, param: &model::Param) -> Datum {
+    match param.path.first() {
         Some(model::PathElement::Member(name)) => {
             Datum::Member(component.to_owned(), name.to_string())
         }
@@ -571,9 +598,9 @@ fn copy_of(component: &model::Component, service: u32) -> String {
     format!("copy {}", component.services[service as usize].name)
 }
 
-fn client(system: &System, it: &ast::Client) -> Client {
+fn client(system: &System, client: &ast::Client) -> Client {
     let mut out = Client {
-        name: it.name.value.clone(),
+        name: client.name.value.clone(),
         nodes: Vec::new(),
         first: Vec::new(),
         awaits: false,
@@ -581,9 +608,9 @@ fn client(system: &System, it: &ast::Client) -> Client {
         aborts: false,
     };
     let mut labels = Vec::new();
-    labelled(&it.steps, &mut labels);
+    labelled(&client.steps, &mut labels);
     let end = out.push(None, Action::Jump, Vec::new());
-    out.first = vec![out.steps((system, &labels), &it.steps, end)];
+    out.first = vec![out.steps((system, &labels), &client.steps, end)];
     out
 }
 
@@ -595,7 +622,9 @@ fn labelled(steps: &[ast::Step], out: &mut Vec<(String, String)>) {
                 out.push((label.value.clone(), path.names[0].value.clone()));
             }
             (_, StepKind::Repeat(_, body)) => labelled(body, out),
-            (_, StepKind::Choice(branches)) => branches.iter().for_each(|it| labelled(it, out)),
+            (_, StepKind::Choice(branches)) => {
+                branches.iter().for_each(|branch| labelled(branch, out))
+            }
             _ => {}
         }
     }
@@ -625,7 +654,7 @@ impl Client {
         steps
             .iter()
             .rev()
-            .fold(then, |then, it| self.step(system, it, then))
+            .fold(then, |then, step| self.step(system, step, then))
     }
 
     fn step(&mut self, context: Context, step: &ast::Step, then: usize) -> usize {
@@ -633,17 +662,17 @@ impl Client {
         let builtin = |component: &str, which: Builtin| {
             let c = system.component(component);
             let mut services = system.components[c].services.iter();
-            let found = services.position(|it| it.builtin == Some(which));
+            let found = services.position(|service| service.builtin == Some(which));
             Action::Send(c, found.expect("a request of all"))
         };
         let service = |path: &ast::Path| {
-            let names: Vec<&str> = path.names.iter().map(|it| it.value.as_str()).collect();
+            let names: Vec<&str> = path.names.iter().map(|name| name.value.as_str()).collect();
             let c = system.component(names[0]);
             let mut services = system.components[c].services.iter();
-            let found = services.position(|it| it.name == names[1]);
+            let found = services.position(|service| service.name == names[1]);
             (c, found.expect("a service"))
         };
-        let label = step.label.as_ref().map(|it| it.value.clone());
+        let label = step.label.as_ref().map(|label| label.value.clone());
         let action = match &step.kind {
             StepKind::Send(path) => {
                 let (c, s) = service(path);
@@ -668,7 +697,7 @@ impl Client {
                 self.aborts = true;
                 let (component, aborted) = match path.names.as_slice() {
                     [label] => {
-                        let found = labels.iter().find(|it| it.0 == label.value);
+                        let found = labels.iter().find(|other| other.0 == label.value);
                         let component = found.expect("a label of a request").1.as_str();
                         (component, Aborted::Labelled(label.value.clone()))
                     }
@@ -683,9 +712,9 @@ impl Client {
             }
             StepKind::Kill(path) => builtin(&path.names[0].value, Builtin::Kill),
             StepKind::Connect(path) => builtin(&path.names[0].value, Builtin::Connect),
-            StepKind::Delay(it, unit) => {
-                let upper = it.upper.expect("a bound");
-                Action::Delay(in_millis(it.lower, *unit), in_millis(upper, *unit))
+            StepKind::Delay(interval, unit) => {
+                let upper = interval.upper.expect("a bound");
+                Action::Delay(in_millis(interval.lower, *unit), in_millis(upper, *unit))
             }
             StepKind::Repeat(Some(times), body) => {
                 return (0..*times).fold(then, |then, _| self.steps(context, body, then));
@@ -697,11 +726,13 @@ impl Client {
                 return again;
             }
             StepKind::Choice(branches) => {
-                let firsts = branches.iter().map(|it| self.steps(context, it, then));
+                let firsts = branches
+                    .iter()
+                    .map(|branch| self.steps(context, branch, then));
                 let next: Vec<usize> = firsts.collect();
                 // Branches that wait for an outcome are merged: the first outcome to come is taken.
                 let (waiting, mut next): (Vec<usize>, Vec<usize>) =
-                    (next.into_iter()).partition(|&it| self.nodes[it].action == Action::Either);
+                    (next.into_iter()).partition(|&step| self.nodes[step].action == Action::Either);
                 if let [first, others @ ..] = waiting.as_slice() {
                     next.push(*first);
                     for &other in others {

@@ -43,7 +43,7 @@ impl Interpreter<'_> {
                 }
             }
             Step::Grant(c, t) => {
-                s.queue.retain(|it| *it != (c, t));
+                s.queue.retain(|queue| *queue != (c, t));
                 s.components[c].tasks[t].on_core = true;
                 self.begin(&mut s, c, t, out);
             }
@@ -54,7 +54,7 @@ impl Interpreter<'_> {
                 self.begin(&mut s, c, t, out);
             }
             Step::Swap(on, off) => {
-                s.on.retain(|it| *it != off);
+                s.on.retain(|candidate| *candidate != off);
                 s.on.push(on);
                 s.on.sort_unstable();
             }
@@ -68,7 +68,7 @@ impl Interpreter<'_> {
                 s.set_doing(c, who, Doing::Queued);
             }
             Step::Leave(c, who) => {
-                s.components[c].tickets.retain(|it| *it != who);
+                s.components[c].tickets.retain(|ticket| *ticket != who);
                 s.set_doing(c, who, Doing::Executing(0));
             }
             Step::End(c, t, outcome) => self.end(&mut s, c, t, outcome, out),
@@ -124,41 +124,41 @@ impl Interpreter<'_> {
         };
         let mut turns = Vec::new();
         for slot in 0..task.slots.len() {
-            let Some(it) = &mut task.slots[slot] else {
+            let Some(instance) = &mut task.slots[slot] else {
                 continue;
             };
-            let machine = machine(self.system, c, t, it);
+            let machine = machine(self.system, c, t, instance);
             let nowhere = usize::MAX;
-            let marked = std::mem::take(&mut it.mark);
-            match it.status {
+            let marked = std::mem::take(&mut instance.mark);
+            match instance.status {
                 // A permanent activity is marked when its component is killed, and executes `stop` in any
                 // case.
-                Status::Init(_) if marked && it.service.is_none() => {
-                    it.status = Status::Stop;
-                    it.at = machine.stop.unwrap_or(nowhere);
+                Status::Init(_) if marked && instance.service.is_none() => {
+                    instance.status = Status::Stop;
+                    instance.at = machine.stop.unwrap_or(nowhere);
                     turns.push(slot);
                 }
                 Status::Asked | Status::Init(_) if marked => {
-                    it.status = Status::Ended(false);
-                    it.at = 0;
+                    instance.status = Status::Ended(false);
+                    instance.at = 0;
                     task.ended = true;
                 }
                 Status::Init(true) if runnable => {
-                    it.status = Status::Run;
-                    it.at = machine.start.unwrap_or(nowhere);
+                    instance.status = Status::Run;
+                    instance.at = machine.start.unwrap_or(nowhere);
                     turns.push(slot);
                 }
                 Status::Run if marked => {
-                    it.status = Status::Stop;
-                    it.at = machine.stop.unwrap_or(nowhere);
-                    it.paused = false;
+                    instance.status = Status::Stop;
+                    instance.at = machine.stop.unwrap_or(nowhere);
+                    instance.paused = false;
                     turns.push(slot);
                 }
-                Status::Run | Status::Stop if runnable || !it.paused => {
-                    it.paused = false;
+                Status::Run | Status::Stop if runnable || !instance.paused => {
+                    instance.paused = false;
                     turns.push(slot);
                 }
-                _ => it.mark = marked,
+                _ => instance.mark = marked,
             }
         }
         task.phase = Phase::Pass(turns, 0, Doing::Nothing);
@@ -175,7 +175,7 @@ impl Interpreter<'_> {
             };
             let has_codel = task.slots[slot]
                 .as_ref()
-                .is_some_and(|it| it.at != usize::MAX);
+                .is_some_and(|slot| slot.at != usize::MAX);
             *doing = Doing::Nothing;
             if has_codel {
                 return;
@@ -186,7 +186,7 @@ impl Interpreter<'_> {
             // is interrupted.
             let permanent = task.slots[slot]
                 .as_ref()
-                .is_some_and(|it| it.service.is_none());
+                .is_some_and(|slot| slot.service.is_none());
             end_instance(&mut task.slots[slot], permanent);
         }
     }
@@ -200,13 +200,15 @@ impl Interpreter<'_> {
         *at += 1;
         task.event |= !matches!(outcome, Outcome::Pause(_));
         match (outcome, &mut task.slots[slot]) {
-            (Outcome::Next(to), Some(it)) => it.at = to,
-            (Outcome::Pause(to), Some(it)) => (it.at, it.paused) = (to, true),
-            (outcome, it) => {
-                let permanent = it.as_ref().is_some_and(|it| it.service.is_none());
+            (Outcome::Next(to), Some(slot)) => slot.at = to,
+            (Outcome::Pause(to), Some(slot)) => (slot.at, slot.paused) = (to, true),
+            (outcome, slot) => {
+                let permanent = slot
+                    .as_ref()
+                    .is_some_and(|instance| instance.service.is_none());
                 task.failed |= permanent && outcome == Outcome::Throw;
                 task.ended = true;
-                end_instance(it, outcome == Outcome::End);
+                end_instance(slot, outcome == Outcome::End);
             }
         }
         if self.system.semantics.turns == TurnRule::Pause && matches!(outcome, Outcome::Next(_)) {
@@ -223,10 +225,11 @@ impl Interpreter<'_> {
     fn end_pass(&self, s: &mut State, c: usize, t: usize, out: &mut Results) {
         let model = &self.system.components[c];
         let component = &mut s.components[c];
-        let others = (0..model.tasks.len()).any(|it| it != t && model.tasks[it].period.is_none());
+        let others =
+            (0..model.tasks.len()).any(|task| task != t && model.tasks[task].period.is_none());
         let task = &mut component.tasks[t];
         let event = std::mem::take(&mut task.event);
-        let paused = task.slots.iter().flatten().any(|it| it.paused);
+        let paused = task.slots.iter().flatten().any(|slot| slot.paused);
         let goes_on = paused && self.system.semantics.pause == PauseRule::Turns;
         task.runnable |= (event || goes_on) && model.tasks[t].period.is_none();
         let failed = task.failed;
@@ -235,7 +238,7 @@ impl Interpreter<'_> {
         task.phase = Phase::Between;
         let mut running = task.slots.iter().flatten();
         let continues =
-            running.any(|it| matches!(it.status, Status::Run | Status::Stop) && !it.paused);
+            running.any(|slot| matches!(slot.status, Status::Run | Status::Stop) && !slot.paused);
         // After its first pass, a task lets the next one begin, unless its permanent activity has failed in
         // this pass.
         match component.tasks.get(t + 1) {
@@ -268,7 +271,7 @@ impl Interpreter<'_> {
         if task.first == First::InCycle {
             task.first = First::Over;
             // A tick kept from start-up counts from here.
-            task.flag.iter_mut().for_each(|it| it.measured = 0);
+            task.flag.iter_mut().for_each(|tick| tick.measured = 0);
         } else if let Some(job) = job {
             out.took(c, t, job.measured);
         }
@@ -278,9 +281,9 @@ impl Interpreter<'_> {
     pub(super) fn pass(&self, s: &State) -> State {
         let mut n = s.clone();
         let edf = self.system.policy == Policy::Edf && self.cores.is_some();
-        let older = |it: &mut Since| {
-            it.measured = (it.measured + 1).min(CAP);
-            it.tick = (it.tick + u32::from(edf)).min(CAP);
+        let older = |tick: &mut Since| {
+            tick.measured = (tick.measured + 1).min(CAP);
+            tick.tick = (tick.tick + u32::from(edf)).min(CAP);
         };
         for c in 0..n.components.len() {
             for who in s.everybody(c) {
@@ -290,7 +293,7 @@ impl Interpreter<'_> {
                 }
             }
             for task in &mut n.components[c].tasks {
-                task.timer = task.timer.map(|it| it - 1);
+                task.timer = task.timer.map(|timer| timer - 1);
                 task.flag.iter_mut().for_each(older);
                 task.job.iter_mut().for_each(older);
             }
@@ -300,21 +303,21 @@ impl Interpreter<'_> {
                 n.clients[k].clock += 1;
             }
         }
-        for it in &mut n.obligations {
+        for obligation in &mut n.obligations {
             let older = |(stage, age)| (stage, u32::min(age + 1, CAP));
-            *it = std::mem::take(it).into_iter().map(older).collect();
+            *obligation = std::mem::take(obligation).into_iter().map(older).collect();
         }
         n
     }
 
     /// Returns true if no event can follow a state in which time passes.
     pub(super) fn dead(&self, s: &State) -> bool {
-        let timers = s.components.iter().flat_map(|it| &it.tasks);
+        let timers = s.components.iter().flat_map(|component| &component.tasks);
         let executing = |c: usize| {
-            let mut doing = s.everybody(c).filter_map(move |it| s.doing(c, it));
-            doing.any(|it| matches!(it, Doing::Executing(_)))
+            let mut doing = s.everybody(c).filter_map(move |thread| s.doing(c, thread));
+            doing.any(|doing| matches!(doing, Doing::Executing(_)))
         };
-        timers.into_iter().all(|it| it.timer.is_none())
+        timers.into_iter().all(|timer| timer.timer.is_none())
             && !(0..s.components.len()).any(executing)
             && !(0..s.clients.len()).any(|k| s.delay(self.system, k).is_some())
     }
@@ -326,17 +329,17 @@ impl Interpreter<'_> {
         let Action::Send(c, service) = client.nodes[at].action else {
             unreachable!("not at a request");
         };
-        let it = &mut s.clients[k];
-        (it.at, it.clock, it.outstanding) = (Some(next), 0, true);
+        let client = &mut s.clients[k];
+        (client.at, client.clock, client.outstanding) = (Some(next), 0, true);
         self.accept(s, (k, at), (c, service), out);
     }
 }
 
 /// Ends an automaton; the control task frees its slot, also that of a permanent activity.
 fn end_instance(slot: &mut Option<Instance>, succeeded: bool) {
-    if let Some(it) = slot {
-        it.status = Status::Ended(succeeded);
-        (it.at, it.paused, it.mark) = (0, false, false);
+    if let Some(slot) = slot {
+        slot.status = Status::Ended(succeeded);
+        (slot.at, slot.paused, slot.mark) = (0, false, false);
     }
 }
 

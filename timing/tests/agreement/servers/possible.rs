@@ -51,7 +51,7 @@ impl Interpreter<'_> {
         }
         let tasks = || {
             let all = s.components.iter().enumerate();
-            all.flat_map(|(c, it)| (0..it.tasks.len()).map(move |t| (c, t)))
+            all.flat_map(|(c, component)| (0..component.tasks.len()).map(move |t| (c, t)))
         };
         // Cores: first insertions into the queue, then decisions, then all other steps.
         out.extend(
@@ -71,13 +71,13 @@ impl Interpreter<'_> {
         }
         let mut urgent = false;
         for (c, t) in tasks() {
-            let it = &s.components[c].tasks[t];
-            if it.timer == Some(0) {
+            let task = &s.components[c].tasks[t];
+            if task.timer == Some(0) {
                 out.push(Step::Tick(c, t));
             }
-            if it.wake {
+            if task.wake {
                 out.push(Step::Wake(c, t));
-            } else if it.phase == Phase::Between
+            } else if task.phase == Phase::Between
                 || (!self.asks_for_core(s, c, t) && self.wants(s, c, t))
             {
                 out.push(Step::Begin(c, t));
@@ -87,10 +87,10 @@ impl Interpreter<'_> {
                 out.push(Step::Ask(c, t));
             }
         }
-        for (c, it) in s.components.iter().enumerate() {
-            match it.control {
+        for (c, component) in s.components.iter().enumerate() {
+            match component.control {
                 Control::Rest(..) => out.push(Step::Rest(c)),
-                Control::Ready if it.signal => out.push(Step::Report(c)),
+                Control::Ready if component.signal => out.push(Step::Report(c)),
                 _ => {}
             }
             if self.dies(s, c) {
@@ -101,35 +101,35 @@ impl Interpreter<'_> {
                     out.push(Step::Ticket(c, who));
                 }
             }
-            let waiting = it.tickets.iter();
+            let waiting = component.tickets.iter();
             let leaving = waiting.filter(|&&who| self.may_leave(s, c, who));
             out.extend(leaving.map(|&who| Step::Leave(c, who)));
         }
-        for (k, it) in s.clients.iter().enumerate() {
+        for (k, entry) in s.clients.iter().enumerate() {
             let client = &self.system.clients[k];
-            let Some(at) = it.at else { continue };
+            let Some(at) = entry.at else { continue };
             if let Action::Send(c, _) = client.nodes[at].action
                 && s.components[c].control == Control::Ready
-                && !it.outstanding
+                && !entry.outstanding
             {
                 let next = client.reach(&client.nodes[at].next);
                 out.extend(next.into_iter().map(|next| Step::Request(k, next)));
             }
         }
         if self.preempts() {
-            out.retain(|&it| {
-                self.thread(s, it)
+            out.retain(|&step| {
+                self.thread(s, step)
                     .is_none_or(|(c, who)| self.has_core(s, c, who))
             });
         }
         urgent |= !out.is_empty();
-        for (c, it) in self.system.components.iter().enumerate() {
+        for (c, component) in self.system.components.iter().enumerate() {
             for who in s.everybody(c) {
                 let Some(Doing::Executing(elapsed)) = s.doing(c, who) else {
                     continue;
                 };
                 let codel = s.codel(self.system, c, who).expect("it executes one");
-                let codel = &it.codels[codel];
+                let codel = &component.codels[codel];
                 urgent |= elapsed == codel.upper;
                 // A codel at its end does end, whichever thread takes its core at that moment.
                 if elapsed >= codel.lower && (self.has_core(s, c, who) || elapsed == codel.upper) {
@@ -137,12 +137,12 @@ impl Interpreter<'_> {
                 }
             }
         }
-        for (k, it) in s.clients.iter().enumerate() {
+        for (k, entry) in s.clients.iter().enumerate() {
             if let Some((lower, upper)) = s.delay(self.system, k) {
                 let client = &self.system.clients[k];
-                urgent |= it.clock == upper;
-                if it.clock >= lower {
-                    let next = client.reach(&client.nodes[it.at.unwrap_or(0)].next);
+                urgent |= entry.clock == upper;
+                if entry.clock >= lower {
+                    let next = client.reach(&client.nodes[entry.at.unwrap_or(0)].next);
                     out.extend(next.into_iter().map(|next| Step::Proceed(k, next)));
                 }
             }
@@ -160,22 +160,22 @@ impl Interpreter<'_> {
     }
 
     fn clients(&self, s: &State, out: &mut Vec<Step>) {
-        for (k, it) in s.clients.iter().enumerate() {
+        for (k, entry) in s.clients.iter().enumerate() {
             let client = &self.system.clients[k];
-            let next = match it.at {
+            let next = match entry.at {
                 None => client.reach(&client.first),
                 Some(at) => {
                     // Outcome of a request. Without a request, the outcome counts as success.
                     let end = |of: Option<(usize, usize)>| {
-                        let mut asked = it.tracked.iter().rev();
-                        match asked.find(|it| of.is_none_or(|of| of == (it.0, it.1))) {
+                        let mut asked = entry.tracked.iter().rev();
+                        match asked.find(|triple| of.is_none_or(|of| of == (triple.0, triple.1))) {
                             None => Some(true),
                             Some(&(.., Tracked::Over(succeeded))) => Some(succeeded),
                             Some(_) => None,
                         }
                     };
                     let over = match client.nodes[at].action {
-                        Action::AwaitAccepted => !it.outstanding,
+                        Action::AwaitAccepted => !entry.outstanding,
                         Action::AwaitEnded(of) => end(of).is_some(),
                         Action::Either => {
                             for &node in &client.nodes[at].next {
@@ -184,7 +184,9 @@ impl Interpreter<'_> {
                                     && end(of) == Some(succeeds)
                                 {
                                     let next = client.reach(&client.nodes[node].next);
-                                    out.extend(next.into_iter().map(|it| Step::Proceed(k, it)));
+                                    out.extend(
+                                        next.into_iter().map(|index| Step::Proceed(k, index)),
+                                    );
                                 }
                             }
                             false
@@ -203,29 +205,33 @@ impl Interpreter<'_> {
 
     /// Returns true if an idle task has a reason to begin a cycle.
     pub(super) fn wants(&self, s: &State, c: usize, t: usize) -> bool {
-        let it = &s.components[c].tasks[t];
+        let task = &s.components[c].tasks[t];
         let woken = match self.system.components[c].tasks[t].period {
-            Some(_) => it.flag.is_some(),
-            None => it.runnable,
+            Some(_) => task.flag.is_some(),
+            None => task.runnable,
         };
-        woken && !it.gone && it.phase == Phase::Idle && it.first != First::NotStarted && !it.wake
+        woken
+            && !task.gone
+            && task.phase == Phase::Idle
+            && task.first != First::NotStarted
+            && !task.wake
     }
 
     /// Returns true if a cycle of a task could execute any codel.
     pub(super) fn could_run(&self, s: &State, c: usize, t: usize) -> bool {
         let slots = s.components[c].tasks[t].slots.iter().flatten();
-        slots.into_iter().any(|it| match it.status {
-            Status::Init(released) => released || it.mark,
+        slots.into_iter().any(|slot| match slot.status {
+            Status::Init(released) => released || slot.mark,
             Status::Run | Status::Stop => true,
-            Status::Asked => it.mark,
+            Status::Asked => slot.mark,
             Status::Ended(_) => false,
         })
     }
 
     fn grants(&self, s: &State, out: &mut Vec<Step>) {
         let Some(cores) = self.cores else { return };
-        let tasks = s.components.iter().flat_map(|it| &it.tasks);
-        let busy = tasks.filter(|it| it.on_core).count();
+        let tasks = s.components.iter().flat_map(|component| &component.tasks);
+        let busy = tasks.filter(|task| task.on_core).count();
         if busy >= cores || s.queue.is_empty() {
             return;
         }
@@ -242,7 +248,12 @@ impl Interpreter<'_> {
             Policy::Fifo => out.extend(s.queue.first().map(grant)),
             Policy::Any => out.extend(s.queue.iter().map(grant)),
             // The first of several equal deadlines.
-            Policy::Edf => out.extend(s.queue.iter().min_by_key(|it| deadline(it)).map(grant)),
+            Policy::Edf => out.extend(
+                s.queue
+                    .iter()
+                    .min_by_key(|queue| deadline(queue))
+                    .map(grant),
+            ),
             Policy::Priority | Policy::Fair => unreachable!("cores are not granted for a cycle"),
         }
     }
@@ -251,26 +262,30 @@ impl Interpreter<'_> {
     pub(super) fn may_leave(&self, s: &State, c: usize, who: Who) -> bool {
         let codel = |c: usize, who: Who| {
             let at = s.codel(self.system, c, who);
-            at.map(|it| &self.system.components[c].codels[it])
+            at.map(|codel| &self.system.components[c].codels[codel])
         };
         let Some(own) = codel(c, who) else {
             return false;
         };
-        let waits_for = |d: usize, it: Who| {
-            codel(d, it).is_some_and(|it| match d == c {
-                true => own.waits_for.contains(&it.executed),
+        let waits_for = |d: usize, thread: Who| {
+            codel(d, thread).is_some_and(|codel| match d == c {
+                true => own.waits_for.contains(&codel.executed),
                 // Across components only ports can exclude each other.
-                false => own.ports.iter().any(|port| it.ports.contains(port)),
+                false => own.ports.iter().any(|port| codel.ports.contains(port)),
             })
         };
-        let mut ahead = s.components[c].tickets.iter().take_while(|it| **it != who);
+        let mut ahead = s.components[c]
+            .tickets
+            .iter()
+            .take_while(|ticket| **ticket != who);
         let turn = match self.system.semantics.locks {
             LockRule::Queue => ahead.next().is_none(),
-            LockRule::Fifo => !ahead.any(|&it| waits_for(c, it)),
+            LockRule::Fifo => !ahead.any(|&ticket| waits_for(c, ticket)),
             LockRule::Free => true,
         };
-        let others = (0..s.components.len()).flat_map(|d| s.everybody(d).map(move |it| (d, it)));
-        let mut others = others.filter(|it| *it != (c, who));
+        let others =
+            (0..s.components.len()).flat_map(|d| s.everybody(d).map(move |thread| (d, thread)));
+        let mut others = others.filter(|pair| *pair != (c, who));
         turn && others.all(|(d, other)| {
             let executing = matches!(s.doing(d, other), Some(Doing::Executing(_)));
             !executing || !waits_for(d, other)
@@ -294,12 +309,12 @@ impl Interpreter<'_> {
                 let Phase::Pass(slots, at, _) = &task.phase else {
                     return;
                 };
-                let Some(it) = &task.slots[slots[*at]] else {
+                let Some(slot) = &task.slots[slots[*at]] else {
                     return;
                 };
-                let machine = super::state::machine(self.system, c, t, it);
-                let outcomes = machine.states[it.at].outcomes.iter();
-                out.extend(outcomes.map(|&it| Step::End(c, t, it)));
+                let machine = super::state::machine(self.system, c, t, slot);
+                let outcomes = machine.states[slot.at].outcomes.iter();
+                out.extend(outcomes.map(|&outcome| Step::End(c, t, outcome)));
             }
         }
     }

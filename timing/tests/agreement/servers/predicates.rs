@@ -61,19 +61,19 @@ pub(crate) enum Owner {
     Service(usize),
 }
 
-pub(crate) fn predicate(system: &System, it: &Pred) -> Predicate {
+pub(crate) fn predicate(system: &System, written: &Pred) -> Predicate {
     let both = |a: &Pred, b: &Pred| {
-        let both = [a, b].map(|it| Box::new(predicate(system, it)));
+        let both = [a, b].map(|operand| Box::new(predicate(system, operand)));
         let [a, b] = both;
         (a, b)
     };
-    match it {
+    match written {
         Pred::Atom(path) => match fact(system, path) {
-            (it, true) => Predicate::Is(it),
-            (it, false) => Predicate::Not(Box::new(Predicate::Is(it))),
+            (fact, true) => Predicate::Is(fact),
+            (fact, false) => Predicate::Not(Box::new(Predicate::Is(fact))),
         },
         Pred::Leave(path) => Predicate::Leave(fact(system, path).0),
-        Pred::Not(it) => Predicate::Not(Box::new(predicate(system, it))),
+        Pred::Not(negated) => Predicate::Not(Box::new(predicate(system, negated))),
         Pred::And(a, b) => {
             let (a, b) = both(a, b);
             Predicate::And(a, b)
@@ -87,36 +87,43 @@ pub(crate) fn predicate(system: &System, it: &Pred) -> Predicate {
 
 /// Returns a fact, and whether the fact or its negation is meant.
 fn fact(system: &System, path: &Path) -> (Fact, bool) {
-    let names: Vec<&str> = path.names.iter().map(|it| it.value.as_str()).collect();
-    if let Some(k) = system.clients.iter().position(|it| it.name == names[0]) {
+    let names: Vec<&str> = path.names.iter().map(|name| name.value.as_str()).collect();
+    if let Some(k) = system
+        .clients
+        .iter()
+        .position(|client| client.name == names[0])
+    {
         let client = &system.clients[k];
         let nodes = match names.get(1) {
             None => vec![client.end()],
             Some(&label) => (0..client.nodes.len())
-                .filter(|&it| client.nodes[it].label.as_deref() == Some(label))
+                .filter(|&node| client.nodes[node].label.as_deref() == Some(label))
                 .collect(),
         };
         return (Fact::Client(k, nodes), true);
     }
     let c = system.component(names[0]);
-    let it = &system.components[c];
+    let component = &system.components[c];
     let Some(&second) = names.get(1) else {
         return (Fact::Busy(c), true);
     };
     let word = |from: usize| names.get(from).copied().unwrap_or_default();
     let state = |machine: &Machine| {
         let name = word(2);
-        machine.states.iter().position(|it| it.name == name)
+        machine.states.iter().position(|state| state.name == name)
     };
     let at = |word: &str| match word {
         "lock" | "waiting" => At::Lock,
         "exec" | "running" => At::Exec,
         _ => At::Either,
     };
-    let task = it.tasks.iter().position(|it| it.name == second);
-    let service = it.services.iter().position(|it| it.name == second);
+    let task = component.tasks.iter().position(|task| task.name == second);
+    let service = component
+        .services
+        .iter()
+        .position(|service| service.name == second);
     if let Some(t) = task {
-        if let Some(state) = state(&it.tasks[t].machine) {
+        if let Some(state) = state(&component.tasks[t].machine) {
             return (Fact::State(c, Owner::Task(t), state, at(word(3))), true);
         }
         let is = match word(2) {
@@ -130,10 +137,10 @@ fn fact(system: &System, path: &Path) -> (Fact, bool) {
     let Some(s) = service else {
         return (Fact::Busy(c), second != "idle");
     };
-    let model = &it.services[s];
+    let model = &component.services[s];
     let named = |name: &str| {
         let mut all = 0..model.control.len();
-        all.find(|&it| model.control[it].name.as_deref() == Some(name))
+        all.find(|&index| model.control[index].name.as_deref() == Some(name))
     };
     if let Some(codel) = named(word(2)) {
         return (Fact::Control(c, s, vec![codel], at(word(3))), true);
@@ -164,7 +171,7 @@ impl Interpreter<'_> {
     /// response to response.
     pub(super) fn watch(&self, before: Option<&State>, now: &mut State) {
         for (i, (trigger, responses)) in self.within.iter().enumerate() {
-            let value = |it: &Predicate| self.holds(before, now, it);
+            let value = |predicate: &Predicate| self.holds(before, now, predicate);
             let mut open = now.obligations[i].clone();
             let was = before.is_some_and(|before| self.holds(Some(before), before, trigger));
             if value(trigger) && !was {
@@ -180,25 +187,25 @@ impl Interpreter<'_> {
         }
     }
 
-    pub(super) fn holds(&self, before: Option<&State>, now: &State, it: &Predicate) -> bool {
-        match it {
-            Predicate::Is(it) => self.fact(now, it),
-            Predicate::Leave(it) => {
-                before.is_some_and(|before| self.fact(before, it)) && !self.fact(now, it)
+    pub(super) fn holds(&self, before: Option<&State>, now: &State, predicate: &Predicate) -> bool {
+        match predicate {
+            Predicate::Is(fact) => self.fact(now, fact),
+            Predicate::Leave(fact) => {
+                before.is_some_and(|before| self.fact(before, fact)) && !self.fact(now, fact)
             }
-            Predicate::Not(it) => !self.holds(before, now, it),
+            Predicate::Not(predicate) => !self.holds(before, now, predicate),
             Predicate::And(a, b) => self.holds(before, now, a) && self.holds(before, now, b),
             Predicate::Or(a, b) => self.holds(before, now, a) || self.holds(before, now, b),
         }
     }
 
-    fn fact(&self, s: &State, it: &Fact) -> bool {
+    fn fact(&self, s: &State, fact: &Fact) -> bool {
         let doing = |c: usize, who: Who, at: At| match s.doing(c, who) {
             None => false,
             Some(Doing::Executing(_)) => at != At::Lock,
             Some(_) => at != At::Exec,
         };
-        match it {
+        match fact {
             &Fact::Task(c, t, is) => {
                 let phase = &s.components[c].tasks[t].phase;
                 match is {
@@ -214,28 +221,29 @@ impl Interpreter<'_> {
                 let Phase::Pass(slots, turn, _) = &task.phase else {
                     return false;
                 };
-                let Some(it) = slots.get(*turn).and_then(|&slot| task.slots[slot].as_ref()) else {
+                let Some(slot) = slots.get(*turn).and_then(|&slot| task.slots[slot].as_ref())
+                else {
                     return false;
                 };
                 let same = match owner {
-                    Owner::Task(of) => of == t && it.service.is_none(),
-                    Owner::Service(of) => it.service == Some(of),
+                    Owner::Task(of) => of == t && slot.service.is_none(),
+                    Owner::Service(of) => slot.service == Some(of),
                 };
-                let has = machine(self.system, c, t, it).states.len() > it.at;
-                same && has && it.at == state && doing(c, who, at)
+                let has = machine(self.system, c, t, slot).states.len() > slot.at;
+                same && has && slot.at == state && doing(c, who, at)
             }),
             &Fact::Activity(c, service, is) => {
-                let slots = s.components[c].tasks.iter().flat_map(|it| &it.slots);
-                let all = slots.flatten().filter(|it| it.service == Some(service));
-                let mut all = all.map(|it| it.status);
+                let slots = s.components[c].tasks.iter().flat_map(|task| &task.slots);
+                let all = slots.flatten().filter(|slot| slot.service == Some(service));
+                let mut all = all.map(|slot| slot.status);
                 match is {
                     ActivityIs::Void => all.next().is_none(),
                     ActivityIs::Active => all.next().is_some(),
                     ActivityIs::Waiting => {
-                        all.any(|it| matches!(it, Status::Asked | Status::Init(_)))
+                        all.any(|status| matches!(status, Status::Asked | Status::Init(_)))
                     }
-                    ActivityIs::Run => all.any(|it| it == Status::Run),
-                    ActivityIs::Stop => all.any(|it| it == Status::Stop),
+                    ActivityIs::Run => all.any(|status| status == Status::Run),
+                    ActivityIs::Stop => all.any(|status| status == Status::Stop),
                 }
             }
             Fact::Control(c, service, codels, at) => match &s.components[*c].control {
@@ -247,7 +255,7 @@ impl Interpreter<'_> {
                 _ => false,
             },
             &Fact::Busy(c) => s.components[c].control != Control::Ready,
-            Fact::Client(k, nodes) => s.clients[*k].at.is_some_and(|it| nodes.contains(&it)),
+            Fact::Client(k, nodes) => s.clients[*k].at.is_some_and(|index| nodes.contains(&index)),
         }
     }
 }

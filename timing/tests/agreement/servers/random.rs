@@ -99,7 +99,7 @@ fn asking_chains(dice: &mut Dice, known: Known) -> Texts {
     let lines = out
         .scenario
         .lines()
-        .filter(|it| !it.starts_with(" check") && *it != "}");
+        .filter(|line| !line.starts_with(" check") && *line != "}");
     let lines: Vec<&str> = lines.collect();
     out.scenario = format!(
         "{}\n check reaction {from} -> {to};\n check age {from} -> {to};\n}}\n",
@@ -197,11 +197,11 @@ pub(crate) fn alike(dice: &mut Dice) -> Texts {
 fn of_second(line: &str) -> String {
     let mut out = String::new();
     let mut inside = false;
-    for (at, it) in line.char_indices() {
-        let ends = line[at + it.len_utf8()..].starts_with(['.', ';']);
-        let name = it == 'c' && !inside && ends;
-        out.push(if name { 'd' } else { it });
-        inside = it.is_alphanumeric() || it == '_' || it == '.';
+    for (at, character) in line.char_indices() {
+        let ends = line[at + character.len_utf8()..].starts_with(['.', ';']);
+        let name = character == 'c' && !inside && ends;
+        out.push(if name { 'd' } else { character });
+        inside = character.is_alphanumeric() || character == '_' || character == '.';
     }
     out
 }
@@ -214,8 +214,8 @@ fn draw(dice: &mut Dice, mut known: Known) -> Texts {
     let scenario = scenario(dice, &known);
     if scenario.contains("pause turns") {
         // An aperiodic task would loop in no time, and time could not pass.
-        for it in &mut specifications {
-            *it = it.replace("wcet 0 ms", "wcet 1 ms");
+        for specification in &mut specifications {
+            *specification = specification.replace("wcet 0 ms", "wcet 1 ms");
         }
     }
     Texts {
@@ -488,7 +488,7 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
             }
             let all: Vec<&str> = known.services.iter().map(String::as_str).collect();
             let sent = dice.pick(&all);
-            let aborts = known.requests && known.activities.iter().any(|it| it == sent);
+            let aborts = known.requests && known.activities.iter().any(|activity| activity == sent);
             if aborts && dice.in_ten(2) {
                 let _ = writeln!(
                     out,
@@ -596,10 +596,10 @@ fn predicate(dice: &mut Dice, known: &Known) -> String {
     let activity = (!known.activities.is_empty()).then(|| pick(&known.activities));
     let task = pick(&known.tasks);
     match (dice.below(10), state, activity) {
-        (0..4, Some(it), _) => format!("{it}.exec"),
-        (4, Some(it), _) => format!("{it}.lock"),
-        (5..8, _, Some(it)) => format!("{it}.{}", dice.pick(&["run", "void", "waiting"])),
-        (8, _, Some(it)) => format!("not {it}.void"),
+        (0..4, Some(state), _) => format!("{state}.exec"),
+        (4, Some(state), _) => format!("{state}.lock"),
+        (5..8, _, Some(state)) => format!("{state}.{}", dice.pick(&["run", "void", "waiting"])),
+        (8, _, Some(state)) => format!("not {state}.void"),
         _ => format!("{task}.{}", dice.pick(&["running", "idle"])),
     }
 }

@@ -6,8 +6,14 @@ use super::state::{Control, Instance, Kill, Phase, Request, State, Status};
 
 impl Interpreter<'_> {
     /// Performs such a request, after its last codel. Returns true if the request succeeded.
-    pub(super) fn builtin(&self, s: &mut State, c: usize, request: Request, it: Builtin) -> bool {
-        match it {
+    pub(super) fn builtin(
+        &self,
+        s: &mut State,
+        c: usize,
+        request: Request,
+        builtin: Builtin,
+    ) -> bool {
+        match builtin {
             Builtin::Connect => true,
             Builtin::Kill => {
                 let kill = &mut s.components[c].kill;
@@ -20,19 +26,19 @@ impl Interpreter<'_> {
                 let client = &self.system.clients[request.client];
                 let aborted = client.nodes[request.node].aborts.as_ref();
                 let mut all = s.clients[request.client].instances.iter().rev();
-                let last = all.find(|it| match aborted {
-                    Some(Aborted::Last(c, service)) => (it.0, it.1) == (*c, *service),
+                let last = all.find(|instance| match aborted {
+                    Some(Aborted::Last(c, service)) => (instance.0, instance.1) == (*c, *service),
                     Some(Aborted::Labelled(label)) => {
-                        client.nodes[it.2].label.as_ref() == Some(label)
+                        client.nodes[instance.2].label.as_ref() == Some(label)
                     }
                     None => false,
                 });
-                let Some((task, slot)) = last.and_then(|it| it.3) else {
+                let Some((task, slot)) = last.and_then(|instance| instance.3) else {
                     return false;
                 };
-                if let Some(it) = &mut s.components[c].tasks[task].slots[slot] {
-                    let begins = matches!(it.status, Status::Asked | Status::Init(_));
-                    it.mark |= begins || it.status == Status::Run;
+                if let Some(slot) = &mut s.components[c].tasks[task].slots[slot] {
+                    let begins = matches!(slot.status, Status::Asked | Status::Init(_));
+                    slot.mark |= begins || slot.status == Status::Run;
                 }
                 true
             }
@@ -41,17 +47,17 @@ impl Interpreter<'_> {
 
     /// Returns true if the shutdown of a component can proceed.
     pub(super) fn dies(&self, s: &State, c: usize) -> bool {
-        let it = &s.components[c];
-        match it.kill {
+        let component = &s.components[c];
+        match component.kill {
             Kill::No | Kill::Over => false,
             Kill::Activities(t) => {
-                let all = it.tasks[t].slots.iter().flatten();
-                let mut all = all.filter(|it| it.service.is_some());
+                let all = component.tasks[t].slots.iter().flatten();
+                let mut all = all.filter(|slot| slot.service.is_some());
                 let mut waits = false;
-                let marks = all.any(|it| match it.status {
+                let marks = all.any(|slot| match slot.status {
                     Status::Asked | Status::Init(_) | Status::Run => {
                         waits = true;
-                        !it.mark
+                        !slot.mark
                     }
                     Status::Stop => {
                         waits = true;
@@ -62,16 +68,19 @@ impl Interpreter<'_> {
                 marks || !waits
             }
             Kill::Permanent(t) => {
-                let mut slots = it.tasks[t].slots.iter();
-                slots.any(|it| it.as_ref().is_none_or(|it| it.service.is_none()))
+                let mut slots = component.tasks[t].slots.iter();
+                slots.any(|slot| {
+                    slot.as_ref()
+                        .is_none_or(|instance| instance.service.is_none())
+                })
             }
             Kill::Stopping(t) => {
-                let mut slots = it.tasks[t].slots.iter().flatten();
-                let permanent = slots.find(|it| it.service.is_none());
-                permanent.is_none_or(|it| matches!(it.status, Status::Ended(_)))
+                let mut slots = component.tasks[t].slots.iter().flatten();
+                let permanent = slots.find(|slot| slot.service.is_none());
+                permanent.is_none_or(|slot| matches!(slot.status, Status::Ended(_)))
             }
-            Kill::Task(t) => it.tasks[t].phase == Phase::Idle && !it.tasks[t].wake,
-            Kill::Control => it.control == Control::Ready,
+            Kill::Task(t) => component.tasks[t].phase == Phase::Idle && !component.tasks[t].wake,
+            Kill::Control => component.control == Control::Ready,
         }
     }
 
@@ -83,9 +92,9 @@ impl Interpreter<'_> {
             Kill::Activities(t) => {
                 let mut marked = false;
                 let all = s.components[c].tasks[t].slots.iter_mut().flatten();
-                for it in all.filter(|it| it.service.is_some() && !it.mark) {
-                    if matches!(it.status, Status::Asked | Status::Init(_) | Status::Run) {
-                        it.mark = true;
+                for slot in all.filter(|slot| slot.service.is_some() && !slot.mark) {
+                    if matches!(slot.status, Status::Asked | Status::Init(_) | Status::Run) {
+                        slot.mark = true;
                         marked = true;
                     }
                 }
@@ -99,7 +108,11 @@ impl Interpreter<'_> {
             }
             Kill::Permanent(t) => {
                 let slots = &mut s.components[c].tasks[t].slots;
-                let of = |it: &Option<Instance>| it.as_ref().is_some_and(|it| it.service.is_none());
+                let of = |instance: &Option<Instance>| {
+                    instance
+                        .as_ref()
+                        .is_some_and(|instance| instance.service.is_none())
+                };
                 let at = slots.iter().position(of);
                 let at = at.or_else(|| slots.iter().position(Option::is_none));
                 let Some(at) = at else { return };
@@ -111,13 +124,13 @@ impl Interpreter<'_> {
                     mark: true,
                 };
                 match &mut slots[at] {
-                    Some(it) if it.status == Status::Stop => {}
-                    Some(it) if !matches!(it.status, Status::Ended(_)) => {
-                        it.mark = true;
+                    Some(slot) if slot.status == Status::Stop => {}
+                    Some(slot) if !matches!(slot.status, Status::Ended(_)) => {
+                        slot.mark = true;
                         self.set_runnable(s, c, t);
                     }
-                    it => {
-                        *it = Some(again);
+                    slot => {
+                        *slot = Some(again);
                         self.set_runnable(s, c, t);
                     }
                 }

@@ -197,21 +197,21 @@ pub(crate) struct State {
 
 impl State {
     pub(super) fn initial(system: &System, observers: usize) -> State {
-        let component = |it: &super::model::Component| {
-            let task = |it: &super::model::Task| Task {
-                timer: (it
+        let component = |component: &super::model::Component| {
+            let task = |task: &super::model::Task| Task {
+                timer: (task
                     .period
                     .filter(|_| system.semantics.ticks == TickRule::Component))
-                .map(|period| match it.delay {
+                .map(|period| match task.delay {
                     0 => period,
                     delay => delay,
                 }),
                 flag: None,
-                runnable: it.period.is_none(),
+                runnable: task.period.is_none(),
                 phase: Phase::Idle,
                 first: First::NotStarted,
                 job: None,
-                slots: (0..it.slots)
+                slots: (0..task.slots)
                     .map(|slot| {
                         (slot == 0).then_some(Instance {
                             service: None,
@@ -229,7 +229,7 @@ impl State {
                 on_core: false,
                 gone: false,
             };
-            let tasks: Vec<Task> = it.tasks.iter().map(task).collect();
+            let tasks: Vec<Task> = component.tasks.iter().map(task).collect();
             Component {
                 control: match tasks.is_empty() {
                     true => Control::Ready,
@@ -237,7 +237,7 @@ impl State {
                 },
                 signal: false,
                 tickets: Vec::new(),
-                succeeded: vec![false; it.services.len()],
+                succeeded: vec![false; component.services.len()],
                 tasks,
                 kill: Kill::No,
             }
@@ -262,13 +262,13 @@ impl State {
 
     /// Returns the progress of a thread of a component with its codel.
     pub(super) fn doing(&self, c: usize, who: Who) -> Option<Doing> {
-        let it = &self.components[c];
+        let component = &self.components[c];
         match who {
-            Who::Control => match &it.control {
+            Who::Control => match &component.control {
                 Control::Codel(.., doing) => Some(*doing),
                 _ => None,
             },
-            Who::Task(t) => match &it.tasks[t].phase {
+            Who::Task(t) => match &component.tasks[t].phase {
                 Phase::Pass(.., doing) => Some(*doing),
                 _ => None,
             },
@@ -276,15 +276,15 @@ impl State {
     }
 
     pub(super) fn set_doing(&mut self, c: usize, who: Who, to: Doing) {
-        let it = &mut self.components[c];
+        let component = &mut self.components[c];
         match who {
             Who::Control => {
-                if let Control::Codel(.., doing) = &mut it.control {
+                if let Control::Codel(.., doing) = &mut component.control {
                     *doing = to;
                 }
             }
             Who::Task(t) => {
-                if let Phase::Pass(.., doing) = &mut it.tasks[t].phase {
+                if let Phase::Pass(.., doing) = &mut component.tasks[t].phase {
                     *doing = to;
                 }
             }

@@ -34,19 +34,19 @@ pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)
     }
     between(&mut system, dice, (&one, copies, together));
     if dice.in_ten(2) && !system.codels.is_empty() {
-        let it = dice.below(system.codels.len() as u32) as usize;
-        system.codels[it].upper = system.codels[it].upper.saturating_add(1);
+        let codel = dice.below(system.codels.len() as u32) as usize;
+        system.codels[codel].upper = system.codels[codel].upper.saturating_add(1);
     }
     let mut asked = Vec::new();
     for _ in 0..dice.below(3) {
         let everywhere = |dice: &mut Dice| {
-            let it = predicate(&one, dice);
+            let predicate = predicate(&one, dice);
             if dice.in_ten(3) {
-                return it;
+                return predicate;
             }
             let and = dice.in_ten(3);
-            (1..copies).fold(it.clone(), |all, copy| {
-                let other = Box::new(renamed(&it, &one, copy));
+            (1..copies).fold(predicate.clone(), |all, copy| {
+                let other = Box::new(renamed(&predicate, &one, copy));
                 match and {
                     true => Predicate::And(Box::new(all), other),
                     false => Predicate::Or(other, Box::new(all)),
@@ -137,13 +137,13 @@ impl Copier<'_> {
 
     fn add_to(&self, system: &mut TimedSystem) {
         let (one, copy) = (self.one, self.copy);
-        let task = |it: usize| copy * one.tasks.len() + it;
-        let machine = |it: usize| copy * one.machines.len() + it;
-        let automaton = |it: usize| copy * one.automata.len() + it;
-        let codel = |it: usize| copy * one.codels.len() + it;
-        let service = |it: usize| copy * one.services.len() + it;
+        let task = |index: usize| copy * one.tasks.len() + index;
+        let machine = |index: usize| copy * one.machines.len() + index;
+        let automaton = |index: usize| copy * one.automata.len() + index;
+        let codel = |index: usize| copy * one.codels.len() + index;
+        let service = |index: usize| copy * one.services.len() + index;
         let all = |list: &[usize], name: &dyn Fn(usize) -> usize| -> Vec<usize> {
-            list.iter().map(|&it| name(it)).collect()
+            list.iter().map(|&index| name(index)).collect()
         };
         if system.components.len() <= self.component() {
             system.components.push(Component {
@@ -157,73 +157,73 @@ impl Copier<'_> {
         component
             .services
             .extend((0..one.services.len()).map(service));
-        system.tasks.extend(one.tasks.iter().map(|it| Task {
+        system.tasks.extend(one.tasks.iter().map(|task| Task {
             component: self.component(),
-            permanent: it.permanent.map(automaton),
-            slots: all(&it.slots, &automaton),
-            ..it.clone()
+            permanent: task.permanent.map(automaton),
+            slots: all(&task.slots, &automaton),
+            ..task.clone()
         }));
-        system.machines.extend(one.machines.iter().map(|it| {
+        system.machines.extend(one.machines.iter().map(|machine| {
             Machine {
-                states: (it.states.iter())
-                    .map(|it| State {
-                        codel: codel(it.codel),
-                        ..it.clone()
+                states: (machine.states.iter())
+                    .map(|state| State {
+                        codel: codel(state.codel),
+                        ..state.clone()
                     })
                     .collect(),
-                ..it.clone()
+                ..machine.clone()
             }
         }));
         system
             .automata
-            .extend(one.automata.iter().map(|it| Automaton {
-                task: task(it.task),
-                machine: machine(it.machine),
-                service: it.service.map(service),
+            .extend(one.automata.iter().map(|automaton| Automaton {
+                task: task(automaton.task),
+                machine: machine(automaton.machine),
+                service: automaton.service.map(service),
             }));
-        system.codels.extend(one.codels.iter().map(|it| Codel {
+        system.codels.extend(one.codels.iter().map(|codel| Codel {
             component: self.component(),
             conflicts: CodelSet::default(),
-            ..it.clone()
+            ..codel.clone()
         }));
         system
             .services
-            .extend(one.services.iter().map(|it| Service {
+            .extend(one.services.iter().map(|service| Service {
                 component: self.component(),
-                validate: it.validate.map(codel),
-                simple: all(&it.simple, &codel),
-                slots: all(&it.slots, &automaton),
-                ..it.clone()
+                validate: service.validate.map(codel),
+                simple: all(&service.simple, &codel),
+                slots: all(&service.slots, &automaton),
+                ..service.clone()
             }));
-        system.clients.extend(one.clients.iter().map(|it| {
+        system.clients.extend(one.clients.iter().map(|client| {
             Client {
-                steps: (it.steps.iter())
-                    .map(|it| ClientStep {
-                        action: match it.action.clone() {
+                steps: (client.steps.iter())
+                    .map(|step| ClientStep {
+                        action: match step.action.clone() {
                             ClientAction::Send {
-                                service: it,
+                                service: index,
                                 trackers,
                                 accepted,
                                 aborts,
                             } => ClientAction::Send {
-                                service: service(it),
+                                service: service(index),
                                 trackers,
                                 accepted,
                                 aborts,
                             },
                             other => other,
                         },
-                        ..it.clone()
+                        ..step.clone()
                     })
                     .collect(),
-                ..it.clone()
+                ..client.clone()
             }
         }));
     }
 }
 
-fn renamed(it: &Predicate, one: &TimedSystem, copy: usize) -> Predicate {
-    let atom = |it: &Atom| match it.clone() {
+fn renamed(predicate: &Predicate, one: &TimedSystem, copy: usize) -> Predicate {
+    let atom = |atom: &Atom| match atom.clone() {
         Atom::Task(task, state) => Atom::Task(copy * one.tasks.len() + task, state),
         Atom::State {
             machine,
@@ -236,11 +236,11 @@ fn renamed(it: &Predicate, one: &TimedSystem, copy: usize) -> Predicate {
         },
         other => other,
     };
-    let other = |it: &Predicate| Box::new(renamed(it, one, copy));
-    match it {
-        Predicate::Atom(it) => Predicate::Atom(atom(it)),
-        Predicate::Leave(it) => Predicate::Leave(atom(it)),
-        Predicate::Not(it) => Predicate::Not(other(it)),
+    let other = |predicate: &Predicate| Box::new(renamed(predicate, one, copy));
+    match predicate {
+        Predicate::Atom(proposition) => Predicate::Atom(atom(proposition)),
+        Predicate::Leave(proposition) => Predicate::Leave(atom(proposition)),
+        Predicate::Not(predicate) => Predicate::Not(other(predicate)),
         Predicate::And(a, b) => Predicate::And(other(a), other(b)),
         Predicate::Or(a, b) => Predicate::Or(other(a), other(b)),
     }

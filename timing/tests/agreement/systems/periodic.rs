@@ -39,20 +39,20 @@ pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
             system.tasks[t].permanent = Some(automaton(&mut system, t, machine, None));
         }
     }
-    for it in &mut system.codels {
-        if it.upper == FOREVER {
-            it.upper = 2;
-            it.lower = it.lower.min(2);
+    for codel in &mut system.codels {
+        if codel.upper == FOREVER {
+            codel.upper = 2;
+            codel.lower = codel.lower.min(2);
         }
         if dice.in_ten(1) {
-            it.upper += 1;
+            codel.upper += 1;
         }
     }
     // Tasks that share only cores, and return to the same place, can be treated in busy windows.
     let plain = dice.in_ten(4);
     if plain {
-        for it in &mut system.codels {
-            it.conflicts = CodelSet::default();
+        for codel in &mut system.codels {
+            codel.conflicts = CodelSet::default();
         }
         system.platform.cores = Some(dice.pick(&[1, 1, 2]));
     }
@@ -61,14 +61,14 @@ pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
         (system.codels[start].lower, system.codels[start].upper) = (0, 0);
         machine.loop_limit = None;
         for (at, state) in machine.states.iter_mut().enumerate() {
-            for it in &mut state.yields {
-                *it = match *it {
+            for transition in &mut state.yields {
+                *transition = match *transition {
                     Yield::Next(to) if to > at && at != machine.start => Yield::Next(to),
                     Yield::Next(to) | Yield::Pause(to) => Yield::Pause(to),
                     Yield::End => Yield::Pause(0),
                 };
                 if plain && at != machine.start {
-                    *it = Yield::Pause(at);
+                    *transition = Yield::Pause(at);
                 }
             }
         }

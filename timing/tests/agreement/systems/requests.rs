@@ -53,9 +53,13 @@ pub(crate) fn requests(dice: &mut Dice) -> TimedSystem {
         }
     }
     let from_zero = dice.in_ten(8);
-    for it in &mut system.codels {
-        it.upper = it.upper.min(2);
-        it.lower = if from_zero { 0 } else { it.lower.min(it.upper) };
+    for codel in &mut system.codels {
+        codel.upper = codel.upper.min(2);
+        codel.lower = if from_zero {
+            0
+        } else {
+            codel.lower.min(codel.upper)
+        };
     }
     for one in 0..system.codels.len() {
         for other in 0..one {

@@ -26,7 +26,7 @@ impl Key {
     /// Its name and its kind.
     fn described(&self) -> (String, LaneKind) {
         match self {
-            Key::Core(it) => (format!("core {}", it + 1), LaneKind::Core),
+            Key::Core(core) => (format!("core {}", core + 1), LaneKind::Core),
             Key::Client(name) => (format!("client {name}"), LaneKind::Client),
             Key::Of(component, Part::Control) => {
                 (format!("{component} control task"), LaneKind::Control)
@@ -88,7 +88,7 @@ impl Lanes {
         let Some(lane) = self.all.get_mut(key) else {
             return;
         };
-        match lane.open.iter_mut().find(|it| it.is_none()) {
+        match lane.open.iter_mut().find(|span| span.is_none()) {
             Some(row) => *row = Some((now, begun)),
             None => lane.open.push(Some((now, begun))),
         }
@@ -97,8 +97,8 @@ impl Lanes {
     /// The open span of this kind.
     pub(super) fn open(&mut self, key: &Key, of: &Of, kind: SpanKind) -> Option<&mut SpanStart> {
         let rows = self.all.get_mut(key)?.open.iter_mut();
-        let mut found = rows.filter_map(|it| it.as_mut().map(|it| &mut it.1));
-        found.find(|it| it.of == *of && it.kind == kind)
+        let mut found = rows.filter_map(|row| row.as_mut().map(|row| &mut row.1));
+        found.find(|row| row.of == *of && row.kind == kind)
     }
 
     /// Ends a span, if it is open.
@@ -106,11 +106,11 @@ impl Lanes {
         let Some(lane) = self.all.get_mut(key) else {
             return;
         };
-        for (row, it) in lane.open.iter_mut().enumerate() {
-            if it
+        for (row, open) in lane.open.iter_mut().enumerate() {
+            if open
                 .as_ref()
-                .is_some_and(|it| it.1.of == *of && it.1.kind == kind)
-                && let Some(begun) = it.take()
+                .is_some_and(|pair| pair.1.of == *of && pair.1.kind == kind)
+                && let Some(begun) = open.take()
             {
                 lane.ended.extend(span(begun, row, now));
                 return;
@@ -122,18 +122,18 @@ impl Lanes {
     pub(super) fn free_core(&self) -> usize {
         let busy = |core: usize| {
             let lane = self.all.get(&Key::Core(core));
-            lane.is_some_and(|it| it.open.iter().any(Option::is_some))
+            lane.is_some_and(|lane| lane.open.iter().any(Option::is_some))
         };
-        (0..).find(|&it| !busy(it)).unwrap_or(0)
+        (0..).find(|&executor| !busy(executor)).unwrap_or(0)
     }
 
     /// The core on which a job runs.
     pub(super) fn core_of(&self, thread: &ThreadName) -> Option<Key> {
-        let has = |it: &(&Key, &LaneBuilder)| {
-            let mut rows = it.1.open.iter().flatten();
-            matches!(it.0, Key::Core(_)) && rows.any(|it| it.1.of == Of::Core(thread.clone()))
+        let has = |pair: &(&Key, &LaneBuilder)| {
+            let mut rows = pair.1.open.iter().flatten();
+            matches!(pair.0, Key::Core(_)) && rows.any(|row| row.1.of == Of::Core(thread.clone()))
         };
-        self.all.iter().find(has).map(|it| it.0.clone())
+        self.all.iter().find(has).map(|pair| pair.0.clone())
     }
 
     /// Ends all spans. Returns all lanes, their spans with the codels ahead of them, and the index of each
@@ -146,7 +146,7 @@ impl Lanes {
             out.lanes.push(Lane { name, kind, rows });
             let mut ended = lane.ended;
             for (row, begun) in lane.open.into_iter().enumerate() {
-                ended.extend(begun.and_then(|it| span(it, row, now)));
+                ended.extend(begun.and_then(|pair| span(pair, row, now)));
             }
             ended.sort_by(|a, b| a.0.from.total_cmp(&b.0.from));
             for (mut span, ahead) in ended {
@@ -171,23 +171,23 @@ pub(super) struct BuiltLanes {
 }
 
 /// A span, or `None` for waiting without duration. Execution without duration is a span.
-fn span((from, it): (f64, SpanStart), row: usize, to: f64) -> Option<(Span, Vec<CodelName>)> {
-    let waits = matches!(it.kind, SpanKind::WaitLock | SpanKind::WaitCore);
+fn span((from, start): (f64, SpanStart), row: usize, to: f64) -> Option<(Span, Vec<CodelName>)> {
+    let waits = matches!(start.kind, SpanKind::WaitLock | SpanKind::WaitCore);
     (to > from || !waits).then_some((
         Span {
             lane: 0,
             row,
             from,
             to,
-            kind: it.kind,
-            label: it.label,
-            codel: match it.of {
+            kind: start.kind,
+            label: start.label,
+            codel: match start.of {
                 Of::Codel(codel) => Some(codel.to_string()),
                 Of::Core(_) => None,
             },
             by: Vec::new(),
-            step: it.step,
+            step: start.step,
         },
-        it.ahead,
+        start.ahead,
     ))
 }

@@ -37,9 +37,9 @@ pub(super) type SourceRef = (usize, Src);
 
 /// The trace of a run. Codels and tasks without a place get none.
 pub fn of_run(told: &TraceInput) -> Trace<SourceRef> {
-    let last = told.events.last().map_or(0.0, |it| it.time);
-    let unit = base_unit(told.unit, told.end.map_or(last, |it| it.max(last)));
-    let time = |it: &Event| clean(told.unit.in_base(it.time, unit));
+    let last = told.events.last().map_or(0.0, |event| event.time);
+    let unit = base_unit(told.unit, told.end.map_or(last, |end| end.max(last)));
+    let time = |event: &Event| clean(told.unit.in_base(event.time, unit));
     let mut reading = TraceBuilder {
         excludes: Exclusions::of(told.blocking),
         lanes: Lanes::default(),
@@ -53,15 +53,15 @@ pub fn of_run(told: &TraceInput) -> Trace<SourceRef> {
         reading.read(step, event, time(event));
     }
     let last = told.events.last().map_or(0.0, time);
-    let end = told.end.map(|it| clean(told.unit.in_base(it, unit)));
+    let end = told.end.map(|end| clean(told.unit.in_base(end, unit)));
     let end = end.unwrap_or(last).max(last);
     if let Ending::Miss(task) = told.ending {
-        let owner = told.events.iter().rev().find(|it| it.thread == *task);
-        if let Some(key) = owner.map(|it| key_of(&it.thread)) {
+        let owner = told.events.iter().rev().find(|event| event.thread == *task);
+        if let Some(key) = owner.map(|owner| key_of(&owner.thread)) {
             reading.marks.push((key, end, MarkKind::Miss, None));
         }
     }
-    let repeats = told.cycle.and_then(|it| told.events.get(it));
+    let repeats = told.cycle.and_then(|cycle| told.events.get(cycle));
     reading.finish(told.title.clone(), unit, end, repeats.map(time))
 }
 
@@ -87,11 +87,12 @@ impl<'e> Exclusions<'e> {
     fn of(rows: &'e [Row]) -> Self {
         let others = |row: &'e Row| {
             let by = row.by.iter();
-            by.map(|it| (&*it.codel.path, &*it.through)).collect()
+            by.map(|blocker| (&*blocker.codel.path, &*blocker.through))
+                .collect()
         };
-        let rows = rows.iter().filter(|it| !it.by.is_empty());
+        let rows = rows.iter().filter(|row| !row.by.is_empty());
         Exclusions {
-            through: rows.map(|it| (&*it.codel.path, others(it))).collect(),
+            through: rows.map(|row| (&*row.codel.path, others(row))).collect(),
         }
     }
 
@@ -104,10 +105,10 @@ impl<'e> Exclusions<'e> {
     fn shared(&self, codel: &str, with: Option<&[&str]>) -> Vec<String> {
         let mut out: Vec<String> = Vec::new();
         let others = self.through.get(codel).into_iter().flatten();
-        let wanted = others.filter(|it| with.is_none_or(|with| with.contains(it.0)));
-        for it in wanted.flat_map(|it| it.1.iter()) {
-            if !out.contains(it) {
-                out.push(it.clone());
+        let wanted = others.filter(|pair| with.is_none_or(|with| with.contains(pair.0)));
+        for text in wanted.flat_map(|pair| pair.1.iter()) {
+            if !out.contains(text) {
+                out.push(text.clone());
             }
         }
         out.sort();
@@ -160,7 +161,7 @@ impl TraceBuilder<'_> {
         };
         let shares = codel
             .as_deref()
-            .is_some_and(|it| self.excludes.through.contains_key(it));
+            .is_some_and(|codel| self.excludes.through.contains_key(codel));
         match (event.kind, &codel, &of) {
             (MomentKind::Release, ..) if event.for_core => {
                 let waits = SpanStart {
@@ -179,11 +180,11 @@ impl TraceBuilder<'_> {
                 self.has_core(&free, thread.clone(), step, now);
             }
             (MomentKind::Wait, Some(path), Some(of)) => {
-                let ahead = event.waits_for.iter().filter(|it| it.ahead);
-                let ahead: Vec<CodelName> = ahead.map(|it| it.codel.clone()).collect();
+                let ahead = event.waits_for.iter().filter(|wait| wait.ahead);
+                let ahead: Vec<CodelName> = ahead.map(|wait| wait.codel.clone()).collect();
                 for lane in [&key, &locks] {
                     match self.lanes.open(lane, of, SpanKind::WaitLock) {
-                        Some(it) => it.ahead.extend(ahead.iter().cloned()),
+                        Some(span) => span.ahead.extend(ahead.iter().cloned()),
                         None => {
                             let ahead = ahead.clone();
                             let waits = begun(SpanKind::WaitLock, path);
@@ -228,16 +229,18 @@ impl TraceBuilder<'_> {
             _ => None,
         };
         self.marks
-            .extend(mark.map(|it| (key.clone(), now, it, Some(step))));
-        let blockers: Vec<&str> = event.waits_for.iter().map(|it| &*it.codel).collect();
+            .extend(mark.map(|mark| (key.clone(), now, mark, Some(step))));
+        let blockers: Vec<&str> = event.waits_for.iter().map(|wait| &*wait.codel).collect();
         let with = (event.kind == MomentKind::Wait).then_some(&*blockers);
-        let codel_locks = codel.as_deref().map(|it| self.excludes.shared(it, with));
+        let codel_locks = codel
+            .as_deref()
+            .map(|codel| self.excludes.shared(codel, with));
         let (rule, sentence) = rule(event.kind);
         self.rules
             .entry(rule.to_owned())
             .or_insert_with(|| sentence.to_owned());
         let place = event.src.map(|src| {
-            let known = self.places.iter().position(|it| *it == src);
+            let known = self.places.iter().position(|place| *place == src);
             known.unwrap_or_else(|| {
                 self.places.push(src);
                 self.places.len() - 1
@@ -250,7 +253,7 @@ impl TraceBuilder<'_> {
                 lane: 0,
                 rule: rule.to_owned(),
                 what: event.what.clone(),
-                codel: codel.map(|it| it.to_string()),
+                codel: codel.map(|codel| codel.to_string()),
                 locks: codel_locks.unwrap_or_default(),
                 place,
             },
@@ -286,30 +289,30 @@ impl TraceBuilder<'_> {
             at,
         } = self.lanes.finish(end);
         let lane = |key: &Key| at.get(key).copied().unwrap_or(0);
-        let core = |it: &Span| it.codel.is_none() && it.kind == SpanKind::Run;
-        let holds = SpanIndex::of(spans.iter().filter(|it| it.kind == SpanKind::Hold));
-        let cores = SpanIndex::of(spans.iter().filter(|it| core(it)));
+        let core = |span: &Span| span.codel.is_none() && span.kind == SpanKind::Run;
+        let holds = SpanIndex::of(spans.iter().filter(|span| span.kind == SpanKind::Hold));
+        let cores = SpanIndex::of(spans.iter().filter(|span| core(span)));
         // The step with which a codel begins to execute gives its lane.
-        let executes = |it: &Span| self.steps.get(it.step).map(|it| lane(&it.0));
+        let executes = |span: &Span| self.steps.get(span.step).map(|step| lane(&step.0));
         let mut waits = Vec::new();
         for (i, span) in spans.iter().enumerate() {
             let by = match (span.kind, &span.codel) {
                 (SpanKind::WaitLock, Some(codel)) => {
-                    let mut by = holds.during(span, |it| {
-                        let other = it.codel.as_deref()?;
+                    let mut by = holds.during(span, |span| {
+                        let other = span.codel.as_deref()?;
                         let through = self.excludes.through(codel, other)?;
                         Some(Holder {
-                            name: it.label.clone(),
-                            lane: executes(it),
-                            from: it.from,
-                            to: it.to,
+                            name: span.label.clone(),
+                            lane: executes(span),
+                            from: span.from,
+                            to: span.to,
                             through: through.to_vec(),
                             ahead: false,
                         })
                     });
                     for other in &ahead[i] {
                         let name = other.inside().to_owned();
-                        if by.iter().all(|it: &Holder| it.name != name) {
+                        if by.iter().all(|holder: &Holder| holder.name != name) {
                             by.push(Holder {
                                 name,
                                 lane: None,
@@ -322,12 +325,12 @@ impl TraceBuilder<'_> {
                     }
                     by
                 }
-                (SpanKind::WaitCore, _) => cores.during(span, |it| {
+                (SpanKind::WaitCore, _) => cores.during(span, |span| {
                     Some(Holder {
-                        name: it.label.clone(),
-                        lane: executes(it),
-                        from: it.from,
-                        to: it.to,
+                        name: span.label.clone(),
+                        lane: executes(span),
+                        from: span.from,
+                        to: span.to,
                         through: Vec::new(),
                         ahead: false,
                     })
@@ -354,7 +357,7 @@ impl TraceBuilder<'_> {
             step: *step,
         });
         let marks: Vec<Mark> = marks.collect();
-        let missed = marks.iter().rev().find(|it| it.kind == MarkKind::Miss);
+        let missed = marks.iter().rev().find(|mark| mark.kind == MarkKind::Miss);
         let last = self.steps.len().checked_sub(1);
         Trace {
             format: FORMAT,
@@ -363,17 +366,17 @@ impl TraceBuilder<'_> {
             start: 0.0,
             end,
             focus: Focus {
-                at: missed.map_or(end, |it| it.at),
-                lane: missed.map(|it| it.lane),
-                step: missed.and_then(|it| it.step).or(last),
+                at: missed.map_or(end, |mark| mark.at),
+                lane: missed.map(|mark| mark.lane),
+                step: missed.and_then(|mark| mark.step).or(last),
             },
             repeats,
             arrows: arrows.collect(),
             marks,
             steps: (self.steps.iter())
-                .map(|(key, it)| Step {
+                .map(|(key, step)| Step {
                     lane: lane(key),
-                    ..it.clone()
+                    ..step.clone()
                 })
                 .collect(),
             rules: self.rules,
@@ -395,7 +398,10 @@ impl<'s> SpanIndex<'s> {
     fn of(spans: impl Iterator<Item = &'s Span>) -> Self {
         let mut all: Vec<&Span> = spans.collect();
         all.sort_by(|a, b| a.from.total_cmp(&b.from));
-        let longest = all.iter().map(|it| it.to - it.from).fold(0.0, f64::max);
+        let longest = all
+            .iter()
+            .map(|span| span.to - span.from)
+            .fold(0.0, f64::max);
         SpanIndex { all, longest }
     }
 
@@ -403,10 +409,12 @@ impl<'s> SpanIndex<'s> {
     fn during(&self, wait: &Span, holder: impl Fn(&Span) -> Option<Holder>) -> Vec<Holder> {
         // No span that began earlier than the longest duration before the wait can overlap it. This avoids a
         // search from the beginning of long runs.
-        let first = (self.all).partition_point(|it| it.from < wait.from - self.longest);
+        let first = (self.all).partition_point(|span| span.from < wait.from - self.longest);
         let after = self.all[first..].iter();
-        let candidates = after.take_while(|it| it.from < wait.to);
-        let meanwhile = candidates.filter(|it| it.to > wait.from);
-        meanwhile.filter_map(|it| holder(it)).collect()
+        let candidates = after.take_while(|span| span.from < wait.to);
+        let meanwhile = candidates.filter(|candidate| candidate.to > wait.from);
+        meanwhile
+            .filter_map(|candidate| holder(candidate))
+            .collect()
     }
 }

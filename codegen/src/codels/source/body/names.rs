@@ -59,17 +59,17 @@ impl Names {
     }
 
     fn node(&mut self, node: Node<'_>, field: Option<&str>, around: NodeContext, text: &str) {
-        let name = |it: Node<'_>| SmolStr::from(source(it, text));
+        let name = |node: Node<'_>| SmolStr::from(source(node, text));
         match node.kind() {
             "declaration" => {
                 let mut cursor = node.walk();
-                for it in node.children_by_field_name("declarator", &mut cursor) {
-                    self.declare(it, text);
+                for child in node.children_by_field_name("declarator", &mut cursor) {
+                    self.declare(child, text);
                 }
             }
             "parameter_declaration" | "optional_parameter_declaration" | "for_range_loop" => {
-                if let Some(it) = node.child_by_field_name("declarator") {
-                    self.declare(it, text);
+                if let Some(child) = node.child_by_field_name("declarator") {
+                    self.declare(child, text);
                 }
             }
             "enumerator" | "preproc_def" | "preproc_function_def" => {
@@ -78,11 +78,13 @@ impl Names {
             }
             "assignment_expression" if !around.conditional && !around.declares => {
                 let left = node.child_by_field_name("left");
-                self.written.extend(left.and_then(|it| through(it, text)));
+                self.written
+                    .extend(left.and_then(|child| through(child, text)));
             }
             "update_expression" if !around.conditional && !around.declares => {
                 let of = node.child_by_field_name("argument");
-                self.written.extend(of.and_then(|it| through(it, text)));
+                self.written
+                    .extend(of.and_then(|child| through(child, text)));
             }
             // Members of local classes are names in the functions of these classes.
             "field_identifier" => {
@@ -106,44 +108,47 @@ impl Names {
     fn declare(&mut self, declarator: Node<'_>, text: &str) {
         let inner = declarator.child_by_field_name("declarator");
         let several = [Some(declarator), inner].into_iter().flatten();
-        let several = several.filter(|it| it.kind() == "structured_binding_declarator");
-        for it in several {
-            let mut cursor = it.walk();
-            let names = it.named_children(&mut cursor);
+        let several =
+            several.filter(|declarator| declarator.kind() == "structured_binding_declarator");
+        for declarator in several {
+            let mut cursor = declarator.walk();
+            let names = declarator.named_children(&mut cursor);
             self.declared
-                .extend(names.map(|it| SmolStr::from(source(it, text))));
+                .extend(names.map(|name| SmolStr::from(source(name, text))));
         }
-        if let Some(it) = declared_name(declarator) {
-            self.declared.insert(source(it, text).into());
+        if let Some(name) = declared_name(declarator) {
+            self.declared.insert(source(name, text).into());
         }
     }
 
     /// Names that are not declared in the function, each at its first use.
     pub(super) fn free(&self, parameters: &[Parameter]) -> Vec<(SmolStr, Span)> {
-        let parameters = parameters.iter().filter_map(|it| it.name.as_ref());
+        let parameters = parameters
+            .iter()
+            .filter_map(|parameter| parameter.name.as_ref());
         let mut known: FxHashSet<&SmolStr> = parameters.collect();
         known.extend(self.declared.iter().chain(&self.in_macros));
         let used = self.used.iter();
-        used.filter(|it| known.insert(&it.0)).cloned().collect()
+        used.filter(|pair| known.insert(&pair.0)).cloned().collect()
     }
 
     /// Writes through parameters that point to constants.
     pub(super) fn constant_writes(&self, parameters: &[Parameter]) -> Vec<(SmolStr, Span)> {
-        let constant = |it: &Parameter| {
-            it.ty.constant
+        let constant = |parameter: &Parameter| {
+            parameter.ty.constant
                 && matches!(
-                    it.ty.layers.as_slice(),
+                    parameter.ty.layers.as_slice(),
                     [Layer::Pointer { .. } | Layer::Array { .. }]
                 )
         };
-        let constant = parameters.iter().filter(|it| constant(it));
+        let constant = parameters.iter().filter(|parameter| constant(parameter));
         let names: FxHashSet<&SmolStr> = constant
-            .filter_map(|it| it.name.as_ref())
-            .filter(|it| !self.declared.contains(*it))
+            .filter_map(|constant| constant.name.as_ref())
+            .filter(|name| !self.declared.contains(*name))
             .collect();
         let written = self.written.iter();
         written
-            .filter(|it| names.contains(&it.0))
+            .filter(|pair| names.contains(&pair.0))
             .cloned()
             .collect()
     }
@@ -164,8 +169,8 @@ fn declares(node: Node<'_>) -> bool {
         return true;
     }
     let function = node.child_by_field_name("function");
-    let function =
-        function.filter(|it| node.kind() == "call_expression" && it.kind() == "identifier");
+    let function = function
+        .filter(|function| node.kind() == "call_expression" && function.kind() == "identifier");
     function.is_some()
 }
 

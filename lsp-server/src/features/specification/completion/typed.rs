@@ -12,8 +12,9 @@ pub(super) fn wanted(
     lines: &Lines,
     position: Position,
 ) -> bool {
-    let by_character =
-        |it: &&CompletionContext| it.trigger_kind == CompletionTriggerKind::TRIGGER_CHARACTER;
+    let by_character = |context: &&CompletionContext| {
+        context.trigger_kind == CompletionTriggerKind::TRIGGER_CHARACTER
+    };
     if context.filter(by_character).is_none() {
         return true;
     }
@@ -33,8 +34,8 @@ fn asks(before: &str) -> bool {
         // After a word or between the items of a list, not in an indentation or after a complete item.
         ' ' => {
             let before = before.strip_suffix("<=").unwrap_or(before);
-            before.ends_with(|it: char| {
-                it.is_alphanumeric() || matches!(it, '_' | ',' | '=' | ')' | '>')
+            before.ends_with(|character: char| {
+                character.is_alphanumeric() || matches!(character, '_' | ',' | '=' | ')' | '>')
             })
         }
         // In a list of states or elements, not in a comparison.
@@ -43,8 +44,9 @@ fn asks(before: &str) -> bool {
         ':' => before.ends_with(':'),
         // Before a member, not in a number.
         '.' => {
-            let word = before.rsplit(|it: char| !it.is_alphanumeric() && it != '_');
-            let mut word = word.map(|it| it.starts_with(|c: char| c.is_ascii_digit()));
+            let word =
+                before.rsplit(|character: char| !character.is_alphanumeric() && character != '_');
+            let mut word = word.map(|word| word.starts_with(|c: char| c.is_ascii_digit()));
             directive || in_string || word.next() != Some(true)
         }
         // At the beginning of a string, not at its end.

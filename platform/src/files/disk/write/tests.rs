@@ -83,7 +83,7 @@ fn steps(fixture: &Fixture) -> Vec<Step> {
 fn all_files_are_written_and_nothing_else_stays() {
     let fixture = fixture();
     let all = steps(&fixture);
-    assert_eq!(all.iter().filter(|it| **it == Step::Replace).count(), 3);
+    assert_eq!(all.iter().filter(|step| **step == Step::Replace).count(), 3);
     let after = map(&[
         ("a.c", "new a.c\n"),
         ("b.c", "new b.c\n"),
@@ -176,7 +176,12 @@ fn after_a_kill_at_any_step_the_helper_finishes() {
         ("b.c", "new b.c\n"),
         ("sub/c.c", "new sub/c.c\n"),
     ]);
-    let replaces = |to: usize| all[..to].iter().filter(|it| **it == Step::Replace).count();
+    let replaces = |to: usize| {
+        all[..to]
+            .iter()
+            .filter(|step| **step == Step::Replace)
+            .count()
+    };
     for (step, killed) in all.iter().enumerate() {
         let fixture = fixture();
         process::carry_out(&killed_at(&fixture, step, None));
@@ -193,7 +198,7 @@ fn after_a_kill_at_any_step_the_helper_finishes() {
 #[test]
 fn after_a_kill_while_files_are_put_back_the_helper_finishes() {
     let all = steps(&fixture());
-    let last = all.iter().rposition(|it| *it == Step::Replace).unwrap();
+    let last = all.iter().rposition(|step| *step == Step::Replace).unwrap();
     for step in last + 1..last + 3 {
         let fixture = fixture();
         process::carry_out(&killed_at(&fixture, step, Some(last)));

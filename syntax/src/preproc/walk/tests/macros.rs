@@ -199,12 +199,12 @@ fn uses_and_definitions_of_macros() {
     let uses: Vec<String> = out
         .macro_uses
         .iter()
-        .map(|it| {
+        .map(|usage| {
             format!(
                 "{:?} {} {:?}",
-                it.range,
-                it.name,
-                it.site.as_ref().map(|it| it.ordinal)
+                usage.range,
+                usage.name,
+                usage.site.as_ref().map(|site| site.ordinal)
             )
         })
         .collect();
@@ -224,7 +224,7 @@ fn uses_and_definitions_of_macros() {
     let origins: Vec<String> = out
         .elements
         .iter()
-        .filter_map(|it| match it {
+        .filter_map(|element| match element {
             Element::Virtual(token) => Some(format!("{} {:?}", token.text, token.origin)),
             _ => None,
         })

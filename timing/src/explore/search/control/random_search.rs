@@ -104,7 +104,7 @@ impl RandomSearch {
         for (&goal, run) in goals.iter().zip(found_run) {
             let place = &mut self.found_run[goal];
             if let Some(run) = run
-                && place.as_ref().is_none_or(|it| run.end < it.run.end)
+                && place.as_ref().is_none_or(|place| run.end < place.run.end)
             {
                 *place = Some(FoundRun {
                     run,
@@ -118,8 +118,10 @@ impl RandomSearch {
 
     /// Returns the latest end of the runs to some goals.
     fn last_end(&self, goals: &[GoalId]) -> Option<u64> {
-        let runs = goals.iter().filter_map(|&it| self.found_run[it].as_ref());
-        runs.map(|it| it.run.end).max()
+        let runs = goals
+            .iter()
+            .filter_map(|&goal| self.found_run[goal].as_ref());
+        runs.map(|run| run.run.end).max()
     }
 
     /// Returns the found run for a goal.
@@ -171,11 +173,12 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
                 .random_search
                 .as_ref()
                 .ok()
-                .and_then(|it| it.found_run(goal));
-            let settled = self.is_never(layers, goal) || found_run.is_some_and(|it| it.is_final);
+                .and_then(|search| search.found_run(goal));
+            let settled = self.is_never(layers, goal)
+                || found_run.is_some_and(|found_run| found_run.is_final);
             layers.observations.seen.goals[goal].is_none()
                 && !settled
-                && wanted(found_run.map(|it| &it.run))
+                && wanted(found_run.map(|found_run| &found_run.run))
         })
     }
 
@@ -188,14 +191,15 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     /// Returns true if some goal was only found by random search, and may still be reached earlier.
     pub(super) fn may_find_earlier_end(&self, layers: &Layers<'a, R>) -> bool {
         let now = layers.now;
-        let mut left =
-            self.open_goals(layers, |found_run| found_run.is_some_and(|it| it.end > now));
+        let mut left = self.open_goals(layers, |found_run| {
+            found_run.is_some_and(|found_run| found_run.end > now)
+        });
         left.next().is_some()
     }
 
     pub(super) fn is_random_search_due(&self, layers: &Layers<'a, R>) -> bool {
         let random_search = self.random_search.as_ref();
-        random_search.is_ok_and(|it| it.is_due(layers.steps, layers.is_dense()))
+        random_search.is_ok_and(|search| search.is_due(layers.steps, layers.is_dense()))
     }
 
     /// Returns the number of steps for each of the two searches for an earlier end.
@@ -212,15 +216,19 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
 
     /// Makes found runs final, if the search has continued for long enough without seeing the goals.
     fn settle_if_due(&mut self, layers: &Layers<'a, R>) {
-        let due = self.random_search.as_ref().ok().and_then(|it| it.report_at);
-        if due.is_none_or(|it| layers.steps < it) {
+        let due = self
+            .random_search
+            .as_ref()
+            .ok()
+            .and_then(|search| search.report_at);
+        if due.is_none_or(|report| layers.steps < report) {
             return;
         }
         self.search_earlier_ends(layers, self.further(layers));
         if let Ok(random_search) = &mut self.random_search {
             random_search.report_at = None;
             let found_run = random_search.found_run.values_mut().flatten();
-            found_run.for_each(|it| it.is_final = true);
+            found_run.for_each(|found_run| found_run.is_final = true);
         }
     }
 
@@ -228,7 +236,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     pub(super) fn search_if_due(&mut self, layers: &mut Layers<'a, R>) {
         self.settle_if_due(layers);
         while layers.diverging.is_none() && self.is_random_search_due(layers) {
-            let goals: Vec<GoalId> = self.open_goals(layers, |it| it.is_none()).collect();
+            let goals: Vec<GoalId> = self.open_goals(layers, |run| run.is_none()).collect();
             let endless = self.next_unbounded(layers);
             if goals.is_empty() && endless.is_none() {
                 return;
@@ -248,7 +256,10 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
                     break;
                 }
             }
-            let any = self.open_goals(layers, |it| it.is_some()).next().is_some();
+            let any = self
+                .open_goals(layers, |run| run.is_some())
+                .next()
+                .is_some();
             let Ok(random_search) = &mut self.random_search else {
                 return;
             };
@@ -258,7 +269,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
                     .get_or_insert(layers.steps + MAX_STEPS_FOR_EARLIER_END);
             }
             let mut missed = layers.observations.goals.missed();
-            if watch.stop_at_first && missed.any(|it| random_search.found_run[it.0].is_some()) {
+            if watch.stop_at_first && missed.any(|pair| random_search.found_run[pair.0].is_some()) {
                 layers.stopped = Some(Stop::Answered);
                 return;
             }
@@ -268,7 +279,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     /// Searches, for this many steps, for runs that end earlier than the found runs: first up to moments soon
     /// after the present one, then up to later and later moments.
     pub(super) fn search_earlier_ends(&mut self, layers: &Layers<'a, R>, further: u64) {
-        let goals: Vec<GoalId> = self.open_goals(layers, |it| it.is_some()).collect();
+        let goals: Vec<GoalId> = self.open_goals(layers, |run| run.is_some()).collect();
         let watch = layers.observations.goals.only(&goals);
         let mut search = beside(layers, &watch);
         let until = self.effort(layers) + further;
@@ -278,7 +289,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
             && !random_search.full
             && self.effort(layers) + length <= until
         {
-            let Some(high) = random_search.last_end(&goals).filter(|&it| it > low + 1) else {
+            let Some(high) = random_search.last_end(&goals).filter(|&end| end > low + 1) else {
                 return;
             };
             if low + width >= high {

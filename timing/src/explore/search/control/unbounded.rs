@@ -22,10 +22,10 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     pub(super) fn next_unbounded(&self, layers: &Layers<'a, R>) -> Option<usize> {
         let random_search = self.random_search.as_ref().ok()?;
         let gauges = layers.observations.gauges.iter().enumerate();
-        let endless = |&(i, it): &(usize, &Gauge)| {
-            it.active() && it.most.is_none() && !random_search.bounded.contains(&i)
+        let endless = |&(i, gauge): &(usize, &Gauge)| {
+            gauge.active() && gauge.most.is_none() && !random_search.bounded.contains(&i)
         };
-        let open: Vec<usize> = gauges.filter(endless).map(|it| it.0).collect();
+        let open: Vec<usize> = gauges.filter(endless).map(|gauge| gauge.0).collect();
         let turn = random_search.searches / Order::KINDS;
         open.get(turn as usize % open.len().max(1)).copied()
     }
@@ -44,9 +44,9 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
                 limit: None,
                 most: None,
             }),
-            Timing::Within(it) => watch.within.push(Within {
+            Timing::Within(index) => watch.within.push(Within {
                 limit: None,
-                ..layers.observations.watch.within[it].clone()
+                ..layers.observations.watch.within[index].clone()
             }),
         }
         let gauges = Gauge::of(&watch, &MeasurementMode::Shared);
@@ -91,7 +91,7 @@ fn exceeding(run: &Run, value: Ticks, limit: Ticks, cycle: (u64, u64)) -> Option
         let end = run.end - u64::from(value - limit - 1);
         let steps = run.steps.iter().copied();
         return Some(Run {
-            steps: steps.take_while(|it| it.0 < end).collect(),
+            steps: steps.take_while(|step| step.0 < end).collect(),
             end,
             ..Run::default()
         });

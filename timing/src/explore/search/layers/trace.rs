@@ -87,11 +87,13 @@ impl<R: Reduced> Layers<'_, R> {
             };
             // The state was put in order here. Later actions have the names after that, and the run has the
             // names before.
-            if let Some(back) = order.map(|it| it.inverse()) {
+            if let Some(back) = order.map(|order| order.inverse()) {
                 for (_, later) in &mut segments {
-                    later.iter_mut().for_each(|it| *it = back.action(*it));
+                    later
+                        .iter_mut()
+                        .for_each(|action| *action = back.action(*action));
                 }
-                task = task.map(|it| back.task(it));
+                task = task.map(|task| back.task(task));
                 let after = std::mem::take(&mut point);
                 point = vec![None; after.len()];
                 for (e, remaining) in after.into_iter().enumerate() {
@@ -142,9 +144,9 @@ impl<R: Reduced> Layers<'_, R> {
                 if !self.observations.rules.frame().is_executing(&s, e) {
                     return None;
                 }
-                let ended = actions
-                    .iter()
-                    .any(|it| matches!(it, Action::Finish { executor, .. } if *executor == e));
+                let ended = actions.iter().any(
+                    |action| matches!(action, Action::Finish { executor, .. } if *executor == e),
+                );
                 // The remaining time of an executor without a core does not change.
                 let progress = if self.observations.rules.progresses(&s, e) {
                     jump
@@ -215,7 +217,7 @@ impl<R: Reduced> Layers<'_, R> {
         let mut found: Vec<(State, usize, Option<Action>)> = vec![(start, usize::MAX, None)];
         let mut enabled = Enabled::default();
         let mut followed = Vec::new();
-        let mut it = Encoded::default();
+        let mut encoding = Encoded::default();
         let mut ordered = State::default();
         // In states: as elements of the list, and as keys of the set.
         let room = self.room_for_run() / self.bytes_of_found();
@@ -227,7 +229,7 @@ impl<R: Reduced> Layers<'_, R> {
                 return None;
             }
             let s = found[at].0.clone();
-            let before = found.get(found[at].1).map(|it| it.0.clone());
+            let before = found.get(found[at].1).map(|triple| triple.0.clone());
             self.observations.rules.enabled(&s, &mut enabled);
             if let Some(hit) = self.is_goal(before.as_ref(), &s, &enabled, goal) {
                 let mut actions = Vec::new();
@@ -259,13 +261,13 @@ impl<R: Reduced> Layers<'_, R> {
                 self.observations
                     .reductions
                     .order(&self.observations.rules, &mut ordered);
-                encode(self.observations.rules.frame(), &ordered, &mut it);
+                encode(self.observations.rules.frame(), &ordered, &mut encoding);
                 // Such a target is seen in a step, not in the state after the step.
                 let by_step = matches!(
                     goal,
                     Target::Goal(Goal::Reached(_)) | Target::Lasts(Timing::Within(_), 0)
                 ) && self.is_goal(Some(&s), &next, &enabled, goal).is_some();
-                if seen.insert((it.clone(), by_step)) {
+                if seen.insert((encoding.clone(), by_step)) {
                     found.push((next, at, Some(action)));
                 }
             }
@@ -297,9 +299,9 @@ impl<R: Reduced> Layers<'_, R> {
                 .of_task(task)
                 .iter()
                 .copied();
-            let task = orbit.find(|&it| found(it));
-            task.map(|it| TargetMatch {
-                task: Some(it),
+            let task = orbit.find(|&orbit| found(orbit));
+            task.map(|task| TargetMatch {
+                task: Some(task),
                 order: None,
             })
         };
@@ -309,17 +311,17 @@ impl<R: Reduced> Layers<'_, R> {
         };
         match *goal {
             Target::Goal(Goal::Missed(task)) => {
-                some_task(task, &|it| self.observations.rules.missed(s, it))
+                some_task(task, &|task| self.observations.rules.missed(s, task))
             }
             Target::Goal(Goal::Overdue(task)) => {
-                some_task(task, &|it| self.observations.rules.overdue(s, it))
+                some_task(task, &|task| self.observations.rules.overdue(s, task))
             }
-            Target::Goal(Goal::Reached(it)) => {
-                observe::predicate(&self.observations.rules, before, s, it)
+            Target::Goal(Goal::Reached(predicate)) => {
+                observe::predicate(&self.observations.rules, before, s, predicate)
                     .then(TargetMatch::default)
             }
             Target::Lasts(Timing::Response(task), value) => {
-                some_task(task, &|it| lasts(Timing::Response(it), value))
+                some_task(task, &|index| lasts(Timing::Response(index), value))
             }
             Target::Lasts(of, value) => (lasts(of, value)
                 || value == 0 && self.observations.is_answered_at_once(before, s, of))
@@ -333,9 +335,9 @@ impl<R: Reduced> Layers<'_, R> {
                     .observations
                     .reductions
                     .order(&self.observations.rules, &mut s);
-                let mut it = Encoded::default();
-                encode(self.observations.rules.frame(), &s, &mut it);
-                let same = it.key == key && holds(l, &it.dims, dims);
+                let mut encoding = Encoded::default();
+                encode(self.observations.rules.frame(), &s, &mut encoding);
+                let same = encoding.key == key && holds(l, &encoding.dims, dims);
                 same.then_some(TargetMatch { task: None, order })
             }
             Target::Deadlock => None,

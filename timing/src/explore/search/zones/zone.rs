@@ -42,8 +42,9 @@ impl Zone {
 
     fn row(&self, executor: usize) -> Option<usize> {
         let at = self.executors.iter();
-        let mut at = at.map(|&it| it as usize);
-        at.position(|it| it == executor).map(|it| it + 1)
+        let mut at = at.map(|&executor| executor as usize);
+        at.position(|index| index == executor)
+            .map(|index| index + 1)
     }
 
     fn at(&self, row: usize, column: usize) -> i32 {
@@ -55,7 +56,7 @@ impl Zone {
         self.executors.iter().enumerate().map(|(i, &executor)| {
             let longest = match self.at(i + 1, 0) {
                 NONE => FOREVER,
-                it => it as Ticks,
+                number => number as Ticks,
             };
             (executor as usize, (-self.at(0, i + 1) as Ticks, longest))
         })
@@ -80,12 +81,12 @@ impl Zone {
         for i in 0..n {
             for j in 0..n {
                 let by_way = sum(self.at(i, row), self.at(0, j));
-                let it = &mut self.bounds[i * n + j];
-                *it = (*it).min(by_way);
+                let bound = &mut self.bounds[i * n + j];
+                *bound = (*bound).min(by_way);
             }
         }
-        let rest = self.executors.iter().map(|&it| it as usize);
-        let rest: SmallVec<[usize; 12]> = rest.filter(|&it| it != executor).collect();
+        let rest = self.executors.iter().map(|&executor| executor as usize);
+        let rest: SmallVec<[usize; 12]> = rest.filter(|&index| index != executor).collect();
         self.set_executors(&rest, |_| unreachable!("all of them were there"));
     }
 
@@ -98,13 +99,13 @@ impl Zone {
         if self
             .executors
             .iter()
-            .map(|&it| it as usize)
+            .map(|&executor| executor as usize)
             .eq(executors.iter().copied())
         {
             return;
         }
         // The row of each executor in the old matrix, or its window.
-        let known = |&it: &usize| self.row(it).ok_or_else(|| window(it));
+        let known = |&index: &usize| self.row(index).ok_or_else(|| window(index));
         let rows: SmallVec<[Result<usize, (Ticks, Ticks)>; 12]> = std::iter::once(Ok(0))
             .chain(executors.iter().map(known))
             .collect();
@@ -128,19 +129,19 @@ impl Zone {
             }
         }
         self.bounds = bounds;
-        self.executors = executors.iter().map(|&it| it as u16).collect();
+        self.executors = executors.iter().map(|&executor| executor as u16).collect();
     }
 
     /// Returns the zone with renamed executors.
     pub(super) fn renamed(&self, name: impl Fn(usize) -> usize) -> Zone {
         let named = self.executors.iter().enumerate();
         let mut named: SmallVec<[(u16, usize); 12]> = named
-            .map(|(i, &it)| (name(it as usize) as u16, i + 1))
+            .map(|(i, &number)| (name(number as usize) as u16, i + 1))
             .collect();
         named.sort_unstable();
-        let rows = || std::iter::once(0).chain(named.iter().map(|it| it.1));
+        let rows = || std::iter::once(0).chain(named.iter().map(|pair| pair.1));
         Zone {
-            executors: named.iter().map(|it| it.0).collect(),
+            executors: named.iter().map(|pair| pair.0).collect(),
             bounds: rows()
                 .flat_map(|i| rows().map(move |j| (i, j)))
                 .map(|(i, j)| self.at(i, j))
@@ -177,7 +178,7 @@ mod tests {
     fn zone(windows: &[(Ticks, Ticks)]) -> Zone {
         let mut out = Zone::new();
         let executors: Vec<usize> = (0..windows.len()).collect();
-        out.set_executors(&executors, |it| windows[it]);
+        out.set_executors(&executors, |index| windows[index]);
         out
     }
 
@@ -187,24 +188,27 @@ mod tests {
 
     #[test]
     fn what_ends_after_another_keeps_its_distance() {
-        let mut it = zone(&[(3, 5), (10, 10), (0, FOREVER)]);
-        it.pass();
-        assert_eq!(windows(&it), [(0, (0, 5)), (1, (5, 10)), (2, (0, FOREVER))]);
-        it.end(0);
-        assert_eq!(windows(&it), [(1, (5, 7)), (2, (0, FOREVER))]);
+        let mut zone = zone(&[(3, 5), (10, 10), (0, FOREVER)]);
+        zone.pass();
+        assert_eq!(
+            windows(&zone),
+            [(0, (0, 5)), (1, (5, 10)), (2, (0, FOREVER))]
+        );
+        zone.end(0);
+        assert_eq!(windows(&zone), [(1, (5, 7)), (2, (0, FOREVER))]);
     }
 
     #[test]
     fn the_first_to_end_bounds_the_others() {
-        let mut it = zone(&[(0, 4), (6, 9)]);
-        it.pass();
-        assert_eq!(windows(&it), [(0, (0, 4)), (1, (2, 9))]);
-        let before = it.clone();
-        it.end(0);
-        it.set_executors(&[1, 2], |_| (1, 2));
-        assert_eq!(windows(&it), [(1, (2, 9)), (2, (1, 2))]);
-        it.pass();
-        assert_eq!(windows(&it), [(1, (0, 9)), (2, (0, 2))]);
+        let mut zone = zone(&[(0, 4), (6, 9)]);
+        zone.pass();
+        assert_eq!(windows(&zone), [(0, (0, 4)), (1, (2, 9))]);
+        let before = zone.clone();
+        zone.end(0);
+        zone.set_executors(&[1, 2], |_| (1, 2));
+        assert_eq!(windows(&zone), [(1, (2, 9)), (2, (1, 2))]);
+        zone.pass();
+        assert_eq!(windows(&zone), [(1, (0, 9)), (2, (0, 2))]);
         assert!(before.covers(&before));
     }
 
@@ -222,7 +226,7 @@ mod tests {
 
     #[test]
     fn names_move_with_their_times() {
-        let it = zone(&[(1, 2), (3, 4)]).renamed(|it| 1 - it);
-        assert_eq!(windows(&it), [(0, (3, 4)), (1, (1, 2))]);
+        let zone = zone(&[(1, 2), (3, 4)]).renamed(|index| 1 - index);
+        assert_eq!(windows(&zone), [(0, (3, 4)), (1, (1, 2))]);
     }
 }
