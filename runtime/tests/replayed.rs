@@ -71,15 +71,15 @@ fn record(prepared: &Prepared, until: u64, seed: u64, durations: Durations) -> (
 fn replay(verified: &TimedSystem, steps: &[Step], end: u64) -> ReplayReport {
     let system = with_any_exception(verified);
     let mut replay = Replay::new(&system, verified, None);
-    for it in steps {
-        replay.step(it);
+    for step in steps {
+        replay.step(step);
     }
     replay.end(end)
 }
 
 fn prepared(units: &[UnitResult], scenario: &str) -> Option<Prepared> {
     let input = SystemInput {
-        specs: units.iter().map(|it| &*it.spec).collect(),
+        specs: units.iter().map(|unit| &*unit.spec).collect(),
     };
     let prepared = prepare(&input, &parse(scenario).scenario, &Options::default());
     (!prepared.report.has_errors()).then_some(prepared)
@@ -88,7 +88,9 @@ fn prepared(units: &[UnitResult], scenario: &str) -> Option<Prepared> {
 /// Returns the number of systems: `DOTGEN_RUN_SYSTEMS`, by default a few dozen.
 fn systems_to_run() -> u64 {
     let given = std::env::var("DOTGEN_RUN_SYSTEMS").ok();
-    given.and_then(|it| it.parse().ok()).unwrap_or(60)
+    given
+        .and_then(|variable| variable.parse().ok())
+        .unwrap_or(60)
 }
 
 #[test]
@@ -119,7 +121,7 @@ fn every_run_is_one_of_the_model() {
                     seed - 1,
                     report.differences.first(),
                     (steps.iter().take(report.followed as usize + 1))
-                        .map(|it| format!("{} {}", it.time, it.describe()))
+                        .map(|step| format!("{} {}", step.time, step.describe()))
                         .collect::<Vec<_>>()
                         .join("\n"),
                     texts.specifications.join("\n"),
@@ -132,7 +134,7 @@ fn every_run_is_one_of_the_model() {
             all += report.steps;
             // An outcome that no rule allows.
             let ends: Vec<usize> = (0..steps.len())
-                .filter(|&it| steps[it].rule == Rule::End && steps[it].to != "ok")
+                .filter(|&step| steps[step].rule == Rule::End && steps[step].to != "ok")
                 .collect();
             if ends.is_empty() {
                 continue;
@@ -201,82 +203,102 @@ type Change = (&'static str, &'static [Rule], fn(&mut TimedSystem));
 
 fn codel<'s>(system: &'s mut TimedSystem, path: &str) -> &'s mut dotgen_timing::system::Codel {
     let mut all = system.codels.iter_mut();
-    all.find(|it| *it.path == *path).expect("it is there")
+    all.find(|codel| *codel.path == *path).expect("it is there")
 }
 
 /// Systems with one changed rule.
 const CHANGES: &[Change] = &[
-    ("a longer period", &[Rule::Tick], |it| {
-        let period = it.tasks[0].period.as_mut().expect("periodic");
+    ("a longer period", &[Rule::Tick], |system| {
+        let period = system.tasks[0].period.as_mut().expect("periodic");
         *period += *period / 2;
     }),
-    ("a shorter period", &[Rule::Tick], |it| {
-        let period = it.tasks[1].period.as_mut().expect("periodic");
+    ("a shorter period", &[Rule::Tick], |system| {
+        let period = system.tasks[1].period.as_mut().expect("periodic");
         *period /= 2;
     }),
-    ("a codel that takes longer", &[Rule::End], |it| {
-        codel(it, "plant.fast.main").upper *= 2;
-        codel(it, "plant.fast.main").lower = codel(it, "plant.fast.main").upper;
+    ("a codel that takes longer", &[Rule::End], |system| {
+        codel(system, "plant.fast.main").upper *= 2;
+        codel(system, "plant.fast.main").lower = codel(system, "plant.fast.main").upper;
     }),
-    ("a codel that takes less", &[Rule::End], |it| {
-        codel(it, "plant.slow.start").lower = 0;
-        codel(it, "plant.slow.start").upper = 0;
+    ("a codel that takes less", &[Rule::End], |system| {
+        codel(system, "plant.slow.start").lower = 0;
+        codel(system, "plant.slow.start").upper = 0;
     }),
-    ("a codel without limit", &[Rule::End], |it| {
-        codel(it, "plant.go.start").upper = FOREVER;
-        codel(it, "plant.go.start").lower = 20_000;
+    ("a codel without limit", &[Rule::End], |system| {
+        codel(system, "plant.go.start").upper = FOREVER;
+        codel(system, "plant.go.start").lower = 20_000;
     }),
-    ("another yield", &[Rule::End], |it| {
-        let machine = it.machines.iter_mut().find(|it| it.name == "plant.fast");
+    ("another yield", &[Rule::End], |system| {
+        let machine = system
+            .machines
+            .iter_mut()
+            .find(|machine| machine.name == "plant.fast");
         let machine = machine.expect("a permanent activity");
-        let other = machine.states.iter().position(|it| it.name == "other");
-        let start = machine.states.iter_mut().find(|it| it.name == "start");
+        let other = machine
+            .states
+            .iter()
+            .position(|state| state.name == "other");
+        let start = machine
+            .states
+            .iter_mut()
+            .find(|state| state.name == "start");
         start.expect("a state").yields = vec![Yield::Pause(other.expect("a state"))];
     }),
-    ("a pause that is none", &[Rule::End], |it| {
-        let machine = it.machines.iter_mut().find(|it| it.name == "plant.fast");
+    ("a pause that is none", &[Rule::End], |system| {
+        let machine = system
+            .machines
+            .iter_mut()
+            .find(|machine| machine.name == "plant.fast");
         let states = &mut machine.expect("a permanent activity").states;
         let main = states
             .iter()
-            .position(|it| it.name == "main")
+            .position(|state| state.name == "main")
             .expect("a state");
         let other = states
             .iter_mut()
-            .find(|it| it.name == "other")
+            .find(|state| state.name == "other")
             .expect("a state");
         other.yields = vec![Yield::Next(main)];
     }),
-    ("more cores", &[Rule::Grant], |it| {
-        it.platform.cores = Some(2);
+    ("more cores", &[Rule::Grant], |system| {
+        system.platform.cores = Some(2);
     }),
-    ("a lock that nobody needs", &[Rule::Locks], |it| {
-        it.platform.cores = None;
-        for codel in &mut it.codels {
+    ("a lock that nobody needs", &[Rule::Locks], |system| {
+        system.platform.cores = None;
+        for codel in &mut system.codels {
             codel.conflicts = Default::default();
         }
     }),
     (
         "locks as they come, which nobody needs to wait for",
         &[Rule::Locks],
-        |it| {
-            it.platform.cores = None;
-            it.platform.semantics.locks = LockRule::Free;
-            it.platform.semantics.locks = LockRule::Free;
+        |system| {
+            system.platform.cores = None;
+            system.platform.semantics.locks = LockRule::Free;
+            system.platform.semantics.locks = LockRule::Free;
         },
     ),
-    ("another policy", &[Rule::Release], |it| {
-        it.platform.policy = Policy::Priority;
+    ("another policy", &[Rule::Release], |system| {
+        system.platform.policy = Policy::Priority;
     }),
-    ("a client that does not wait", &[Rule::Delay], |it| {
-        for step in it.clients.iter_mut().flat_map(|it| &mut it.steps) {
+    ("a client that does not wait", &[Rule::Delay], |system| {
+        for step in system
+            .clients
+            .iter_mut()
+            .flat_map(|client| &mut client.steps)
+        {
             if let dotgen_timing::system::ClientAction::Delay(least, _) = &mut step.action {
                 *least = 0;
             }
         }
     }),
-    ("an exception that is not declared", &[Rule::End], |it| {
-        codel(it, "plant.fast.main").throws = true;
-    }),
+    (
+        "an exception that is not declared",
+        &[Rule::End],
+        |system| {
+            codel(system, "plant.fast.main").throws = true;
+        },
+    ),
 ];
 
 #[test]
@@ -296,9 +318,9 @@ fn a_rule_that_was_another_one_is_named() {
             }
             let report = replay(&verified, &steps, end);
             let first = report.differences.first();
-            let rule = first.map(|it| it.rule);
+            let rule = first.map(|difference| difference.rule);
             assert!(
-                rule.is_some_and(|it| rules.contains(&it)),
+                rule.is_some_and(|rule| rules.contains(&rule)),
                 "{name}: {rule:?} {first:#?}"
             );
         }
@@ -318,18 +340,23 @@ fn a_run_is_followed_beyond_a_wrong_time_and_not_beyond_what_is_impossible() {
     let report = replay(system, &steps, end);
     assert_eq!(report.followed, steps.len() as u64);
     assert!(report.difference_count > 50, "{}", report.difference_count);
-    for it in &report.differences {
+    for difference in &report.differences {
         let (took, limit) = (u64::from(upper) + 1, upper);
-        assert_eq!(it.what, DifferenceKind::Longer { took, limit });
-        assert!(it.step.what.starts_with("plant.slow.start"), "{it:?}");
+        assert_eq!(difference.what, DifferenceKind::Longer { took, limit });
+        assert!(
+            difference.step.what.starts_with("plant.slow.start"),
+            "{difference:?}"
+        );
     }
     let (steps, end) = record(&prepared, until, 1, Durations::Worst);
-    let ticks = |it: &Step| it.rule == Rule::Tick && it.of == "plant.slow";
-    let tick = steps.iter().position(|it| ticks(it) && it.time > end / 2);
+    let ticks = |step: &Step| step.rule == Rule::Tick && step.of == "plant.slow";
+    let tick = steps
+        .iter()
+        .position(|step| ticks(step) && step.time > end / 2);
     let (before, after) = steps.split_at(tick.expect("it is periodic"));
     let due = after[0].clone();
     // A task that stops at some moment.
-    let others = after.iter().filter(|it| it.of != "plant.slow");
+    let others = after.iter().filter(|step| step.of != "plant.slow");
     let steps: Vec<Step> = before.iter().chain(others).cloned().collect();
     let report = replay(system, &steps, end);
     assert_eq!(report.difference_count, 1);

@@ -64,31 +64,34 @@ pub(super) fn models<'s>(
     if (asked && !servers) || system.has_builtin(|_| true) {
         return Err(Refusal::Requests);
     }
-    let needing = (0..system.tasks.len()).filter(|&it| system.needs_core(it));
+    let needing = (0..system.tasks.len()).filter(|&task| system.needs_core(task));
     let needing = needing.count();
-    let enough = platform.cores.is_none_or(|it| it as usize >= needing);
-    let tied = system.tasks.iter().any(|it| it.affinity.is_some());
+    let enough = platform.cores.is_none_or(|core| core as usize >= needing);
+    let tied = system.tasks.iter().any(|task| task.affinity.is_some());
     // Under preemption, control tasks take cores as well.
     let controls = if asked { system.components.len() } else { 0 };
     let all = system.tasks.len() + controls;
-    let alone = platform.cores.is_none_or(|it| it as usize >= all);
+    let alone = platform.cores.is_none_or(|core| core as usize >= all);
     if system.preempts() && (!alone || tied) {
         return Err(Refusal::Preemption);
     }
     let activities = activities(system, left);
-    let codels: Vec<CodelSet> = activities.iter().map(|it| codels(system, it)).collect();
+    let codels: Vec<CodelSet> = activities
+        .iter()
+        .map(|activity| codels(system, activity))
+        .collect();
     let mut threads: Vec<Thread> = Vec::new();
-    for (task, it) in system.tasks.iter().enumerate() {
+    for (task, entry) in system.tasks.iter().enumerate() {
         if servers && system.runs_apart(task) {
             return Err(Refusal::Apart);
         }
-        let made = match (it.period, left[task]) {
+        let made = match (entry.period, left[task]) {
             (_, Some(refusal)) => Err(refusal),
             (Some(period), None) => thread(system, task, period, &activities[task], servers),
             (None, None) => Err(Refusal::Aperiodic),
         };
         match made {
-            Ok(it) => threads.push(it),
+            Ok(refusal) => threads.push(refusal),
             Err(refusal) if servers => left[task] = Some(refusal),
             Err(refusal) => return Err(refusal),
         }
@@ -98,7 +101,7 @@ pub(super) fn models<'s>(
     let groups = group(system, &mut threads, (&codels, &others), servers);
     if !servers
         && platform.semantics.locks != LockRule::Free
-        && threads.iter().any(|it| it.contends)
+        && threads.iter().any(|thread| thread.contends)
     {
         return Err(Refusal::Semantics);
     }
@@ -109,20 +112,23 @@ pub(super) fn models<'s>(
         let hyperperiod = hyperperiod(&threads)?;
         let mut interference = Vec::new();
         for group in 0..groups {
-            let own = |it: &&Thread| it.group == group && it.contends;
+            let own = |thread: &&Thread| thread.group == group && thread.contends;
             let component = threads.iter().find(own);
-            let component = component.map(|it| system.tasks[it.task].component);
-            let of_group = others.iter().filter(|it| Some(it.component) == component);
+            let component = component.map(|component| system.tasks[component.task].component);
+            let of_group = others
+                .iter()
+                .filter(|thread| Some(thread.component) == component);
             let of_group: Vec<OtherThread> = of_group.cloned().collect();
             interference.push(self::interference(system, &of_group));
         }
-        let lends = |it: &usize| !followed(*it) && system.needs_core(*it);
+        let lends = |index: &usize| !followed(*index) && system.needs_core(*index);
         let lent = (0..system.tasks.len()).filter(lends).count();
         if cores.is_some_and(|cores| cores <= lent) {
             // The reason that counts is that of a task with a period, if there is one.
-            let periodic = (0..system.tasks.len()).filter(|&it| system.tasks[it].period.is_some());
+            let periodic =
+                (0..system.tasks.len()).filter(|&task| system.tasks[task].period.is_some());
             return Err(periodic
-                .filter_map(|it| left[it])
+                .filter_map(|task| left[task])
                 .next()
                 .unwrap_or(Refusal::Aperiodic));
         }
@@ -140,12 +146,12 @@ pub(super) fn models<'s>(
         })
     };
     if !enough {
-        let tasks: Vec<usize> = threads.iter().map(|it| it.task).collect();
-        for it in &mut threads {
+        let tasks: Vec<usize> = threads.iter().map(|thread| thread.task).collect();
+        for thread in &mut threads {
             let number = |next: usize| tasks.iter().position(|&task| task == next);
-            it.successor = it.successor.and_then(number);
+            thread.successor = thread.successor.and_then(number);
         }
-        let cores = platform.cores.map(|it| it as usize);
+        let cores = platform.cores.map(|core| core as usize);
         return Ok(vec![(tasks, whole(threads, cores, groups))]);
     }
     // Without shared cores, tasks interact only in their groups, and where one starts another.
@@ -153,15 +159,15 @@ pub(super) fn models<'s>(
     let models = parts.into_iter().map(|part| {
         let all = std::mem::take(&mut threads).into_iter();
         let (mut own, rest): (Vec<Thread>, Vec<Thread>) =
-            all.partition(|it| part.contains(&it.task));
+            all.partition(|thread| part.contains(&thread.task));
         threads = rest;
-        let mut numbers: Vec<usize> = own.iter().map(|it| it.group).collect();
+        let mut numbers: Vec<usize> = own.iter().map(|thread| thread.group).collect();
         numbers.sort_unstable();
         numbers.dedup();
-        let tasks: Vec<usize> = own.iter().map(|it| it.task).collect();
-        for it in &mut own {
-            it.group = numbers.binary_search(&it.group).unwrap_or(0);
-            it.successor = it
+        let tasks: Vec<usize> = own.iter().map(|thread| thread.task).collect();
+        for thread in &mut own {
+            thread.group = numbers.binary_search(&thread.group).unwrap_or(0);
+            thread.successor = thread
                 .successor
                 .and_then(|next| tasks.iter().position(|&task| task == next));
         }
@@ -173,9 +179,9 @@ pub(super) fn models<'s>(
 /// Returns the codels of some activities.
 fn codels(system: &TimedSystem, activities: &[Activity]) -> CodelSet {
     let mut all = CodelSet::default();
-    for it in activities {
-        let states = system.machines[it.machine].states.iter();
-        states.for_each(|it| all.insert(it.codel));
+    for activity in activities {
+        let states = system.machines[activity.machine].states.iter();
+        states.for_each(|state| all.insert(state.codel));
     }
     all
 }
@@ -187,9 +193,9 @@ fn thread(
     activities: &[Activity],
     servers: bool,
 ) -> Result<Thread, Refusal> {
-    let it = &system.tasks[task];
+    let definition = &system.tasks[task];
     let period = i64::from(period);
-    if it.keep_idle_tick && !servers {
+    if definition.keep_idle_tick && !servers {
         return Err(Refusal::KeepsTicks);
     }
     if system.runs_apart(task) {
@@ -201,7 +207,7 @@ fn thread(
             return Err(Refusal::WithoutPause);
         }
         let upper = |state: &crate::system::State| system.codels[state.codel].upper;
-        if machine.states.iter().any(|it| upper(it) == FOREVER) {
+        if machine.states.iter().any(|state| upper(state) == FOREVER) {
             return Err(Refusal::Endless { task });
         }
     }
@@ -211,7 +217,7 @@ fn thread(
     };
     let first = match servers {
         true => first_tick(system, task),
-        false => period + i64::from(it.delay),
+        false => period + i64::from(definition.delay),
     };
     let paused = match (servers, activities, &cycle_automaton) {
         (true, ..) => Vec::new(),
@@ -219,7 +225,7 @@ fn thread(
             let paused = after_start_up(system, &system.machines[only.machine])?;
             let paused = paused
                 .into_iter()
-                .filter_map(|it| cycle_automaton.paused_at(it));
+                .filter_map(|after_start_up| cycle_automaton.paused_at(after_start_up));
             paused.collect()
         }
         (false, ..) => return Err(Refusal::Ends),
@@ -258,8 +264,8 @@ fn after_start_up(system: &TimedSystem, machine: &Machine) -> Result<Vec<usize>,
         if system.codels[state.codel].upper > 0 {
             return Err(Refusal::StartUp);
         }
-        for it in &state.yields {
-            match *it {
+        for transition in &state.yields {
+            match *transition {
                 Yield::Next(next) => todo.push(next),
                 Yield::Pause(next) if !paused.contains(&next) => paused.push(next),
                 _ => {}
@@ -271,8 +277,8 @@ fn after_start_up(system: &TimedSystem, machine: &Machine) -> Result<Vec<usize>,
 
 fn waited_for(system: &TimedSystem) -> Vec<bool> {
     let mut out = vec![false; system.codels.len()];
-    for it in &system.codels {
-        it.conflicts.iter().for_each(|other| out[other] = true);
+    for codel in &system.codels {
+        codel.conflicts.iter().for_each(|other| out[other] = true);
     }
     out
 }
@@ -286,17 +292,20 @@ fn group(
     servers: bool,
 ) -> usize {
     let component = |task: usize| system.tasks[task].component;
-    let tasks: Vec<usize> = threads.iter().map(|it| it.task).collect();
+    let tasks: Vec<usize> = threads.iter().map(|thread| thread.task).collect();
     // True if others of its component wait for a task, or the task for them, or others for each other.
     let disturbed = |thread: usize| {
         let own = component(tasks[thread]);
-        let others: Vec<&OtherThread> = others.iter().filter(|it| it.component == own).collect();
+        let others: Vec<&OtherThread> = others
+            .iter()
+            .filter(|thread| thread.component == own)
+            .collect();
         let mut all = others.iter().enumerate();
-        all.any(|(number, it)| {
-            it.meets(system, &codels[tasks[thread]])
+        all.any(|(number, candidate)| {
+            candidate.meets(system, &codels[tasks[thread]])
                 || others[..number]
                     .iter()
-                    .any(|other| it.meets(system, &other.codels))
+                    .any(|other| candidate.meets(system, &other.codels))
         })
     };
     let waits = |one: usize, other: usize| {
@@ -305,27 +314,31 @@ fn group(
     };
     let mut of: Vec<usize> = (0..threads.len()).collect();
     for one in 0..threads.len() {
-        for other in (0..threads.len()).filter(|&it| it != one) {
+        for other in (0..threads.len()).filter(|&thread| thread != one) {
             if !waits(one, other) {
                 continue;
             }
-            let of_component = |it: usize| component(tasks[it]) == component(tasks[one]);
-            let joined = |it: usize| it == one || it == other || (servers && of_component(it));
-            let joined: Vec<usize> = (0..threads.len()).filter(|&it| joined(it)).collect();
-            let old: Vec<usize> = joined.iter().map(|&it| of[it]).collect();
+            let of_component = |task: usize| component(tasks[task]) == component(tasks[one]);
+            let joined = |thread: usize| {
+                thread == one || thread == other || (servers && of_component(thread))
+            };
+            let joined: Vec<usize> = (0..threads.len())
+                .filter(|&thread| joined(thread))
+                .collect();
+            let old: Vec<usize> = joined.iter().map(|&thread| of[thread]).collect();
             let into = of[one];
-            for it in &mut of {
-                if old.contains(it) {
-                    *it = into;
+            for thread in &mut of {
+                if old.contains(thread) {
+                    *thread = into;
                 }
             }
-            for it in joined {
-                threads[it].contends = true;
+            for thread in joined {
+                threads[thread].contends = true;
             }
         }
     }
-    for (thread, it) in threads.iter_mut().enumerate() {
-        it.contends |= servers && disturbed(thread);
+    for (thread, entry) in threads.iter_mut().enumerate() {
+        entry.contends |= servers && disturbed(thread);
     }
     let mut numbers = of.clone();
     numbers.sort_unstable();
@@ -342,23 +355,23 @@ fn parts(threads: &[Thread]) -> Vec<Vec<usize>> {
     let mut join = |one: usize, other: usize| {
         let (from, to) = (of[one].max(of[other]), of[one].min(of[other]));
         of.iter_mut()
-            .filter(|it| **it == from)
-            .for_each(|it| *it = to);
+            .filter(|thread| **thread == from)
+            .for_each(|thread| *thread = to);
     };
-    for (one, it) in threads.iter().enumerate() {
-        if let Some(next) = it.successor
-            && let Some(next) = threads.iter().position(|it| it.task == next)
+    for (one, thread) in threads.iter().enumerate() {
+        if let Some(next) = thread.successor
+            && let Some(next) = threads.iter().position(|thread| thread.task == next)
         {
             join(one, next);
         }
-        let same = |other: &usize| threads[*other].group == it.group;
+        let same = |other: &usize| threads[*other].group == thread.group;
         (0..one).filter(same).for_each(|other| join(one, other));
     }
     let mut out: Vec<Vec<usize>> = Vec::new();
     for first in 0..threads.len() {
         if of[first] == first {
-            let own = (0..threads.len()).filter(|&it| of[it] == first);
-            out.push(own.map(|it| threads[it].task).collect());
+            let own = (0..threads.len()).filter(|&thread| of[thread] == first);
+            out.push(own.map(|thread| threads[thread].task).collect());
         }
     }
     out
@@ -367,25 +380,29 @@ fn parts(threads: &[Thread]) -> Vec<Vec<usize>> {
 /// Returns the least common multiple of all periods.
 fn hyperperiod(threads: &[Thread]) -> Result<i64, Refusal> {
     let mut all: i64 = 1;
-    for it in threads {
-        all = all / gcd(all, it.period) * it.period;
+    for thread in threads {
+        all = all / gcd(all, thread.period) * thread.period;
         if all > 1 << 40 {
             return Err(Refusal::Hyperperiod);
         }
     }
-    let jobs: i64 = threads.iter().map(|it| all / it.period).sum();
-    let beginnings = |it: &Thread| {
-        let after = it.start.after.filter(|_| !it.started);
-        let ticks = after.map_or(0, |after| (after.to - it.first).div_euclid(it.period) + 1);
-        let started = ticks.max(0) as usize + 1 + usize::from(it.start.fails);
-        it.paused.len().max(started)
+    let jobs: i64 = threads.iter().map(|thread| all / thread.period).sum();
+    let beginnings = |thread: &Thread| {
+        let after = thread.start.after.filter(|_| !thread.started);
+        let ticks = after.map_or(0, |after| {
+            (after.to - thread.first).div_euclid(thread.period) + 1
+        });
+        let started = ticks.max(0) as usize + 1 + usize::from(thread.start.fails);
+        thread.paused.len().max(started)
     };
     let beginnings = threads
         .iter()
-        .try_fold(1usize, |all, it| all.checked_mul(beginnings(it)));
+        .try_fold(1usize, |all, thread| all.checked_mul(beginnings(thread)));
     match jobs > JOBS {
         true => Err(Refusal::Hyperperiod),
-        false if beginnings.is_none_or(|it| it > MAX_INITIAL_COMBINATIONS) => Err(Refusal::StartUp),
+        false if beginnings.is_none_or(|beginning| beginning > MAX_INITIAL_COMBINATIONS) => {
+            Err(Refusal::StartUp)
+        }
         false => Ok(all),
     }
 }

@@ -83,15 +83,15 @@ pub(crate) trait Reduction: Sized {
 
     /// Applies the reduction unless it is switched off, and records the outcome in `notes`.
     fn examine(setting: &Setting, notes: &mut Vec<Activity>) -> Option<Self> {
-        let it = match setting.without.contains(Self::KIND) {
+        let result = match setting.without.contains(Self::KIND) {
             true => Err(Reason::SwitchedOff),
             false => Self::applies(setting),
         };
         notes.push(Activity {
             kind: Self::KIND,
-            off: it.as_ref().err().copied(),
+            off: result.as_ref().err().copied(),
         });
-        it.ok()
+        result.ok()
     }
 }
 
@@ -146,7 +146,7 @@ pub(crate) trait Reductions<R: Rules>: Sized {
         let waiters = self.waiters(rules, s);
         rules.next_moment(s, &|executor| {
             let waits = waiters.as_ref();
-            waits.is_some_and(|it| it.can_be_deferred(rules.system(), executor))
+            waits.is_some_and(|wait| wait.can_be_deferred(rules.system(), executor))
         })
     }
 }
@@ -217,7 +217,7 @@ impl<R: Rules> Reductions<R> for NoReductions {
         out: &mut Vec<(Action, SleepSet)>,
     ) {
         out.clear();
-        out.extend(enabled.actions.iter().map(|&it| (it, held)));
+        out.extend(enabled.actions.iter().map(|&action| (action, held)));
     }
 
     fn sleep_set_after(&self, _: &R, _: &State, _: Action, _: &State, _: SleepSet) -> SleepSet {

@@ -37,8 +37,11 @@ pub fn explore_chain(
     cancel: &Cancel,
 ) -> Findings {
     let never = || {
-        let it = Predicate::Atom(Atom::Task(0, TaskState::Idle));
-        Predicate::And(Box::new(it.clone()), Box::new(Predicate::Not(Box::new(it))))
+        let atom = Predicate::Atom(Atom::Task(0, TaskState::Idle));
+        Predicate::And(
+            Box::new(atom.clone()),
+            Box::new(Predicate::Not(Box::new(atom))),
+        )
     };
     let watch = Watch {
         within: vec![Within {
@@ -49,8 +52,8 @@ pub fn explore_chain(
         ..Watch::default()
     };
     let mut found = explore_tracked(&SystemRules::new(system), chain, &watch, limits, cancel);
-    for it in found.within.iter_mut().flatten() {
-        without_marks(it);
+    for measurement in found.within.iter_mut().flatten() {
+        without_marks(measurement);
     }
     found
 }
@@ -58,12 +61,12 @@ pub fn explore_chain(
 /// Returns the greatest age, in base units, up to which invisible ages are counted. Greater ages would be
 /// unbounded, or nearly so.
 pub(super) fn greatest_age(system: &TimedSystem) -> Ticks {
-    let periods = system.tasks.iter().filter_map(|it| it.period);
-    let uppers = (system.codels.iter()).map(|it| {
-        if it.upper == FOREVER {
-            it.lower
+    let periods = system.tasks.iter().filter_map(|task| task.period);
+    let uppers = (system.codels.iter()).map(|codel| {
+        if codel.upper == FOREVER {
+            codel.lower
         } else {
-            it.upper
+            codel.upper
         }
     });
     let sum = periods.chain(uppers).fold(16, Ticks::saturating_add);
@@ -83,17 +86,17 @@ fn explore_tracked<R: Rules>(
 }
 
 /// Removes marks from runs: they are not actions of the system.
-fn without_marks(it: &mut Measured) {
+fn without_marks(measurement: &mut Measured) {
     let strip = |run: &mut Run| {
         let is_mark = |action: &Action| matches!(action, Action::Mark { .. });
         if let Some(cycle) = &mut run.cycle {
             let before = run.steps.iter().take(*cycle);
-            *cycle -= before.filter(|it| is_mark(&it.1)).count();
+            *cycle -= before.filter(|step| is_mark(&step.1)).count();
         }
-        run.steps.retain(|it| !is_mark(&it.1));
+        run.steps.retain(|step| !is_mark(&step.1));
     };
-    strip(&mut it.longest.run);
-    if let Some(excess) = &mut it.excess {
+    strip(&mut measurement.longest.run);
+    if let Some(excess) = &mut measurement.excess {
         strip(&mut excess.run);
     }
 }
@@ -158,8 +161,8 @@ impl<'c, R: Rules> Tracked<'c, R> {
 
     fn marked_place(&self, place: DataPlace, holder: usize) -> (usize, u16) {
         let number = match place {
-            DataPlace::Shared(it) => it,
-            DataPlace::Local(it) => self.chain.shared + holder * self.chain.locals + it,
+            DataPlace::Shared(index) => index,
+            DataPlace::Local(local) => self.chain.shared + holder * self.chain.locals + local,
         };
         self.bit(2 * self.executors.div_ceil(BITS), number)
     }
@@ -208,7 +211,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
         }
         for executor in 0..self.executors {
             let frame = self.rules.frame();
-            let was = before.is_some_and(|(it, _)| frame.is_executing(it, executor));
+            let was = before.is_some_and(|(state, _)| frame.is_executing(state, executor));
             if !frame.is_executing(s, executor) || (was && ended != Some(executor)) {
                 continue;
             }
@@ -217,8 +220,8 @@ impl<'c, R: Rules> Tracked<'c, R> {
             };
             set(s, self.fresh(executor), true);
             let reads = self.chain.reads[codel].iter();
-            let mut bits = reads.map(|&it| self.marked_place(it, holder));
-            let marked = bits.any(|it| is_set(s, it)) && self.chain.carries[codel];
+            let mut bits = reads.map(|&place| self.marked_place(place, holder));
+            let marked = bits.any(|bit| is_set(s, bit)) && self.chain.carries[codel];
             set(s, self.marked_executor(executor), marked);
             // A datum that arrives just after a read waits longest for the next read; a datum that is read is
             // assumed to have just arrived.
@@ -228,7 +231,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
         if offered && self.status(s) == status::IDLE {
             s.d[self.token] = status::OFFERED;
         } else {
-            (0..self.executors).for_each(|it| set(s, self.fresh(it), false));
+            (0..self.executors).for_each(|executor| set(s, self.fresh(executor), false));
         }
         self.settle(s);
     }
@@ -285,10 +288,11 @@ impl<'c, R: Rules> Tracked<'c, R> {
         if self.chain.locals == 0 || self.status(s) != status::ALIVE {
             return;
         }
-        let free = (0..self.rules.places()).filter(|&it| self.rules.activity(s, it).is_none());
+        let free =
+            (0..self.rules.places()).filter(|&index| self.rules.activity(s, index).is_none());
         let handled = (0..self.rules.system().components.len())
-            .filter(|&it| self.rules.handling(s, it).is_none())
-            .map(|it| self.request(it));
+            .filter(|&component| self.rules.handling(s, component).is_none())
+            .map(|component| self.request(component));
         for holder in free.chain(handled).collect::<Vec<_>>() {
             for local in (0..self.chain.locals).map(DataPlace::Local) {
                 set(s, self.marked_place(local, holder), false);
@@ -299,7 +303,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
     /// Opens and ends the measurement.
     fn settle(&self, s: &mut State) {
         let marks = self.token + 1 + self.executors.div_ceil(BITS)..self.end();
-        if self.status(s) == status::ALIVE && s.d[marks].iter().all(|&it| it == 0) {
+        if self.status(s) == status::ALIVE && s.d[marks].iter().all(|&number| number == 0) {
             s.d[self.token] = status::OVER;
         }
         if self.status(s) == status::OVER {
@@ -329,9 +333,9 @@ impl<'c, R: Rules> Tracked<'c, R> {
 
     /// Returns the executors whose read of the first datum can be marked, if the datum is new at every read.
     fn readers(&self, s: &State) -> Vec<usize> {
-        let fresh = (0..self.executors).filter(|&it| is_set(s, self.fresh(it)));
-        let reads = |it: &usize| {
-            let codel = self.codel(s, *it);
+        let fresh = (0..self.executors).filter(|&executor| is_set(s, self.fresh(executor)));
+        let reads = |index: &usize| {
+            let codel = self.codel(s, *index);
             codel.is_some_and(|(codel, _)| self.reads_first(codel) && self.chain.carries[codel])
         };
         fresh.filter(reads).collect()
@@ -361,7 +365,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
                 }
             }
         }
-        (0..self.executors).for_each(|it| set(s, self.fresh(it), false));
+        (0..self.executors).for_each(|executor| set(s, self.fresh(executor), false));
         self.settle(s);
     }
 }
@@ -417,7 +421,8 @@ impl<R: Rules> Rules for Tracked<'_, R> {
                 out.actions.push(mark(None, false));
                 if self.chain.external && self.chain.kind == ChainKind::Age {
                     let readers = self.readers(s).into_iter();
-                    out.actions.extend(readers.map(|it| mark(Some(it), true)));
+                    out.actions
+                        .extend(readers.map(|reader| mark(Some(reader), true)));
                 } else {
                     out.actions.push(mark(None, true));
                 }

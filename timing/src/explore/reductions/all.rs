@@ -67,7 +67,9 @@ impl Reductions<SystemRules<'_>> for AllReductions {
         ));
         let overtake = Overtake::examine(&setting, &mut notes);
         let deferral = Deferral::examine(&setting, &mut notes);
-        let resting = deferral.as_ref().map(|it| it.without_rest(&setting));
+        let resting = deferral
+            .as_ref()
+            .map(|deferral| deferral.without_rest(&setting));
         notes.push(part(Kind::RestingLoops, resting, Kind::Deferral));
         let symmetry = Symmetry::examine(&setting, &mut notes);
         AllReductions {
@@ -120,7 +122,7 @@ impl Reductions<SystemRules<'_>> for AllReductions {
             }
         }
         let deferral = self.deferral.as_ref().filter(|_| enabled.is_calm());
-        if let Some(waiters) = deferral.and_then(|it| it.waiters(rules, s)) {
+        if let Some(waiters) = deferral.and_then(|deferral| deferral.waiters(rules, s)) {
             let waits = |executor| waiters.can_be_deferred(rules.system, executor);
             out.retain(|(action, _)| {
                 !matches!(*action, Action::Finish { executor, .. } if waits(executor))
@@ -137,7 +139,7 @@ impl Reductions<SystemRules<'_>> for AllReductions {
         held: SleepSet,
     ) -> SleepSet {
         let overtake = self.overtake.as_ref();
-        overtake.map_or(0, |it| it.after(rules, before, action, s, held))
+        overtake.map_or(0, |overtake| overtake.after(rules, before, action, s, held))
     }
 
     fn waiters(&self, rules: &SystemRules, s: &State) -> Option<Deferrable> {

@@ -157,8 +157,8 @@ impl AmpleState<'_, '_> {
 
     /// Returns true if the timer of a task has expired.
     fn due(&self, task: usize) -> bool {
-        let it = &self.system().tasks[task];
-        it.period.is_some()
+        let definition = &self.system().tasks[task];
+        definition.period.is_some()
             && self.layout().started(self.s, task)
             && self.layout().timer(self.s, task) == 0
     }
@@ -198,9 +198,9 @@ impl AmpleState<'_, '_> {
         if status != TaskStatus::Idle {
             return !self.facts.endless[task];
         }
-        let it = &self.system().tasks[task];
+        let definition = &self.system().tasks[task];
         self.facts.active[task]
-            || it
+            || definition
                 .permanent
                 .is_some_and(|a| l.mode(self.s, a) != permanent::ENDED)
     }
@@ -241,11 +241,10 @@ impl AmpleState<'_, '_> {
             return false;
         }
         let ticks = self.enabled.actions.iter();
-        out.extend(ticks.filter(|it| matches!(it, Action::Tick { .. })));
-        let last =
-            |it: &Action| matches!(*it, Action::Tick { task } if self.has_nothing_to_do(task));
+        out.extend(ticks.filter(|tick| matches!(tick, Action::Tick { .. })));
+        let last = |action: &Action| matches!(*action, Action::Tick { task } if self.has_nothing_to_do(task));
         if !out.iter().all(last) {
-            out.retain(|it| !last(it));
+            out.retain(|action| !last(action));
         }
         !out.is_empty()
     }
@@ -273,7 +272,11 @@ impl AmpleState<'_, '_> {
             return false;
         }
         let state = &self.system().machine_of(executor).states[l.at(self.s, executor) as usize];
-        if state.yields.iter().all(|it| matches!(it, Yield::Next(_))) {
+        if state
+            .yields
+            .iter()
+            .all(|transition| matches!(transition, Yield::Next(_)))
+        {
             return true;
         }
         self.system().tasks[task].period.is_some()
@@ -322,7 +325,7 @@ impl AmpleState<'_, '_> {
                     }
                     Owner::Task(rival) => rival,
                 };
-                if members.iter().any(|&it| self.runs(it, rival)) {
+                if members.iter().any(|&member| self.runs(member, rival)) {
                     continue;
                 }
                 match self.rivalry(rival, codel) {
@@ -338,15 +341,15 @@ impl AmpleState<'_, '_> {
 
     fn runs(&self, executor: usize, task: usize) -> bool {
         let automaton = self.system().automata.get(executor);
-        automaton.is_some_and(|it| it.task == task)
+        automaton.is_some_and(|automaton| automaton.task == task)
     }
 
     /// Returns true if an acquisition by this executor changes nothing that is observed, and cannot be
     /// repeated for ever in no time.
     fn may_acquire_alone(&self, executor: usize) -> bool {
         match self.system().automata.get(executor) {
-            Some(it) if it.service.is_none() => {
-                self.settled(it.task) && !self.facts.visible.tasks[it.task]
+            Some(automaton) if automaton.service.is_none() => {
+                self.settled(automaton.task) && !self.facts.visible.tasks[automaton.task]
             }
             _ => self.may_acquire_for_request(executor),
         }
@@ -372,7 +375,7 @@ impl AmpleState<'_, '_> {
                 let state = l.at(self.s, a) as usize;
                 let later = self.facts.later[a][state]
                     .iter()
-                    .any(|it| conflicts.contains(it));
+                    .any(|index| conflicts.contains(index));
                 match l.phase(self.s, a) {
                     phase::EXECUTING if !later || l.window(self.s, a).0 > 0 => Rivalry::None,
                     phase::LOCKING => {
@@ -381,7 +384,7 @@ impl AmpleState<'_, '_> {
                             .enabled
                             .actions
                             .contains(&Action::Acquire { executor: a });
-                        if here.is_some_and(|it| conflicts.contains(it)) {
+                        if here.is_some_and(|codel| conflicts.contains(codel)) {
                             // Later actions belong to states after the set.
                             if now { Rivalry::Now(a) } else { Rivalry::Later }
                         } else if later {

@@ -110,15 +110,20 @@ impl Components {
         let group = |action: Action| component(action).map(|component| groups[component]);
         let mut tried: SmallVec<[usize; 16]> = SmallVec::new();
         for &action in &enabled.actions {
-            let Some(own) = group(action).filter(|it| !tried.contains(it)) else {
+            let Some(own) = group(action).filter(|group| !tried.contains(group)) else {
                 continue;
             };
             tried.push(own);
             out.clear();
-            out.extend(enabled.actions.iter().filter(|&&it| group(it) == Some(own)));
-            let acts = out.iter().any(|&it| rules.has_to_act(s, it));
+            out.extend(
+                enabled
+                    .actions
+                    .iter()
+                    .filter(|&&action| group(action) == Some(own)),
+            );
+            let acts = out.iter().any(|&action| rules.has_to_act(s, action));
             let at_cores = rules.waits_for_core(s, |component| groups[component] == own)
-                || out.iter().any(|&it| rules.is_about_cores(s, it));
+                || out.iter().any(|&action| rules.is_about_cores(s, action));
             if acts && !at_cores && out.len() < enabled.actions.len() {
                 return true;
             }
@@ -168,8 +173,12 @@ fn mark(system: &TimedSystem, predicate: &Predicate, about: &mut [bool]) {
     predicate.atoms(&mut |atom| match *atom {
         Atom::Task(task, _) => about[system.tasks[task].component] = true,
         Atom::State { machine, .. } => {
-            for it in system.automata.iter().filter(|it| it.machine == machine) {
-                about[system.tasks[it.task].component] = true;
+            for automaton in system
+                .automata
+                .iter()
+                .filter(|automaton| automaton.machine == machine)
+            {
+                about[system.tasks[automaton.task].component] = true;
             }
         }
         Atom::Slot(service, _) | Atom::Handling { service, .. } => {

@@ -59,8 +59,12 @@ impl Visible {
             predicate.atoms(&mut |atom| match *atom {
                 Atom::Task(task, _) => tasks[task] = true,
                 Atom::State { machine, .. } => {
-                    for it in system.automata.iter().filter(|it| it.machine == machine) {
-                        tasks[it.task] = true;
+                    for automaton in system
+                        .automata
+                        .iter()
+                        .filter(|automaton| automaton.machine == machine)
+                    {
+                        tasks[automaton.task] = true;
                     }
                 }
                 Atom::Slot(service, _) => {
@@ -107,36 +111,36 @@ impl Facts {
         let visible = Visible::new(system, asked.predicates.iter().copied());
         let requested = system.requested();
         let plain = |task: usize| {
-            let it = &system.tasks[task];
-            let simple = it.permanent.is_none_or(|a| {
+            let definition = &system.tasks[task];
+            let simple = definition.permanent.is_none_or(|a| {
                 let machine = system.machine_of(a);
                 let separate =
-                    system.platform.async_free && machine.states.iter().any(|it| it.is_async);
-                !separate && !loops_in_no_time(system, machine, it.period.is_none())
+                    system.platform.async_free && machine.states.iter().any(|state| state.is_async);
+                !separate && !loops_in_no_time(system, machine, definition.period.is_none())
             });
-            simple && !it.keep_idle_tick && !system.has_activities(task, &requested)
+            simple && !definition.keep_idle_tick && !system.has_activities(task, &requested)
         };
         let endless = |task: usize| {
-            let it = &system.tasks[task];
+            let definition = &system.tasks[task];
             !system.has_activities(task, &requested)
-                && it.permanent.is_some_and(|a| {
+                && definition.permanent.is_some_and(|a| {
                     let machine = system.machine_of(a);
                     let mut states = machine.states.iter();
-                    let separate = system.platform.async_free && states.any(|it| it.is_async);
+                    let separate = system.platform.async_free && states.any(|state| state.is_async);
                     !separate && machine.is_endless()
                 })
         };
         let mut owner = vec![Owner::Nobody; system.codels.len()];
         for automaton in &system.automata {
-            if automaton.service.is_none_or(|it| requested[it]) {
+            if automaton.service.is_none_or(|service| requested[service]) {
                 for state in &system.machines[automaton.machine].states {
                     owner[state.codel] = Owner::Task(automaton.task);
                 }
             }
         }
-        for (service, it) in system.services.iter().enumerate() {
+        for (service, entry) in system.services.iter().enumerate() {
             if requested[service] {
-                for &codel in it.validate.iter().chain(&it.simple) {
+                for &codel in entry.validate.iter().chain(&entry.simple) {
                     owner[codel] = Owner::Control;
                 }
             }
@@ -153,7 +157,7 @@ impl Facts {
             owner,
             active: tasks
                 .clone()
-                .map(|it| system.has_activities(it, &requested))
+                .map(|task| system.has_activities(task, &requested))
                 .collect(),
             later: (0..system.automata.len())
                 .map(|a| later(system.machine_of(a)))
@@ -205,8 +209,8 @@ pub(super) fn loops_in_no_time(system: &TimedSystem, machine: &Machine, aperiodi
             if !instant(at) {
                 continue;
             }
-            for it in &machine.states[at].yields {
-                let next = match *it {
+            for transition in &machine.states[at].yields {
+                let next = match *transition {
                     Yield::Next(next) => next,
                     Yield::Pause(next) if aperiodic => next,
                     _ => continue,
@@ -231,8 +235,8 @@ fn later(machine: &Machine) -> Vec<CodelSet> {
             let mut seen = vec![false; machine.states.len()];
             let mut stack = vec![start];
             while let Some(at) = stack.pop() {
-                for it in &machine.states[at].yields {
-                    if let Yield::Next(next) = *it
+                for transition in &machine.states[at].yields {
+                    if let Yield::Next(next) = *transition
                         && !std::mem::replace(&mut seen[next], true)
                     {
                         out.insert(machine.states[next].codel);

@@ -70,7 +70,7 @@ impl Kind {
 
     /// Returns the kind with a name.
     pub fn named(name: &str) -> Option<Kind> {
-        Kind::ALL.into_iter().find(|it| it.name() == name)
+        Kind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 }
 

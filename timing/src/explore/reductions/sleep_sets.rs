@@ -87,7 +87,7 @@ impl Overtake {
         let own = |task: usize, out: &mut CodelSet| {
             if let Some(a) = system.tasks[task].permanent {
                 let states = &system.machine_of(a).states;
-                states.iter().for_each(|it| out.insert(it.codel));
+                states.iter().for_each(|state| out.insert(state.codel));
             }
         };
         let mut started_after = vec![CodelSet::default(); n];
@@ -124,9 +124,9 @@ impl Overtake {
             held,
         };
         if enabled.committed || enabled.is_calm() {
-            out.extend(first.iter().map(|&it| (it, held)));
+            out.extend(first.iter().map(|&action| (action, held)));
         } else if moment.may_depend_on_order() {
-            out.extend(enabled.actions.iter().map(|&it| (it, 0)));
+            out.extend(enabled.actions.iter().map(|&action| (action, 0)));
         } else {
             let whole = first.len() == enabled.actions.len();
             moment.select(first, whole, out);
@@ -280,10 +280,10 @@ impl DueState<'_, '_> {
     /// Returns the tasks that can overtake a due action.
     fn rivals(&self, bit: usize) -> Tasks {
         let tasks = 0..self.rules.layout.tasks;
-        let set = |it: &dyn Fn(usize) -> bool| {
+        let set = |contains: &dyn Fn(usize) -> bool| {
             tasks
                 .clone()
-                .filter(|&task| it(task))
+                .filter(|&task| contains(task))
                 .fold(0, |set, task| set | 1 << task)
         };
         let system = self.rules.system;
@@ -386,10 +386,10 @@ impl DueState<'_, '_> {
         while todo != 0 {
             let task = todo.trailing_zeros() as usize;
             todo &= !(1 << task);
-            let mut add = |it: usize| {
-                if out >> it & 1 == 0 {
-                    out |= 1 << it;
-                    todo |= 1 << it;
+            let mut add = |index: usize| {
+                if out >> index & 1 == 0 {
+                    out |= 1 << index;
+                    todo |= 1 << index;
                 }
             };
             // Holders of the locks that the task wants or will want.
@@ -409,7 +409,9 @@ impl DueState<'_, '_> {
                     || l.pending(self.s, task)
                     || self.may_join(task));
             if wants_core {
-                (0..l.tasks).filter(|&it| self.on_core(it)).for_each(add);
+                (0..l.tasks)
+                    .filter(|&task| self.on_core(task))
+                    .for_each(add);
             }
         }
         out

@@ -84,12 +84,13 @@ impl Orbits {
     fn new<R: Rules>(rules: &R, classes: Vec<Vec<Parts>>) -> Self {
         let identity = Renaming::identity(rules);
         let orbits = |part: Part| {
-            let mut out: Vec<Vec<usize>> = identity.of(part).iter().map(|&it| vec![it]).collect();
+            let mut out: Vec<Vec<usize>> =
+                identity.of(part).iter().map(|&index| vec![index]).collect();
             for class in &classes {
                 for place in 0..class[0][part].len() {
                     let orbit: Vec<usize> = class.iter().map(|unit| unit[part][place]).collect();
-                    for &it in &orbit {
-                        out[it].clone_from(&orbit);
+                    for &part in &orbit {
+                        out[part].clone_from(&orbit);
                     }
                 }
             }
@@ -117,10 +118,10 @@ impl Orbits {
     pub(crate) fn of_atom(&self, atom: &Atom) -> Vec<Atom> {
         let mut out = vec![atom.clone()];
         for class in &self.classes {
-            for it in out.clone() {
+            for atom in out.clone() {
                 for (at, one) in class.iter().enumerate() {
                     for other in &class[at + 1..] {
-                        let exchanged = self.exchange_units(one, other).atom(&it);
+                        let exchanged = self.exchange_units(one, other).atom(&atom);
                         if !out.contains(&exchanged) {
                             out.push(exchanged);
                         }
@@ -187,12 +188,15 @@ impl Symmetry {
         }
         let unit = |parts: &Parts| {
             let UnitPlaces { discrete, times } = rules.unit_places(parts);
-            let own = names.lists.iter().filter(|it| discrete.contains(&it.0));
+            let own = names
+                .lists
+                .iter()
+                .filter(|triple| discrete.contains(&triple.0));
             let of_lists: Vec<usize> = (own.clone())
                 .flat_map(|&(base, capacity, _)| base..=base + capacity)
                 .collect();
-            let rest = discrete.iter().filter(|it| !of_lists.contains(it));
-            let (named, plain) = rest.partition(|&&it| at[it].is_some());
+            let rest = discrete.iter().filter(|index| !of_lists.contains(index));
+            let (named, plain) = rest.partition(|&&index| at[index].is_some());
             Unit {
                 parts: parts.clone(),
                 lists: own.map(|&(base, _, part)| (base, part)).collect(),
@@ -212,26 +216,26 @@ impl Symmetry {
         for (c, class) in classes.iter().enumerate() {
             for (u, unit) in class.iter().enumerate() {
                 for (list, numbers) in members.iter_mut().zip(unit.parts.lists()) {
-                    for (i, &it) in numbers.iter().enumerate() {
-                        list[it] = Some((c as u16, u as u16, i as u16));
+                    for (i, &number) in numbers.iter().enumerate() {
+                        list[number] = Some((c as u16, u as u16, i as u16));
                     }
                 }
             }
         }
         let outside = (classes.iter())
             .map(|class| {
-                let own = |place: usize| class.iter().any(|it| it.discrete.contains(&place));
+                let own = |place: usize| class.iter().any(|class| class.discrete.contains(&place));
                 Names {
                     single: names
                         .single
                         .iter()
-                        .filter(|it| !own(it.0))
+                        .filter(|triple| !own(triple.0))
                         .copied()
                         .collect(),
                     lists: names
                         .lists
                         .iter()
-                        .filter(|it| !own(it.0))
+                        .filter(|triple| !own(triple.0))
                         .copied()
                         .collect(),
                     sets: Vec::new(),
@@ -292,8 +296,8 @@ impl Symmetry {
     fn compare(&self, s: &State, class: usize, one: usize, other: usize) -> Ordering {
         let units = &self.classes[class];
         let (x, y) = (&units[one], &units[other]);
-        let plain = |it: &'_ usize| s.d[*it];
-        let time = |it: &'_ usize| s.t[*it];
+        let plain = |index: &'_ usize| s.d[*index];
+        let time = |index: &'_ usize| s.t[*index];
         let named = |unit: usize| {
             let places = units[unit].named.iter();
             places.map(move |&place| self.relative(s, place, (class, unit)))
@@ -301,7 +305,8 @@ impl Symmetry {
         let listed = |unit: usize| {
             units[unit].lists.iter().map(move |&(base, part)| {
                 let list = &s.d[base + 1..=base + s.d[base] as usize];
-                let index = |&it: &u16| self.index_in(part, it, (class, unit)).ok_or(it);
+                let index =
+                    |&number: &u16| self.index_in(part, number, (class, unit)).ok_or(number);
                 list.iter().map(index).collect::<SmallVec<[_; 8]>>()
             })
         };
@@ -337,13 +342,13 @@ impl Symmetry {
         let outside = &self.outside[unit.0];
         for &(place, part, first) in &outside.single {
             let named = s.d[place].checked_sub(first);
-            let index = named.and_then(|it| self.index_in(part, it, unit));
-            out.extend(index.map(|it| (place, it)));
+            let index = named.and_then(|difference| self.index_in(part, difference, unit));
+            out.extend(index.map(|index| (place, index)));
         }
         for &(base, _, part) in &outside.lists {
             for place in base + 1..=base + s.d[base] as usize {
                 let index = self.index_in(part, s.d[place], unit);
-                out.extend(index.map(|it| (place, it)));
+                out.extend(index.map(|index| (place, index)));
             }
         }
         out

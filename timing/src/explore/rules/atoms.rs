@@ -27,8 +27,9 @@ impl SystemRules<'_> {
             } => (0..l.threads).any(|executor| {
                 self.slot_of(s, executor).is_some_and(|slot| {
                     l.at(s, slot) as usize == state
-                        && (l.automaton(s, slot))
-                            .is_some_and(|it| self.system.automata[it].machine == machine)
+                        && (l.automaton(s, slot)).is_some_and(|automaton| {
+                            self.system.automata[automaton].machine == machine
+                        })
                         && self.is_in_phase(s, executor, phase)
                 })
             }),

@@ -46,8 +46,8 @@ impl SystemRules<'_> {
     /// Assigns a slot to a requested activity, then checks `after` and `before`.
     fn assign_slot(&self, s: &mut State, component: usize, service: usize) {
         let l = &self.layout;
-        let it = &self.system.services[service];
-        if let Some(&automaton) = it.slots.first() {
+        let definition = &self.system.services[service];
+        if let Some(&automaton) = definition.slots.first() {
             let task = self.system.automata[automaton].task;
             let mut slots = l.slots(task).iter();
             let free = slots.find(|&&slot| l.activity(s, slot) == slot::VOID);
@@ -64,7 +64,8 @@ impl SystemRules<'_> {
             l.set_given(s, component, free as u16 + 1);
         }
         let succeeded = |&of: &usize| l.success[of].is_some_and(|place| s.d[place] != 0);
-        let allowed = it.after.iter().all(succeeded) && !it.before.iter().any(succeeded);
+        let allowed =
+            definition.after.iter().all(succeeded) && !definition.before.iter().any(succeeded);
         if allowed {
             self.next_codel(s, component);
         } else {
@@ -159,8 +160,8 @@ impl SystemRules<'_> {
         let given = (l.given(s, component) as usize).checked_sub(1);
         let mut tracked = tracker::NONE;
         match given {
-            Some(it) if refused => self.make_void(s, it),
-            Some(it) => tracked = tracker::SLOT + it as u16,
+            Some(difference) if refused => self.make_void(s, difference),
+            Some(difference) => tracked = tracker::SLOT + difference as u16,
             None if refused => {}
             None => {
                 if !self.system.services[service].activity {
@@ -256,13 +257,13 @@ impl SystemRules<'_> {
     /// still run.
     fn interrupt(&self, s: &mut State, service: usize, itself: usize) -> bool {
         let l = &self.layout;
-        let it = &self.system.services[service];
+        let service = &self.system.services[service];
         let mut delay = false;
-        for &task in &self.system.components[it.component].tasks {
+        for &task in &self.system.components[service.component].tasks {
             for &other in l.slots(task) {
                 let listed = || {
                     let of = self.service(s, other);
-                    of.is_some_and(|of| it.interrupts.contains(&of))
+                    of.is_some_and(|of| service.interrupts.contains(&of))
                 };
                 if other == itself || l.activity(s, other) == slot::VOID || !listed() {
                     continue;
@@ -345,7 +346,7 @@ impl SystemRules<'_> {
         let mut interrupted = self.system.services[service].interrupts.iter();
         interrupted.any(|&other| {
             let mut slots = self.system.services[other].slots.iter();
-            slots.any(|&it| it != slot && self.layout.mode(s, it) != slot::VOID)
+            slots.any(|&path| path != slot && self.layout.mode(s, path) != slot::VOID)
         })
     }
 
@@ -365,18 +366,18 @@ impl SystemRules<'_> {
     /// Records services that interrupt themselves, if two interrupted instances wait: both end.
     fn note_restarts(&self, s: &State, task: usize) {
         let l = &self.layout;
-        let waits_marked = |it: usize| {
-            let mode = l.mode(s, it);
+        let waits_marked = |path: usize| {
+            let mode = l.mode(s, path);
             (mode & slot::STATUS == slot::INIT && mode & slot::MARK != 0)
-                .then(|| self.service(s, it))
+                .then(|| self.service(s, path))
                 .flatten()
-                .filter(|&it| self.system.services[it].interrupts.contains(&it))
+                .filter(|&service| self.system.services[service].interrupts.contains(&service))
         };
-        for &it in l.slots(task) {
-            let Some(service) = waits_marked(it) else {
+        for &slot in l.slots(task) {
+            let Some(service) = waits_marked(slot) else {
                 continue;
             };
-            let mut others = l.slots(task).iter().filter(|&&other| other < it);
+            let mut others = l.slots(task).iter().filter(|&&other| other < slot);
             if others.any(|&other| waits_marked(other) == Some(service)) {
                 self.restarts[service].set(true);
             }
@@ -384,16 +385,16 @@ impl SystemRules<'_> {
     }
 
     /// Frees a slot, and ends all waits for its activity.
-    fn make_void(&self, s: &mut State, it: usize) {
+    fn make_void(&self, s: &mut State, slot: usize) {
         let l = &self.layout;
-        self.clear_visits(s, it);
-        let success = l.mode(s, it) & slot::SUCCESS != 0;
-        l.set_mode(s, it, slot::VOID);
-        l.set_automaton(s, it, None);
-        l.set_at(s, it, 0);
+        self.clear_visits(s, slot);
+        let success = l.mode(s, slot) & slot::SUCCESS != 0;
+        l.set_mode(s, slot, slot::VOID);
+        l.set_automaton(s, slot, None);
+        l.set_at(s, slot, 0);
         for (k, client) in self.system.clients.iter().enumerate() {
             for t in 0..client.trackers {
-                if l.tracker(s, k, t) == tracker::SLOT + it as u16 {
+                if l.tracker(s, k, t) == tracker::SLOT + slot as u16 {
                     let failed = !success && l.outcomes[k][t];
                     let value = if failed {
                         tracker::FAILED

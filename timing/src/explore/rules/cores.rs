@@ -46,7 +46,7 @@ impl SystemRules<'_> {
             control::QUEUED => self.may_leave(s, executor),
             control::READY => {
                 l.signal(s, component) != 0
-                    || (0..self.system.clients.len()).any(|it| self.asks(s, it, component))
+                    || (0..self.system.clients.len()).any(|client| self.asks(s, client, component))
             }
             _ => false,
         }
@@ -58,8 +58,8 @@ impl SystemRules<'_> {
         let steps = &self.system.clients[client].steps;
         let step = steps.get(l.position(s, client) as usize);
         l.outstanding(s, client) == 0
-            && step.is_some_and(|it| {
-                matches!(it.action, ClientAction::Send { service, .. }
+            && step.is_some_and(|step| {
+                matches!(step.action, ClientAction::Send { service, .. }
                     if self.system.services[service].component == component)
             })
     }
@@ -70,9 +70,11 @@ impl SystemRules<'_> {
             return Threads::MAX;
         }
         let l = &self.layout;
-        let mut order: Vec<usize> = (l.core_queue(s).iter()).map(|&it| it as usize).collect();
+        let mut order: Vec<usize> = (l.core_queue(s).iter())
+            .map(|&executor| executor as usize)
+            .collect();
         if self.system.platform.policy == Policy::Priority {
-            order.sort_by_key(|&it| self.priorities[it]);
+            order.sort_by_key(|&priority| self.priorities[priority]);
         }
         let mut out = Threads::MAX;
         let chosen = self.chosen(&order);
@@ -97,11 +99,11 @@ impl SystemRules<'_> {
     /// Returns the first threads of a list that fit on the cores.
     fn chosen(&self, order: &[usize]) -> Vec<usize> {
         let cores = self.system.platform.cores.unwrap_or(u32::MAX) as usize;
-        let core = |it: usize| (self.system.tasks.get(it)).and_then(|task| task.affinity);
+        let core = |index: usize| (self.system.tasks.get(index)).and_then(|task| task.affinity);
         let mut chosen: Vec<usize> = Vec::new();
         for &executor in order {
             let tied = core(executor);
-            let taken = tied.is_some() && chosen.iter().any(|&it| core(it) == tied);
+            let taken = tied.is_some() && chosen.iter().any(|&index| core(index) == tied);
             if chosen.len() < cores && !taken {
                 chosen.push(executor);
             }
@@ -140,9 +142,9 @@ impl SystemRules<'_> {
     /// them.
     fn has_rival(&self, new: &[usize], executor: usize) -> bool {
         let own = self.priorities[executor];
-        let mut others = new.iter().filter(|&&it| it != executor);
+        let mut others = new.iter().filter(|&&index| index != executor);
         self.system.platform.policy == Policy::Priority
-            && others.any(|&it| self.priorities[it] == own)
+            && others.any(|&priority| self.priorities[priority] == own)
     }
 
     /// Adds the actions that select the next one of the threads that became ready at the same moment.
@@ -159,16 +161,22 @@ impl SystemRules<'_> {
     /// Puts the list in a normal form: only orders that matter remain.
     fn normalize(&self, s: &mut State) {
         let l = &self.layout;
-        let mut order: Vec<usize> = (l.core_queue(s).iter()).map(|&it| it as usize).collect();
+        let mut order: Vec<usize> = (l.core_queue(s).iter())
+            .map(|&executor| executor as usize)
+            .collect();
         if self.system.platform.policy == Policy::Fair {
             let chosen = self.chosen(&order);
-            order.sort_by_key(|&it| (!chosen.contains(&it), it));
+            order.sort_by_key(|&order| (!chosen.contains(&order), order));
         } else {
             // Between different priorities the order is irrelevant.
-            order.sort_by_key(|&it| self.priorities[it]);
+            order.sort_by_key(|&priority| self.priorities[priority]);
         }
-        order.iter().for_each(|&it| l.core_queue_remove(s, it));
-        order.iter().for_each(|&it| l.core_queue_push(s, it));
+        order
+            .iter()
+            .for_each(|&executor| l.core_queue_remove(s, executor));
+        order
+            .iter()
+            .for_each(|&executor| l.core_queue_push(s, executor));
     }
 
     /// Adds the swaps that the policy `fair` allows.
@@ -177,9 +185,9 @@ impl SystemRules<'_> {
             return;
         }
         let list = self.layout.core_queue(s);
-        let has_core = |it: u16| running >> it & 1 == 1;
-        for &by in list.iter().filter(|&&it| !has_core(it)) {
-            for &executor in list.iter().filter(|&&it| has_core(it)) {
+        let has_core = |number: u16| running >> number & 1 == 1;
+        for &by in list.iter().filter(|&&executor| !has_core(executor)) {
+            for &executor in list.iter().filter(|&&executor| has_core(executor)) {
                 out.actions.push(Action::Preempt {
                     executor: executor as usize,
                     by: by as usize,
@@ -192,15 +200,17 @@ impl SystemRules<'_> {
     pub(super) fn preempt(&self, s: &mut State, executor: usize, by: usize) {
         let l = &self.layout;
         let order: Vec<usize> = (l.core_queue(s).iter())
-            .map(|&it| it as usize)
-            .filter(|&it| it != by && it != executor)
+            .map(|&executor| executor as usize)
+            .filter(|&other| other != by && other != executor)
             .collect();
         l.core_queue_remove(s, by);
         l.core_queue_remove(s, executor);
-        order.iter().for_each(|&it| l.core_queue_remove(s, it));
+        order
+            .iter()
+            .for_each(|&executor| l.core_queue_remove(s, executor));
         let others = order.iter().copied();
-        for it in std::iter::once(by).chain(others).chain([executor]) {
-            l.core_queue_push(s, it);
+        for executor in std::iter::once(by).chain(others).chain([executor]) {
+            l.core_queue_push(s, executor);
         }
         self.normalize(s);
     }
@@ -209,7 +219,7 @@ impl SystemRules<'_> {
     pub(super) fn may_swap(&self, s: &State, running: Threads) -> bool {
         self.system.platform.policy == Policy::Fair
             && self.preempts()
-            && (self.layout.core_queue(s).iter()).any(|&it| running >> it & 1 == 0)
+            && (self.layout.core_queue(s).iter()).any(|&executor| running >> executor & 1 == 0)
     }
 
     /// Returns true if an executor makes progress with its codel.

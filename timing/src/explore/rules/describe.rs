@@ -28,8 +28,8 @@ impl SystemRules<'_> {
             // A cycle without codels begins and ends in one step.
             let begun = self.in_cycle(before, task)
                 || match action {
-                    Some(Action::Begin { task: it }) => it == task && self.is_periodic(task),
-                    Some(Action::Release { task: it }) => it == task,
+                    Some(Action::Begin { task: other }) => other == task && self.is_periodic(task),
+                    Some(Action::Release { task: other }) => other == task,
                     _ => false,
                 };
             if begun && !self.in_cycle(after, task) {
@@ -192,9 +192,9 @@ impl SystemRules<'_> {
                 self.reported(before, after, component, time, out);
             }
             Action::Preempt { executor, by } => {
-                let name = |it: usize| match it < l.tasks {
-                    true => self.system.task_path(it),
-                    false => self.system.components[it - l.tasks].name.clone(),
+                let name = |task: usize| match task < l.tasks {
+                    true => self.system.task_path(task),
+                    false => self.system.components[task - l.tasks].name.clone(),
                 };
                 let what = format!("takes the core of {}", name(executor));
                 let moment = match by < l.tasks {
@@ -226,8 +226,8 @@ impl SystemRules<'_> {
         }
     }
 
-    fn slot_name(&self, s: &State, task: usize, it: usize) -> String {
-        match self.machine(s, it) {
+    fn slot_name(&self, s: &State, task: usize, index: usize) -> String {
+        match self.machine(s, index) {
             Some(machine) => machine.name.clone(),
             None => self.system.task_path(task),
         }
@@ -246,16 +246,16 @@ impl SystemRules<'_> {
         if self.points.cycle == Cycle::Jobs {
             return;
         }
-        for &it in l.slots(task) {
-            let (was, now) = (l.activity(before, it), l.activity(after, it));
-            let marked = l.mode(before, it) & slot::MARK != 0;
+        for &slot in l.slots(task) {
+            let (was, now) = (l.activity(before, slot), l.activity(after, slot));
+            let marked = l.mode(before, slot) & slot::MARK != 0;
             let what = match (was, now) {
                 (slot::INIT, slot::ETHER) if marked => "ends before its first codel: interrupted",
                 (slot::RUN, slot::STOP) => "notices the interruption",
                 (slot::RUN, slot::ETHER) if marked => "ends: interrupted",
                 _ => continue,
             };
-            let what = format!("{} {what}", self.slot_name(before, task, it));
+            let what = format!("{} {what}", self.slot_name(before, task, slot));
             out.push(self.of_task(task, MomentKind::Release, time, what));
         }
     }
@@ -274,10 +274,10 @@ impl SystemRules<'_> {
             return;
         }
         for &task in &self.system.components[component].tasks {
-            for &it in l.slots(task) {
-                let (was, now) = (l.mode(before, it), l.mode(after, it));
+            for &slot in l.slots(task) {
+                let (was, now) = (l.mode(before, slot), l.mode(after, slot));
                 let new = now & !was;
-                let name = || self.slot_name(before, task, it);
+                let name = || self.slot_name(before, task, slot);
                 if new & slot::MARK != 0 && now & slot::STATUS != slot::VOID {
                     out.push(self.of_component(component, time, format!("interrupts {}", name())));
                 }
@@ -355,7 +355,8 @@ impl SystemRules<'_> {
             return;
         };
         let path = &self.system.codels[codel].path;
-        let again = matches!(action, Some(Action::Finish { executor: it, .. }) if it == executor);
+        let again =
+            matches!(action, Some(Action::Finish { executor: ended, .. }) if ended == executor);
         if was == now && !again {
             if let Some(faster) = self.overtaker(after, action, executor) {
                 let by = &self.system.codels[faster.codel].path;

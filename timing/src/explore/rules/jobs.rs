@@ -37,9 +37,10 @@ impl SystemRules<'_> {
         if l.status(s, task) != TaskStatus::Idle {
             return false;
         }
-        let it = &self.system.tasks[task];
-        if it.period.is_some() {
-            l.pending(s, task) && (!it.keep_idle_tick || self.next_turn(s, task, 0).is_some())
+        let definition = &self.system.tasks[task];
+        if definition.period.is_some() {
+            l.pending(s, task)
+                && (!definition.keep_idle_tick || self.next_turn(s, task, 0).is_some())
         } else {
             self.next_turn(s, task, 0).is_some()
         }
@@ -115,13 +116,13 @@ impl SystemRules<'_> {
         l.set_turn_number(s, task, 0);
         l.set_thread(s, task, thread::IDLE);
         l.lower(s, task, flag::CORE);
-        let it = &self.system.tasks[task];
-        if it
+        let definition = &self.system.tasks[task];
+        if definition
             .slots
             .iter()
             .any(|&automaton| l.mode(s, automaton) == slot::ETHER)
         {
-            l.set_signal(s, it.component, 1);
+            l.set_signal(s, definition.component, 1);
         }
         if let Some(clock) = l.response[task] {
             s.t[clock] = 0;
@@ -138,9 +139,9 @@ impl SystemRules<'_> {
     /// Lets an automaton wait for the locks of its present codel, unless the codel excludes no other codel.
     fn wait_for_locks(&self, s: &mut State, automaton: usize) {
         let l = &self.layout;
-        let it = &self.system.automata[automaton];
+        let entry = &self.system.automata[automaton];
         let state = &self.system.machine_of(automaton).states[l.at(s, automaton) as usize];
-        let first_turn = it.service.is_none() && l.mode(s, automaton) != permanent::NORMAL;
+        let first_turn = entry.service.is_none() && l.mode(s, automaton) != permanent::NORMAL;
         let separate = state.is_async && self.system.platform.async_free && !first_turn;
         let flag = if separate { phase::ASYNC } else { 0 };
         l.set_phase(s, automaton, phase::LOCKING | flag);

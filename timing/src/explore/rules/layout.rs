@@ -104,7 +104,10 @@ impl Layout {
             vec![Some(places.discrete(1 + executors)); components]
         } else {
             let queue = |tasks: usize| Some(places.discrete(2 + tasks));
-            let tasks = system.components.iter().map(|it| it.tasks.len());
+            let tasks = system
+                .components
+                .iter()
+                .map(|component| component.tasks.len());
             tasks.map(queue).collect()
         };
         let success = success(system, jobs, &mut places);
@@ -125,7 +128,10 @@ impl Layout {
             },
         });
         let measured = clocks.response.iter().map(|&measured| measured && !jobs);
-        let (frame, first_kept) = places.frame(clocks, measured.clone().filter(|it| *it).count());
+        let (frame, first_kept) = places.frame(
+            clocks,
+            measured.clone().filter(|response| *response).count(),
+        );
         let mut kept_places = first_kept..;
         Layout {
             frame,
@@ -341,9 +347,14 @@ impl Layout {
 fn slots(system: &TimedSystem, jobs: bool) -> Vec<Vec<usize>> {
     let mut next = 0;
     let of_task = |task: usize| {
-        let it = &system.tasks[task];
+        let definition = &system.tasks[task];
         if jobs {
-            return it.permanent.iter().chain(&it.slots).copied().collect();
+            return definition
+                .permanent
+                .iter()
+                .chain(&definition.slots)
+                .copied()
+                .collect();
         }
         let first = next;
         next += most_slots(system, task);
@@ -383,8 +394,8 @@ fn success(system: &TimedSystem, jobs: bool, places: &mut Places) -> Vec<Option<
     let mut matters = |service: usize| {
         let lists = system.services.iter().zip(&requested);
         let mut lists = lists.filter(|(_, requested)| **requested);
-        let named =
-            lists.any(|(it, _)| it.after.contains(&service) || it.before.contains(&service));
+        let named = lists
+            .any(|(other, _)| other.after.contains(&service) || other.before.contains(&service));
         (!jobs && named && requested[service]).then(|| places.discrete(1))
     };
     (0..system.services.len()).map(&mut matters).collect()

@@ -25,39 +25,39 @@ impl SystemRules<'_> {
     }
 
     /// Updates an activity that was released, interrupted or resumed since the last pass.
-    fn update_activity(&self, s: &mut State, task: usize, it: usize, runnable: bool) {
+    fn update_activity(&self, s: &mut State, task: usize, path: usize, runnable: bool) {
         let l = &self.layout;
-        let mode = l.mode(s, it);
+        let mode = l.mode(s, path);
         let flags = mode & !slot::STATUS;
         let marked = mode & slot::MARK != 0;
         let stop = self
-            .machine(s, it)
-            .and_then(|it| it.stop.or(Some(it.states.len())));
+            .machine(s, path)
+            .and_then(|machine| machine.stop.or(Some(machine.states.len())));
         let to_stop = |s: &mut State| {
-            l.set_at(s, it, stop.unwrap_or(1) as u16);
-            self.begin_turn(s, it);
-            l.set_mode(s, it, slot::STOP | flags & slot::PERMANENT);
+            l.set_at(s, path, stop.unwrap_or(1) as u16);
+            self.begin_turn(s, path);
+            l.set_mode(s, path, slot::STOP | flags & slot::PERMANENT);
         };
         match mode & slot::STATUS {
             slot::INIT if marked && flags & slot::PERMANENT != 0 => to_stop(s),
             slot::INIT if marked => {
                 // The activity ends with the exception "interrupted": no codel is executed, and there is no
                 // event.
-                self.clear_visits(s, it);
-                l.set_at(s, it, 0);
-                l.set_mode(s, it, slot::ETHER);
+                self.clear_visits(s, path);
+                l.set_at(s, path, 0);
+                l.set_mode(s, path, slot::ETHER);
                 l.raise(s, task, flag::ENDED);
             }
             slot::INIT if runnable && flags & slot::START != 0 => {
-                let start = self.machine(s, it).map_or(0, |it| it.start);
-                l.set_at(s, it, start as u16);
-                self.begin_turn(s, it);
-                l.set_mode(s, it, slot::RUN | flags & slot::PERMANENT);
+                let start = self.machine(s, path).map_or(0, |machine| machine.start);
+                l.set_at(s, path, start as u16);
+                self.begin_turn(s, path);
+                l.set_mode(s, path, slot::RUN | flags & slot::PERMANENT);
             }
             slot::RUN if marked => to_stop(s),
             slot::RUN | slot::STOP if runnable && flags & slot::PAUSED != 0 => {
-                self.begin_turn(s, it);
-                l.set_mode(s, it, mode & !slot::PAUSED);
+                self.begin_turn(s, path);
+                l.set_mode(s, path, mode & !slot::PAUSED);
             }
             _ => {}
         }
@@ -66,31 +66,31 @@ impl SystemRules<'_> {
     /// Proceeds to the first automaton of a pass from a slot (by index) on; ends the pass if there is none.
     fn proceed(&self, s: &mut State, task: usize, from: usize) {
         let l = &self.layout;
-        for (index, &it) in l.slots(task).iter().enumerate().skip(from) {
-            let mode = l.mode(s, it);
+        for (index, &path) in l.slots(task).iter().enumerate().skip(from) {
+            let mode = l.mode(s, path);
             let runs = matches!(mode & slot::STATUS, slot::RUN | slot::STOP);
             if !runs || mode & slot::PAUSED != 0 {
                 continue;
             }
-            if self.machine_state(s, it).is_some() {
+            if self.machine_state(s, path).is_some() {
                 l.set_turn_number(s, task, 1 + index as u16);
                 l.set_thread(s, task, thread::TICKET);
                 return;
             }
             // The default `start` and `stop` take no time and no ticket. An activity without `stop` ends with
             // the exception "interrupted".
-            self.end_activity(s, task, it, mode & slot::PERMANENT != 0);
+            self.end_activity(s, task, path, mode & slot::PERMANENT != 0);
         }
         self.end_pass(s, task);
     }
 
-    fn end_activity(&self, s: &mut State, task: usize, it: usize, success: bool) {
+    fn end_activity(&self, s: &mut State, task: usize, path: usize, success: bool) {
         let l = &self.layout;
-        self.clear_visits(s, it);
-        l.set_at(s, it, 0);
-        let permanent = l.mode(s, it) & slot::PERMANENT;
+        self.clear_visits(s, path);
+        l.set_at(s, path, 0);
+        let permanent = l.mode(s, path) & slot::PERMANENT;
         let success = if success { slot::SUCCESS } else { 0 };
-        l.set_mode(s, it, slot::ETHER | permanent | success);
+        l.set_mode(s, path, slot::ETHER | permanent | success);
         l.raise(s, task, flag::ENDED | flag::EVENT);
     }
 
@@ -98,15 +98,15 @@ impl SystemRules<'_> {
     pub(super) fn finish_codel(&self, s: &mut State, task: usize, outcome: usize) {
         let l = &self.layout;
         let next = l.turn_number(s, task) as usize;
-        let Some(it) = l.turn(s, task) else {
+        let Some(turn) = l.turn(s, task) else {
             return;
         };
-        let Some(state) = self.machine_state(s, it) else {
+        let Some(state) = self.machine_state(s, turn) else {
             return;
         };
         match state.yields.get(outcome) {
             Some(&Yield::Next(to)) => {
-                self.enter(s, it, to, &state.yields[outcome]);
+                self.enter(s, turn, to, &state.yields[outcome]);
                 l.raise(s, task, flag::EVENT);
                 if self.points.turns == TurnRule::Pause {
                     l.set_thread(s, task, thread::TICKET);
@@ -115,13 +115,13 @@ impl SystemRules<'_> {
                 l.raise(s, task, flag::GOES_ON);
             }
             Some(&Yield::Pause(to)) => {
-                self.clear_visits(s, it);
-                l.set_at(s, it, to as u16);
-                let mode = l.mode(s, it);
-                l.set_mode(s, it, mode | slot::PAUSED);
+                self.clear_visits(s, turn);
+                l.set_at(s, turn, to as u16);
+                let mode = l.mode(s, turn);
+                l.set_mode(s, turn, mode | slot::PAUSED);
             }
-            Some(Yield::End) => self.end_activity(s, task, it, true),
-            None => self.end_activity(s, task, it, false),
+            Some(Yield::End) => self.end_activity(s, task, turn, true),
+            None => self.end_activity(s, task, turn, false),
         }
         self.proceed(s, task, next);
     }
@@ -136,12 +136,12 @@ impl SystemRules<'_> {
         if pass & flag::EVENT != 0 {
             self.make_runnable(s, task);
             let mut others = self.system.components[component].tasks.iter();
-            if others.any(|&it| it != task && !self.is_periodic(it)) {
+            if others.any(|&index| index != task && !self.is_periodic(index)) {
                 l.raise(s, task, flag::WAKE);
             }
         }
         if self.points.pause == PauseRule::Turns {
-            let paused = |it: usize| l.mode(s, it) & slot::PAUSED != 0;
+            let paused = |path: usize| l.mode(s, path) & slot::PAUSED != 0;
             if l.slots(task).iter().copied().any(paused) {
                 self.make_runnable(s, task);
             }
@@ -181,40 +181,40 @@ impl SystemRules<'_> {
     }
 
     /// Begins the turn of an automaton in its present state.
-    pub(super) fn begin_turn(&self, s: &mut State, it: usize) {
-        self.clear_visits(s, it);
-        let (base, most) = self.layout.visits[it];
+    pub(super) fn begin_turn(&self, s: &mut State, index: usize) {
+        self.clear_visits(s, index);
+        let (base, most) = self.layout.visits[index];
         let limited = self
-            .machine(s, it)
-            .is_some_and(|it| it.loop_limit.is_some());
-        let at = self.layout.at(s, it) as usize;
+            .machine(s, index)
+            .is_some_and(|machine| machine.loop_limit.is_some());
+        let at = self.layout.at(s, index) as usize;
         // The number of entries is irrelevant if the state is never entered from another state.
-        let entered = |it: &Machine| {
-            let mut yields = it.states.iter().flat_map(|it| &it.yields);
-            yields.any(|it| *it == Yield::Next(at))
+        let entered = |machine: &Machine| {
+            let mut yields = machine.states.iter().flat_map(|state| &state.yields);
+            yields.any(|state| *state == Yield::Next(at))
         };
-        if limited && at < most && self.machine(s, it).is_some_and(entered) {
+        if limited && at < most && self.machine(s, index).is_some_and(entered) {
             s.d[base + at] = 1;
         }
     }
 
     /// Enters another state in the same turn. If no turn of the machine ends, a new round can begin.
-    pub(super) fn enter(&self, s: &mut State, it: usize, to: usize, by: &Yield) {
-        let within = self.within_limit(s, it, by);
-        self.layout.set_at(s, it, to as u16);
+    pub(super) fn enter(&self, s: &mut State, slot: usize, to: usize, by: &Yield) {
+        let within = self.within_limit(s, slot, by);
+        self.layout.set_at(s, slot, to as u16);
         if !within {
-            return self.begin_turn(s, it);
+            return self.begin_turn(s, slot);
         }
         let limited = self
-            .machine(s, it)
-            .is_some_and(|it| it.loop_limit.is_some());
+            .machine(s, slot)
+            .is_some_and(|machine| machine.loop_limit.is_some());
         if limited {
-            s.d[self.layout.visits[it].0 + to] += 1;
+            s.d[self.layout.visits[slot].0 + to] += 1;
         }
     }
 
-    pub(super) fn clear_visits(&self, s: &mut State, it: usize) {
-        let (base, most) = self.layout.visits[it];
+    pub(super) fn clear_visits(&self, s: &mut State, index: usize) {
+        let (base, most) = self.layout.visits[index];
         s.d[base..base + most].fill(0);
     }
 }

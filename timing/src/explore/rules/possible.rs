@@ -63,7 +63,7 @@ impl SystemRules<'_> {
         let l = &self.layout;
         let running = self.running(s);
         let has_core = |executor: usize| running >> executor & 1 == 1;
-        out.actions.retain(|it| match *it {
+        out.actions.retain(|action| match *action {
             Action::Begin { task } | Action::Wake { task } => has_core(task),
             Action::Ticket { executor } | Action::Acquire { executor } => has_core(executor),
             Action::Finish { executor, .. } => {
@@ -85,7 +85,7 @@ impl SystemRules<'_> {
             }
             _ => true,
         });
-        let takes_time = |it: &Action| matches!(it, Action::Finish { .. });
+        let takes_time = |action: &Action| matches!(action, Action::Finish { .. });
         out.urgent = !out.actions.iter().all(takes_time);
         self.swaps(s, running, out);
     }
@@ -109,7 +109,8 @@ impl SystemRules<'_> {
                     ClientAction::AwaitAny => {
                         // The client proceeds to a step that has nothing to wait for.
                         let steps = &client.steps;
-                        let over = |next: &&usize| match steps.get(**next).map(|it| &it.action) {
+                        let over = |next: &&usize| match steps.get(**next).map(|step| &step.action)
+                        {
                             Some(&ClientAction::AwaitOutcome(t, success)) => {
                                 self.has_outcome(s, k, t, success)
                             }
@@ -201,7 +202,7 @@ impl SystemRules<'_> {
             return true;
         };
         let l = &self.layout;
-        let busy = (0..l.tasks).filter(|&it| l.has(s, it, flag::CORE));
+        let busy = (0..l.tasks).filter(|&task| l.has(s, task, flag::CORE));
         busy.count() < cores as usize
     }
 
@@ -299,13 +300,15 @@ impl SystemRules<'_> {
         };
         let queue = self.layout.lock_queue(s, component);
         let mut ahead = (queue.iter())
-            .map(|&it| it as usize)
-            .take_while(|&it| it != executor);
+            .map(|&queue| queue as usize)
+            .take_while(|&queue| queue != executor);
         let turn = match self.points.locks {
             LockRule::Queue => ahead.next().is_none(),
             LockRule::Fifo => {
-                let codel = self.codel(s, executor).map(|it| &self.system.codels[it]);
-                !codel.is_some_and(|codel| ahead.any(|it| self.blocks(s, codel, it)))
+                let codel = self
+                    .codel(s, executor)
+                    .map(|codel| &self.system.codels[codel]);
+                !codel.is_some_and(|codel| ahead.any(|queue| self.blocks(s, codel, queue)))
             }
             LockRule::Free => true,
         };
@@ -354,15 +357,15 @@ impl SystemRules<'_> {
                 return;
             };
             let mut any = false;
-            for (outcome, it) in state.yields.iter().enumerate() {
-                if self.within_limit(s, slot, it) {
+            for (outcome, transition) in state.yields.iter().enumerate() {
+                if self.within_limit(s, slot, transition) {
                     push(outcome);
                     any = true;
                 }
             }
             if !any && machine.rounds {
-                for (outcome, it) in state.yields.iter().enumerate() {
-                    if *it != Yield::Next(l.at(s, slot) as usize) {
+                for (outcome, transition) in state.yields.iter().enumerate() {
+                    if *transition != Yield::Next(l.at(s, slot) as usize) {
                         push(outcome);
                     }
                 }
@@ -378,7 +381,7 @@ impl SystemRules<'_> {
                 let codel = self
                     .codel(s, executor)
                     .map(|codel| &self.system.codels[codel]);
-                self.points.handling == Handling::InSteps && codel.is_some_and(|it| it.throws)
+                self.points.handling == Handling::InSteps && codel.is_some_and(|codel| codel.throws)
             };
             if self.validates(s, component) || throws() {
                 push(1);
@@ -396,7 +399,13 @@ impl SystemRules<'_> {
         if self.points.cycle == Cycle::Jobs {
             return false;
         }
-        let outcomes = || self.layout.outcomes.iter().flatten().any(|it| *it);
+        let outcomes = || {
+            self.layout
+                .outcomes
+                .iter()
+                .flatten()
+                .any(|outcome| *outcome)
+        };
         match self.service(s, slot) {
             Some(service) => {
                 !yields.contains(&Yield::End)
@@ -407,9 +416,9 @@ impl SystemRules<'_> {
         }
     }
 
-    pub(super) fn within_limit(&self, s: &State, slot: usize, it: &Yield) -> bool {
-        let limit = self.machine(s, slot).and_then(|it| it.loop_limit);
-        match (it, limit) {
+    pub(super) fn within_limit(&self, s: &State, slot: usize, transition: &Yield) -> bool {
+        let limit = self.machine(s, slot).and_then(|machine| machine.loop_limit);
+        match (transition, limit) {
             (&Yield::Next(state), Some(limit)) => s.d[self.layout.visits[slot].0 + state] < limit,
             _ => true,
         }

@@ -52,10 +52,10 @@ impl SystemRules<'_> {
     /// Returns true if a client may still interact with components.
     pub(crate) fn is_active(&self, s: &State, client: usize) -> bool {
         let l = &self.layout;
-        let it = &self.system.clients[client];
+        let definition = &self.system.clients[client];
         l.outstanding(s, client) != 0
-            || l.position(s, client) as usize != it.done()
-            || (0..it.trackers).any(|t| l.tracker(s, client, t) != 0)
+            || l.position(s, client) as usize != definition.done()
+            || (0..definition.trackers).any(|t| l.tracker(s, client, t) != 0)
     }
 
     /// Returns true if some task of these components waits for a core.

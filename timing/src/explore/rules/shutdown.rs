@@ -48,17 +48,17 @@ impl SystemRules<'_> {
     fn abort(&self, s: &mut State, component: usize) -> bool {
         let l = &self.layout;
         let client = l.sender(s, component) as usize - 1;
-        let aborted = self.sent(s, client).and_then(|it| match it {
+        let aborted = self.sent(s, client).and_then(|sent| match sent {
             ClientAction::Send { aborts, .. } => *aborts,
             _ => None,
         });
-        let value = aborted.map_or(tracker::NONE, |it| l.tracker(s, client, it));
-        let Some(it) = value.checked_sub(tracker::SLOT) else {
+        let value = aborted.map_or(tracker::NONE, |abort| l.tracker(s, client, abort));
+        let Some(difference) = value.checked_sub(tracker::SLOT) else {
             return false;
         };
-        let mode = l.mode(s, it as usize);
+        let mode = l.mode(s, difference as usize);
         if matches!(mode & slot::STATUS, slot::INIT | slot::RUN) {
-            l.set_mode(s, it as usize, mode | slot::MARK);
+            l.set_mode(s, difference as usize, mode | slot::MARK);
         }
         true
     }
@@ -99,8 +99,8 @@ impl SystemRules<'_> {
     fn permanent(&self, s: &State, task: usize) -> Option<usize> {
         let l = &self.layout;
         let mut slots = l.slots(task).iter().copied();
-        slots.find(|&it| {
-            let mode = l.mode(s, it);
+        slots.find(|&slot| {
+            let mode = l.mode(s, slot);
             mode & slot::PERMANENT != 0 && mode & slot::STATUS != slot::VOID
         })
     }
@@ -108,8 +108,8 @@ impl SystemRules<'_> {
     /// Returns the activities of a task except its permanent one, with their modes.
     fn activities(&self, s: &State, task: usize) -> impl Iterator<Item = (usize, u16)> {
         let l = &self.layout;
-        let all = l.slots(task).iter().map(|&it| (it, l.mode(s, it)));
-        all.filter(|it| it.1 & slot::PERMANENT == 0)
+        let all = l.slots(task).iter().map(|&slot| (slot, l.mode(s, slot)));
+        all.filter(|pair| pair.1 & slot::PERMANENT == 0)
     }
 
     /// Returns true if the shutdown of a component can proceed.
@@ -124,16 +124,15 @@ impl SystemRules<'_> {
                 };
                 let at_work =
                     |mode: u16| (slot::INIT..=slot::STOP).contains(&(mode & slot::STATUS));
-                self.activities(s, task).any(|it| to_mark(it.1))
-                    || !self.activities(s, task).any(|it| at_work(it.1))
+                self.activities(s, task).any(|activity| to_mark(activity.1))
+                    || !self.activities(s, task).any(|activity| at_work(activity.1))
             }
             Some(Stage::Permanent(task)) => {
-                let free = |&it: &usize| l.activity(s, it) == slot::VOID;
+                let free = |&index: &usize| l.activity(s, index) == slot::VOID;
                 self.permanent(s, task).is_some() || l.slots(task).iter().any(free)
             }
-            Some(Stage::Stopping(task)) => {
-                (self.permanent(s, task)).is_none_or(|it| l.activity(s, it) == slot::ETHER)
-            }
+            Some(Stage::Stopping(task)) => (self.permanent(s, task))
+                .is_none_or(|permanent| l.activity(s, permanent) == slot::ETHER),
             Some(Stage::Task(task)) => {
                 l.thread_of(s, task) == thread::IDLE && !l.has(s, task, flag::WAKE)
             }
@@ -150,11 +149,11 @@ impl SystemRules<'_> {
         match stage {
             Stage::Activities(task) => {
                 let mut marked = false;
-                for &it in l.slots(task) {
-                    let mode = l.mode(s, it);
+                for &path in l.slots(task) {
+                    let mode = l.mode(s, path);
                     let begins_or_runs = matches!(mode & slot::STATUS, slot::INIT | slot::RUN);
                     if begins_or_runs && mode & (slot::PERMANENT | slot::MARK) == 0 {
-                        l.set_mode(s, it, mode | slot::MARK);
+                        l.set_mode(s, path, mode | slot::MARK);
                         marked = true;
                     }
                 }
@@ -164,22 +163,23 @@ impl SystemRules<'_> {
             }
             Stage::Permanent(task) => {
                 let place = self.permanent(s, task);
-                let mode = place.map_or(slot::VOID, |it| l.mode(s, it));
+                let mode = place.map_or(slot::VOID, |place| l.mode(s, place));
                 match mode & slot::STATUS {
                     slot::STOP => {}
                     slot::INIT | slot::RUN => {
-                        if let Some(it) = place {
-                            l.set_mode(s, it, mode | slot::MARK);
+                        if let Some(place) = place {
+                            l.set_mode(s, place, mode | slot::MARK);
                         }
                         self.make_runnable(s, task);
                     }
                     _ => {
-                        let free = |&it: &usize| l.activity(s, it) == slot::VOID;
-                        if let Some(it) = place.or_else(|| l.slots(task).iter().copied().find(free))
+                        let free = |&index: &usize| l.activity(s, index) == slot::VOID;
+                        if let Some(place) =
+                            place.or_else(|| l.slots(task).iter().copied().find(free))
                         {
-                            l.set_automaton(s, it, self.system.tasks[task].permanent);
-                            l.set_at(s, it, 0);
-                            l.set_mode(s, it, slot::INIT | slot::PERMANENT | slot::MARK);
+                            l.set_automaton(s, place, self.system.tasks[task].permanent);
+                            l.set_at(s, place, 0);
+                            l.set_mode(s, place, slot::INIT | slot::PERMANENT | slot::MARK);
                         }
                         self.make_runnable(s, task);
                     }

@@ -189,26 +189,26 @@ impl<'s> SystemRules<'s> {
     fn prepare_tasks(&self, s: &mut State, component: usize) {
         let l = &self.layout;
         for &task in &self.system.components[component].tasks {
-            let it = &self.system.tasks[task];
+            let definition = &self.system.tasks[task];
             l.raise(s, task, flag::FIRST);
-            if it.period.is_none() {
+            if definition.period.is_none() {
                 l.raise(s, task, flag::RUNNABLE);
             } else if self.points.ticks == TickRule::Component {
                 l.set_timer(s, task, self.first_tick(task));
             }
             let first = l.slots(task)[0];
             l.set_mode(s, first, slot::INIT | slot::START | slot::PERMANENT);
-            l.set_automaton(s, first, it.permanent);
+            l.set_automaton(s, first, definition.permanent);
         }
     }
 
     /// Returns the time from the start of a clock to the first tick in base units.
     pub(super) fn first_tick(&self, task: usize) -> Ticks {
-        let it = &self.system.tasks[task];
-        match (self.points.ticks, it.delay) {
-            (TickRule::Component, 0) => it.period.unwrap_or(0),
+        let task = &self.system.tasks[task];
+        match (self.points.ticks, task.delay) {
+            (TickRule::Component, 0) => task.period.unwrap_or(0),
             (TickRule::Component, delay) => delay,
-            (TickRule::Task, delay) => it.period.unwrap_or(0) + delay,
+            (TickRule::Task, delay) => task.period.unwrap_or(0) + delay,
         }
     }
 

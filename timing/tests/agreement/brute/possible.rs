@@ -13,16 +13,17 @@ impl Brute<'_> {
         let sys = self.system;
         let mut out = Vec::new();
         for (k, client) in s.clients.iter().enumerate() {
-            let it = &sys.clients[k];
+            let definition = &sys.clients[k];
             let over = |t: usize| client.tracked[t] == Tracked::Over;
             match client.at {
                 None => out.extend(
-                    it.first
+                    definition
+                        .first
                         .iter()
                         .map(|&next| Action::Proceed { client: k, next }),
                 ),
-                Some(at) if at < it.steps.len() => {
-                    let ready = match it.steps[at].action {
+                Some(at) if at < definition.steps.len() => {
+                    let ready = match definition.steps[at].action {
                         ClientAction::AwaitAccepted => !client.outstanding,
                         ClientAction::AwaitEnded(t) => over(t),
                         ClientAction::AwaitAny | ClientAction::AwaitOutcome(..) => {
@@ -31,7 +32,7 @@ impl Brute<'_> {
                         _ => false,
                     };
                     if ready {
-                        let next = &it.steps[at].next;
+                        let next = &definition.steps[at].next;
                         out.extend(next.iter().map(|&next| Action::Proceed { client: k, next }));
                     }
                 }
@@ -42,9 +43,9 @@ impl Brute<'_> {
             return (out, true);
         }
         for (t, task) in s.tasks.iter().enumerate() {
-            let it = &sys.tasks[t];
-            let wants = match it.period {
-                Some(_) => task.tick && (!it.keep_idle_tick || self.something_to_do(s, t)),
+            let definition = &sys.tasks[t];
+            let wants = match definition.period {
+                Some(_) => task.tick && (!definition.keep_idle_tick || self.something_to_do(s, t)),
                 None => self.something_to_do(s, t),
             };
             if task.status == Status::Idle && wants {
@@ -106,8 +107,8 @@ impl Brute<'_> {
                 _ => {}
             }
         }
-        for (c, it) in s.controls.iter().enumerate() {
-            if it.step == Step::Ready && it.signal {
+        for (c, control) in s.controls.iter().enumerate() {
+            if control.step == Step::Ready && control.signal {
                 out.push(Action::Signal { component: c });
                 urgent = true;
             }
@@ -135,16 +136,16 @@ impl Brute<'_> {
         let (na, nc) = (s.automata.len(), s.controls.len());
         if e < na {
             let machine = self.system.machine_of(e);
-            let it = &s.automata[e];
-            let yields = &machine.states[it.at].yields;
+            let automaton = &s.automata[e];
+            let yields = &machine.states[automaton.at].yields;
             let fresh = |y: &Yield| match (y, machine.loop_limit) {
-                (&Yield::Next(to), Some(limit)) => it.visits[to] < limit,
+                (&Yield::Next(to), Some(limit)) => automaton.visits[to] < limit,
                 _ => true,
             };
             let mut out: Vec<usize> = (0..yields.len()).filter(|&i| fresh(&yields[i])).collect();
             if out.is_empty() && machine.rounds {
                 out = (0..yields.len())
-                    .filter(|&i| yields[i] != Yield::Next(it.at))
+                    .filter(|&i| yields[i] != Yield::Next(automaton.at))
                     .collect();
             }
             out
@@ -173,10 +174,14 @@ impl Brute<'_> {
             }
         }
         if self.system.platform.semantics.locks == LockRule::Fifo {
-            let place = s.lock_queue.iter().position(|&it| it == e).unwrap();
+            let place = s
+                .lock_queue
+                .iter()
+                .position(|&lock_queue| lock_queue == e)
+                .unwrap();
             if s.lock_queue[..place]
                 .iter()
-                .any(|&it| mine.contains(self.codel(s, it)))
+                .any(|&lock_queue| mine.contains(self.codel(s, lock_queue)))
             {
                 return false;
             }
@@ -195,7 +200,7 @@ impl Brute<'_> {
 
     /// Returns the automata of a task in the order of turns.
     pub(super) fn order(&self, t: usize) -> Vec<usize> {
-        let it = &self.system.tasks[t];
-        it.permanent.iter().chain(&it.slots).copied().collect()
+        let task = &self.system.tasks[t];
+        task.permanent.iter().chain(&task.slots).copied().collect()
     }
 }

@@ -83,7 +83,7 @@ impl Requests {
         out.after = system.clients.iter().map(after).collect();
         let task = |service: usize| {
             let slot = system.services[service].slots.first();
-            slot.map(|&it| system.automata[it].task)
+            slot.map(|&slot| system.automata[slot].task)
         };
         let related = |v: usize, w: usize| {
             v == w
@@ -94,23 +94,29 @@ impl Requests {
         for v in 0..services {
             let list = (0..services).filter(|&w| related(v, w));
             out.related.push(list.fold(0, |set, w| set | bit(w)));
-            let it = &system.services[v];
-            if it.validate.is_none() && it.simple.is_empty() {
+            let service = &system.services[v];
+            if service.validate.is_none() && service.simple.is_empty() {
                 out.instant |= bit(v);
             }
-            out.of_component[it.component] |= bit(v);
+            out.of_component[service.component] |= bit(v);
         }
         let separate = |task: usize| {
-            let it = &system.tasks[task];
-            let mut automata = it.permanent.iter().chain(&it.slots);
+            let task = &system.tasks[task];
+            let mut automata = task.permanent.iter().chain(&task.slots);
             system.platform.async_free
-                && automata.any(|&a| system.machine_of(a).states.iter().any(|it| it.is_async))
+                && automata.any(|&a| {
+                    system
+                        .machine_of(a)
+                        .states
+                        .iter()
+                        .any(|state| state.is_async)
+                })
         };
         out.ordinary = (system.automata.iter())
-            .map(|it| {
-                let machine = &system.machines[it.machine];
+            .map(|automaton| {
+                let machine = &system.machines[automaton.machine];
                 let hasty = loops_in_no_time(system, machine, false);
-                it.service.is_some() && !separate(it.task) && !hasty
+                automaton.service.is_some() && !separate(automaton.task) && !hasty
             })
             .collect();
         out
@@ -120,11 +126,11 @@ impl Requests {
 /// Returns true if every round of a client has a delay that may take time.
 fn takes_time(client: &Client) -> bool {
     let hasty = |step: usize| {
-        let it = &client.steps[step];
-        !matches!(it.action, ClientAction::Delay(_, upper) if upper > 0)
+        let step = &client.steps[step];
+        !matches!(step.action, ClientAction::Delay(_, upper) if upper > 0)
     };
     !(0..client.steps.len())
-        .filter(|&it| hasty(it))
+        .filter(|&step| hasty(step))
         .any(|start| {
             let mut seen = vec![false; client.steps.len()];
             let mut stack = client.steps[start].next.clone();
@@ -148,7 +154,7 @@ fn after(client: &Client) -> Vec<Services> {
         let mut changed = false;
         for (at, step) in client.steps.iter().enumerate() {
             let set = step.next.iter().fold(out[at], |set, &next| {
-                set | match client.steps.get(next).map(|it| &it.action) {
+                set | match client.steps.get(next).map(|step| &step.action) {
                     Some(&ClientAction::Send { service, .. }) => bit(service) | out[next],
                     Some(&ClientAction::Delay(lower, _)) if lower > 0 => 0,
                     Some(_) => out[next],
@@ -181,7 +187,7 @@ impl AmpleState<'_, '_> {
         {
             return false;
         }
-        let others = self.requested_now(|it| it != client);
+        let others = self.requested_now(|index| index != client);
         let others = others & known.of_component[system.services[service].component];
         others & known.related[service] == 0
             && others & !known.instant == 0
@@ -194,18 +200,21 @@ impl AmpleState<'_, '_> {
         let known = &self.ample.requests;
         let l = self.layout();
         let system = self.system();
-        let it = &system.services[service];
+        let definition = &system.services[service];
         let all = |service: usize, is: &dyn Fn(u16) -> bool| {
             let mut slots = system.services[service].slots.iter();
             slots.all(|&a| is(l.mode(self.s, a)))
         };
-        let void = |service: usize| all(service, &|it| it == slot::VOID);
+        let void = |service: usize| all(service, &|void| void == slot::VOID);
         let waits_for_it = |other: &usize| system.services[*other].interrupts.contains(&service);
-        let mut waiting = system.components[it.component].services.iter();
+        let mut waiting = system.components[definition.component].services.iter();
         void(service)
-            && it.interrupts.iter().all(|&it| void(it))
-            && waiting.all(|other| !waits_for_it(other) || all(*other, &|it| it != slot::INIT))
-            && it.slots.first().is_none_or(|&a| {
+            && definition
+                .interrupts
+                .iter()
+                .all(|&interrupt| void(interrupt))
+            && waiting.all(|other| !waits_for_it(other) || all(*other, &|init| init != slot::INIT))
+            && definition.slots.first().is_none_or(|&a| {
                 known.ordinary[a]
                     && !known.visible.machines[system.automata[a].machine]
                     && self.is_free(system.automata[a].task)
@@ -216,13 +225,16 @@ impl AmpleState<'_, '_> {
     /// waits for a core.
     fn is_free(&self, task: usize) -> bool {
         let l = self.layout();
-        let it = &self.system().tasks[task];
+        let definition = &self.system().tasks[task];
         !self.ample.requests.visible.statuses[task]
             && self.started_up(task)
             && l.status(self.s, task) == TaskStatus::Idle
             && !self.due(task)
             && !l.pending(self.s, task)
-            && it.slots.iter().all(|&a| l.mode(self.s, a) == slot::VOID)
+            && definition
+                .slots
+                .iter()
+                .all(|&a| l.mode(self.s, a) == slot::VOID)
             && (!self.system().needs_core(task) || self.cores_for_all())
     }
 
@@ -256,8 +268,8 @@ impl AmpleState<'_, '_> {
                 | ClientAction::AwaitOutcome(..) => after,
             }
         };
-        let clients = (0..self.system().clients.len()).filter(|&it| counts(it));
-        clients.fold(0, |set, it| set | of(it))
+        let clients = (0..self.system().clients.len()).filter(|&client| counts(client));
+        clients.fold(0, |set, client| set | of(client))
     }
 
     /// Returns true if the ends of activities can be reported before anything else.
@@ -267,19 +279,26 @@ impl AmpleState<'_, '_> {
         let system = self.system();
         let ended = |client: usize| {
             let values = l.trackers(self.s, client).iter();
-            let mut slots = values.filter_map(|it| it.checked_sub(tracker::SLOT));
+            let mut slots = values.filter_map(|tracker| tracker.checked_sub(tracker::SLOT));
             slots.any(|a| l.mode(self.s, a as usize) == slot::ETHER)
         };
         known.enabled
-            && system.components[component].services.iter().all(|&it| {
-                let mut slots = system.services[it].slots.iter().map(|&a| l.mode(self.s, a));
-                slots.all(|it_is| match it_is {
-                    slot::INIT => false,
-                    slot::ETHER => !known.visible.slots[it],
-                    _ => true,
+            && system.components[component]
+                .services
+                .iter()
+                .all(|&service| {
+                    let mut slots = system.services[service]
+                        .slots
+                        .iter()
+                        .map(|&a| l.mode(self.s, a));
+                    slots.all(|it_is| match it_is {
+                        slot::INIT => false,
+                        slot::ETHER => !known.visible.slots[service],
+                        _ => true,
+                    })
                 })
-            })
-            && (0..system.clients.len()).all(|it| !known.visible.clients[it] || !ended(it))
+            && (0..system.clients.len())
+                .all(|client| !known.visible.clients[client] || !ended(client))
     }
 
     /// Returns true if the end of an activity's codel can come before anything else.
@@ -303,32 +322,44 @@ impl AmpleState<'_, '_> {
             return false;
         }
         let state = &system.machine_of(executor).states[l.at(self.s, executor) as usize];
-        if state.yields.iter().all(|it| matches!(it, Yield::Next(_))) {
+        if state
+            .yields
+            .iter()
+            .all(|transition| matches!(transition, Yield::Next(_)))
+        {
             return true;
         }
-        let it = &system.tasks[task];
-        let component = it.component;
+        let definition = &system.tasks[task];
+        let component = definition.component;
         // The beginning of the next turn shows whether the activity has been interrupted.
-        let ends = (it.period.is_some()
-            || state.yields.iter().all(|it| !matches!(it, Yield::Pause(_))))
+        let ends = (definition.period.is_some()
+            || state
+                .yields
+                .iter()
+                .all(|transition| !matches!(transition, Yield::Pause(_))))
             && !known.visible.slots[service];
-        let nothing_else = (it.slots.iter())
+        let nothing_else = (definition.slots.iter())
             .all(|&a| a == executor || self.cannot_change(a, service))
             && !self.due(task)
             && !l.pending(self.s, task)
-            && it.permanent.is_none_or(|a| match l.mode(self.s, a) {
-                permanent::ENDED => true,
-                permanent::NORMAL => it.period.is_some(),
-                _ => false,
-            })
+            && definition
+                .permanent
+                .is_none_or(|a| match l.mode(self.s, a) {
+                    permanent::ENDED => true,
+                    permanent::NORMAL => definition.period.is_some(),
+                    _ => false,
+                })
             && (!system.needs_core(task) || self.cores_for_all());
         let waits = |client: usize| {
             let at = l.position(self.s, client) as usize;
-            let step = system.clients[client].steps.get(at).map(|it| &it.action);
+            let step = system.clients[client]
+                .steps
+                .get(at)
+                .map(|step| &step.action);
             matches!(step, Some(&ClientAction::AwaitEnded(t))
                 if l.tracker(self.s, client, t) == tracker::SLOT + executor as u16)
         };
-        let requested = self.requested_now(|it| !waits(it)) & known.of_component[component];
+        let requested = self.requested_now(|client| !waits(client)) & known.of_component[component];
         ends && nothing_else
             && l.control(self.s, component) == control::READY
             && requested & known.related[service] == 0
@@ -343,7 +374,7 @@ impl AmpleState<'_, '_> {
         match self.layout().mode(self.s, slot) {
             slot::VOID | slot::ETHER => true,
             slot::INIT => (automaton.service)
-                .is_some_and(|it| system.services[it].interrupts.contains(&activity)),
+                .is_some_and(|service| system.services[service].interrupts.contains(&activity)),
             _ => {
                 self.ample.requests.ordinary[slot]
                     && !self.ample.requests.visible.machines[automaton.machine]
@@ -358,7 +389,7 @@ impl AmpleState<'_, '_> {
         let system = self.system();
         let Some(component) = executor
             .checked_sub(l.threads)
-            .filter(|&it| it < l.components)
+            .filter(|&component| component < l.components)
         else {
             return false;
         };
@@ -377,8 +408,8 @@ impl AmpleState<'_, '_> {
             return false;
         }
         let validates = self.rules.validates(self.s, component);
-        let it = &system.services[service];
-        let last = usize::from(it.validate.is_some()) + it.simple.len();
+        let definition = &system.services[service];
+        let last = usize::from(definition.validate.is_some()) + definition.simple.len();
         let goes_on = !validates && l.codel_number(self.s, component) as usize + 1 < last;
         // Interruptions take place before the service's own codels.
         let ends = !validates && self.reports_nothing(component);
@@ -391,8 +422,8 @@ impl AmpleState<'_, '_> {
     fn reports_nothing(&self, component: usize) -> bool {
         let l = self.layout();
         let mut services = self.system().components[component].services.iter();
-        services.all(|&it| {
-            let slots = &self.system().services[it].slots;
+        services.all(|&service| {
+            let slots = &self.system().services[service].slots;
             slots
                 .iter()
                 .all(|&a| !matches!(l.mode(self.s, a), slot::INIT | slot::ETHER))
@@ -408,10 +439,10 @@ impl AmpleState<'_, '_> {
         }
         match self.system().automata.get(executor) {
             // During its start-up a task may want locks twice.
-            Some(it) => {
+            Some(automaton) => {
                 known.ordinary[executor]
-                    && !known.visible.machines[it.machine]
-                    && self.started_up(it.task)
+                    && !known.visible.machines[automaton.machine]
+                    && self.started_up(automaton.task)
             }
             None => {
                 let component = executor - self.system().automata.len();
@@ -424,16 +455,28 @@ impl AmpleState<'_, '_> {
     pub(super) fn task_may_want(&self, task: usize, codel: usize) -> bool {
         let l = self.layout();
         let system = self.system();
-        let it = &system.tasks[task];
-        let automata = || it.permanent.iter().chain(&it.slots).copied();
+        let definition = &system.tasks[task];
+        let automata = || {
+            definition
+                .permanent
+                .iter()
+                .chain(&definition.slots)
+                .copied()
+        };
         let separate = system.platform.async_free
-            && automata().any(|a| system.machine_of(a).states.iter().any(|it| it.is_async));
+            && automata().any(|a| {
+                system
+                    .machine_of(a)
+                    .states
+                    .iter()
+                    .any(|state| state.is_async)
+            });
         let settled = self.started_up(task);
         // While a task executes a codel that does not end yet, no other action of the task is possible.
         let executes = (l.turn(self.s, task))
             .is_some_and(|a| l.phase(self.s, a) == phase::EXECUTING && l.window(self.s, a).0 > 0);
         let rests = l.status(self.s, task) == TaskStatus::Idle
-            && it.period.is_some()
+            && definition.period.is_some()
             && !self.due(task)
             && !l.pending(self.s, task);
         if !separate && settled && (executes || rests) {
@@ -442,7 +485,7 @@ impl AmpleState<'_, '_> {
         let conflicts = &system.codels[codel].conflicts;
         automata().any(|a| {
             let mut states = system.machine_of(a).states.iter();
-            states.any(|it| conflicts.contains(it.codel))
+            states.any(|state| conflicts.contains(state.codel))
         })
     }
 
@@ -458,17 +501,18 @@ impl AmpleState<'_, '_> {
         }
         let conflicts = &self.system().codels[codel].conflicts;
         let wants = |service: usize| {
-            let it = &self.system().services[service];
-            it.validate
+            let service = &self.system().services[service];
+            service
+                .validate
                 .iter()
-                .chain(&it.simple)
-                .any(|&it| conflicts.contains(it))
+                .chain(&service.simple)
+                .any(|&validate| conflicts.contains(validate))
         };
         let requested = self.requested_now(|_| true);
         let handled = l.handled(self.s, component);
-        (self.system().components[component].services.iter()).any(|&it| {
-            let now = requested & bit(it) != 0 || handled == Some(it);
-            now && wants(it)
+        (self.system().components[component].services.iter()).any(|&service| {
+            let now = requested & bit(service) != 0 || handled == Some(service);
+            now && wants(service)
         })
     }
 
@@ -476,16 +520,16 @@ impl AmpleState<'_, '_> {
     pub(super) fn delay_alone(&self, executor: usize) -> bool {
         let l = self.layout();
         let client = executor.checked_sub(l.threads + l.components);
-        client.is_some_and(|it| {
+        client.is_some_and(|client| {
             self.ample.requests.enabled
                 && l.window(self.s, executor).1 == 0
-                && !self.ample.requests.visible.clients[it]
+                && !self.ample.requests.visible.clients[client]
         })
     }
 
     /// Writes a request or an end with all its outcomes.
     pub(super) fn with_outcomes(&self, action: Action, out: &mut Vec<Action>) {
-        let same = |it: &&Action| match (**it, action) {
+        let same = |other: &&Action| match (**other, action) {
             (Action::Finish { executor: e, .. }, Action::Finish { executor, .. }) => e == executor,
             (Action::Request { client: k, .. }, Action::Request { client, .. }) => k == client,
             _ => false,

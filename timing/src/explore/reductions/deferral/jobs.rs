@@ -62,11 +62,15 @@ impl LazyMembers {
         let mut group: Vec<usize> = (0..n).collect();
         let mut join = |one: usize, other: usize| {
             let (from, to) = (group[one], group[other]);
-            let members = group.iter_mut().filter(|it| **it == from);
-            members.for_each(|it| *it = to);
+            let members = group.iter_mut().filter(|group| **group == from);
+            members.for_each(|member| *member = to);
         };
         let requested = system.requested();
-        let live = |a: usize| system.automata[a].service.is_none_or(|it| requested[it]);
+        let live = |a: usize| {
+            system.automata[a]
+                .service
+                .is_none_or(|service| requested[service])
+        };
         for (a, automaton) in system.automata.iter().enumerate() {
             if live(a) {
                 for state in &system.machine_of(a).states {
@@ -80,16 +84,16 @@ impl LazyMembers {
                 }
             }
         }
-        for (service, it) in system.services.iter().enumerate() {
+        for (service, entry) in system.services.iter().enumerate() {
             if requested[service] {
-                for &codel in it.validate.iter().chain(&it.simple) {
-                    owner[codel] = control(it.component);
-                    lazy[control(it.component)] &= system.codels[codel].lower == 0;
+                for &codel in entry.validate.iter().chain(&entry.simple) {
+                    owner[codel] = control(entry.component);
+                    lazy[control(entry.component)] &= system.codels[codel].lower == 0;
                 }
             }
         }
-        for (k, it) in system.clients.iter().enumerate() {
-            for step in &it.steps {
+        for (k, definition) in system.clients.iter().enumerate() {
+            for step in &definition.steps {
                 match step.action {
                     ClientAction::Send { service, .. } => {
                         join(client(k), control(system.services[service].component));
@@ -122,9 +126,9 @@ impl LazyMembers {
                 }
             }
         }
-        for (task, it) in system.tasks.iter().enumerate() {
-            let fits = if it.period.is_some() {
-                !it.keep_idle_tick
+        for (task, entry) in system.tasks.iter().enumerate() {
+            let fits = if entry.period.is_some() {
+                !entry.keep_idle_tick
             } else {
                 !measured[task] && (!system.needs_core(task) || endless(system, task, &requested))
             };
@@ -140,15 +144,20 @@ impl LazyMembers {
                 }
             }
         }
-        let not_lazy: Vec<usize> = (0..n).filter(|&it| !lazy[it]).map(|it| group[it]).collect();
-        let members: Vec<bool> = (0..n).map(|it| !not_lazy.contains(&group[it])).collect();
+        let not_lazy: Vec<usize> = (0..n)
+            .filter(|&index| !lazy[index])
+            .map(|index| group[index])
+            .collect();
+        let members: Vec<bool> = (0..n)
+            .map(|index| !not_lazy.contains(&group[index]))
+            .collect();
         rest.retain(|&(a, _)| members[system.automata[a].task]);
         // The end of start-up lets the control task begin, so the group of the control task must be lazy as
         // well.
         let can_start = |task: usize| {
             let control = control(system.tasks[task].component);
             let mut resting = rest.iter().map(|&(a, _)| group[system.automata[a].task]);
-            members[control] && resting.all(|it| it != group[control])
+            members[control] && resting.all(|index| index != group[control])
         };
         LazyMembers {
             starts: (0..system.tasks.len())
@@ -171,13 +180,13 @@ impl LazyMembers {
             .iter()
             .zip(&self.members)
             .enumerate()
-            .all(|(task, (it, &lazy))| {
+            .all(|(task, (entry, &lazy))| {
                 let normal = |a| match l.mode(s, a) {
                     permanent::NORMAL | permanent::ENDED => true,
                     permanent::FIRST_CODEL | permanent::FIRST_TURN => self.starts[task],
                     _ => false,
                 };
-                !lazy || (!l.pending(s, task) && it.permanent.is_none_or(normal))
+                !lazy || (!l.pending(s, task) && entry.permanent.is_none_or(normal))
             });
         if !settled {
             return None;
@@ -187,8 +196,8 @@ impl LazyMembers {
             let resting = l.phase(s, a) == phase::EXECUTING && l.at(s, a) as usize == state;
             if !resting {
                 let group = self.group[rules.system.automata[a].task];
-                for (member, it) in out.iter_mut().enumerate() {
-                    *it &= self.group[member] != group;
+                for (member, slice) in out.iter_mut().enumerate() {
+                    *slice &= self.group[member] != group;
                 }
             }
         }
@@ -203,20 +212,22 @@ impl LazyMembers {
 
 /// Returns true if no timer starts when a periodic task has been started.
 fn starts_no_timer(system: &TimedSystem, task: usize) -> bool {
-    let it = &system.tasks[task];
-    let mut later = (system.components[it.component].tasks.iter()).skip_while(|&&it| it != task);
+    let definition = &system.tasks[task];
+    let mut later =
+        (system.components[definition.component].tasks.iter()).skip_while(|&&index| index != task);
     later.next();
-    it.period.is_some()
-        && later
-            .all(|&it| system.tasks[it].period.is_none() && system.tasks[it].permanent.is_none())
+    definition.period.is_some()
+        && later.all(|&task| {
+            system.tasks[task].period.is_none() && system.tasks[task].permanent.is_none()
+        })
 }
 
 /// Returns true for an aperiodic task whose cycle never ends.
 fn endless(system: &TimedSystem, task: usize, requested: &[bool]) -> bool {
-    let it = &system.tasks[task];
-    it.period.is_none()
+    let definition = &system.tasks[task];
+    definition.period.is_none()
         && !system.has_activities(task, requested)
-        && it
+        && definition
             .permanent
             .is_some_and(|a| system.machine_of(a).is_endless())
 }

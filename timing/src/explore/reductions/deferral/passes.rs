@@ -61,18 +61,18 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
     let (tasks, components) = (system.tasks.len(), system.components.len());
     let executors = tasks + components + system.clients.len();
     let none = || (vec![false; executors], Vec::new());
-    let periodic = system.tasks.iter().any(|it| it.period.is_some());
+    let periodic = system.tasks.iter().any(|task| task.period.is_some());
     let semantics = system.platform.semantics;
     // If timers start when another task has been started, a postponed end moves all ticks.
     if !periodic || semantics.pause == PauseRule::Turns || semantics.ticks == TickRule::Task {
         return none();
     }
     let mut groups: Groups = (0..components).collect();
-    for it in &addressed {
-        join(&mut groups, it.iter().copied());
+    for components in &addressed {
+        join(&mut groups, components.iter().copied());
     }
     let requested = system.requested();
-    let mut lazy: Vec<bool> = about.iter().map(|it| !it).collect();
+    let mut lazy: Vec<bool> = about.iter().map(|about| !about).collect();
     let mut resting = Vec::new();
     let mut owner = vec![usize::MAX; system.codels.len()];
     for automaton in &system.automata {
@@ -82,63 +82,73 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
     }
     for (number, component) in system.components.iter().enumerate() {
         for &task in &component.tasks {
-            let it = &system.tasks[task];
-            lazy[number] &= it.period.is_some() || !asked.measured[task];
-            for &a in it.permanent.iter().chain(&it.slots) {
+            let definition = &system.tasks[task];
+            lazy[number] &= definition.period.is_some() || !asked.measured[task];
+            for &a in definition.permanent.iter().chain(&definition.slots) {
                 let machine = system.machine_of(a);
                 let slow = |codel: usize| system.codels[codel].lower > 0;
-                if !machine.states.iter().any(|it| slow(it.codel)) {
+                if !machine.states.iter().any(|state| slow(state.codel)) {
                     continue;
                 }
                 // The rounds of the loop are events: there must be no other task to be woken by them.
                 let others = component.tasks.iter().filter(|&&other| other != task);
-                let alone = others.clone().all(|&it| system.tasks[it].period.is_some())
-                    && it.slots.is_empty()
-                    && it.period.is_none()
+                let alone = others
+                    .clone()
+                    .all(|&task| system.tasks[task].period.is_some())
+                    && definition.slots.is_empty()
+                    && definition.period.is_none()
                     && machine.is_endless()
-                    && !component.services.iter().any(|&it| requested[it]);
+                    && !component.services.iter().any(|&service| requested[service]);
                 // After all threads have begun, no executor waits for the resting codel. Before that, no end
                 // is postponed.
                 let unwaited = |&state: &usize| {
                     let codel = machine.states[state].codel;
                     let mut others = system.codels.iter().enumerate();
-                    others.all(|(it, other)| {
-                        let own = owner[it] == task || owner[it] == usize::MAX;
-                        own || !other.conflicts.contains(codel) || rest::start_up_only(system, it)
+                    others.all(|(index, other)| {
+                        let own = owner[index] == task || owner[index] == usize::MAX;
+                        own || !other.conflicts.contains(codel)
+                            || rest::start_up_only(system, index)
                     })
                 };
-                match rest::place(system, a, &owner).filter(|it| alone && unwaited(it)) {
+                match rest::place(system, a, &owner).filter(|place| alone && unwaited(place)) {
                     Some(place) => resting.push((number, task, place)),
                     None => lazy[number] = false,
                 }
             }
         }
-        for &service in component.services.iter().filter(|&&it| requested[it]) {
-            let it = &system.services[service];
-            let mut codels = it.validate.iter().chain(&it.simple);
-            lazy[number] &= codels.all(|&it| system.codels[it].lower == 0);
+        for &service in component
+            .services
+            .iter()
+            .filter(|&&service| requested[service])
+        {
+            let service = &system.services[service];
+            let mut codels = service.validate.iter().chain(&service.simple);
+            lazy[number] &= codels.all(|&codel| system.codels[codel].lower == 0);
         }
     }
     for (client, addressed) in system.clients.iter().zip(&addressed) {
-        let slow = |it: &ClientAction| matches!(*it, ClientAction::Delay(lower, _) if lower > 0);
-        if client.steps.iter().any(|it| slow(&it.action)) {
-            addressed.iter().for_each(|&it| lazy[it] = false);
+        let slow =
+            |action: &ClientAction| matches!(*action, ClientAction::Delay(lower, _) if lower > 0);
+        if client.steps.iter().any(|step| slow(&step.action)) {
+            addressed.iter().for_each(|&index| lazy[index] = false);
         }
     }
     let of_group: Vec<bool> = (0..components)
-        .map(|it| (0..components).all(|other| groups[other] != groups[it] || lazy[other]))
+        .map(|component| {
+            (0..components).all(|other| groups[other] != groups[component] || lazy[other])
+        })
         .collect();
     if system.platform.cores.is_some() && of_group.contains(&false) {
         return none();
     }
     let mut out: Vec<bool> = (system.tasks.iter())
-        .map(|it| of_group[it.component])
+        .map(|task| of_group[task.component])
         .collect();
     out.extend(&of_group);
     let clients = addressed.iter();
-    out.extend(clients.map(|it| it.iter().all(|&it| of_group[it])));
+    out.extend(clients.map(|client| client.iter().all(|&client| of_group[client])));
     let resting = (resting.into_iter())
-        .filter(|it| of_group[it.0])
+        .filter(|triple| of_group[triple.0])
         .map(|(_, task, place)| (task, place))
         .collect();
     (out, resting)

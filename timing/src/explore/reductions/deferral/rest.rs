@@ -25,14 +25,13 @@ pub(super) fn place(system: &TimedSystem, automaton: usize, owner: &[usize]) -> 
         .states
         .iter()
         .enumerate()
-        .filter(|(_, it)| system.codels[it.codel].lower > 0);
+        .filter(|(_, state)| system.codels[state.codel].lower > 0);
     let (place, state) = slow.next()?;
     let codel = &system.codels[state.codel];
     let task = system.automata[automaton].task;
-    let undisturbed = codel
-        .conflicts
-        .iter()
-        .all(|it| owner[it] == task || owner[it] == usize::MAX || start_up_only(system, it));
+    let undisturbed = codel.conflicts.iter().all(|conflict| {
+        owner[conflict] == task || owner[conflict] == usize::MAX || start_up_only(system, conflict)
+    });
     (slow.next().is_none()
         && codel.upper == FOREVER
         && undisturbed
@@ -47,15 +46,15 @@ pub(super) fn start_up_only(system: &TimedSystem, codel: usize) -> bool {
         let machine = system.machine_of(a);
         let states = machine.states.iter().enumerate();
         states
-            .filter(move |it| it.1.codel == codel)
+            .filter(move |state| state.1.codel == codel)
             .map(move |(state, _)| (a, state))
     });
     uses.all(|(a, state)| {
         let machine = system.machine_of(a);
-        let mut yields = machine.states.iter().flat_map(|it| &it.yields);
+        let mut yields = machine.states.iter().flat_map(|state| &state.yields);
         system.automata[a].service.is_none()
             && state == machine.start
-            && !yields.any(|it| matches!(*it, Yield::Next(to) | Yield::Pause(to) if to == state))
+            && !yields.any(|transition| matches!(*transition, Yield::Next(to) | Yield::Pause(to) if to == state))
     })
 }
 
@@ -74,7 +73,7 @@ fn always_same_visits(machine: &Machine, place: usize) -> bool {
     let mut stack: Vec<(usize, Vec<u16>)> = machine.states[machine.start]
         .yields
         .iter()
-        .filter_map(|it| match *it {
+        .filter_map(|transition| match *transition {
             Yield::Next(next) => Some(enter(&fresh, next)),
             _ => None,
         })
@@ -91,18 +90,26 @@ fn always_same_visits(machine: &Machine, place: usize) -> bool {
         if state == place && *there.get_or_insert_with(|| visits.clone()) != visits {
             return false;
         }
-        let yields = machine.states[state]
-            .yields
-            .iter()
-            .filter_map(|it| match *it {
-                Yield::Next(next) => Some(next),
-                _ => None,
-            });
-        let allowed: Vec<usize> = yields.clone().filter(|&it| visits[it] < limit).collect();
+        let yields =
+            machine.states[state]
+                .yields
+                .iter()
+                .filter_map(|transition| match *transition {
+                    Yield::Next(next) => Some(next),
+                    _ => None,
+                });
+        let allowed: Vec<usize> = yields
+            .clone()
+            .filter(|&index| visits[index] < limit)
+            .collect();
         if allowed.is_empty() && machine.rounds {
-            stack.extend(yields.filter(|&it| it != state).map(|it| enter(&fresh, it)));
+            stack.extend(
+                yields
+                    .filter(|&index| index != state)
+                    .map(|index| enter(&fresh, index)),
+            );
         } else {
-            stack.extend(allowed.into_iter().map(|it| enter(&visits, it)));
+            stack.extend(allowed.into_iter().map(|index| enter(&visits, index)));
         }
     }
     true

@@ -31,7 +31,7 @@ pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Parts>> 
         for &other in &seeds[i + 1..] {
             let mut units = out.iter().flatten().chain(&class[class.len().min(1)..]);
             if !first.resembles(other, system)
-                || units.any(|it| holds(it, first) || holds(it, other))
+                || units.any(|unit| holds(unit, first) || holds(unit, other))
             {
                 continue;
             }
@@ -39,13 +39,13 @@ pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Parts>> 
                 continue;
             };
             let mut others = out.iter().flatten();
-            if others.any(|it| meet(it, &one) || meet(it, &two))
-                || class.iter().any(|it| meet(it, &two))
+            if others.any(|part| meet(part, &one) || meet(part, &two))
+                || class.iter().any(|class| meet(class, &two))
             {
                 continue;
             }
             match class.first() {
-                Some(it) if *it != one => continue,
+                Some(class) if *class != one => continue,
                 Some(_) => {}
                 None => class.push(one),
             }
@@ -63,12 +63,14 @@ fn closed(system: &TimedSystem, class: &[Parts]) -> bool {
     class.iter().all(|unit| {
         let foreign = |service: usize| {
             !unit[Part::Service].contains(&service)
-                && class.iter().any(|it| it[Part::Service].contains(&service))
+                && class
+                    .iter()
+                    .any(|class| class[Part::Service].contains(&service))
         };
         let steps = unit[Part::Client]
             .iter()
-            .flat_map(|&it| &system.clients[it].steps);
-        let mut sends = steps.filter_map(|it| match it.action {
+            .flat_map(|&unit| &system.clients[unit].steps);
+        let mut sends = steps.filter_map(|step| match step.action {
             ClientAction::Send { service, .. } => Some(service),
             _ => None,
         });
@@ -87,16 +89,21 @@ enum Seed {
 impl Seed {
     /// Returns true if two seeds are worth a comparison: a quick test, as there are many pairs.
     fn resembles(self, other: Seed, system: &TimedSystem) -> bool {
-        let task = |it: usize| {
-            let it = &system.tasks[it];
-            (it.period, it.delay, it.permanent.is_some(), it.slots.len())
+        let task = |task: usize| {
+            let task = &system.tasks[task];
+            (
+                task.period,
+                task.delay,
+                task.permanent.is_some(),
+                task.slots.len(),
+            )
         };
         match (self, other) {
             (Seed::Component(one), Seed::Component(other)) => {
                 let (one, other) = (&system.components[one], &system.components[other]);
                 one.services.len() == other.services.len()
-                    && (one.tasks.iter().map(|&it| task(it)))
-                        .eq(other.tasks.iter().map(|&it| task(it)))
+                    && (one.tasks.iter().map(|&index| task(index)))
+                        .eq(other.tasks.iter().map(|&index| task(index)))
             }
             (Seed::Client(one), Seed::Client(other)) => {
                 let (one, other) = (&system.clients[one], &system.clients[other]);
@@ -115,28 +122,31 @@ fn exchange(
     one: Seed,
     other: Seed,
 ) -> Option<(Parts, Parts)> {
-    let mut it = Exchange::new(system);
+    let mut exchange = Exchange::new(system);
     match (one, other) {
-        (Seed::Component(one), Seed::Component(other)) => it.component(one, other),
-        (Seed::Client(one), Seed::Client(other)) => it.client(one, other),
-        (Seed::Task(one), Seed::Task(other)) => it.task(one, other),
+        (Seed::Component(one), Seed::Component(other)) => exchange.component(one, other),
+        (Seed::Client(one), Seed::Client(other)) => exchange.client(one, other),
+        (Seed::Task(one), Seed::Task(other)) => exchange.task(one, other),
         _ => None,
     }?;
-    it.changes_nothing(asked).then_some((it.one, it.other))
+    exchange
+        .changes_nothing(asked)
+        .then_some((exchange.one, exchange.other))
 }
 
 /// Returns true if a unit contains the starting point of an exchange.
 fn holds(unit: &Parts, seed: Seed) -> bool {
     match seed {
-        Seed::Component(it) => unit[Part::Component].contains(&it),
-        Seed::Client(it) => unit[Part::Client].contains(&it),
-        Seed::Task(it) => unit[Part::Task].contains(&it),
+        Seed::Component(component) => unit[Part::Component].contains(&component),
+        Seed::Client(client) => unit[Part::Client].contains(&client),
+        Seed::Task(task) => unit[Part::Task].contains(&task),
     }
 }
 
 /// Returns true if two units have a part in common.
 fn meet(one: &Parts, other: &Parts) -> bool {
-    let meet = |(one, other): (&Vec<usize>, &Vec<usize>)| one.iter().any(|it| other.contains(it));
+    let meet =
+        |(one, other): (&Vec<usize>, &Vec<usize>)| one.iter().any(|index| other.contains(index));
     one.lists().iter().zip(other.lists()).any(meet)
 }
 
@@ -207,7 +217,7 @@ impl<'s> Exchange<'s> {
         if self.pair(Part::Task, x, y)? {
             let (one, other) = (&self.system.tasks[x], &self.system.tasks[y]);
             self.component(one.component, other.component)?;
-            let list = |it: Option<usize>| it.into_iter().collect::<Vec<_>>();
+            let list = |optional: Option<usize>| optional.into_iter().collect::<Vec<_>>();
             self.each(
                 &list(one.permanent),
                 &list(other.permanent),
@@ -234,9 +244,9 @@ impl<'s> Exchange<'s> {
 
     fn machine(&mut self, x: usize, y: usize) -> Option<()> {
         if self.pair(Part::Machine, x, y)? {
-            let codels = |it: usize| -> Vec<usize> {
-                let states = self.system.machines[it].states.iter();
-                states.map(|it| it.codel).collect()
+            let codels = |machine: usize| -> Vec<usize> {
+                let states = self.system.machines[machine].states.iter();
+                states.map(|state| state.codel).collect()
             };
             let (one, other) = (codels(x), codels(y));
             self.each(&one, &other, Self::codel)?;
@@ -248,7 +258,7 @@ impl<'s> Exchange<'s> {
         if self.pair(Part::Service, x, y)? {
             let (one, other) = (&self.system.services[x], &self.system.services[y]);
             self.component(one.component, other.component)?;
-            let list = |it: Option<usize>| it.into_iter().collect::<Vec<_>>();
+            let list = |optional: Option<usize>| optional.into_iter().collect::<Vec<_>>();
             self.each(&list(one.validate), &list(other.validate), Self::codel)?;
             self.each(&one.simple, &other.simple, Self::codel)?;
             self.each(&one.slots, &other.slots, Self::automaton)?;
@@ -293,7 +303,10 @@ impl<'s> Exchange<'s> {
             && self.keeps_codels()
             && self.keeps_services()
             && self.keeps_clients()
-            && asked.predicates.iter().all(|it| self.keeps_predicate(it))
+            && asked
+                .predicates
+                .iter()
+                .all(|predicate| self.keeps_predicate(predicate))
     }
 
     fn keeps_components(&self) -> bool {
@@ -316,10 +329,10 @@ impl<'s> Exchange<'s> {
                         blocks.last_mut().expect("there is one").push(task);
                     }
                 }
-                blocks.iter_mut().for_each(|it| it.sort_unstable());
+                blocks.iter_mut().for_each(|block| block.sort_unstable());
                 blocks
             };
-            let renamed = blocks(&mut from.tasks.iter().map(|&it| self.name(Part::Task, it)));
+            let renamed = blocks(&mut from.tasks.iter().map(|&task| self.name(Part::Task, task)));
             renamed == blocks(&mut to.tasks.iter().copied())
                 && same_set(&from.services, &to.services, self.to.of(Part::Service))
         })
@@ -336,7 +349,10 @@ impl<'s> Exchange<'s> {
                     == (to.period, to.delay, to.keep_idle_tick)
                 && (from.places, from.affinity) == (to.places, to.affinity)
                 && (!by_priority || from.priority == to.priority)
-                && from.permanent.map(|it| self.name(Part::Automaton, it)) == to.permanent
+                && from
+                    .permanent
+                    .map(|index| self.name(Part::Automaton, index))
+                    == to.permanent
                 && same_list(&from.slots, &to.slots, self.to.of(Part::Automaton))
         });
         tasks
@@ -347,7 +363,10 @@ impl<'s> Exchange<'s> {
                 );
                 self.name(Part::Task, from.task) == to.task
                     && self.name(Part::Machine, from.machine) == to.machine
-                    && from.service.map(|it| self.name(Part::Service, it)) == to.service
+                    && from
+                        .service
+                        .map(|service| self.name(Part::Service, service))
+                        == to.service
             })
     }
 
@@ -373,7 +392,7 @@ impl<'s> Exchange<'s> {
             let mut renamed = CodelSet::default();
             from.conflicts
                 .iter()
-                .for_each(|it| renamed.insert(self.name(Part::Codel, it)));
+                .for_each(|conflict| renamed.insert(self.name(Part::Codel, conflict)));
             self.name(Part::Component, from.component) == to.component
                 && (from.lower, from.upper, from.throws) == (to.lower, to.upper, to.throws)
                 && renamed.iter().eq(to.conflicts.iter())
@@ -386,7 +405,10 @@ impl<'s> Exchange<'s> {
             let (from, to) = (&services[v], &services[self.name(Part::Service, v)]);
             self.name(Part::Component, from.component) == to.component
                 && (from.activity, from.builtin) == (to.activity, to.builtin)
-                && from.validate.map(|it| self.name(Part::Codel, it)) == to.validate
+                && from
+                    .validate
+                    .map(|validate| self.name(Part::Codel, validate))
+                    == to.validate
                 && same_list(&from.simple, &to.simple, self.to.of(Part::Codel))
                 && same_list(&from.slots, &to.slots, self.to.of(Part::Automaton))
                 && [
@@ -425,9 +447,9 @@ impl<'s> Exchange<'s> {
         })
     }
 
-    fn keeps_predicate(&self, it: &Predicate) -> bool {
-        words(it, &|atom| format!("{atom:?}"))
-            == words(it, &|atom| format!("{:?}", self.to.atom(atom)))
+    fn keeps_predicate(&self, predicate: &Predicate) -> bool {
+        words(predicate, &|atom| format!("{atom:?}"))
+            == words(predicate, &|atom| format!("{:?}", self.to.atom(atom)))
     }
 
     fn name(&self, part: Part, number: usize) -> usize {
@@ -436,7 +458,7 @@ impl<'s> Exchange<'s> {
 }
 
 fn same_set(from: &[usize], to: &[usize], names: &[usize]) -> bool {
-    let mut from: Vec<usize> = from.iter().map(|&it| names[it]).collect();
+    let mut from: Vec<usize> = from.iter().map(|&name| names[name]).collect();
     let mut to = to.to_vec();
     from.sort_unstable();
     to.sort_unstable();
@@ -444,30 +466,35 @@ fn same_set(from: &[usize], to: &[usize], names: &[usize]) -> bool {
 }
 
 fn same_list(from: &[usize], to: &[usize], names: &[usize]) -> bool {
-    from.iter().map(|&it| names[it]).eq(to.iter().copied())
+    from.iter().map(|&name| names[name]).eq(to.iter().copied())
 }
 
 /// Returns a predicate in words, whatever the order of the operands of `and` and `or`.
-fn words(it: &Predicate, atom: &dyn Fn(&Atom) -> String) -> String {
-    fn parts(it: &Predicate, and: bool, atom: &dyn Fn(&Atom) -> String, out: &mut Vec<String>) {
-        match (it, and) {
+fn words(predicate: &Predicate, atom: &dyn Fn(&Atom) -> String) -> String {
+    fn parts(
+        predicate: &Predicate,
+        and: bool,
+        atom: &dyn Fn(&Atom) -> String,
+        out: &mut Vec<String>,
+    ) {
+        match (predicate, and) {
             (Predicate::And(one, other), true) | (Predicate::Or(one, other), false) => {
                 parts(one, and, atom, out);
                 parts(other, and, atom, out);
             }
-            _ => out.push(words(it, atom)),
+            _ => out.push(words(predicate, atom)),
         }
     }
     let list = |and: bool| {
         let mut out = Vec::new();
-        parts(it, and, atom, &mut out);
+        parts(predicate, and, atom, &mut out);
         out.sort_unstable();
         out
     };
-    match it {
-        Predicate::Atom(it) => atom(it),
-        Predicate::Leave(it) => format!("leave {}", atom(it)),
-        Predicate::Not(it) => format!("not ({})", words(it, atom)),
+    match predicate {
+        Predicate::Atom(proposition) => atom(proposition),
+        Predicate::Leave(proposition) => format!("leave {}", atom(proposition)),
+        Predicate::Not(predicate) => format!("not ({})", words(predicate, atom)),
         Predicate::And(..) => format!("({})", list(true).join(" and ")),
         Predicate::Or(..) => format!("({})", list(false).join(" or ")),
     }

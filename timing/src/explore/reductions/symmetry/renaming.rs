@@ -85,7 +85,12 @@ impl Renaming {
 
     /// Returns the composition of two renamings, `first` before this one.
     pub(crate) fn after(&self, first: &Renaming) -> Renaming {
-        self.map(|kind, then| first.0.lists()[kind].iter().map(|&it| then[it]).collect())
+        self.map(|kind, then| {
+            first.0.lists()[kind]
+                .iter()
+                .map(|&index| then[index])
+                .collect()
+        })
     }
 
     pub(crate) fn task(&self, task: usize) -> usize {
@@ -106,58 +111,67 @@ impl Renaming {
 
     /// Renames an action.
     pub(crate) fn action(&self, action: Action) -> Action {
-        let task = |it| self.task(it);
-        let client = |it| self.client(it);
-        let component = |it| self.component(it);
-        let executor = |it| self.executor(it);
+        let task = |index| self.task(index);
+        let client = |index| self.client(index);
+        let component = |index| self.component(index);
+        let executor = |executor| self.executor(executor);
         match action {
-            Action::Proceed { client: it, next } => Action::Proceed {
-                client: client(it),
+            Action::Proceed {
+                client: index,
+                next,
+            } => Action::Proceed {
+                client: client(index),
                 next,
             },
-            Action::Release { task: it } => Action::Release { task: task(it) },
-            Action::Grant { task: it } => Action::Grant { task: task(it) },
-            Action::Tick { task: it } => Action::Tick { task: task(it) },
-            Action::Acquire { executor: it } => Action::Acquire {
-                executor: executor(it),
+            Action::Release { task: index } => Action::Release { task: task(index) },
+            Action::Grant { task: index } => Action::Grant { task: task(index) },
+            Action::Tick { task: index } => Action::Tick { task: task(index) },
+            Action::Acquire { executor: index } => Action::Acquire {
+                executor: executor(index),
             },
             Action::Finish {
-                executor: it,
+                executor: index,
                 outcome,
             } => Action::Finish {
-                executor: executor(it),
+                executor: executor(index),
                 outcome,
             },
-            Action::Preempt { executor: it, by } => Action::Preempt {
-                executor: executor(it),
+            Action::Preempt {
+                executor: index,
+                by,
+            } => Action::Preempt {
+                executor: executor(index),
                 by: executor(by),
             },
-            Action::Ready { executor: it } => Action::Ready {
-                executor: executor(it),
+            Action::Ready { executor: index } => Action::Ready {
+                executor: executor(index),
             },
-            Action::Begin { task: it } => Action::Begin { task: task(it) },
-            Action::Wake { task: it } => Action::Wake { task: task(it) },
-            Action::Ticket { executor: it } => Action::Ticket {
-                executor: executor(it),
+            Action::Begin { task: index } => Action::Begin { task: task(index) },
+            Action::Wake { task: index } => Action::Wake { task: task(index) },
+            Action::Ticket { executor: index } => Action::Ticket {
+                executor: executor(index),
             },
             Action::Mark {
-                executor: it,
+                executor: index,
                 taken,
             } => Action::Mark {
-                executor: it.map(executor),
+                executor: index.map(executor),
                 taken,
             },
-            Action::Reply { component: it } => Action::Reply {
-                component: component(it),
+            Action::Reply { component: index } => Action::Reply {
+                component: component(index),
             },
-            Action::Shut { component: it } => Action::Shut {
-                component: component(it),
+            Action::Shut { component: index } => Action::Shut {
+                component: component(index),
             },
-            Action::Signal { component: it } => Action::Signal {
-                component: component(it),
+            Action::Signal { component: index } => Action::Signal {
+                component: component(index),
             },
-            Action::Request { client: it, next } => Action::Request {
-                client: client(it),
+            Action::Request {
+                client: index,
+                next,
+            } => Action::Request {
+                client: client(index),
                 next,
             },
         }
@@ -183,7 +197,7 @@ impl Renaming {
                 phase,
             } => Atom::Handling {
                 service: self.0[Part::Service][service],
-                codel: codel.map(|it| self.0[Part::Codel][it]),
+                codel: codel.map(|codel| self.0[Part::Codel][codel]),
                 phase,
             },
             Atom::ControlBusy(component) => Atom::ControlBusy(self.component(component)),
