@@ -11,6 +11,7 @@ mod cancel;
 pub mod derive;
 pub mod diagnostic;
 pub mod explore;
+pub mod invariants;
 pub mod property;
 mod questions;
 pub mod reduction_use;

@@ -97,6 +97,8 @@ pub enum Layer {
     ResponseTimeAnalysis,
     /// Schedule abstraction.
     ScheduleAbstraction,
+    /// Invariants.
+    Invariants,
 }
 
 impl std::fmt::Display for Layer {
@@ -104,6 +106,7 @@ impl std::fmt::Display for Layer {
         f.write_str(match self {
             Layer::ResponseTimeAnalysis => "response-time analysis",
             Layer::ScheduleAbstraction => "schedule abstraction",
+            Layer::Invariants => "invariants",
         })
     }
 }

@@ -6,6 +6,7 @@ mod chains;
 mod checks;
 mod events;
 mod groups;
+mod invariants;
 mod no_jobs;
 mod prepared;
 mod quick;
@@ -182,6 +183,9 @@ pub(crate) fn verify_settings(
     tell(&mut report);
     for (group, of_group, analysed) in &mut groups {
         group.abstracted(&checks, of_group, analysed, &mut report);
+    }
+    for (group, of_group, _) in &groups {
+        group.invariants(&checks, of_group, &mut report);
     }
     let seen: Vec<Seen> = (groups.iter())
         .map(|(group, of_group, _)| group.soon(&checks, of_group, groups.len() == 1, &mut report))
@@ -362,6 +366,7 @@ impl Group<'_> {
                 seen.add_to(i, &mut entry);
                 self.bound_unknown(&checks[i], analysed, &mut entry);
                 self.bound_between_units(&checks[i], analysed, &mut entry);
+                self.after_all(&checks[i], &found, &mut entry);
                 report.answer(i, entry);
             }
             (self.tell)(report);

@@ -308,7 +308,7 @@ impl Group<'_> {
     }
 
     /// Returns the part of a predicate that was never true, if the predicate always holds for that reason.
-    fn never_true(&self, pred: &Pred, found: &Findings) -> Option<String> {
+    pub(super) fn never_true(&self, pred: &Pred, found: &Findings) -> Option<String> {
         let predicate = |pred: &Pred| resolve::resolve(self.names, self.built, pred).ok();
         let absent = |atom: &Atom| found.absent.has(atom);
         if !predicate(pred)?.is_vacuous(&absent) {

@@ -4,6 +4,7 @@ mod against;
 mod brute;
 mod chains;
 mod expected;
+mod invariants;
 mod sequences;
 mod servers;
 mod systems;

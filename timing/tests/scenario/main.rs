@@ -6,6 +6,7 @@ mod beside;
 mod chains;
 mod codes;
 mod findings;
+mod invariants;
 mod json;
 mod language;
 mod quick;

@@ -31,11 +31,13 @@ pub enum Kind {
     RandomSearch,
     /// Look for deadlines and bounds on response times by schedule abstraction first.
     ScheduleAbstraction,
+    /// Prove predicates by invariants first.
+    Invariants,
 }
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Kind; 12] = [
+    pub const ALL: [Kind; 13] = [
         Kind::PersistentSets,
         Kind::PersistentRequests,
         Kind::SleepSets,
@@ -48,6 +50,7 @@ impl Kind {
         Kind::Zones,
         Kind::RandomSearch,
         Kind::ScheduleAbstraction,
+        Kind::Invariants,
     ];
 
     /// Returns the name, for options and messages.
@@ -65,6 +68,7 @@ impl Kind {
             Kind::Zones => "zones",
             Kind::RandomSearch => "random-search",
             Kind::ScheduleAbstraction => "schedule-abstraction",
+            Kind::Invariants => "invariants",
         }
     }
 

@@ -1,0 +1,102 @@
+//! Answers by invariants: what never holds, without an exploration of the system.
+
+use super::Group;
+use super::checks::{Single, What};
+use crate::explore::{Findings, Kind, Watch, search_once};
+use crate::invariants::never_holds;
+use crate::property::{Atom, Predicate, resolve};
+use crate::report::{CheckReport, Layer, Report, Soundness, Verdict};
+
+/// Limit on the actions of the random search for the parts of predicates: a proof about parts that never become
+/// true says nothing.
+const STEPS: u64 = 100_000;
+
+impl Group<'_> {
+    /// Answers the checks of predicates that invariants prove, and whose parts become true.
+    pub(super) fn invariants(&self, checks: &[Single], of_group: &[usize], report: &mut Report) {
+        let open = of_group.iter().copied();
+        let proved: Vec<usize> = open
+            .filter(|&i| report.is_open(i) && self.is_invariant(&checks[i]))
+            .collect();
+        if proved.is_empty() {
+            return;
+        }
+        let claims = proved.iter().filter_map(|&i| self.claim(&checks[i]));
+        let absent = self.not_found(claims.collect());
+        for i in proved {
+            let vacuous = self
+                .claim(&checks[i])
+                .is_some_and(|claim| claim.is_vacuous(&|atom| absent.contains(atom)));
+            // The exploration may find the parts later.
+            if !vacuous {
+                report.answer(i, self.by_invariants(&checks[i]));
+            }
+        }
+        (self.tell)(report);
+    }
+
+    /// Returns what a check claims to hold always.
+    fn claim(&self, check: &Single) -> Option<Predicate> {
+        match check.what {
+            What::Always(pred) => resolve::resolve(self.names, self.built, pred).ok(),
+            _ => None,
+        }
+    }
+
+    /// Returns the atoms of predicates that do not become true in a short random search.
+    fn not_found(&self, claims: Vec<Predicate>) -> Vec<Atom> {
+        let mut atoms: Vec<Atom> = Vec::new();
+        for claim in claims {
+            claim.atoms(&mut |atom| {
+                if !atoms.contains(atom) {
+                    atoms.push(atom.clone());
+                }
+            });
+        }
+        let watch = Watch {
+            reach: atoms.iter().cloned().map(Predicate::Atom).collect(),
+            ..Watch::default()
+        };
+        let system = &self.built.system;
+        let found = search_once(system, &watch, (0, STEPS), self.limits, self.cancel);
+        let reached = atoms.into_iter().zip(&found.reached);
+        let absent = reached.filter(|(_, run)| run.is_none());
+        absent.map(|(atom, _)| atom).collect()
+    }
+
+    /// Answers a check after an exploration that was given up.
+    pub(super) fn after_all(&self, check: &Single, found: &Findings, out: &mut CheckReport) {
+        if out.verdict != Verdict::Unknown || !self.is_invariant(check) {
+            return;
+        }
+        let unseen = match check.what {
+            What::Always(pred) => self.never_true(pred, found),
+            _ => None,
+        };
+        *out = self.by_invariants(check);
+        out.note = unseen.map(|unseen| format!("in the states that were explored, {unseen}"));
+    }
+
+    /// Returns true if invariants answer a check.
+    fn is_invariant(&self, check: &Single) -> bool {
+        let bad = match check.what {
+            What::Reachable(pred) => resolve::resolve(self.names, self.built, pred).ok(),
+            _ => (self.claim(check)).map(|claim| Predicate::Not(Box::new(claim))),
+        };
+        !self.limits.without.contains(Kind::Invariants)
+            && bad.is_some_and(|bad| never_holds(&self.built.system, &bad))
+    }
+
+    fn by_invariants(&self, check: &Single) -> CheckReport {
+        CheckReport {
+            verdict: match check.what {
+                What::Reachable(_) => Verdict::Refuted,
+                _ => Verdict::Proved,
+            },
+            // Invariants do not depend on durations.
+            soundness: Soundness::Exact,
+            by: Some(Layer::Invariants),
+            ..self.blank(check)
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Agreement of invariants with exploration: no conjunction that they exclude is ever reached.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use dotgen_loaders::unit;
+use dotgen_timing::explore::{Limits, Watch, explore};
+use dotgen_timing::invariants::never_holds;
+use dotgen_timing::property::{Atom, Predicate, SlotStatus, StatePhase, TaskState};
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::scn::parse;
+use dotgen_timing::system::TimedSystem;
+use dotgen_timing::system::build::build;
+use dotgen_timing::verify::{Cancel, Options, settings};
+
+use crate::servers::random::{Texts, requests, texts, varied};
+use crate::systems::{self, Dice};
+use crate::{all_agree, cases, first};
+
+/// Number of pairs of literals that are tried in each system.
+const PAIRS: usize = 60;
+
+/// Number of excluded conjunctions, and of systems with one.
+static EXCLUDED: AtomicUsize = AtomicUsize::new(0);
+static SYSTEMS: AtomicUsize = AtomicUsize::new(0);
+
+/// Returns a random atom of a system.
+fn atom(system: &TimedSystem, dice: &mut Dice) -> Atom {
+    let below = |dice: &mut Dice, n: usize| dice.below(n as u32) as usize;
+    let phases = [
+        StatePhase::Lock,
+        StatePhase::Exec,
+        StatePhase::Exec,
+        StatePhase::Any,
+    ];
+    let phase = dice.pick(&phases);
+    match dice.below(8) {
+        0 => {
+            let states = [TaskState::Idle, TaskState::Waiting, TaskState::Running];
+            Atom::Task(below(dice, system.tasks.len()), dice.pick(&states))
+        }
+        1 if !system.services.is_empty() => {
+            let statuses = [SlotStatus::Void, SlotStatus::Run, SlotStatus::Active];
+            Atom::Slot(below(dice, system.services.len()), dice.pick(&statuses))
+        }
+        2 if !system.services.is_empty() => {
+            let service = below(dice, system.services.len());
+            let it = &system.services[service];
+            let codels: Vec<usize> = it.validate.iter().chain(&it.simple).copied().collect();
+            let codel = (!codels.is_empty()).then(|| codels[below(dice, codels.len())]);
+            Atom::Handling {
+                service,
+                codel,
+                phase,
+            }
+        }
+        3 => Atom::ControlBusy(below(dice, system.components.len())),
+        4 if !system.clients.is_empty() => {
+            let client = below(dice, system.clients.len());
+            let step = below(dice, system.clients[client].done() + 1);
+            Atom::Client(client, vec![step])
+        }
+        _ if system.machines.is_empty() => Atom::Task(0, TaskState::Active),
+        _ => {
+            let machine = below(dice, system.machines.len());
+            let state = below(dice, system.machines[machine].states.len());
+            Atom::State {
+                machine,
+                state,
+                phase,
+            }
+        }
+    }
+}
+
+fn literal(system: &TimedSystem, dice: &mut Dice) -> Predicate {
+    let atom = Predicate::Atom(atom(system, dice));
+    match dice.in_ten(2) {
+        true => Predicate::Not(Box::new(atom)),
+        false => atom,
+    }
+}
+
+fn compare(seed: u64, system: &TimedSystem) -> Option<Result<(), String>> {
+    let mut dice = Dice::new(seed ^ 0x1e57);
+    let pair = |dice: &mut Dice| {
+        let [one, other] = [(); 2].map(|()| Box::new(literal(system, dice)));
+        Predicate::And(one, other)
+    };
+    let pairs = (0..PAIRS).map(|_| pair(&mut dice));
+    let excluded: Vec<Predicate> = pairs.filter(|pair| never_holds(system, pair)).collect();
+    if excluded.is_empty() {
+        return Some(Ok(()));
+    }
+    EXCLUDED.fetch_add(excluded.len(), Ordering::Relaxed);
+    SYSTEMS.fetch_add(1, Ordering::Relaxed);
+    let watch = Watch {
+        reach: excluded,
+        ..Watch::default()
+    };
+    let limits = Limits {
+        states: 100_000,
+        bytes: 1 << 28,
+        threads: 1,
+        ..Limits::default()
+    };
+    let found = explore(system, &watch, limits, &Cancel::default());
+    let reached = found.reached.iter().position(Option::is_some);
+    Some(match reached {
+        Some(at) => Err(format!(
+            "seed {seed}: {:?} is reached\n{system:#?}",
+            watch.reach[at]
+        )),
+        None => Ok(()),
+    })
+}
+
+fn compare_texts(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
+    let units: Result<Vec<_>, String> = texts.specifications.iter().map(|it| unit(it)).collect();
+    let units = units.ok()?;
+    let parsed = parse(&texts.scenario);
+    let specs: Vec<_> = units.iter().map(|unit| &*unit.spec).collect();
+    let names = Names::new(&specs);
+    let settings = settings(&parsed.scenario, &Options::default());
+    let built = build(&names, &settings, &|_| true);
+    compare(seed, &built.system)
+}
+
+#[test]
+fn what_invariants_exclude_is_never_reached() {
+    all_agree(first(), cases(), 2, |seed| {
+        let mut dice = Dice::new(seed);
+        match seed % 4 {
+            0 => compare(seed, &systems::random(&mut dice).0),
+            1 => compare_texts(seed, &texts(&mut dice)),
+            2 => compare_texts(seed, &varied(&mut dice)),
+            _ => compare_texts(seed, &requests(&mut dice)),
+        }
+    });
+    let [excluded, systems] = [&EXCLUDED, &SYSTEMS].map(|count| count.load(Ordering::Relaxed));
+    eprintln!("{excluded} conjunctions are excluded, in {systems} systems");
+    assert!(systems as u64 >= cases() / 2, "conjunctions are compared");
+}
