@@ -9,7 +9,9 @@ use dotgen_codegen::process::Folder;
 
 use super::watcher::{CleanupGuard, Watcher};
 
-const PREFIX: &str = "dotgen-";
+/// The beginning of the names of temporary folders. Leftovers are known by it, so no other folder may be called
+/// so.
+const PREFIX: &str = "dotgen-temporary-";
 /// Minimum age of leftovers: a younger folder may not be locked yet.
 const MIN_LEFTOVER_AGE: Duration = Duration::from_secs(60);
 /// Minimum space of a file on usual file systems, in bytes.
@@ -135,10 +137,10 @@ mod tests {
             folder.set_modified(changed).expect("its date changes");
             path
         };
-        let left = make("dotgen-left", old);
-        let young = make("dotgen-young", SystemTime::now());
-        let other = make("other", old);
-        let used = make("dotgen-used", old);
+        let left = make("dotgen-temporary-left", old);
+        let young = make("dotgen-temporary-young", SystemTime::now());
+        let other = make("dotgen-robot", old);
+        let used = make("dotgen-temporary-used", old);
         let _lock = lock(&used, false).expect("a lock");
         clean_up_in(parent.path());
         let there = [&left, &young, &other, &used].map(|path| path.exists());
