@@ -479,12 +479,18 @@ async fn the_default_scenario_can_be_written_out() {
     let mut question = document(&uri);
     let place = json!({ "line": 0, "character": 12 });
     question["range"] = json!({ "start": place, "end": place });
-    question["context"] = json!({ "diagnostics": [] });
+    // The panel of the extension asks for this kind alone.
+    let kind = "refactor.rewrite.scenario";
+    question["context"] = json!({ "diagnostics": [], "only": [kind] });
     let actions = client.ok("textDocument/codeAction", question).await;
-    let mut actions = actions.as_array().expect("a list").iter();
-    let write =
-        actions.find(|action| action["title"] == "Write the verification scenario to pump.scn");
-    let edits = &write.expect("it is offered")["edit"]["documentChanges"];
+    assert_eq!(actions.as_array().map(Vec::len), Some(1), "{actions}");
+    let write = &actions[0];
+    assert_eq!(write["kind"], kind);
+    assert_eq!(
+        write["title"],
+        "Write the verification scenario to pump.scn"
+    );
+    let edits = &write["edit"]["documentChanges"];
     assert_eq!(edits[0]["kind"], "create");
     let text = edits[1]["edits"][0]["newText"].as_str().expect("text");
     assert!(
