@@ -20,6 +20,7 @@ pub mod markdown;
 pub mod model;
 pub mod model_json;
 pub mod parallel;
+pub mod phrase;
 pub mod progress;
 pub mod quantity;
 mod queries;

@@ -380,7 +380,7 @@ fn resource(component: &Component, shared: &Shared, column: usize) -> Node {
             }
             .to_owned(),
         ],
-        description: format!("shared: {}", shared.describe(component).replace('`', "")),
+        description: format!("shared: {}", shared.describe(component).plain()),
         origin: src.map(|src| Origin { part: 0, src }),
         names: vec![id.clone()],
         column: Some(column),

@@ -1,19 +1,20 @@
 //! The engine's side of the hosts: starts and ends their processes, and exchanges messages with them.
 
+mod inbox;
+mod pipe;
+
 use std::collections::{BTreeSet, HashMap, VecDeque};
-use std::io::{self, BufReader, Write as _};
+use std::io::{self, BufReader};
 use std::path::PathBuf;
-use std::process::{ChildStdin, ExitStatus};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use camino::Utf8PathBuf;
 use dotgen_codegen::process::{Channels, Process, Processes as _, Program, Resources};
 use dotgen_runtime::hosts::{Call, Hosts, Message, Reader, ReplyError, RequestReply, Source};
 use dotgen_timing::verify::Interrupt;
-use rustix::event::{PollFd, PollFlags};
 use rustix::fs::OFlags;
 use rustix::process::Pid;
 
@@ -22,6 +23,11 @@ use super::orphans;
 use super::shared_data::SharedData;
 use super::wire::{HostCommand, HostMessage};
 use dotgen_platform::process::System;
+
+use inbox::EngineEvent;
+pub(crate) use inbox::InputSlot;
+pub use inbox::{RunInbox, RunListener};
+use pipe::{in_words, send};
 
 /// Maximum time for a reply of a host that does not depend on a codel.
 const REPLY_TIMEOUT: Duration = Duration::from_secs(10);
@@ -37,78 +43,6 @@ const OUTPUT_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Maximum delay of the reaction to an interruption.
 const INTERRUPT_POLL_INTERVAL: Duration = Duration::from_millis(50);
-
-/// An event for the engine: from a host, with the number of its start, or from outside.
-enum EngineEvent {
-    HostMessage(usize, u64, HostMessage),
-    /// The output of a host has ended.
-    Closed(usize, u64),
-    Outside(Message),
-    /// An input port has data from outside.
-    Fed(Arc<InputSlot>),
-}
-
-/// The newest data from outside for an input port. Data that the engine has not taken yet is replaced.
-pub(crate) struct InputSlot {
-    component: usize,
-    port: u32,
-    name: String,
-    data: Mutex<Option<Vec<u8>>>,
-}
-
-impl InputSlot {
-    /// Creates an empty slot for a port of a component, and for the name by which the port finds the source.
-    pub(crate) fn new(component: usize, port: u32, name: String) -> InputSlot {
-        InputSlot {
-            component,
-            port,
-            name,
-            data: Mutex::default(),
-        }
-    }
-
-    fn swap(&self, data: Option<Vec<u8>>) -> Option<Vec<u8>> {
-        let mut held = self.data.lock().unwrap_or_else(|error| error.into_inner());
-        std::mem::replace(&mut held, data)
-    }
-}
-
-/// A subscriber of the events of a run, outside the engine.
-pub trait RunListener {
-    /// Receives the result of a request, or its acceptance.
-    fn answer(&mut self, id: u64, answer: &RequestReply);
-    /// Receives the new state of an activity that a request began.
-    fn entered(&mut self, _id: u64, _state: &str) {}
-    /// Receives the end of a component, with the way in which the component ended.
-    fn gone(&mut self, component: usize, why: &str);
-    /// Receives new data of an output port.
-    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]);
-}
-
-/// A sender of messages from outside to the engine.
-#[derive(Clone)]
-pub struct RunInbox {
-    sender: Sender<EngineEvent>,
-    requests: Arc<AtomicU64>,
-}
-
-impl RunInbox {
-    /// The number of a further request. No other request from outside has it.
-    pub(crate) fn number(&self) -> u64 {
-        self.requests.fetch_add(1, Ordering::Relaxed) + 1
-    }
-
-    /// Sends a message. Returns false after the end of the run.
-    pub(crate) fn bring(&self, message: Message) -> bool {
-        self.sender.send(EngineEvent::Outside(message)).is_ok()
-    }
-
-    /// Sends data for an input port. Returns false after the end of the run.
-    pub(crate) fn feed(&self, newest: &Arc<InputSlot>, data: Vec<u8>) -> bool {
-        let waits = newest.swap(Some(data)).is_some();
-        waits || self.sender.send(EngineEvent::Fed(newest.clone())).is_ok()
-    }
-}
 
 /// A component with the process that runs it.
 struct Child {
@@ -477,51 +411,6 @@ fn own() -> PathBuf {
     match own.exists() {
         true => own,
         false => std::env::current_exe().unwrap_or(own),
-    }
-}
-
-/// Writes to a host. The host reads all the time, and gets [`REPLY_TIMEOUT`] to do so.
-fn send(input: &mut ChildStdin, mut bytes: &[u8]) -> io::Result<()> {
-    let until = Instant::now() + REPLY_TIMEOUT;
-    while !bytes.is_empty() {
-        match input.write(bytes) {
-            Ok(count) => bytes = bytes.get(count..).unwrap_or_default(),
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
-                let left = until.saturating_duration_since(Instant::now());
-                if left.is_zero() {
-                    return Err(io::ErrorKind::TimedOut.into());
-                }
-                let left = rustix::event::Timespec::try_from(left).map_err(io::Error::other)?;
-                let mut wanted = [PollFd::new(&*input, PollFlags::OUT)];
-                match rustix::event::poll(&mut wanted, Some(&left)) {
-                    Ok(_) | Err(rustix::io::Errno::INTR) => {}
-                    Err(error) => return Err(error.into()),
-                }
-            }
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(())
-}
-
-/// Describes the end of a process.
-fn in_words(status: ExitStatus) -> String {
-    use std::os::unix::process::ExitStatusExt as _;
-    let name = |number: i32| match number {
-        4 => " (SIGILL)",
-        6 => " (SIGABRT)",
-        7 => " (SIGBUS)",
-        8 => " (SIGFPE)",
-        9 => " (SIGKILL)",
-        11 => " (SIGSEGV)",
-        15 => " (SIGTERM)",
-        _ => "",
-    };
-    match (status.signal(), status.code()) {
-        (Some(signal), _) => format!("was ended by signal {signal}{}", name(signal)),
-        (None, Some(code)) => format!("ended its process with exit status {code}"),
-        (None, None) => "ended".to_owned(),
     }
 }
 

@@ -171,8 +171,8 @@ fn source(mapping: &Mapping<'_>, name: &str, path: &str) -> Option<(String, Stri
 
 /// A comment: the part of the model that a file is for.
 fn heading(mapping: &Mapping<'_>, name: &str) -> String {
-    let origin = mapping.origin(name).map_or("", |origin| origin.0);
-    format!("# GenoM3: {}\n", origin.replace('`', ""))
+    let origin = mapping.origin(name).map(|origin| origin.0.plain());
+    format!("# GenoM3: {}\n", origin.unwrap_or_default())
 }
 
 fn line(field: &Field, out: &mut String) {

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use dotgen_analysis::model::{Scope, ScopeKind, Spec, Src, TypeId, TypeKind};
+use dotgen_analysis::phrase::Phrase;
 
 use crate::description::{Base, Count, Field, FieldType, Types};
 use crate::names;
@@ -41,7 +42,7 @@ pub struct Mapping<'s> {
     /// By package: the path of its modules.
     packages: BTreeMap<String, String>,
     /// By full name: the part of the model and its place.
-    origins: BTreeMap<String, (String, Src)>,
+    origins: BTreeMap<String, (Phrase, Src)>,
     /// Messages of types that are complete.
     done: HashMap<TypeId, String>,
     /// Types whose messages are being made.
@@ -84,7 +85,7 @@ impl<'s> Mapping<'s> {
     }
 
     /// Reserves a full name for a part of the model.
-    pub(crate) fn claim(&mut self, name: &str, origin: String, src: Src) -> Result<(), Obstacle> {
+    pub(crate) fn claim(&mut self, name: &str, origin: Phrase, src: Src) -> Result<(), Obstacle> {
         match self.origins.get(name) {
             Some((other, _)) if *other != origin => Err(Obstacle {
                 why: format!("{other} and {origin} both become `{name}`: rename one"),
@@ -103,10 +104,8 @@ impl<'s> Mapping<'s> {
     }
 
     /// The part of the model with a full name, and its place.
-    pub fn origin(&self, name: &str) -> Option<(&str, Src)> {
-        self.origins
-            .get(name)
-            .map(|(part, src)| (part.as_str(), *src))
+    pub fn origin(&self, name: &str) -> Option<(&Phrase, Src)> {
+        self.origins.get(name).map(|(part, src)| (part, *src))
     }
 
     /// A field for a member or parameter.
@@ -193,10 +192,10 @@ impl<'s> Mapping<'s> {
         };
         let is_typedef = matches!(self.spec.ty(ty).kind, TypeKind::Typedef { .. });
         let (name, origin) = match self.spec.full_name(ty) {
-            Some(full) if is_typedef => (self.name_of(ty)?, format!("`{full}`")),
+            Some(full) if is_typedef => (self.name_of(ty)?, Phrase::name(full)),
             _ => {
                 let name = format!("{}/msg/{}", place.package, place.local);
-                let origin = format!("the type at `{}`", place.local);
+                let origin = Phrase::words("the type at ").and_name(place.local.as_str());
                 (name, origin)
             }
         };
@@ -359,7 +358,7 @@ impl<'s> Mapping<'s> {
             });
         }
         let name = self.name_of(ty)?;
-        self.claim(&name, format!("`{full}`"), src)?;
+        self.claim(&name, Phrase::name(full.as_str()), src)?;
         let (package, local) = name.split_once("/msg/").unwrap_or_default();
         let place = Place {
             package: package.to_owned(),
@@ -413,7 +412,7 @@ impl<'s> Mapping<'s> {
         let name = self.name_of(ty)?;
         let src = self.spec.ty(ty).src;
         let full = self.spec.full_name(ty).unwrap_or_default();
-        self.claim(&name, format!("`{full}`"), src)?;
+        self.claim(&name, Phrase::name(full.as_str()), src)?;
         let mut seen = BTreeSet::new();
         let mut out = Vec::new();
         for (value, &enumerator) in enumerators.iter().enumerate() {

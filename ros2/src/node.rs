@@ -3,6 +3,7 @@
 use dotgen_analysis::model::{
     Component, Param, Port, PortDir, Scope, ScopeKind, Service, ServiceKind, Spec, TypeKind,
 };
+use dotgen_analysis::phrase::Phrase;
 use dotgen_codegen::codels::value::{is_input, is_output};
 use dotgen_codegen::template::throws::service_throws;
 
@@ -210,7 +211,7 @@ impl Offer<'_, '_> {
         let is_action = service.kind == ServiceKind::Activity;
         let folder = if is_action { "action" } else { "srv" };
         let name = format!("{}/{folder}/{local}", self.package);
-        let origin = format!("service `{}`", service.name);
+        let origin = Phrase::words("service ").and_name(service.name.as_str());
         self.mapping.claim(&name, origin, service.src)?;
         let inputs = self.params(service, is_input, &local)?;
         let mut outputs = self.params(service, is_output, &local)?;

@@ -379,7 +379,7 @@ fn excluded(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String> 
             };
             let mut through: Vec<String> = Vec::new();
             for one in &exclusion.through {
-                let text = one.shared.describe(component).replace('`', "");
+                let text = one.shared.describe(component).plain();
                 if !through.contains(&text) {
                     through.push(text);
                 }

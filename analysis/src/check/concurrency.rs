@@ -30,7 +30,7 @@ fn report(component: &Component, codel: CodelRef, exclusion: &Exclusion, found: 
     let Some(through) = exclusion.through.first() else {
         return;
     };
-    let shared = through.shared.describe(component);
+    let shared = through.shared.describe(component).to_string();
     let codel_name = own.name.clone();
     let (kind, other, src, params) = match exclusion.with {
         Excluded::Codel(other) => {

@@ -20,6 +20,7 @@ mod statement;
 use std::ops::Range;
 
 use rustc_hash::FxHashSet;
+use smol_str::SmolStr;
 
 use super::{
     FileView, SymbolKind,
@@ -73,6 +74,8 @@ pub struct CompletionItem {
     pub rank: u8,
     /// The definition, for [`CompletionDoc`].
     pub definition: Option<u32>,
+    /// The name of the definition, to find out later whether the text has changed.
+    pub name: Option<SmolStr>,
     /// Set for the name of a codel: functions that no specification names fit here as well.
     pub codel: Option<CodelPlace>,
 }
@@ -162,7 +165,15 @@ pub(crate) fn completions(view: &FileView<'_>, at: usize) -> Vec<CompletionItem>
             code(&names, &context, &mut out);
         }
     }
-    out.finish()
+    let mut items = out.finish();
+    let definitions = &view.elaborated().definitions;
+    for item in &mut items {
+        let definition = item
+            .definition
+            .and_then(|number| definitions.get(number as usize));
+        item.name = definition.map(|definition| definition.name.clone());
+    }
+    items
 }
 
 /// The rest of the cursor's line, without blanks.
@@ -275,6 +286,7 @@ impl Completions {
             replace: self.replace.clone(),
             rank,
             definition: None,
+            name: None,
             codel: None,
         });
         let last = self.items.len() - 1;

@@ -7,6 +7,7 @@ use crate::finding::{
 };
 use crate::model::mutex::{self, Excluded, SharedParameters};
 use crate::model::{CodelRef, Owner};
+use crate::phrase::Phrase;
 
 use super::Lint;
 
@@ -107,14 +108,14 @@ fn self_blocking(lint: &mut Lint, codel: CodelRef) {
 
 /// The data two codels share: `trajectory` of the ids.
 fn describe(lint: &Lint, through: &[SharedParameters]) -> String {
-    let mut names: Vec<String> = Vec::new();
+    let mut names: Vec<Phrase> = Vec::new();
     for parameter in through {
         let name = parameter.shared.describe(lint.component);
         if !names.contains(&name) {
             names.push(name);
         }
     }
-    names.join(" and ")
+    Phrase::joined(&names, " and ").to_string()
 }
 
 /// Returns true for a codel of a task that is bound only to `start` or `stop` and has no incoming transition:

@@ -7,6 +7,7 @@ use super::{
     Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ParamSource, PathElement,
     ServiceKind, Spec,
 };
+use crate::phrase::Phrase;
 
 /// A codel or attribute that a codel excludes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,14 +48,14 @@ pub enum Shared {
 }
 
 impl Shared {
-    /// For messages: `ids v.x`, `port p`.
-    pub fn describe(&self, component: &Component) -> String {
+    /// For messages: `` `v.x` of the ids ``, `` port `p` ``.
+    pub fn describe(&self, component: &Component) -> Phrase {
         match self {
-            Self::Ids(path) if path.is_empty() => "the whole ids".to_owned(),
-            Self::Ids(path) => format!("`{}` of the ids", path_text(path)),
+            Self::Ids(path) if path.is_empty() => Phrase::words("the whole ids"),
+            Self::Ids(path) => Phrase::name(path_text(path)).and(" of the ids"),
             Self::Port(port) => match component.ports.get(*port as usize) {
-                Some(port) => format!("port `{}`", port.name),
-                None => "a port".to_owned(),
+                Some(port) => Phrase::words("port ").and_name(port.name.as_str()),
+                None => Phrase::words("a port"),
             },
         }
     }

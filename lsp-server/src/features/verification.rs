@@ -69,6 +69,9 @@ fn has_refuting_run(check: &CheckReport) -> bool {
     check.verdict == Verdict::Refuted && !check.run().is_empty()
 }
 
+/// The kind of the action that writes the default scenario to a file. Editors ask for the action by this kind.
+const WRITE_SCENARIO: CodeActionKind = CodeActionKind::new("refactor.rewrite.scenario");
+
 /// The title of the action at a refuted check.
 const SHOW_RUN: &str = "Step through the run that shows it";
 
@@ -182,7 +185,7 @@ fn write_out(
         title: format!("Write the verification scenario to {file}"),
         kind: Some(match given_up {
             Some(_) => CodeActionKind::QUICKFIX,
-            None => CodeActionKind::new("refactor.rewrite"),
+            None => WRITE_SCENARIO,
         }),
         diagnostics: given_up.map(|diagnostic| vec![diagnostic]),
         edit: Some(WorkspaceEdit {

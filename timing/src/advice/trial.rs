@@ -211,7 +211,7 @@ impl<'t> Trial<'t> {
             .then(|| Change::Lock {
                 codel: codel.clone(),
                 other: other.clone(),
-                through,
+                through: through.iter().map(ToString::to_string).collect(),
             })
     }
 

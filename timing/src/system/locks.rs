@@ -2,6 +2,7 @@
 
 use dotgen_analysis::model::mutex::{self, Excluded};
 use dotgen_analysis::model::{CodelKind, CodelRef, Component, Owner, ParamSource, PortDir};
+use dotgen_analysis::phrase::Phrase;
 
 use super::Codel;
 use super::indexed::{Built, not_a};
@@ -126,11 +127,12 @@ impl<'n> SharedPorts<'n> {
 
 impl SharedPorts<'_> {
     /// Returns the data and ports that two codels of the system both use, in words.
-    pub fn through(&self, one: &Codel, other: &Codel) -> Vec<String> {
+    pub fn through(&self, one: &Codel, other: &Codel) -> Vec<Phrase> {
         let (Some((c, a)), Some((d, b))) = (one.site, other.site) else {
-            return vec!["an attribute".to_owned()];
+            return vec![Phrase::words("an attribute")];
         };
-        let mut words = self.of((c, a), (d, b));
+        let ports = self.of((c, a), (d, b)).into_iter();
+        let mut words: Vec<Phrase> = ports.map(Phrase::words).collect();
         if c != d {
             return words;
         }

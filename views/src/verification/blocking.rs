@@ -1,6 +1,7 @@
 //! The codels that can block each codel, for how long, and the data they share.
 
 use dotgen_analysis::model::Src;
+use dotgen_analysis::phrase::Phrase;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::{Codel, CodelName, FOREVER, SharedPorts};
@@ -24,8 +25,8 @@ pub struct Row {
 pub struct Blocker {
     /// The codel.
     pub codel: CodelLocation,
-    /// The shared data, as text.
-    pub through: Vec<String>,
+    /// The shared data.
+    pub through: Vec<Phrase>,
 }
 
 /// A codel of the system.

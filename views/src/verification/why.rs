@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use dotgen_analysis::phrase::Phrase;
 use dotgen_timing::advice::{Change, remedy};
 use dotgen_timing::report::{Awaited, CheckReport, Delay, Holder, Report, Verdict};
 use dotgen_timing::system::{CodelName, ThreadName};
@@ -47,9 +48,9 @@ pub(crate) struct Cause {
     pub(crate) awaited: Option<Awaited>,
     /// Duration of the wait, in the unit of the report.
     pub(crate) time: f64,
-    /// The shared data, as text.
+    /// The shared data.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub(crate) through: Vec<String>,
+    pub(crate) through: Vec<Phrase>,
     /// The holder: a codel, or a task.
     #[serde(rename = "held-by", skip_serializing_if = "Option::is_none")]
     pub(crate) held_by: Option<HolderName>,
@@ -160,26 +161,30 @@ fn cause(task: ThreadName, check: &CheckReport, table: &[Row]) -> Cause {
 impl FailureCause {
     /// `` `control` waits 6 ms for `level` of the ids, held by `report_start` ``
     pub(crate) fn cause_in_words(&self, unit: TimeUnit) -> String {
-        format!("`{}` {}", self.cause.task.own(), self.wait_in_words(unit))
+        let task = Phrase::name(self.cause.task.own()).and(" ");
+        task.and_phrase(&self.wait_in_words(unit)).to_string()
     }
 
     /// `` waits 6 ms for `level` of the ids, held by `report_start` ``
-    pub fn wait_in_words(&self, unit: TimeUnit) -> String {
+    pub fn wait_in_words(&self, unit: TimeUnit) -> Phrase {
         let cause = &self.cause;
         let time = unit.show(cause.time);
         let what = match (cause.awaited, &cause.through[..]) {
             (None, _) => {
                 // Where threads preempt each other, no queue holds a thread that has lost its core.
-                return "never waits in a queue: its codels, preemption included, exceed the limit"
-                    .to_owned();
+                return Phrase::words(
+                    "never waits in a queue: its codels, preemption included, exceed the limit",
+                );
             }
-            (Some(Awaited::Core), _) => "a core".to_owned(),
-            (Some(Awaited::Lock), []) => "a lock".to_owned(),
-            (Some(Awaited::Lock), all) => all.join(" and "),
+            (Some(Awaited::Core), _) => Phrase::words("a core"),
+            (Some(Awaited::Lock), []) => Phrase::words("a lock"),
+            (Some(Awaited::Lock), all) => Phrase::joined(all, " and "),
         };
-        let held = cause.holder.as_ref();
-        let held = held.map_or(String::new(), |holder| format!(", held by `{holder}`"));
-        format!("waits {time} for {what}{held}")
+        let wait = Phrase::words(format!("waits {time} for ")).and_phrase(&what);
+        match &cause.holder {
+            Some(holder) => wait.and(", held by ").and_name(holder.as_str()),
+            None => wait,
+        }
     }
 
     /// `` it holds if `report_start` takes at most 4 ms ``

@@ -1,5 +1,8 @@
 //! Names in scope: types, constants, the parts of the component around the cursor.
 
+mod interfaces;
+mod values;
+
 use rustc_hash::FxHashMap;
 use smol_str::SmolStr;
 
@@ -8,14 +11,14 @@ use super::{
     scopes::{full_path, in_scopes, opens_scope, outer_scope},
 };
 use crate::{
+    elab::types::has_native,
     elab::{DefId, DefKind, Definition, Elaborated, Entity, Reference},
-    elab::{convert::holds, types::has_native},
     ide::{
         FileView, SymbolKind,
         context::{BodyKind, Context, Frame, FrameKind, Word},
         render,
     },
-    model::{Codel, Component, Name, Spec, TypeId, TypeKind, Value},
+    model::{Codel, Component, Name, Spec, TypeId, TypeKind},
 };
 
 /// The names visible at the cursor.
@@ -35,9 +38,6 @@ pub(in crate::ide) struct Names<'a, 'db> {
     /// Definitions in scopes, by full path.
     paths: FxHashMap<Vec<SmolStr>, DefId>,
 }
-
-/// The rank of items that are not proposed.
-const NOT_PROPOSED: u8 = u8::MAX;
 
 /// The kind of names to propose.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -473,199 +473,6 @@ impl<'a, 'db> Names<'a, 'db> {
         let mut numbered = (2_u32..).map(|number| format!("{base}{number}"));
         numbered.find(|format| !taken(format)).unwrap_or_default()
     }
-
-    /// Everything that may be in an expression; values of the `expected` type first.
-    pub(super) fn constants(
-        &self,
-        before: &[Word],
-        expected: Option<TypeId>,
-        out: &mut Completions,
-    ) {
-        if is_operand(before) {
-            return;
-        }
-        let first = out.items.len();
-        self.scoped(before, NameCategory::Constants, 3, out);
-        let spec = self.spec();
-        let resolved = expected.map(|ty| self.value_type(ty));
-        for item in &mut out.items[first..] {
-            let definition = item
-                .definition
-                .and_then(|definition| self.elaborated.definitions.get(definition as usize));
-            let ty = definition.and_then(|definition| definition.ty);
-            let of = match ty.map(|ty| &spec.ty(ty).kind) {
-                Some(TypeKind::Enumerator { enumeration, .. }) => Some(*enumeration),
-                Some(TypeKind::Const { ty, .. }) => Some(self.value_type(*ty)),
-                _ => None,
-            };
-            let value = ty.and_then(|ty| match &spec.ty(ty).kind {
-                TypeKind::Const { value, .. } => Some(value),
-                _ => None,
-            });
-            let holds = |ty| value.is_none_or(|node| holds(spec, ty, node));
-            match (resolved, of) {
-                (Some(wanted), Some(of)) if self.same_type(wanted, of) && holds(wanted) => {
-                    item.rank = 0
-                }
-                // Other values do not convert.
-                (Some(_), Some(_)) => item.rank = NOT_PROPOSED,
-                _ => {}
-            }
-        }
-        out.items
-            .retain(|completion_item| completion_item.rank != NOT_PROPOSED);
-        if before.last().is_some_and(|word| word.is("::")) {
-            return;
-        }
-        let boolean = resolved.is_some_and(|ty| matches!(spec.ty(ty).kind, TypeKind::Boolean));
-        if boolean || resolved.is_none() {
-            out.keywords(&["TRUE", "FALSE"], if boolean { 0 } else { 6 });
-        }
-    }
-
-    /// Constants that are numbers; with `whole`, only non-negative integers.
-    pub(super) fn numbers(&self, before: &[Word], whole: bool, out: &mut Completions) {
-        if is_operand(before) {
-            return;
-        }
-        let first = out.items.len();
-        self.scoped(before, NameCategory::Constants, 3, out);
-        let spec = self.spec();
-        let fits = |item: &super::CompletionItem| {
-            let definition = item
-                .definition
-                .and_then(|definition| self.elaborated.definitions.get(definition as usize))?;
-            // Names that are only the beginning of a path.
-            let Some(TypeKind::Const { value, .. }) = definition.ty.map(|ty| &spec.ty(ty).kind)
-            else {
-                return Some(!matches!(definition.kind, DefKind::Enumerator));
-            };
-            Some(match value {
-                Value::Uint(_) => true,
-                Value::Int(number) => *number >= 0,
-                Value::Float(number) => !whole && *number >= 0.0,
-                _ => false,
-            })
-        };
-        let mut index = 0;
-        out.items.retain(|completion_item| {
-            index += 1;
-            index <= first || fits(completion_item).unwrap_or(true)
-        });
-    }
-
-    /// A type without aliases and optionals.
-    pub(in crate::ide) fn value_type(&self, id: TypeId) -> TypeId {
-        let spec = self.spec();
-        let mut id = spec.resolve_alias(id);
-        for _ in 0..spec.types.len() {
-            match spec.ty(id).kind {
-                TypeKind::Optional { element } => id = spec.resolve_alias(element),
-                _ => break,
-            }
-        }
-        id
-    }
-
-    fn same_type(&self, a: TypeId, b: TypeId) -> bool {
-        let number = |ty: TypeId| {
-            matches!(
-                self.spec().ty(ty).kind,
-                TypeKind::Octet
-                    | TypeKind::Short
-                    | TypeKind::UnsignedShort
-                    | TypeKind::Long
-                    | TypeKind::UnsignedLong
-                    | TypeKind::LongLong
-                    | TypeKind::UnsignedLongLong
-                    | TypeKind::Float
-                    | TypeKind::Double
-            )
-        };
-        a == b || number(a) && number(b) || self.spec().ty(a).kind == self.spec().ty(b).kind
-    }
-
-    /// Members of a struct, union, exception or ids, also of the elements of an array.
-    pub(in crate::ide) fn members(&self, ty: TypeId) -> Vec<(SmolStr, TypeId)> {
-        let spec = self.spec();
-        let members = match &spec.ty(self.value_type(ty)).kind {
-            TypeKind::Struct { members }
-            | TypeKind::Union { members, .. }
-            | TypeKind::Exception { members } => members.as_slice(),
-            _ => return Vec::new(),
-        };
-        let named = members
-            .iter()
-            .filter_map(|&member| Some((spec.ty(member).name.clone()?, member)));
-        named.collect()
-    }
-
-    /// The type that `[n]` selects.
-    pub(in crate::ide) fn element(&self, ty: TypeId) -> Option<TypeId> {
-        match self.spec().ty(self.value_type(ty)).kind {
-            TypeKind::Array { element, .. } | TypeKind::Sequence { element, .. } => Some(element),
-            _ => None,
-        }
-    }
-
-    /// Returns true if no name from an interface clashes with a name of the component. False if the interface
-    /// is not known.
-    fn has_room_for(&self, interface: &str) -> bool {
-        let Some(interface) = self
-            .spec()
-            .components
-            .iter()
-            .find(|component| component.name == interface)
-        else {
-            return false;
-        };
-        fn all(component: &Component) -> impl Iterator<Item = &SmolStr> {
-            let services = component.services.iter().map(|service| &service.name);
-            let ports = component.ports.iter().map(|port| &port.name);
-            services
-                .chain(ports)
-                .chain(component.tasks.iter().map(|task| &task.name))
-        }
-        let own = self.component();
-        !all(interface).any(|name| own.is_some_and(|own| all(own).any(|text| text == name)))
-    }
-
-    /// Returns true if the component already provides, uses or extends an interface.
-    fn has_interface(&self, interface: &str) -> bool {
-        let all = &self.spec().components;
-        let named = |number: &u32| {
-            all.get(*number as usize)
-                .is_some_and(|component| component.name == interface)
-        };
-        self.component().is_some_and(|component| {
-            let mut listed = component
-                .provides
-                .iter()
-                .chain(&component.uses)
-                .chain(&component.extends);
-            listed.any(named)
-        })
-    }
-
-    /// Components and interfaces by kind, in order of declaration.
-    pub(super) fn interfaces(&self, used: &[Word], rank: u8, out: &mut Completions) {
-        for definition in &self.elaborated.definitions {
-            let own = self
-                .component()
-                .is_some_and(|own| own.name == definition.name);
-            let named = used.iter().any(|word| word.text == definition.name)
-                || self.has_interface(&definition.name);
-            let unused_name_like = || self.has_room_for(&definition.name);
-            if definition.kind == DefKind::Interface
-                && !own
-                && !named
-                && self.is_before(definition)
-                && unused_name_like()
-            {
-                self.push(definition, definition.name.to_string(), rank, out);
-            }
-        }
-    }
 }
 
 /// The `a::b::` or `::` at the end of some words.
@@ -684,16 +491,6 @@ pub(in crate::ide) fn qualifier(words: &[Word]) -> (bool, Vec<SmolStr>) {
         }
     }
     (false, segments)
-}
-
-/// Returns true if an expression ends in an operand, so that an operator or nothing comes next.
-fn is_operand(before: &[Word]) -> bool {
-    use dotgen_syntax::SyntaxKind::*;
-    let last = before.last().map(|word| word.kind);
-    matches!(
-        last,
-        Some(INT | FLOAT | STRING | CHAR | IDENT | R_PAREN | R_CURLY | R_BRACK)
-    )
 }
 
 /// Returns true if a type can have constants, or be the switch type of unions.

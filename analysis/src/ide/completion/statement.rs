@@ -36,16 +36,13 @@ pub(super) fn complete(
             _ => {}
         }
         if !matches!(body, BodyKind::Enum | BodyKind::Port) {
-            let known: Vec<String> = out
-                .items
-                .iter()
-                .map(|completion_item| completion_item.label.clone())
+            // The code that an item inserts begins with its keyword.
+            let no_letter = |character: char| !(character.is_alphanumeric() || character == '-');
+            let codes = out.items.iter().map(|item| item.insert.as_str());
+            let known: Vec<String> = codes
+                .map(|code| code.split(no_letter).next().unwrap_or_default().to_owned())
                 .collect();
-            let begins = |word: &str| {
-                known
-                    .iter()
-                    .any(|label| label.split(' ').next() == Some(word))
-            };
+            let begins = |word: &str| known.iter().any(|keyword| keyword == word);
             super::directive::beginning(names.view, context.word.start, 8, &begins, out);
         }
         return;

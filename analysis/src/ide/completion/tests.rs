@@ -527,6 +527,7 @@ fn documentation_on_demand() {
         ("s", Some("struct s (1 member)"))
     );
     let path = &fixture.at().path;
+    assert_eq!(item.name.as_deref(), Some("s"));
     let definition = item.definition.unwrap();
     let doc = analysis
         .resolve_completion(path, definition, "s")

@@ -2,7 +2,7 @@
 
 mod typed;
 
-use camino::Utf8PathBuf;
+use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::{self, CompletionKind, plain_snippet};
 use serde::{Deserialize, Serialize};
@@ -49,12 +49,11 @@ pub(crate) fn handle(
     let mut items = snapshot.analysis.completions(&at)?;
     functions(snapshot, &at, &mut items)?;
     let convert = (0..).zip(items).map(|(order, completion)| {
-        let mut item = to_proto(snapshot, &lines, completion, order);
-        item.data = item.data.map(|definition| {
-            let name = last_name(&item.label);
-            serde_json::json!({ "path": subject.path, "definition": definition, "name": name })
-        });
-        item
+        let data = data(&subject.path, &completion);
+        CompletionItem {
+            data,
+            ..to_proto(snapshot, &lines, completion, order)
+        }
     });
     Ok(Some(CompletionResponse::List(CompletionList {
         is_incomplete: false,
@@ -124,14 +123,14 @@ fn functions(
     texts.check()
 }
 
-/// The name in `port in p` or `m::t`.
-fn last_name(label: &str) -> &str {
-    let at = label.rfind([' ', ':']).map_or(0, |index| index + 1);
-    let name = label.strip_suffix(" =").unwrap_or(label);
-    match name.strip_prefix('.') {
-        Some(member) => member,
-        None => &label[at..],
-    }
+/// The data with which a proposal is resolved.
+fn data(path: &Utf8Path, completion: &ide::CompletionItem) -> Option<serde_json::Value> {
+    let data = Data {
+        path: path.to_owned(),
+        definition: completion.definition?,
+        name: completion.name.as_ref()?.to_string(),
+    };
+    serde_json::to_value(data).ok()
 }
 
 fn to_proto(
@@ -159,7 +158,6 @@ fn to_proto(
             lines.range(&completion_item.replace),
             new_text,
         ))),
-        data: completion_item.definition.map(Into::into),
         ..CompletionItem::default()
     }
 }

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::phrase::Phrase;
 use dotgen_timing::diagnostic::Severity;
 use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::report::TimeUnit;
@@ -408,7 +409,7 @@ pub(crate) fn present(
                     .codel
                     .upper
                     .map_or("no end".to_owned(), |number| unit.show(number)),
-                through: blocker.through.join(", "),
+                through: Phrase::joined(&blocker.through, ", ").to_string(),
             });
         }
         if !by.is_empty() {

@@ -279,9 +279,7 @@ fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
             PropertyKind::Schedulable | PropertyKind::Response | PropertyKind::NoOverdue
         );
         let unit = answer.report.unit;
-        let cause = refuted
-            .why
-            .map(|cause| cause.wait_in_words(unit).replace('`', ""));
+        let cause = refuted.why.map(|cause| cause.wait_in_words(unit).plain());
         return match (late, cause) {
             (true, Some(cause)) => say(Mark::Fails, &format!("can be late: {cause}")),
             (true, None) => say(Mark::Fails, &and_measured("can be late")),

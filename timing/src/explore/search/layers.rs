@@ -3,6 +3,7 @@
 //! All simultaneous actions of a moment are followed, the calm states they lead to are kept as nodes, and
 //! each node jumps to its next moment. Layers prove checks, and find the shortest runs.
 
+mod effort;
 pub(super) mod trace;
 
 use rustc_hash::FxHashSet;
@@ -13,7 +14,7 @@ use super::observations::{Observations, Sight};
 use crate::cancel::Cancel;
 use crate::explore::measure::{Divergence, Gauge, MeasurementMode};
 use crate::explore::observe;
-use crate::explore::reductions::{Activity, Kind, Reason, Reduced, Reductions, SleepSet};
+use crate::explore::reductions::{Kind, Reduced, Reductions, SleepSet};
 use crate::explore::rules::Enabled;
 use crate::explore::run::Run;
 use crate::explore::state::State;
@@ -31,14 +32,8 @@ const SOURCE_BYTES: usize = 4 * size_of::<(usize, u32, &[Ticks], u32)>();
 /// Bytes of a tag in a set of tags.
 const TAG_BYTES: usize = size_of::<u32>() + 1;
 
-/// Bytes that the reconstruction of a run may take, even if the states have used up the limit.
-const MIN_BYTES_FOR_RUN: usize = 8 << 20;
-
 /// Number of states between two polls of the limits.
 pub(super) const STATES_PER_POLL: usize = 64;
-
-/// Number of steps per kept state above which instants are dense: then most effort goes into single moments.
-const STEPS_PER_STATE_OF_DENSE_INSTANTS: u64 = 64;
 
 /// Returns the covering of states within these limits.
 pub(super) fn covering(limits: Limits) -> Covering {
@@ -546,66 +541,5 @@ impl<'a, R: Reduced> Layers<'a, R> {
             .into_iter()
             .map(of)
             .collect()
-    }
-
-    // ---- Effort ----------------------------------------------------------------------------
-
-    /// Returns true if most effort goes into single moments.
-    pub(super) fn is_dense(&self) -> bool {
-        self.steps > STEPS_PER_STATE_OF_DENSE_INSTANTS * self.graph.len() as u64
-    }
-
-    /// Returns the number of states that are kept, or were reached at the present moment.
-    pub(super) fn states_now(&self) -> usize {
-        self.graph.len() + self.layer.states.len() + self.layer.released.0
-    }
-
-    /// Returns the number of states kept; after an incomplete exploration, including those of the last
-    /// moment.
-    pub(super) fn states(&self) -> usize {
-        match self.stopped {
-            None | Some(Stop::Answered) => self.graph.len(),
-            Some(_) => self.states_now(),
-        }
-    }
-
-    /// Returns the bytes of a state in the work list.
-    fn bytes_to_do(&self) -> usize {
-        size_of::<(NodeId, SleepSet)>() + self.observations.rules.frame().state_bytes()
-    }
-
-    /// Returns the bytes in use.
-    pub(super) fn memory(&self) -> usize {
-        self.graph.memory() + self.memory_outside_graph() + self.layer.released.1
-    }
-
-    fn memory_outside_graph(&self) -> usize {
-        self.layer.states.memory()
-            + self.dense_states.memory()
-            + self.layer.under_way
-            + self.spare.len() * self.observations.rules.frame().state_bytes()
-    }
-
-    /// Returns the bytes that the reconstruction of a run may take.
-    fn room_for_run(&self) -> usize {
-        let used = self.graph.memory() + self.memory_outside_graph();
-        let left = self.limits.bytes.saturating_sub(used);
-        left.max(self.limits.bytes / 8).max(MIN_BYTES_FOR_RUN)
-    }
-
-    /// Returns the reductions in use.
-    pub(super) fn activities(&self) -> impl Iterator<Item = Activity> {
-        let switched = [
-            Kind::WindowUnion,
-            Kind::WindowInclusion,
-            Kind::MomentCovering,
-        ]
-        .map(|kind| {
-            let off = self.limits.without.contains(kind);
-            let off = off.then_some(Reason::SwitchedOff);
-            Activity { kind, off }
-        });
-        let own = self.observations.reductions.activities().iter().copied();
-        own.chain(switched)
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use dotgen_analysis::model::Src;
+use dotgen_analysis::phrase::Phrase;
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::{Event, TimeUnit};
 use dotgen_timing::scn::ast::Unit;
@@ -80,7 +81,7 @@ fn clean(time: f64) -> f64 {
 
 /// Codels that exclude each other, and the data they share.
 struct Exclusions<'e> {
-    through: HashMap<&'e str, HashMap<&'e str, &'e [String]>>,
+    through: HashMap<&'e str, HashMap<&'e str, &'e [Phrase]>>,
 }
 
 impl<'e> Exclusions<'e> {
@@ -97,7 +98,7 @@ impl<'e> Exclusions<'e> {
     }
 
     /// The data that two codels share, if they exclude each other.
-    fn through(&self, one: &str, other: &str) -> Option<&'e [String]> {
+    fn through(&self, one: &str, other: &str) -> Option<&'e [Phrase]> {
         self.through.get(one)?.get(other).copied()
     }
 
@@ -106,9 +107,12 @@ impl<'e> Exclusions<'e> {
         let mut out: Vec<String> = Vec::new();
         let others = self.through.get(codel).into_iter().flatten();
         let wanted = others.filter(|pair| with.is_none_or(|with| with.contains(pair.0)));
-        for text in wanted.flat_map(|pair| pair.1.iter()) {
-            if !out.contains(text) {
-                out.push(text.clone());
+        for text in wanted
+            .flat_map(|pair| pair.1.iter())
+            .map(ToString::to_string)
+        {
+            if !out.contains(&text) {
+                out.push(text);
             }
         }
         out.sort();
@@ -306,7 +310,7 @@ impl TraceBuilder<'_> {
                             lane: executes(span),
                             from: span.from,
                             to: span.to,
-                            through: through.to_vec(),
+                            through: through.iter().map(ToString::to_string).collect(),
                             ahead: false,
                         })
                     });

@@ -1,0 +1,86 @@
+//! Fixes that `dotgen check` makes, shows and reports.
+
+use serde_json::{Value, json};
+
+use crate::directory::{Directory, status, stderr, stdout};
+
+/// Slips with one plain repair each, and one that can only be guessed.
+const SLIPS: &str = "\
+component c {
+  version \"1\"
+  ids { bool on; };
+  tsak t {
+    period 100 Hz;
+    codel<start> f(out on) yield ether, ether;
+  };
+  activity a() { task t; codel<start> g(in onn) yield ether; };
+};
+";
+
+fn text_of(directory: &Directory) -> String {
+    std::fs::read_to_string(directory.path().join("c.gen")).expect("it is there")
+}
+
+#[test]
+fn plain_repairs_are_made_and_the_rest_is_reported() {
+    let directory = Directory::new(&[("c.gen", SLIPS)]);
+    let diff = directory.run(&["check", "--diff", "c.gen"]);
+    assert_eq!(status(&diff), 1);
+    let shown = stdout(&diff);
+    for line in [
+        "-  tsak t {\n",
+        "+  task t {\n",
+        "-    period 100 Hz;\n",
+        "+    period 10 ms;\n",
+    ] {
+        assert!(shown.contains(line), "{shown}");
+    }
+    assert_eq!(text_of(&directory), SLIPS, "--diff changes nothing");
+
+    let fixed = directory.run(&["check", "--fix", "--format", "json", "c.gen"]);
+    assert_eq!(status(&fixed), 1);
+    let told = stderr(&fixed);
+    assert!(told.contains("note: fixed `c.gen`: "), "{told}");
+    assert!(told.contains("insert `;`"), "{told}");
+    let right = SLIPS
+        .replace("version \"1\"", "version \"1\";")
+        .replace("bool", "boolean")
+        .replace("tsak", "task")
+        .replace("100 Hz", "10 ms")
+        .replace("ether, ether", "ether");
+    assert_eq!(text_of(&directory), right);
+    let document: Value = serde_json::from_str(&stdout(&fixed)).expect("JSON");
+    assert_eq!(document["version"], 1);
+    let left = document["diagnostics"].as_array().expect("a list");
+    let errors: Vec<&Value> = left
+        .iter()
+        .filter(|diagnostic| diagnostic["severity"] == "error")
+        .collect();
+    assert_eq!(errors.len(), 1, "{errors:#?}");
+    assert_eq!(errors[0]["code"], "param-unknown");
+    let fix = &errors[0]["fixes"][0];
+    assert_eq!(
+        (&fix["title"], &fix["safe"]),
+        (&json!("Change to `on`"), &json!(false))
+    );
+    assert_eq!(fix["edits"][0]["newText"], "on");
+
+    let again = directory.run(&["check", "--diff", "c.gen"]);
+    assert_eq!((status(&again), stdout(&again).as_str()), (0, ""));
+}
+
+#[test]
+fn sarif_has_the_fixes() {
+    let directory = Directory::new(&[("c.gen", SLIPS)]);
+    let output = directory.run(&["check", "--format", "sarif", "c.gen"]);
+    let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let results = document["runs"][0]["results"].as_array().expect("a list");
+    let fixes = results
+        .iter()
+        .find_map(|json| json.get("fixes"))
+        .expect("fixes");
+    assert_eq!(fixes[0]["properties"]["safe"], true);
+    let change = &fixes[0]["artifactChanges"][0];
+    assert_eq!(change["artifactLocation"]["uri"], "c.gen");
+    assert!(change["replacements"][0]["deletedRegion"]["startLine"].is_u64());
+}
