@@ -18,7 +18,7 @@ use clap::{Args, ValueEnum};
 use dotgen_analysis::model::Seconds;
 use dotgen_runtime::decide;
 use dotgen_runtime::engine::End;
-use dotgen_runtime::report::RunReport;
+use dotgen_runtime::report::{FORMAT, RunReport};
 use dotgen_runtime::simulation::Plan;
 use dotgen_timing::scn::ast::Unit;
 use dotgen_timing::verify::{Options, Prepared};
@@ -391,7 +391,11 @@ impl Arguments {
                 "`{component}` waits for a debugger: gdb -p {process}"
             )),
             Format::Json => {
-                let line = serde_json::json!({ "component": component, "process": process });
+                let line = serde_json::json!({
+                    "format": FORMAT,
+                    "component": component,
+                    "process": process,
+                });
                 let mut out = std::io::stdout();
                 // If the output is closed, the run continues.
                 let _ = writeln!(out, "{line}").and_then(|()| out.flush());

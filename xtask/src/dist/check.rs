@@ -22,6 +22,7 @@ pub(super) fn check(packages: &Path) -> Result<()> {
     root.try_debian(packages)?;
     root.try_wheel(packages)?;
     extensions(packages)?;
+    root.try_extension(packages)?;
     println!("All packages are installed and used.");
     Ok(())
 }
@@ -189,16 +190,38 @@ impl Root {
         self.run("/opt/trial/bin/python -c 'import dotgen; dotgen.connect'")
             .map(drop)
     }
+
+    fn try_extension(&self, packages: &Path) -> Result<()> {
+        step("The program of the extension, in a clean Debian");
+        self.copy(&only(packages, with_program())?, "work/dotgen.vsix")?;
+        let program = "/opt/extension/extension/server/dotgen";
+        self.run(&format!(
+            "python3 -m zipfile -e dotgen.vsix /opt/extension && chmod +x {program}"
+        ))?;
+        self.use_program(program)?;
+        // ROS 2 is left out for the size. The message names the packages that have it.
+        let ros2 =
+            format!("{program} run pump.gen --simulate all --clock real --ros2 2>&1 || true");
+        let message = self.run(&ros2)?;
+        if !message.contains("the Debian package or the wheel") {
+            bail!("`{program} run --ros2` does not name the packages with ROS 2:\n{message}");
+        }
+        Ok(())
+    }
+}
+
+/// The ending of the extension that contains the program.
+fn with_program() -> &'static str {
+    match std::env::consts::ARCH {
+        "aarch64" => "linux-arm64.vsix",
+        _ => "linux-x64.vsix",
+    }
 }
 
 /// The extensions are small, and contain what they should.
 fn extensions(packages: &Path) -> Result<()> {
     step("The extensions");
-    let architecture = match std::env::consts::ARCH {
-        "aarch64" => "linux-arm64.vsix",
-        _ => "linux-x64.vsix",
-    };
-    for (ending, has_program) in [(architecture, true), ("universal.vsix", false)] {
+    for (ending, has_program) in [(with_program(), true), ("universal.vsix", false)] {
         let vsix = only(packages, ending)?;
         let bytes = vsix.metadata()?.len();
         if bytes > LARGEST_EXTENSION {
