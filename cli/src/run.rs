@@ -18,7 +18,7 @@ use clap::{Args, ValueEnum};
 use dotgen_analysis::model::Seconds;
 use dotgen_runtime::decide;
 use dotgen_runtime::engine::End;
-use dotgen_runtime::report::{FORMAT, RunReport};
+use dotgen_runtime::report::RunReport;
 use dotgen_runtime::simulation::Plan;
 use dotgen_timing::scn::ast::Unit;
 use dotgen_timing::verify::{Options, Prepared};
@@ -392,7 +392,7 @@ impl Arguments {
             )),
             Format::Json => {
                 let line = serde_json::json!({
-                    "format": FORMAT,
+                    "format": dotgen_runtime::report::FORMAT,
                     "component": component,
                     "process": process,
                 });
