@@ -246,7 +246,7 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
           try {
             // Its helpers are the same program, started by it with other arguments.
             const words = readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0');
-            return readlinkSync(`/proc/${pid}/exe`).startsWith(extensions + sep) && words[1] === 'lsp';
+            return readlinkSync(`/proc/${pid}/exe`).startsWith(user + sep) && words[1] === 'lsp';
           } catch {
             return false; // ended meanwhile, or not ours to look at
           }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 use super::GLIBC;
+use crate::extension;
 use crate::run::{self, step};
 use crate::tools::{self, DEBOOTSTRAP};
 
@@ -193,12 +194,20 @@ impl Root {
 
     fn try_extension(&self, packages: &Path) -> Result<()> {
         step("The program of the extension, in a clean Debian");
-        self.copy(&only(packages, with_program())?, "work/dotgen.vsix")?;
-        let program = "/opt/extension/extension/server/dotgen";
-        self.run(&format!(
-            "python3 -m zipfile -e dotgen.vsix /opt/extension && chmod +x {program}"
-        ))?;
-        self.use_program(program)?;
+        let unpacked = crate::target().join("tools/dist/vsix");
+        if unpacked.exists() {
+            std::fs::remove_dir_all(&unpacked)?;
+        }
+        let vsix = only(packages, with_program())?
+            .to_string_lossy()
+            .into_owned();
+        let arguments = ["-m", "zipfile", "-e", &*vsix, &*unpacked.to_string_lossy()];
+        run::capture(run::command(packages, "python3", &arguments))?;
+        // The root has no Node, on which the extension runs.
+        let into = self.directory.join("opt/extension");
+        let program = extension::unpack(&unpacked.join("extension"), &into)?;
+        let program = format!("/{}", program.strip_prefix(&self.directory)?.display());
+        self.use_program(&program)?;
         // ROS 2 is left out for the size. The message names the packages that have it.
         let ros2 =
             format!("{program} run pump.gen --simulate all --clock real --ros2 2>&1 || true");
@@ -232,7 +241,7 @@ fn extensions(packages: &Path) -> Result<()> {
         }
         let arguments = ["-m", "zipfile", "-l", &*vsix.to_string_lossy()];
         let names = run::capture(run::command(packages, "python3", &arguments))?;
-        if names.contains("extension/server/dotgen") != has_program {
+        if names.contains("extension/server/dotgen.br") != has_program {
             bail!(
                 "{}: the program should {}be inside",
                 vsix.display(),
