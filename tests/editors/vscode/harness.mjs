@@ -38,7 +38,8 @@ function freePort() {
  * stand in for those of others: `main` (text) and the rest of the manifest by identifier.
  */
 export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bin/chromium', vsix, workspace, beside = [], files = {}, settings = {}, others = {}, shots }) {
-  const root = mkdtempSync(join(tmpdir(), 'dotgen-workbench-'));
+  // A server that starts removes folders `dotgen-*` without a lock.
+  const root = mkdtempSync(join(tmpdir(), 'workbench-'));
   const directory = (name) => {
     const path = join(root, name);
     mkdirSync(path, { recursive: true });

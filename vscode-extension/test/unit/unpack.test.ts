@@ -37,7 +37,7 @@ function age(path: string, days: number): void {
 }
 
 beforeEach(() => {
-  folder = mkdtempSync(join(tmpdir(), 'dotgen-unpack-'));
+  folder = mkdtempSync(join(tmpdir(), 'unpack-'));
   lines = [];
 });
 afterEach(() => rmSync(folder, { recursive: true, force: true }));
