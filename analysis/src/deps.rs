@@ -30,6 +30,7 @@ pub struct Dependencies {
 
 /// A required package.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub struct Package {
     /// The requirement as written, with its version.
     pub requirement: String,
@@ -70,6 +71,7 @@ pub struct Provider {
 
 /// An included file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub struct Include {
     /// As written.
     pub path: String,
@@ -99,6 +101,7 @@ pub struct Interface {
 
 /// A name that no file declares.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub struct UnknownName {
     /// The name, with its scopes as written.
     pub name: Name,

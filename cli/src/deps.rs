@@ -15,6 +15,9 @@ use super::{Outcome, SpecificationOptions, report, session};
 use dotgen_lsp_server::features::codels::standins;
 use dotgen_platform::files::vfs;
 
+/// Version of the JSON output.
+const VERSION: u32 = 2;
+
 /// List dependencies, where each was found, and how to install missing ones
 ///
 /// Dependencies are packages, included files and interfaces.
@@ -87,7 +90,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     match arguments.format {
         Format::Json => {
-            let text = format!("{:#}\n", json!({ "version": 1, "specifications": all }));
+            let text = format!(
+                "{:#}\n",
+                json!({ "version": VERSION, "specifications": all })
+            );
             std::io::stdout().write_all(dotgen_syntax::encoding::shown(&text).as_bytes())?;
         }
         Format::Text => {

@@ -391,7 +391,11 @@ impl Arguments {
                 "`{component}` waits for a debugger: gdb -p {process}"
             )),
             Format::Json => {
-                let line = serde_json::json!({ "component": component, "process": process });
+                let line = serde_json::json!({
+                    "format": dotgen_runtime::report::FORMAT,
+                    "component": component,
+                    "process": process,
+                });
                 let mut out = std::io::stdout();
                 // If the output is closed, the run continues.
                 let _ = writeln!(out, "{line}").and_then(|()| out.flush());

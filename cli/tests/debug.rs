@@ -42,6 +42,7 @@ fn a_component_waits_for_a_debugger_which_stops_in_a_codel() {
     let mut line = String::new();
     said.read_line(&mut line).expect("it is text");
     let waiting: Value = serde_json::from_str(&line).expect("it is JSON");
+    assert_eq!(waiting["format"], 1);
     assert_eq!(waiting["component"], "bad");
     let process = waiting["process"].as_u64().expect("a number").to_string();
     // It stops where the codel begins, and knows what was handed to it: nothing is optimized out.

@@ -101,7 +101,10 @@ fn codels_read_what_clients_write() {
         .collect();
     let request = json!({"id": "a", "write": "reader/trail", "value": long});
     let answers = ask(&directory, &[request]);
-    assert_eq!(answers, [json!({"id": "a", "event": "written"})]);
+    assert_eq!(
+        answers,
+        [json!({"id": "a", "event": "written", "version": 1})]
+    );
     let backwards: Vec<Value> = (0..1000)
         .rev()
         .map(|number| json!({"x": 0.5, "y": f64::from(number)}))

@@ -86,10 +86,11 @@ fn what_a_specification_needs_and_what_stands_in_for_it() {
     let output = deps(&["--format", "json"]);
     assert_eq!(status(&output), 1, "{}", stderr(&output));
     let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    assert_eq!(document["version"], 2);
     let needs = &document["specifications"][0];
     let package = &needs["packages"][0];
     assert_eq!(package["requirement"], "acme-idl >= 2.0");
-    assert_eq!(package["brought_by"][0]["robotpkg"], "interfaces/acme-idl");
+    assert_eq!(package["brought-by"][0]["robotpkg"], "interfaces/acme-idl");
     assert_eq!(needs["includes"][0]["found"], Value::Null);
     assert_eq!(needs["includes"][0]["searched"], json!(["."]));
     assert_eq!(needs["interfaces"][0]["name"], "or_pose_estimator");

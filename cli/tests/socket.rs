@@ -36,7 +36,11 @@ fn ask(directory: &Directory, request: &Value) -> impl Iterator<Item = Value> + 
     let mut client = UnixStream::connect(socket).expect("it listens");
     writeln!(client, "{request}").expect("it reads");
     let lines = BufReader::new(client).lines();
-    lines.map(|line| serde_json::from_str(&line.expect("text")).expect("JSON"))
+    lines.map(|line| {
+        let reply: Value = serde_json::from_str(&line.expect("text")).expect("JSON");
+        assert_eq!(reply["version"], 1, "{reply}");
+        reply
+    })
 }
 
 fn run() -> (Directory, Listening) {
@@ -155,6 +159,7 @@ fn a_client_is_told_its_limits() {
     let mut refused = String::new();
     connect().read_to_string(&mut refused).expect("text");
     assert!(refused.contains("too many connections"), "{refused}");
+    assert!(refused.contains(r#""version":1"#), "{refused}");
     let mut client = &clients[0];
     let mut lines = BufReader::new(client).lines();
     let mut next = || -> Value {

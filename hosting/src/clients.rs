@@ -8,6 +8,9 @@ use serde_json::Value;
 
 use super::stream::Stream;
 
+/// Version of the replies.
+pub(super) const VERSION: u32 = 1;
+
 /// Bytes of a request.
 pub(super) const MAX_REQUEST_BYTES: usize = 4 << 20;
 
@@ -52,6 +55,7 @@ impl Client {
     /// Sends a line that may be missed. Returns whether there was room for the line.
     pub(super) fn offer(&self, mut message: Value, id: &Value) -> bool {
         message["id"] = id.clone();
+        message["version"] = VERSION.into();
         let sent = self.lines.try_send(format!("{message}\n"));
         !matches!(sent, Err(TrySendError::Full(_)))
     }

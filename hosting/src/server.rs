@@ -23,7 +23,7 @@ use serde_json::{Map, Value, json};
 
 use super::children::{InputSlot, RunInbox, RunListener};
 use super::clients::{
-    Client, Line, MAX_CLIENTS, MAX_REQUEST_BYTES, MAX_WAITING, read_line, skip_line,
+    Client, Line, MAX_CLIENTS, MAX_REQUEST_BYTES, MAX_WAITING, VERSION, read_line, skip_line,
 };
 use super::components::{CONNECT, KnownComponent, describe, detail_of};
 use super::stream::Stream;
@@ -213,7 +213,7 @@ fn accept(shared: &Arc<Shared>, stream: Stream, token: Option<Arc<Token>>) {
     if state.open[kind] >= MAX_CLIENTS {
         drop(state);
         let why = format!("too many connections: {MAX_CLIENTS} are open; close one of them");
-        let told = json!({"event": "error", "message": why, "id": null});
+        let told = json!({"event": "error", "message": why, "id": null, "version": VERSION});
         // The buffer of a new connection has room for a line.
         let _ = (&stream).write_all(format!("{told}\n").as_bytes());
         return;

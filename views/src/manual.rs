@@ -5,21 +5,31 @@ use std::sync::LazyLock;
 
 use rustc_hash::FxHashMap;
 
-/// The pages by code; `async/shared-attribute` is in a directory. In a package, `docs` is next to the program
-/// or one directory above; in a build tree, two above `target/debug`.
-static PAGES: LazyLock<FxHashMap<String, PathBuf>> = LazyLock::new(|| {
-    let directory = || -> Option<PathBuf> {
-        let program = std::env::current_exe().ok()?.canonicalize().ok()?;
-        let places = |path: &Path| {
-            [
-                path.join("docs/diagnostics"),
-                path.join("share/doc/dotgen/diagnostics"),
-            ]
-        };
-        let around = program.ancestors().skip(1).take(4);
-        around.flat_map(places).find(|place| place.is_dir())
+/// The environment variable with the folder of the manual, for a program that is installed elsewhere.
+const FOLDER: &str = "DOTGEN_MANUAL";
+
+/// The folder of the pages: below the `named` folder, or else near the program. In a package, `docs` is next to
+/// the program or one directory above; in a build tree, two above `target/debug`.
+fn directory(named: Option<PathBuf>, program: Option<PathBuf>) -> Option<PathBuf> {
+    if let Some(named) = named {
+        return Some(named.join("diagnostics"));
+    }
+    let program = program?.canonicalize().ok()?;
+    let places = |path: &Path| {
+        [
+            path.join("docs/diagnostics"),
+            path.join("share/doc/dotgen/diagnostics"),
+        ]
     };
-    let Some(directory) = directory() else {
+    let around = program.ancestors().skip(1).take(4);
+    around.flat_map(places).find(|place| place.is_dir())
+}
+
+/// The pages by code; `async/shared-attribute` is in a directory.
+static PAGES: LazyLock<FxHashMap<String, PathBuf>> = LazyLock::new(|| {
+    let named = std::env::var_os(FOLDER).map(PathBuf::from);
+    let directory = directory(named, std::env::current_exe().ok());
+    let Some(directory) = directory else {
         return FxHashMap::default();
     };
     // Codes of rules are `group/name`, and their pages have the same path.
@@ -50,4 +60,18 @@ pub fn codes() -> impl Iterator<Item = &'static str> {
 pub fn text(code: &str) -> Option<&'static str> {
     let found = TEXTS.binary_search_by_key(&code, |text| text.0);
     found.ok().map(|index| TEXTS[index].1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_named_folder_wins_over_the_one_near_the_program() {
+        let program = std::env::current_exe().ok();
+        let near = directory(None, program.clone()).expect("the build tree has the manual");
+        assert!(near.join("README.md").is_file(), "{}", near.display());
+        let named = directory(Some("/extension/docs".into()), program);
+        assert_eq!(named, Some("/extension/docs/diagnostics".into()));
+    }
 }

@@ -1,4 +1,5 @@
 // The language client: one server process for the window, started, watched and restarted.
+import { join } from 'node:path';
 import { createInterface } from 'node:readline';
 import type { Readable } from 'node:stream';
 import * as vscode from 'vscode';
@@ -19,6 +20,7 @@ import { previewed } from './manual';
 import { LANGUAGE, SCENARIO, TEMPLATE, documentText, verificationStatus, type InitializationOptions, type VerificationStatus } from './protocol';
 import { reviewed } from './review';
 import { locateServer, surroundings, type Located } from './server';
+import { unpack } from './unpack';
 
 /** What the server is doing. */
 export type ServerState =
@@ -62,6 +64,8 @@ export class Server implements vscode.Disposable {
 
   constructor(
     private readonly extension: vscode.Extension<unknown>,
+    /** Folder of the extension for its files, of which the program of the package is one. */
+    private readonly storage: vscode.Uri,
     /** What the extension does. */
     private readonly log: vscode.LogOutputChannel,
     /** What the server writes, and the messages when they are traced. */
@@ -129,18 +133,20 @@ export class Server implements vscode.Disposable {
     }
     const settings = serverSettings();
     const root = vscode.workspace.workspaceFolders?.[0]?.uri;
-    this.located = locateServer(
-      surroundings(settings.path, this.extension.extensionPath, root?.scheme === 'file' ? root.fsPath : undefined),
-    );
-    if (!this.located.found) {
-      this.fail(this.located.message);
+    this.set({ kind: 'starting' });
+    const located = await locateServer(surroundings(settings.path, () => this.packaged(), root?.scheme === 'file' ? root.fsPath : undefined));
+    this.located = located;
+    if (!located.found) {
+      this.fail(located.message);
       return;
     }
-    const command = this.located.path;
-    this.log.info(`starting ${command} (${this.located.origin})`);
-    this.set({ kind: 'starting' });
+    if (this.disposed) {
+      return;
+    }
+    const command = located.path;
+    this.log.info(`starting ${command} (${located.origin})`);
     this.activities.clear();
-    const client = new LanguageClient(SECTION, 'dotgen', this.serverOptions(command), this.clientOptions());
+    const client = new LanguageClient(SECTION, 'dotgen', this.serverOptions(located), this.clientOptions());
     this.client = client;
     client.onDidChangeState(({ newState }) => {
       if (this.client !== client) {
@@ -172,11 +178,23 @@ export class Server implements vscode.Disposable {
     }
   }
 
-  private serverOptions(command: string): ServerOptions {
+  private packaged(): Promise<string | undefined> {
+    const { version } = this.extension.packageJSON as { version: string };
+    return unpack({
+      from: join(this.extension.extensionPath, 'server'),
+      into: join(this.storage.fsPath, 'server'),
+      version,
+      log: (text) => this.log.info(text),
+    });
+  }
+
+  private serverOptions({ path: command, origin }: Located & { found: true }): ServerOptions {
     const { extraEnv, logLevel } = serverSettings();
     // The level is that of dotgen's own modules; libraries are quiet unless something is wrong.
     const log = logLevel === 'error' ? 'error' : `warn,dotgen=${logLevel}`;
-    return { command, args: ['lsp'], options: { env: { ...process.env, DOTGEN_LOG: log, ...extraEnv } } };
+    // The manual is not next to the unpacked program.
+    const manual = origin === 'package' ? { DOTGEN_MANUAL: join(this.extension.extensionPath, 'docs') } : {};
+    return { command, args: ['lsp'], options: { env: { ...process.env, DOTGEN_LOG: log, ...manual, ...extraEnv } } };
   }
 
   private clientOptions(): LanguageClientOptions {

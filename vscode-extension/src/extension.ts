@@ -32,7 +32,7 @@ let server: Server | undefined;
 export async function activate(context: vscode.ExtensionContext): Promise<void> {
   const log = vscode.window.createOutputChannel('dotgen', { log: true });
   const output = vscode.window.createOutputChannel('dotgen Language Server', { log: true });
-  server = new Server(context.extension, log, output);
+  server = new Server(context.extension, context.globalStorageUri, log, output);
   const it = server;
   const tree = new SyntaxTreeView(it);
   const macros = new MacroExpansion(it);

@@ -1,4 +1,4 @@
-// Where the server program is: the setting, then the one packaged with the extension, then PATH.
+// The server program: the one of the setting, then the one packaged with the extension, then the one on PATH.
 //
 // Nothing here needs the editor: the surroundings are a parameter, so that the search is tested without one.
 import { accessSync, constants, statSync } from 'node:fs';
@@ -9,8 +9,8 @@ import { delimiter, isAbsolute, join } from 'node:path';
 export interface Surroundings {
   /** Value of `dotgen.server.path`; empty when not set. */
   setting: string;
-  /** Folder the extension is installed in. */
-  extensionPath: string;
+  /** The program of the package, which is unpacked if necessary; undefined if there is none. Throws a message for the user. */
+  packaged(): Promise<string | undefined>;
   /** Root of the first workspace folder, if any. */
   workspaceRoot: string | undefined;
   env: Record<string, string | undefined>;
@@ -22,9 +22,9 @@ export interface Surroundings {
 /** A server program, or why there is none. */
 export type Located =
   | { found: true; path: string; origin: 'setting' | 'package' | 'PATH' }
-  | { found: false; reason: 'setting' | 'nowhere'; message: string };
+  | { found: false; reason: 'setting' | 'package' | 'nowhere'; message: string };
 
-export function locateServer(at: Surroundings): Located {
+export async function locateServer(at: Surroundings): Promise<Located> {
   const setting = at.setting.trim();
   if (setting !== '') {
     const path = expandPath(setting, at);
@@ -35,11 +35,20 @@ export function locateServer(at: Surroundings): Located {
     const message = `dotgen.server.path is "${setting}", but ${path} is not a program that can be run. Correct the setting, or clear it to use the packaged server.`;
     return { found: false, reason: 'setting', message };
   }
-  const name = at.platform === 'win32' ? 'dotgen.exe' : 'dotgen';
-  const packaged = join(at.extensionPath, 'server', name);
-  if (at.isExecutable(packaged)) {
-    return { found: true, path: packaged, origin: 'package' };
+  let packaged: string | undefined;
+  try {
+    packaged = await at.packaged();
+  } catch (error) {
+    return { found: false, reason: 'package', message: error instanceof Error ? error.message : String(error) };
   }
+  if (packaged !== undefined) {
+    if (at.isExecutable(packaged)) {
+      return { found: true, path: packaged, origin: 'package' };
+    }
+    const message = `Programs cannot be run from the folder of ${packaged}: its file system forbids that. Set dotgen.server.path to a dotgen elsewhere.`;
+    return { found: false, reason: 'package', message };
+  }
+  const name = at.platform === 'win32' ? 'dotgen.exe' : 'dotgen';
   for (const directory of searchPath(at.env)) {
     const path = join(directory, name);
     if (isAbsolute(directory) && at.isExecutable(path)) {
@@ -68,10 +77,10 @@ function searchPath(env: Record<string, string | undefined>): string[] {
 }
 
 /** The real surroundings. */
-export function surroundings(setting: string, extensionPath: string, workspaceRoot: string | undefined): Surroundings {
+export function surroundings(setting: string, packaged: Surroundings['packaged'], workspaceRoot: string | undefined): Surroundings {
   return {
     setting,
-    extensionPath,
+    packaged,
     workspaceRoot,
     env: process.env,
     platform: process.platform,

@@ -21,7 +21,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
-use crate::extension::{self, FEATURES};
+use crate::extension::{self, FEATURES, Profile};
 use crate::run::{self, step};
 use crate::tools;
 
@@ -87,7 +87,7 @@ fn make() -> Result<()> {
     bill_of_materials(&tools, &out)?;
     let program = tools.program(false)?;
     for vsix in [
-        extension::package(&program)?,
+        extension::package(&program, Profile::Dist)?,
         extension::package_universal()?,
     ] {
         std::fs::copy(&vsix, out.join(vsix.file_name().context("a file")?))?;

@@ -101,11 +101,11 @@ pub(crate) fn npm(directory: &Path, arguments: &[&str]) -> std::process::Command
     command
 }
 
-/// Bundles the extension with `server` inside and packages it for this system.
-pub(crate) fn package(server: &Path) -> Result<PathBuf> {
+/// Bundles the extension with `server`, built as `profile`, inside and packages it for this system.
+pub(crate) fn package(server: &Path, profile: Profile) -> Result<PathBuf> {
     let platform = platform();
     pack(
-        Some(server),
+        Some((server, profile)),
         &["--target", platform],
         &format!("dotgen-{platform}.vsix"),
     )
@@ -116,7 +116,7 @@ pub(crate) fn package_universal() -> Result<PathBuf> {
     pack(None, &[], "dotgen-universal.vsix")
 }
 
-fn pack(server: Option<&Path>, options: &[&str], name: &str) -> Result<PathBuf> {
+fn pack(server: Option<(&Path, Profile)>, options: &[&str], name: &str) -> Result<PathBuf> {
     let directory = directory();
     install_packages(&directory)?;
     step(&format!("Packaging the extension: {name}"));
@@ -124,11 +124,8 @@ fn pack(server: Option<&Path>, options: &[&str], name: &str) -> Result<PathBuf> 
     if inside.exists() {
         std::fs::remove_dir_all(&inside)?;
     }
-    if let Some(server) = server {
-        let name = server.file_name().context("the server has a file name")?;
-        std::fs::create_dir_all(&inside)?;
-        std::fs::copy(server, inside.join(name))
-            .with_context(|| format!("cannot copy {}", server.display()))?;
+    if let Some((server, profile)) = server {
+        compress(server, profile)?;
     }
     for text in ["LICENSE", NOTICES] {
         std::fs::copy(crate::root().join(text), directory.join(text))?;
@@ -145,6 +142,27 @@ fn pack(server: Option<&Path>, options: &[&str], name: &str) -> Result<PathBuf> 
     arguments.extend(options);
     run::capture(npm(&directory, &arguments))?;
     Ok(vsix)
+}
+
+/// Compresses the server into the folder `server` of the extension. For users, that takes a minute.
+fn compress(server: &Path, profile: Profile) -> Result<()> {
+    let quality = match profile {
+        Profile::Dist => "11",
+        Profile::Dev => "1",
+    };
+    let arguments = ["scripts/pack.mjs", &*server.to_string_lossy(), quality];
+    run::capture(run::command(&directory(), "node", &arguments)).map(drop)
+}
+
+/// Returns the path of the program in `folder`, the contents of an extension, after the extension's own code has
+/// unpacked the program into the folder `into`.
+pub(crate) fn unpack(folder: &Path, into: &Path) -> Result<PathBuf> {
+    let directory = directory();
+    install_packages(&directory)?;
+    let (folder, into) = (folder.to_string_lossy(), into.to_string_lossy());
+    let arguments = ["run", "--silent", "unpack", "--", &*folder, &*into];
+    let printed = run::capture(npm(&directory, &arguments))?;
+    Ok(PathBuf::from(printed.trim()))
 }
 
 /// Copies the files of a folder with these endings to another folder, which is replaced.

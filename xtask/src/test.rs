@@ -513,7 +513,7 @@ fn vscode() -> Result<Outcome> {
         Some(_) => Outcome::default(),
     };
     let server = extension::build_server(Profile::Dev)?;
-    let vsix = extension::package(&server)?;
+    let vsix = extension::package(&server, Profile::Dev)?;
     let workbench = Workbench::set_up()?;
     let scenario = workbench.scenario(&vsix, &[])?;
     step("Driving VS Code; screenshots go to target/shots");

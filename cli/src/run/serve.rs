@@ -76,8 +76,8 @@ pub(super) fn start(
     #[cfg(not(feature = "zenoh"))]
     if arguments.has_network() || arguments.ros2 {
         anyhow::bail!(
-            "this build of dotgen has no Zenoh: install it with `cargo install --path cli --features \
-             zenoh`"
+            "this build of dotgen has no Zenoh, as the one in the VS Code extension: install dotgen from the \
+             archive, the Debian package or the wheel of a release, or build it with `--features zenoh`"
         );
     }
     let (mut server, outside) =

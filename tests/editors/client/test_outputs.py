@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import socket
 import subprocess
 
 import jsonschema
@@ -89,9 +90,47 @@ def test_output_has_a_version_and_only_members_of_its_schema(folder, name, argum
     if name == "model":
         return  # Its keys are those of the language reference, which has no version.
     for it in document if isinstance(document, list) else [document]:
-        assert 1 in [it.get("version"), it.get("format")], "an output has a version"
+        assert {"version", "format"} & it.keys(), "an output has a version"
+
+
+# Requests to a run, each with the event of the last of its replies that is awaited.
+REQUESTS = [
+    ({"describe": None}, "description"),
+    ({"progress": None}, "progress"),
+    ({"profile": None}, "ran"),
+    ({"watch": "echo/trail", "newest": True}, "data"),
+    ({"read": "echo/each"}, "data"),
+    ({"call": "echo.count"}, "done"),
+    ({"call": "echo.fail", "input": {"code": 1}}, "failed"),
+    ({"call": "echo.connect_port", "input": {"local": "a", "remote": "b"}}, "failed"),
+    ({"call": "echo.nothing"}, "error"),
+    ({"write": "echo/trail", "value": []}, "error"),
+    ({"abort": 99}, "error"),
+]
+
+
+def test_every_reply_at_the_socket_has_a_version_and_only_members_of_its_schema(folder):
+    arguments = "run echo/echo.gen --clock real --bounds none --socket s"
+    command = [os.environ["DOTGEN"], *arguments.split()]
+    run = subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True)
+    validator = jsonschema.Draft202012Validator(closed(schema("socket")))
+    try:
+        assert any("listening" in line for line in run.stderr)
+        client = socket.socket(socket.AF_UNIX)
+        client.connect(str(folder / "s"))
+        replies = map(json.loads, client.makefile())
+        for number, (request, last) in enumerate(REQUESTS):
+            client.sendall(json.dumps({"id": number, **request}).encode() + b"\n")
+            for reply in replies:
+                validator.validate(reply)
+                if reply["id"] == number and reply["event"] in [last, "error"]:
+                    assert reply["event"] == last, reply
+                    break
+    finally:
+        run.terminate()
+        run.communicate()
 
 
 def test_every_schema_is_tested():
     names = {it.name.split(".")[0] for it in (ROOT / "docs").glob("*.schema.json")}
-    assert names == {name for name, _ in OUTPUTS} | {"dotgen"}, "dotgen.schema.json is about settings"
+    assert names == {name for name, _ in OUTPUTS} | {"dotgen", "socket"}, "dotgen.schema.json is about settings"

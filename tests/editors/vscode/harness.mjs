@@ -38,7 +38,8 @@ function freePort() {
  * stand in for those of others: `main` (text) and the rest of the manifest by identifier.
  */
 export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bin/chromium', vsix, workspace, beside = [], files = {}, settings = {}, others = {}, shots }) {
-  const root = mkdtempSync(join(tmpdir(), 'dotgen-workbench-'));
+  // A server that starts removes folders `dotgen-*` without a lock.
+  const root = mkdtempSync(join(tmpdir(), 'workbench-'));
   const directory = (name) => {
     const path = join(root, name);
     mkdirSync(path, { recursive: true });
@@ -246,7 +247,7 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
           try {
             // Its helpers are the same program, started by it with other arguments.
             const words = readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0');
-            return readlinkSync(`/proc/${pid}/exe`).startsWith(extensions + sep) && words[1] === 'lsp';
+            return readlinkSync(`/proc/${pid}/exe`).startsWith(user + sep) && words[1] === 'lsp';
           } catch {
             return false; // ended meanwhile, or not ours to look at
           }

@@ -3,10 +3,12 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { expandPath, locateServer, type Surroundings } from '../../src/server';
 
+const PACKAGED = '/storage/server/1.0.0/dotgen';
+
 function surroundings(programs: string[], changes: Partial<Surroundings> = {}): Surroundings {
   return {
     setting: '',
-    extensionPath: '/ext',
+    packaged: () => Promise.resolve(programs.find((it) => it === PACKAGED)),
     workspaceRoot: '/ws',
     env: { PATH: '/usr/local/bin:/usr/bin' },
     platform: 'linux',
@@ -16,37 +18,51 @@ function surroundings(programs: string[], changes: Partial<Surroundings> = {}): 
   };
 }
 
-test('the setting wins over the package, and the package over PATH', () => {
-  const all = ['/opt/dotgen', '/ext/server/dotgen', '/usr/bin/dotgen'];
-  assert.deepEqual(locateServer(surroundings(all, { setting: ' /opt/dotgen ' })), { found: true, path: '/opt/dotgen', origin: 'setting' });
-  assert.deepEqual(locateServer(surroundings(all)), { found: true, path: '/ext/server/dotgen', origin: 'package' });
-  assert.deepEqual(locateServer(surroundings(['/usr/bin/dotgen'])), { found: true, path: '/usr/bin/dotgen', origin: 'PATH' });
+test('the setting wins over the package, and the package over PATH', async () => {
+  const all = ['/opt/dotgen', PACKAGED, '/usr/bin/dotgen'];
+  assert.deepEqual(await locateServer(surroundings(all, { setting: ' /opt/dotgen ' })), { found: true, path: '/opt/dotgen', origin: 'setting' });
+  assert.deepEqual(await locateServer(surroundings(all)), { found: true, path: PACKAGED, origin: 'package' });
+  assert.deepEqual(await locateServer(surroundings(['/usr/bin/dotgen'])), { found: true, path: '/usr/bin/dotgen', origin: 'PATH' });
 });
 
-test('PATH is searched in order', () => {
+test('PATH is searched in order', async () => {
   const both = surroundings(['/usr/bin/dotgen', '/usr/local/bin/dotgen']);
-  assert.deepEqual(locateServer(both), { found: true, path: '/usr/local/bin/dotgen', origin: 'PATH' });
+  assert.deepEqual(await locateServer(both), { found: true, path: '/usr/local/bin/dotgen', origin: 'PATH' });
 });
 
-test('relative and empty entries of PATH are never searched: the folder is not trusted to hold programs', () => {
-  const found = locateServer(surroundings(['dotgen', './dotgen', 'bin/dotgen'], { env: { PATH: ':.:bin' } }));
+test('relative and empty entries of PATH are never searched: the folder is not trusted to hold programs', async () => {
+  const found = await locateServer(surroundings(['dotgen', './dotgen', 'bin/dotgen'], { env: { PATH: ':.:bin' } }));
   assert.equal(found.found, false);
 });
 
-test('a wrong setting is an error, not a reason to run another server', () => {
-  const found = locateServer(surroundings(['/ext/server/dotgen'], { setting: '/nowhere/dotgen' }));
+test('a wrong setting is an error, not a reason to run another server', async () => {
+  const found = await locateServer(surroundings([PACKAGED], { setting: '/nowhere/dotgen' }));
   assert.ok(!found.found && found.reason === 'setting');
   assert.match(found.message, /dotgen\.server\.path is "\/nowhere\/dotgen"/);
 });
 
-test('without any server the message says what to do', () => {
-  const found = locateServer(surroundings([]));
+test('a package that cannot be unpacked or run is an error, not a reason to run another server', async () => {
+  const damaged = await locateServer(surroundings(['/usr/bin/dotgen'], { packaged: () => Promise.reject(new Error('damaged')) }));
+  assert.deepEqual(damaged, { found: false, reason: 'package', message: 'damaged' });
+  const found = await locateServer(surroundings(['/usr/bin/dotgen'], { packaged: () => Promise.resolve(PACKAGED) }));
+  assert.ok(!found.found && found.reason === 'package');
+  assert.match(found.message, /cannot be run from the folder of .*Set dotgen\.server\.path/);
+});
+
+test('with a setting nothing is unpacked', async () => {
+  const packaged = () => Promise.reject(new Error('unpacked'));
+  const found = await locateServer(surroundings(['/opt/dotgen'], { setting: '/opt/dotgen', packaged }));
+  assert.equal(found.found, true);
+});
+
+test('without any server the message says what to do', async () => {
+  const found = await locateServer(surroundings([]));
   assert.ok(!found.found && found.reason === 'nowhere');
   assert.match(found.message, /Install dotgen, or set dotgen\.server\.path/);
 });
 
-test('on Windows the program is an .exe and the variable may be Path', () => {
-  const found = locateServer(surroundings(['/tools/dotgen.exe'], { platform: 'win32', env: { Path: '/tools' } }));
+test('on Windows the program is an .exe and the variable may be Path', async () => {
+  const found = await locateServer(surroundings(['/tools/dotgen.exe'], { platform: 'win32', env: { Path: '/tools' } }));
   assert.deepEqual(found, { found: true, path: '/tools/dotgen.exe', origin: 'PATH' });
 });
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 use super::GLIBC;
+use crate::extension;
 use crate::run::{self, step};
 use crate::tools::{self, DEBOOTSTRAP};
 
@@ -22,6 +23,7 @@ pub(super) fn check(packages: &Path) -> Result<()> {
     root.try_debian(packages)?;
     root.try_wheel(packages)?;
     extensions(packages)?;
+    root.try_extension(packages)?;
     println!("All packages are installed and used.");
     Ok(())
 }
@@ -189,16 +191,46 @@ impl Root {
         self.run("/opt/trial/bin/python -c 'import dotgen; dotgen.connect'")
             .map(drop)
     }
+
+    fn try_extension(&self, packages: &Path) -> Result<()> {
+        step("The program of the extension, in a clean Debian");
+        let unpacked = crate::target().join("tools/dist/vsix");
+        if unpacked.exists() {
+            std::fs::remove_dir_all(&unpacked)?;
+        }
+        let vsix = only(packages, with_program())?
+            .to_string_lossy()
+            .into_owned();
+        let arguments = ["-m", "zipfile", "-e", &*vsix, &*unpacked.to_string_lossy()];
+        run::capture(run::command(packages, "python3", &arguments))?;
+        // The root has no Node, on which the extension runs.
+        let into = self.directory.join("opt/extension");
+        let program = extension::unpack(&unpacked.join("extension"), &into)?;
+        let program = format!("/{}", program.strip_prefix(&self.directory)?.display());
+        self.use_program(&program)?;
+        // ROS 2 is left out for the size. The message names the packages that have it.
+        let ros2 =
+            format!("{program} run pump.gen --simulate all --clock real --ros2 2>&1 || true");
+        let message = self.run(&ros2)?;
+        if !message.contains("the Debian package or the wheel") {
+            bail!("`{program} run --ros2` does not name the packages with ROS 2:\n{message}");
+        }
+        Ok(())
+    }
+}
+
+/// The ending of the extension that contains the program.
+fn with_program() -> &'static str {
+    match std::env::consts::ARCH {
+        "aarch64" => "linux-arm64.vsix",
+        _ => "linux-x64.vsix",
+    }
 }
 
 /// The extensions are small, and contain what they should.
 fn extensions(packages: &Path) -> Result<()> {
     step("The extensions");
-    let architecture = match std::env::consts::ARCH {
-        "aarch64" => "linux-arm64.vsix",
-        _ => "linux-x64.vsix",
-    };
-    for (ending, has_program) in [(architecture, true), ("universal.vsix", false)] {
+    for (ending, has_program) in [(with_program(), true), ("universal.vsix", false)] {
         let vsix = only(packages, ending)?;
         let bytes = vsix.metadata()?.len();
         if bytes > LARGEST_EXTENSION {
@@ -209,7 +241,7 @@ fn extensions(packages: &Path) -> Result<()> {
         }
         let arguments = ["-m", "zipfile", "-l", &*vsix.to_string_lossy()];
         let names = run::capture(run::command(packages, "python3", &arguments))?;
-        if names.contains("extension/server/dotgen") != has_program {
+        if names.contains("extension/server/dotgen.br") != has_program {
             bail!(
                 "{}: the program should {}be inside",
                 vsix.display(),
