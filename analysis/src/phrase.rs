@@ -1,5 +1,5 @@
-//! Words with names from a specification. Messages show the names in back-quotes; lines that are not Markdown,
-//! such as lenses and comments, show them as they are.
+//! Words with names from a specification. Messages show the names in back-quotes; lines that are not
+//! Markdown, such as lenses and comments, show them as they are.
 
 use std::fmt::{self, Display, Formatter};
 

@@ -129,7 +129,13 @@ fn without_a_scenario_a_client_may_do_anything() {
 fn giving_up_is_an_answer_of_its_own() {
     let directory = lift("5 ms");
     for limit in [["--max-states", "1"], ["--max-memory", "0"]] {
-        let mut arguments = vec!["verify", "--durations", "interval", "--without", "invariants"];
+        let mut arguments = vec![
+            "verify",
+            "--durations",
+            "interval",
+            "--without",
+            "invariants",
+        ];
         arguments.extend(limit);
         arguments.push("scenarios/ride.scn");
         let output = directory.run(&arguments);
@@ -194,7 +200,13 @@ fn what_was_given_up_says_why_and_what_helps() {
     let directory = lift("5 ms");
     let mut told = String::new();
     let run = |limit: [&str; 2]| {
-        let exploring = ["verify", "--durations", "interval", "--without", "invariants"];
+        let exploring = [
+            "verify",
+            "--durations",
+            "interval",
+            "--without",
+            "invariants",
+        ];
         let arguments = [&exploring[..], &limit].concat();
         let text = directory.run(&[&arguments[..], &["scenarios/ride.scn"]].concat());
         let json =

@@ -8,8 +8,8 @@ use rustc_hash::FxHashMap;
 /// The environment variable with the folder of the manual, for a program that is installed elsewhere.
 const FOLDER: &str = "DOTGEN_MANUAL";
 
-/// The folder of the pages: below the `named` folder, or else near the program. In a package, `docs` is next to
-/// the program or one directory above; in a build tree, two above `target/debug`.
+/// The folder of the pages: below the `named` folder, or else near the program. In a package, `docs` is
+/// next to the program or one directory above; in a build tree, two above `target/debug`.
 fn directory(named: Option<PathBuf>, program: Option<PathBuf>) -> Option<PathBuf> {
     if let Some(named) = named {
         return Some(named.join("diagnostics"));

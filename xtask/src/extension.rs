@@ -154,8 +154,8 @@ fn compress(server: &Path, profile: Profile) -> Result<()> {
     run::capture(run::command(&directory(), "node", &arguments)).map(drop)
 }
 
-/// Returns the path of the program in `folder`, the contents of an extension, after the extension's own code has
-/// unpacked the program into the folder `into`.
+/// Returns the path of the program in `folder`, the contents of an extension, after the extension's own
+/// code has unpacked the program into the folder `into`.
 pub(crate) fn unpack(folder: &Path, into: &Path) -> Result<PathBuf> {
     let directory = directory();
     install_packages(&directory)?;

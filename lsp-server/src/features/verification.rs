@@ -69,7 +69,8 @@ fn has_refuting_run(check: &CheckReport) -> bool {
     check.verdict == Verdict::Refuted && !check.run().is_empty()
 }
 
-/// The kind of the action that writes the default scenario to a file. Editors ask for the action by this kind.
+/// The kind of the action that writes the default scenario to a file. Editors ask for the action by this
+/// kind.
 const WRITE_SCENARIO: CodeActionKind = CodeActionKind::new("refactor.rewrite.scenario");
 
 /// The title of the action at a refuted check.

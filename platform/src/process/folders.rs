@@ -9,8 +9,8 @@ use dotgen_codegen::process::Folder;
 
 use super::watcher::{CleanupGuard, Watcher};
 
-/// The beginning of the names of temporary folders. Leftovers are known by it, so no other folder may be called
-/// so.
+/// The beginning of the names of temporary folders. Leftovers are known by it, so no other folder may be
+/// called so.
 const PREFIX: &str = "dotgen-temporary-";
 /// Minimum age of leftovers: a younger folder may not be locked yet.
 const MIN_LEFTOVER_AGE: Duration = Duration::from_secs(60);

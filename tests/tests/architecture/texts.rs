@@ -131,8 +131,8 @@ fn a_look_into_a_message_is_seen() {
     }
 }
 
-/// Ways to take a name of a codel or thread, a time, a title, a label or a sentence apart again, in Rust and in
-/// TypeScript. Blanks are left out, also those in quotes.
+/// Ways to take a name of a codel or thread, a time, a title, a label or a sentence apart again, in Rust
+/// and in TypeScript. Blanks are left out, also those in quotes.
 const PARTS_OF_TEXT: [&str; 20] = [
     "rsplit('.')",
     "rsplit_once('.')",
@@ -189,8 +189,8 @@ fn names_and_times_are_not_taken_apart() {
     let mut bad = Vec::new();
     for path in sources {
         let name = path.to_string_lossy().replace('\\', "/");
-        // Endings of names of files, and times that users write; the messages of the reference compiler, which
-        // have no quotes; a comparison of VS Code, of which the label is all that is known.
+        // Endings of names of files, and times that users write; the messages of the reference compiler,
+        // which have no quotes; a comparison of VS Code, of which the label is all that is known.
         let other = [
             "codegen/src/codels/source.rs",
             "codegen/src/component.rs",

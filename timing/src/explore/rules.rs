@@ -1,8 +1,8 @@
 //! The rules: a single step of the timed system.
 //!
-//! There is one set of rules, [`SystemRules`], for every reading of the points of the semantics: sections 3 to
-//! 9, 21 and 22 of the timed semantics. Strategies (`search`), goals and the store of states are written
-//! against the trait [`Rules`]: a chain adds a token to the rules (`explore::token`).
+//! There is one set of rules, [`SystemRules`], for every reading of the points of the semantics: sections
+//! 3 to 9, 21 and 22 of the timed semantics. Strategies (`search`), goals and the store of states are
+//! written against the trait [`Rules`]: a chain adds a token to the rules (`explore::token`).
 //!
 //! # The contract
 //!
@@ -20,11 +20,12 @@
 //! windows can (inclusion), and states with adjoining windows can be joined (union). An execution ends with
 //! [`Action::Finish`] of its executor, always and only.
 //!
-//! **Actions.** [`Rules::enabled`] lists the actions of the best rank present.  All ranks but the last are *committed*: these actions are parts of the step that made them
-//! possible, and are followed at once, with no other action in between. Within a rank any order is possible
-//! and followed. [`Enabled::urgent`] is set if at least one action of the list must happen before time
-//! passes, whatever the windows; [`Enabled::forced`] is set if some window is at its end. Time passes only in
-//! *calm* states, which are neither. [`Rules::apply`] performs an action of the list; a free choice (a yield,
+//! **Actions.** [`Rules::enabled`] lists the actions of the best rank present.  All ranks but the last
+//! are *committed*: these actions are parts of the step that made them possible, and are followed at
+//! once, with no other action in between. Within a rank any order is possible and followed.
+//! [`Enabled::urgent`] is set if at least one action of the list must happen before time passes, whatever
+//! the windows; [`Enabled::forced`] is set if some window is at its end. Time passes only in *calm*
+//! states, which are neither. [`Rules::apply`] performs an action of the list; a free choice (a yield,
 //! the acceptance of a request) is several actions. Both methods depend on the state alone, and not on
 //! clocks.
 //!

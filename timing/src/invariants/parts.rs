@@ -285,8 +285,8 @@ impl<'s> Parts<'s> {
         blocks(one, other) && blocks(other, one)
     }
 
-    /// Returns true if more tasks execute codels than there are cores. (With preemption, a codel that has begun
-    /// may be without a core. With jobs, the first codel of a task needs none.)
+    /// Returns true if more tasks execute codels than there are cores. (With preemption, a codel that has
+    /// begun may be without a core. With jobs, the first codel of a task needs none.)
     pub(super) fn are_too_many(&self, present: &[(&Part, Vec<&Local>)]) -> bool {
         let platform = &self.system.platform;
         let Some(cores) = platform.cores else {

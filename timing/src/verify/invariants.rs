@@ -7,8 +7,8 @@ use crate::invariants::never_holds;
 use crate::property::{Atom, Predicate, resolve};
 use crate::report::{CheckReport, Layer, Report, Soundness, Verdict};
 
-/// Limit on the actions of the random search for the parts of predicates: a proof about parts that never become
-/// true says nothing.
+/// Limit on the actions of the random search for the parts of predicates: a proof about parts that never
+/// become true says nothing.
 const STEPS: u64 = 100_000;
 
 impl Group<'_> {

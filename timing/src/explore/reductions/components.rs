@@ -1,18 +1,18 @@
 //! Independent components: persistent sets of systems with passes.
 //!
-//! Where ports are copied, components meet only through clients and at cores. At one moment it is enough to
-//! follow all actions of one *group* of components that has to act before time passes: no action of other
-//! groups can prevent, enable or delay them (a persistent set). Components belong to one group if a client that
-//! is not done addresses both, or if a watched property is about both. On cores without preemption, actions that
-//! free a core, or let a task ask for one, are followed in every order, as the order of the queue depends on
-//! them. So are the actions of a group of which a task waits for a core.
+//! Where ports are copied, components meet only through clients and at cores. At one moment it is enough
+//! to follow all actions of one *group* of components that has to act before time passes: no action of
+//! other groups can prevent, enable or delay them (a persistent set). Components belong to one group if a
+//! client that is not done addresses both, or if a watched property is about both. On cores without
+//! preemption, actions that free a core, or let a task ask for one, are followed in every order, as the
+//! order of the queue depends on them. So are the actions of a group of which a task waits for a core.
 //!
 //! The reduction is off under preemption, which lets threads wait for each other across components, and with
 //! locks on ports.
 //!
-//! Inside a component no reduction is used. The end of a codel leads to the ticket of the next one in the lock
-//! queue of the component, and the end of an activity to a step of the control task, which examines all
-//! activities. So the order of two actions of a component is nearly always visible to a third.
+//! Inside a component no reduction is used. The end of a codel leads to the ticket of the next one in the
+//! lock queue of the component, and the end of an activity to a step of the control task, which examines
+//! all activities. So the order of two actions of a component is nearly always visible to a third.
 
 use smallvec::SmallVec;
 

@@ -6,9 +6,9 @@
 //! begun later have wider windows. So such an end is followed only where an urgent action is about to happen,
 //! and a state that differs from another one only by such ends need not be kept.
 //!
-//! This holds for *lazy groups* of tasks, control tasks and clients: [`jobs`] and [`passes`] say which groups
-//! are lazy, for the two kinds of cycles of tasks. A group can have a resting place, see [`rest`]; while it is
-//! elsewhere the group is not lazy.
+//! This holds for *lazy groups* of tasks, control tasks and clients: [`jobs`] and [`passes`] say which
+//! groups are lazy, for the two kinds of cycles of tasks. A group can have a resting place, see [`rest`];
+//! while it is elsewhere the group is not lazy.
 
 mod jobs;
 mod passes;

@@ -8,9 +8,9 @@
 //! 1996.)
 //!
 //! The rules say where a state holds the numbers of a unit, and where it names parts of the system
-//! (`explore::rules::exchange`). An exchange moves the numbers and renames the names. This is sound for rules that use
-//! the index of a part for nothing else than to find it; where an order of indices is only a normal form, the
-//! rules restore it ([`SystemRules::restore_order`]).
+//! (`explore::rules::exchange`). An exchange moves the numbers and renames the names. This is sound for
+//! rules that use the index of a part for nothing else than to find it; where an order of indices is only
+//! a normal form, the rules restore it ([`SystemRules::restore_order`]).
 //!
 //! The reconstruction of runs does not use symmetry, see `explore::search::layers::trace`: after a state was
 //! put in order on the way, the rest of the run is renamed to the units as they were before.

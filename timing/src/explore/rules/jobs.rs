@@ -1,6 +1,6 @@
-//! Jobs: in each cycle of a task, every automaton that can run has one turn, in the order of the slots. A turn
-//! ends with a pause or the end of the automaton (section 4). The start of a task is its first codel (section
-//! 3).
+//! Jobs: in each cycle of a task, every automaton that can run has one turn, in the order of the slots. A
+//! turn ends with a pause or the end of the automaton (section 4). The start of a task is its first codel
+//! (section 3).
 
 use super::SystemRules;
 use super::layout::EdfTimes;

@@ -18,7 +18,8 @@ pub(super) const OF_COMPONENT: usize = 8;
 #[derive(Debug, Clone)]
 pub(crate) struct Layout {
     frame: Frame,
-    /// Number of executors of state machines: tasks or, with jobs, automata. Control tasks and clients follow.
+    /// Number of executors of state machines: tasks or, with jobs, automata. Control tasks and clients
+    /// follow.
     pub(crate) threads: usize,
     pub(crate) tasks: usize,
     pub(crate) components: usize,

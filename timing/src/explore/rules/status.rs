@@ -68,7 +68,8 @@ pub(crate) mod slot {
     pub(crate) const PERMANENT: u16 = 128;
 }
 
-/// Status of a permanent activity, if tasks start with a codel ([`StartUp::FirstCodel`](super::points::StartUp)).
+/// Status of a permanent activity, if tasks start with a codel
+/// ([`StartUp::FirstCodel`](super::points::StartUp)).
 pub(crate) mod permanent {
     // 0: its task is not started.
     /// First codel of the start-up.

@@ -1,18 +1,18 @@
 //! Lazy groups with jobs.
 //!
 //! A group is a set of tasks, control tasks and clients connected by codels that exclude each other, by
-//! activities and by requests. It is lazy if all its codels and delays have lower bound 0 and its periodic
-//! tasks do not keep ticks. An aperiodic task can belong to a lazy group if it asks for a core at most once, or
-//! never (else waiting changes its place in the queue), and if its response time is not measured (which would
-//! begin later).
+//! activities and by requests. It is lazy if all its codels and delays have lower bound 0 and its
+//! periodic tasks do not keep ticks. An aperiodic task can belong to a lazy group if it asks for a core
+//! at most once, or never (else waiting changes its place in the queue), and if its response time is not
+//! measured (which would begin later).
 //!
-//! Groups meet only at cores: while a task of another group waits for a core no end can be postponed. (A lazy
-//! task that waits loses nothing by a later grant: its release is past, and its codels have wider windows.)
-//! Start-up is lazy only if no timer starts at its end, and if there are clients (its overtaking, see
-//! [`sleep_sets`](super::super::sleep_sets), is not examined). No group is lazy while a lazy task has a pending tick: its next
-//! job is released, and measured, from the end of the present one. The order of steps of different groups is
-//! not preserved, so groups that a predicate observes are not lazy. And there has to be a next hard moment:
-//! some task is periodic.
+//! Groups meet only at cores: while a task of another group waits for a core no end can be postponed. (A
+//! lazy task that waits loses nothing by a later grant: its release is past, and its codels have wider
+//! windows.) Start-up is lazy only if no timer starts at its end, and if there are clients (its
+//! overtaking, see [`sleep_sets`](super::super::sleep_sets), is not examined). No group is lazy while a
+//! lazy task has a pending tick: its next job is released, and measured, from the end of the present one.
+//! The order of steps of different groups is not preserved, so groups that a predicate observes are not
+//! lazy. And there has to be a next hard moment: some task is periodic.
 
 use smallvec::SmallVec;
 

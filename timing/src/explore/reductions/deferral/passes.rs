@@ -1,11 +1,11 @@
 //! Lazy groups with passes.
 //!
-//! Tickets are taken in the order of the postponed ends, so that the queue is the same. A group of components
-//! is *lazy* if all its codels and delays have lower bound 0, no predicate is about it, and the response time
-//! of none of its aperiodic tasks is measured. No end is postponed while a first cycle has a tick that is kept:
-//! the next job is measured from the end of that cycle. Because of the queue for cores either all groups are
-//! lazy or, with limited cores, none is. A polling loop may rest if its rounds could wake no other aperiodic
-//! task of its component.
+//! Tickets are taken in the order of the postponed ends, so that the queue is the same. A group of
+//! components is *lazy* if all its codels and delays have lower bound 0, no predicate is about it, and
+//! the response time of none of its aperiodic tasks is measured. No end is postponed while a first cycle
+//! has a tick that is kept: the next job is measured from the end of that cycle. Because of the queue for
+//! cores either all groups are lazy or, with limited cores, none is. A polling loop may rest if its
+//! rounds could wake no other aperiodic task of its component.
 //!
 //! The reduction is off where components are not independent, see [`components`].
 
