@@ -11,6 +11,9 @@ use crate::report::{CheckReport, Layer, Report, Soundness, Verdict};
 /// become true says nothing.
 const STEPS: u64 = 100_000;
 
+/// The note of an answer.
+const NOTE: &str = "by invariants, for any execution times";
+
 impl Group<'_> {
     /// Answers the checks of predicates that invariants prove, and whose parts become true.
     pub(super) fn invariants(&self, checks: &[Single], of_group: &[usize], report: &mut Report) {
@@ -74,7 +77,11 @@ impl Group<'_> {
             _ => None,
         };
         *out = self.by_invariants(check);
-        out.note = unseen.map(|unseen| format!("in the states that were explored, {unseen}"));
+        if let Some(unseen) = unseen {
+            out.note = Some(format!(
+                "{NOTE}; in the states that were explored, {unseen}"
+            ));
+        }
     }
 
     /// Returns true if invariants answer a check.
@@ -96,6 +103,7 @@ impl Group<'_> {
             // Invariants do not depend on durations.
             soundness: Soundness::Exact,
             by: Some(Layer::Invariants),
+            note: Some(NOTE.to_owned()),
             ..self.blank(check)
         }
     }
