@@ -151,10 +151,10 @@ fn is_last_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> bool {
 pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Finding>> {
     let visits = &visits(db, unit).visits;
     let is_root = |visit: u32| {
-        let difference = visit
+        let visit = visit
             .checked_sub(WRAPPER + 1)
-            .and_then(|difference| visits.get(difference as usize));
-        difference.is_some_and(|difference| difference.includer.is_none())
+            .and_then(|index| visits.get(index as usize));
+        visit.is_some_and(|visit| visit.includer.is_none())
     };
     Arc::new(lint::unused(elaborated(db, unit), is_root))
 }

@@ -181,7 +181,7 @@ fn what_does_not_fit_an_input_port_is_named() {
     );
     assert_eq!(
         answers[1]["message"],
-        "the instance 5 of `reader/each` is no text"
+        "the instance 5 of `reader/each` is not text"
     );
     let many: Vec<Value> = (0..257)
         .map(|number| json!({"id": number, "write": "reader/each", "instance": format!("i{number}"), "value": 1}))

@@ -263,7 +263,7 @@ const CHANGES: &[Change] = &[
     ("more cores", &[Rule::Grant], |system| {
         system.platform.cores = Some(2);
     }),
-    ("a lock that nobody needs", &[Rule::Locks], |system| {
+    ("a lock that no codel needs", &[Rule::Locks], |system| {
         system.platform.cores = None;
         for codel in &mut system.codels {
             codel.conflicts = Default::default();

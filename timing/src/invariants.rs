@@ -29,7 +29,14 @@ pub fn never_holds(system: &TimedSystem, predicate: &Predicate) -> bool {
         return false;
     };
     let parts = Parts::of(system);
-    cases.iter().all(|case| contradicts(&parts, case))
+    // The parts of each literal are looked up once: a predicate has many cases, but few literals.
+    let mut about: Vec<(Literal, Vec<&Part>)> = Vec::new();
+    for &(atom, holds) in cases.iter().flatten() {
+        if about.iter().all(|(known, _)| *known != (atom, holds)) {
+            about.push(((atom, holds), parts.about(atom, holds)));
+        }
+    }
+    cases.iter().all(|case| contradicts(&parts, &about, case))
 }
 
 /// Returns the cases in which a predicate has a value; `None` if there are too many.
@@ -62,10 +69,11 @@ fn cases(predicate: &Predicate, value: bool) -> Option<Vec<Vec<Literal<'_>>>> {
 }
 
 /// Returns true if no state of the system is in a case.
-fn contradicts(parts: &Parts, case: &[Literal]) -> bool {
+fn contradicts(parts: &Parts, about: &[(Literal, Vec<&Part>)], case: &[Literal]) -> bool {
     let mut present: Vec<(&Part, Vec<&Local>)> = Vec::new();
     for &(atom, holds) in case {
-        for part in parts.about(atom, holds) {
+        let known = about.iter().find(|(known, _)| *known == (atom, holds));
+        for &part in known.map_or(&[][..], |(_, parts)| parts) {
             let at = present
                 .iter()
                 .position(|(other, _)| std::ptr::eq(*other, part));

@@ -401,7 +401,7 @@ impl Reader<'_> {
         if !STATEMENTS.contains(&word.text.as_str()) || self.frames.len() < 2 && i == 0 {
             return;
         }
-        let before = i.checked_sub(1).map(|difference| &self.tokens[difference]);
+        let before = i.checked_sub(1).map(|index| &self.tokens[index]);
         let line = self.text.get(..word.range.start).unwrap_or_default();
         let begins_line = line
             .rsplit('\n')
@@ -502,7 +502,7 @@ impl Reader<'_> {
         let before = statement
             .len()
             .checked_sub(2)
-            .map(|difference| &statement[difference]);
+            .map(|index| &statement[index]);
         if let Some(before) = before {
             if before.is("struct") {
                 return FrameKind::Body(BodyKind::Members);

@@ -41,7 +41,7 @@ pub fn origin(
     let ends_before = offset
         .checked_sub(1)
         .into_iter()
-        .map(|difference| (difference, offset));
+        .map(|before| (before, offset));
     let mut nodes = std::iter::once((offset, offset + 1))
         .chain(ends_before)
         .filter_map(|(start, end)| root.descendant_for_byte_range(start, end));

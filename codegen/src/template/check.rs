@@ -135,10 +135,7 @@ impl Program {
         let after = self
             .pieces
             .partition_point(|piece| piece.program <= range.start);
-        let Some(piece) = after
-            .checked_sub(1)
-            .map(|difference| &self.pieces[difference])
-        else {
+        let Some(piece) = after.checked_sub(1).map(|index| &self.pieces[index]) else {
             return 0..0;
         };
         let Piece { source, .. } = piece;

@@ -25,7 +25,7 @@ pub(super) fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Resu
         let given = input
             .and_then(|input| input.get(key))
             .and_then(Value::as_str);
-        given.ok_or_else(|| format!("`{CONNECT}` needs `local` and `remote`; `{key}` is no text"))
+        given.ok_or_else(|| format!("`{CONNECT}` needs `local` and `remote`; `{key}` is not text"))
     };
     let (local, remote) = (text("local")?, text("remote")?);
     let failed = |exception: &str| {
@@ -89,7 +89,7 @@ pub(super) fn write(shared: &Shared, path: &str, request: &Value) -> Result<Valu
     let instance = match request.get("instance") {
         None | Some(Value::Null) => "",
         Some(Value::String(text)) => text.as_str(),
-        Some(request) => return Err(format!("the instance {request} of `{path}` is no text")),
+        Some(request) => return Err(format!("the instance {request} of `{path}` is not text")),
     };
     match (port.multiple, instance) {
         (true, "") => {

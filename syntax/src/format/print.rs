@@ -140,9 +140,7 @@ impl<'a> Printer<'a> {
 
     fn space(&mut self, i: usize, runs: &columns::AlignedColumns) -> String {
         let chunk = &self.page.chunks[i];
-        let before = i
-            .checked_sub(1)
-            .map(|difference| &self.page.chunks[difference]);
+        let before = i.checked_sub(1).map(|index| &self.page.chunks[index]);
         // Depths only grow from one open list to the next.
         while self
             .open

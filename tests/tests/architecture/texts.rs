@@ -22,7 +22,7 @@ const TEXT_SEARCHES: [&str; 14] = [
     "replace(",
 ];
 
-/// How texts made for people are called.
+/// Names of texts that people read.
 const TEXTS: [&str; 5] = [
     "message",
     "message()",

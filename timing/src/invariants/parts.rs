@@ -44,7 +44,7 @@ pub(super) enum Local {
     },
     /// An automaton without a codel.
     Rest,
-    /// Whether all slots of a service are free.
+    /// The slots of a service: all free, or not.
     Slots { service: usize, void: bool },
     /// A control task that is ready for a message.
     Ready,

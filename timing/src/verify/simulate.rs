@@ -94,7 +94,7 @@ impl SystemRun {
 fn silent(system: &TimedSystem, action: Action) -> String {
     let executor = |task: usize| match task.checked_sub(system.tasks.len()) {
         None => system.task_path(task),
-        Some(difference) => (system.components.get(difference))
+        Some(component) => (system.components.get(component))
             .map_or_else(String::new, |component| component.name.clone()),
     };
     let component = |component: usize| &system.components[component].name;

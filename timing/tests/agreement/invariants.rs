@@ -115,7 +115,8 @@ fn compare(seed: u64, system: &TimedSystem) -> Option<Result<(), String>> {
 }
 
 fn compare_texts(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
-    let units: Result<Vec<_>, String> = texts.specifications.iter().map(|it| unit(it)).collect();
+    let units: Result<Vec<_>, String> =
+        texts.specifications.iter().map(|text| unit(text)).collect();
     let units = units.ok()?;
     let parsed = parse(&texts.scenario);
     let specs: Vec<_> = units.iter().map(|unit| &*unit.spec).collect();

@@ -30,7 +30,7 @@ impl Shared {
             .frames
             .len()
             .checked_sub(2)
-            .map(|difference| &context.frames[difference]);
+            .map(|index| &context.frames[index]);
         let head = own.map_or(&[][..], |frame| {
             &context.tokens[frame.start.min(context.tokens.len())..]
         });

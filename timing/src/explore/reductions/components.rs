@@ -1,8 +1,8 @@
 //! Independent components: persistent sets of systems with passes.
 //!
-//! Where ports are copied, components meet only through clients and at cores. At one moment it is enough
-//! to follow all actions of one *group* of components that has to act before time passes: no action of
-//! other groups can prevent, enable or delay them (a persistent set). Components belong to one group if a
+//! Where ports are copied, components meet only through clients and at cores. So at one moment all actions
+//! of one *group* of components that has to act before time passes are a persistent set: no action of
+//! other groups can prevent, enable or delay them. Components belong to one group if a
 //! client that is not done addresses both, or if a watched property is about both. On cores without
 //! preemption, actions that free a core, or let a task ask for one, are followed in every order, as the
 //! order of the queue depends on them. So are the actions of a group of which a task waits for a core.

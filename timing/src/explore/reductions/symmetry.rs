@@ -342,7 +342,7 @@ impl Symmetry {
         let outside = &self.outside[unit.0];
         for &(place, part, first) in &outside.single {
             let named = s.d[place].checked_sub(first);
-            let index = named.and_then(|difference| self.index_in(part, difference, unit));
+            let index = named.and_then(|number| self.index_in(part, number, unit));
             out.extend(index.map(|index| (place, index)));
         }
         for &(base, _, part) in &outside.lists {

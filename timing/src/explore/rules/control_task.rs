@@ -160,8 +160,8 @@ impl SystemRules<'_> {
         let given = (l.given(s, component) as usize).checked_sub(1);
         let mut tracked = tracker::NONE;
         match given {
-            Some(difference) if refused => self.make_void(s, difference),
-            Some(difference) => tracked = tracker::SLOT + difference as u16,
+            Some(place) if refused => self.make_void(s, place),
+            Some(place) => tracked = tracker::SLOT + place as u16,
             None if refused => {}
             None => {
                 if !self.system.services[service].activity {
@@ -346,7 +346,7 @@ impl SystemRules<'_> {
         let mut interrupted = self.system.services[service].interrupts.iter();
         interrupted.any(|&other| {
             let mut slots = self.system.services[other].slots.iter();
-            slots.any(|&path| path != slot && self.layout.mode(s, path) != slot::VOID)
+            slots.any(|&instance| instance != slot && self.layout.mode(s, instance) != slot::VOID)
         })
     }
 
@@ -366,10 +366,10 @@ impl SystemRules<'_> {
     /// Records services that interrupt themselves, if two interrupted instances wait: both end.
     fn note_restarts(&self, s: &State, task: usize) {
         let l = &self.layout;
-        let waits_marked = |path: usize| {
-            let mode = l.mode(s, path);
+        let waits_marked = |instance: usize| {
+            let mode = l.mode(s, instance);
             (mode & slot::STATUS == slot::INIT && mode & slot::MARK != 0)
-                .then(|| self.service(s, path))
+                .then(|| self.service(s, instance))
                 .flatten()
                 .filter(|&service| self.system.services[service].interrupts.contains(&service))
         };

@@ -3,10 +3,9 @@
 //! (section 3).
 
 use super::SystemRules;
-use super::layout::EdfTimes;
 use super::status::{control, flag, permanent, slot, thread};
 use crate::explore::state::{State, TaskStatus, phase};
-use crate::system::{FOREVER, Policy, Yield};
+use crate::system::Yield;
 
 impl SystemRules<'_> {
     /// Starts tasks of a component, from the one in `starting` up to one that has to run its first codel.
@@ -55,20 +54,7 @@ impl SystemRules<'_> {
             return;
         }
         l.set_thread(s, task, thread::WAITING);
-        let queue = l.core_queue(s);
-        let deadline = self.system.tasks[task].period.unwrap_or(FOREVER);
-        let position = match (l.edf, self.system.platform.policy) {
-            (Some(EdfTimes::Slack(base)), _) => {
-                queue.partition_point(|&other| s.t[base + other as usize] <= deadline)
-            }
-            // Any of the tasks may be chosen, so their order is irrelevant.
-            (_, Policy::Any) => queue.partition_point(|&other| (other as usize) < task),
-            _ => queue.len(),
-        };
-        l.core_queue_insert(s, position, task);
-        if let Some(EdfTimes::Slack(base)) = l.edf {
-            s.t[base + task] = deadline;
-        }
+        self.queue_for_core(s, task);
     }
 
     /// Gives the first turn, after a task has got its core (or needs none).

@@ -5,7 +5,7 @@ use super::points::Cycle;
 use super::status::{control, flag, thread};
 use super::{Action, SystemRules};
 use crate::explore::state::{State, phase};
-use crate::system::{ClientAction, Policy};
+use crate::system::{ClientAction, FOREVER, Policy};
 
 impl SystemRules<'_> {
     /// Performs an action that is enabled.
@@ -107,13 +107,26 @@ impl SystemRules<'_> {
         let l = &self.layout;
         self.take_flag(s, task);
         l.set_thread(s, task, thread::WAITING);
+        self.queue_for_core(s, task);
+    }
+
+    /// Adds a task to the queue for cores.
+    pub(super) fn queue_for_core(&self, s: &mut State, task: usize) {
+        let l = &self.layout;
         let queue = l.core_queue(s);
-        let position = match self.system.platform.policy {
+        let deadline = self.system.tasks[task].period.unwrap_or(FOREVER);
+        let position = match (l.edf, self.system.platform.policy) {
+            (Some(EdfTimes::Slack(base)), _) => {
+                queue.partition_point(|&other| s.t[base + other as usize] <= deadline)
+            }
             // The order of waiting tasks is irrelevant if any of them may be next.
-            Policy::Any => queue.partition_point(|&other| (other as usize) < task),
+            (_, Policy::Any) => queue.partition_point(|&other| (other as usize) < task),
             _ => queue.len(),
         };
         l.core_queue_insert(s, position, task);
+        if let Some(EdfTimes::Slack(base)) = l.edf {
+            s.t[base + task] = deadline;
+        }
     }
 
     /// Frees the core of a thread that has neither a pass nor a wake-up left in its cycle.

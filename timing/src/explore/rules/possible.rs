@@ -300,15 +300,15 @@ impl SystemRules<'_> {
         };
         let queue = self.layout.lock_queue(s, component);
         let mut ahead = (queue.iter())
-            .map(|&queue| queue as usize)
-            .take_while(|&queue| queue != executor);
+            .map(|&other| other as usize)
+            .take_while(|&other| other != executor);
         let turn = match self.points.locks {
             LockRule::Queue => ahead.next().is_none(),
             LockRule::Fifo => {
                 let codel = self
                     .codel(s, executor)
                     .map(|codel| &self.system.codels[codel]);
-                !codel.is_some_and(|codel| ahead.any(|queue| self.blocks(s, codel, queue)))
+                !codel.is_some_and(|codel| ahead.any(|other| self.blocks(s, codel, other)))
             }
             LockRule::Free => true,
         };

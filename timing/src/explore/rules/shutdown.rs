@@ -53,12 +53,12 @@ impl SystemRules<'_> {
             _ => None,
         });
         let value = aborted.map_or(tracker::NONE, |abort| l.tracker(s, client, abort));
-        let Some(difference) = value.checked_sub(tracker::SLOT) else {
+        let Some(place) = value.checked_sub(tracker::SLOT) else {
             return false;
         };
-        let mode = l.mode(s, difference as usize);
+        let mode = l.mode(s, place as usize);
         if matches!(mode & slot::STATUS, slot::INIT | slot::RUN) {
-            l.set_mode(s, difference as usize, mode | slot::MARK);
+            l.set_mode(s, place as usize, mode | slot::MARK);
         }
         true
     }

@@ -453,7 +453,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
             let age = |s: &State| of.age(rules.frame(), s);
             if let Some(cycle) = run.repetition(rules, recent, &age, self.cancel) {
                 let left = limit.and_then(|limit| limit.checked_sub(value));
-                out.excess = left.and_then(|difference| run.prolonged(cycle, difference + 1));
+                out.excess = left.and_then(|left| run.prolonged(cycle, left + 1));
                 out.proof = Some(run.repeating(cycle));
                 return Some(out);
             }
@@ -475,10 +475,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 continue;
             };
             // Clocks beyond the limit were recorded when they passed the limit.
-            let Some(left) = limit
-                .checked_sub(s.t[clock])
-                .filter(|&difference| difference < jump)
-            else {
+            let Some(left) = limit.checked_sub(s.t[clock]).filter(|&left| left < jump) else {
                 continue;
             };
             let time = self.graph[parent].time + u64::from(left) + 1;

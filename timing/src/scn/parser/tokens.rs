@@ -31,7 +31,7 @@ impl<'t> Parser<'t> {
     pub(super) fn end(&self) -> usize {
         self.at
             .checked_sub(1)
-            .map_or(0, |difference| self.tokens[difference].range.end)
+            .map_or(0, |index| self.tokens[index].range.end)
     }
 
     pub(super) fn eat(&mut self, kind: Kind) -> bool {
