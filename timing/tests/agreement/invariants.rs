@@ -80,13 +80,44 @@ fn literal(system: &TimedSystem, dice: &mut Dice) -> Predicate {
     }
 }
 
+/// Returns the pairs of codels, in states of machines, of which one waits for the other: often in one
+/// direction only.
+fn waiting_pairs(system: &TimedSystem) -> Vec<Predicate> {
+    let machines = system.machines.iter().enumerate();
+    let states: Vec<(Atom, usize)> = machines
+        .flat_map(|(machine, it)| {
+            let states = it.states.iter().enumerate();
+            states.map(move |(state, of)| {
+                let phase = StatePhase::Exec;
+                let atom = Atom::State {
+                    machine,
+                    state,
+                    phase,
+                };
+                (atom, of.codel)
+            })
+        })
+        .collect();
+    let mut out = Vec::new();
+    for (one, codel) in &states {
+        for (other, _) in
+            (states.iter()).filter(|(_, other)| system.codels[*codel].conflicts.contains(*other))
+        {
+            let [one, other] = [one, other].map(|atom| Box::new(Predicate::Atom(atom.clone())));
+            out.push(Predicate::And(one, other));
+        }
+    }
+    out
+}
+
 fn compare(seed: u64, system: &TimedSystem) -> Option<Result<(), String>> {
     let mut dice = Dice::new(seed ^ 0x1e57);
     let pair = |dice: &mut Dice| {
         let [one, other] = [(); 2].map(|()| Box::new(literal(system, dice)));
         Predicate::And(one, other)
     };
-    let pairs = (0..PAIRS).map(|_| pair(&mut dice));
+    let random = (0..PAIRS).map(|_| pair(&mut dice));
+    let pairs = waiting_pairs(system).into_iter().take(PAIRS).chain(random);
     let excluded: Vec<Predicate> = pairs.filter(|pair| never_holds(system, pair)).collect();
     if excluded.is_empty() {
         return Some(Ok(()));

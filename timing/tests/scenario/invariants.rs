@@ -92,3 +92,36 @@ fn what_does_not_exclude_each_other_is_explored() {
     let checks = answers(1, scenario, &options);
     assert_eq!((checks[0].verdict, checks[0].by), (Verdict::Proved, None));
 }
+
+/// An activity does not wait for codels of an activity that interrupts it; the other one waits for its codels.
+#[test]
+fn a_wait_in_one_direction_excludes_nothing() {
+    let unit = load(
+        "component c { version \"1\"; lang \"c\"; ids { long a; };
+           task t { period 10 ms; };
+           task u { period 10 ms; };
+           activity slow() { task t; codel <start> x(inout a) yield ether wcet 30 ms; };
+           activity first() { task u; interrupts slow;
+             codel <start> y(inout a) yield ether wcet 30 ms; }; };",
+    );
+    let text = "scenario s { unit 1 ms; durations fixed;
+        client k { send c.first; delay 20 ms; send c.slow; await ended; }
+        check always not (c.slow.start.exec and c.first.start.exec); }";
+    let parsed = parse(text);
+    assert_eq!(parsed.errors, []);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let report = verify(
+        &input,
+        &parsed.scenario,
+        &Options::default(),
+        &Cancel::default(),
+    );
+    let check = &report.checks[0];
+    assert_eq!(
+        (check.verdict, check.by),
+        (Verdict::Refuted, None),
+        "{check:?}"
+    );
+}
