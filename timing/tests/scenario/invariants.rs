@@ -93,7 +93,8 @@ fn what_does_not_exclude_each_other_is_explored() {
     assert_eq!((checks[0].verdict, checks[0].by), (Verdict::Proved, None));
 }
 
-/// An activity does not wait for codels of an activity that interrupts it; the other one waits for its codels.
+/// An activity does not wait for codels of an activity that interrupts it; the other one waits for its
+/// codels.
 #[test]
 fn a_wait_in_one_direction_excludes_nothing() {
     let unit = load(
