@@ -14,6 +14,7 @@ use rustc_hash::FxHashSet;
 use salsa::{Database as _, Setter as _};
 use smol_str::SmolStr;
 
+use crate::language;
 use crate::{
     base::{Db, FileStatus, RootDatabase, SourceFile, line_index},
     deps::{self, Dependencies, standin::StandIn},
@@ -272,7 +273,7 @@ impl Analysis {
         f: impl FnOnce(&FileView<'_>) -> T,
     ) -> Cancellable<Option<T>> {
         // A scenario of the verifier is not a specification.
-        if path.extension() == Some("scn") {
+        if language::is_scenario(path) {
             return Ok(None);
         }
         self.with(|db| FileView::new(db, db.file(path)).map(|view| f(&view)))

@@ -13,6 +13,7 @@ mod fixes;
 pub mod host;
 pub mod ide;
 pub mod item_tree;
+pub mod language;
 pub mod lint;
 pub mod lists;
 mod loader;

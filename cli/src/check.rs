@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use dotgen_analysis::codes::{is_environment, severity_here};
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::host::Analysis;
+use dotgen_analysis::language::SPECIFICATION;
 use dotgen_timing::scn::names::Names;
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -68,7 +69,7 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let (files, mut trouble) = session::usable_files(&arguments.paths, &["gen"]);
+    let (files, mut trouble) = session::usable_files(&arguments.paths, &[SPECIFICATION]);
     if files.is_empty() {
         return Ok(trouble.outcome(Outcome::Fine));
     }

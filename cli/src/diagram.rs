@@ -133,22 +133,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
         connections.extend_from_slice(session.connections());
     }
-    let opened = arguments.open.iter().map(|text| (text.clone(), true));
-    let wish = PictureRequest {
-        kind: arguments.kind,
-        component: arguments.component.clone(),
-        owner: arguments.service.clone().or(arguments.task.clone()),
-        wcet: !arguments.no_wcet,
-        paths: arguments.paths,
-        locks: arguments.locks,
-        services: arguments.services,
-        interrupts: arguments.interrupts,
-        load: !arguments.no_wcet,
-        way: arguments.way.clone(),
-        opened: opened.collect(),
-        width: arguments.width,
-        ..PictureRequest::default()
-    };
+    let wish = request(arguments);
     let around = SystemContext {
         connections,
         ..SystemContext::default()
@@ -165,6 +150,39 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         write(vec![(arguments.output.clone(), text)])?;
         return Ok(trouble.outcome(outcome));
     }
+    write(pictures_as_files(arguments, format, &drawn)?)?;
+    Ok(trouble.outcome(outcome))
+}
+
+/// Returns the pictures that the arguments ask for.
+fn request(arguments: &Arguments) -> PictureRequest {
+    let opened = arguments.open.iter().map(|text| (text.clone(), true));
+    PictureRequest {
+        kind: arguments.kind,
+        component: arguments.component.clone(),
+        owner: arguments.service.clone().or(arguments.task.clone()),
+        wcet: !arguments.no_wcet,
+        paths: arguments.paths,
+        locks: arguments.locks,
+        services: arguments.services,
+        interrupts: arguments.interrupts,
+        load: !arguments.no_wcet,
+        way: arguments.way.clone(),
+        opened: opened.collect(),
+        width: arguments.width,
+        ..PictureRequest::default()
+    }
+}
+
+/// Returns the bytes of each picture, with its file; without one, it goes to standard output.
+///
+/// # Errors
+/// There are several pictures for one file.
+fn pictures_as_files(
+    arguments: &Arguments,
+    format: Format,
+    drawn: &[Picture],
+) -> anyhow::Result<Vec<(Option<Utf8PathBuf>, Vec<u8>)>> {
     let count = drawn.len();
     let directory = match &arguments.output {
         Some(output) if count > 1 => {
@@ -183,16 +201,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             "there are {count} pictures; name one with --service or --task, or a directory with -o"
         );
     }
-    let mut files = Vec::new();
-    for picture in &drawn {
+    let files = drawn.iter().map(|picture| {
         let output = match directory {
             Some(directory) => Some(directory.join(file_name(picture, format))),
             None => arguments.output.clone(),
         };
-        files.push((output, bytes(picture, format, arguments.theme)?));
-    }
-    write(files)?;
-    Ok(trouble.outcome(outcome))
+        Ok((output, bytes(picture, format, arguments.theme)?))
+    });
+    files.collect()
 }
 
 /// Returns the requested format, or that of the file's name. Both have to agree.

@@ -22,7 +22,7 @@ use super::run::bounds;
 use super::session::{display, is_standard_input};
 use super::verify::diagnostics::ScenarioDiagnostics;
 use super::verify::{Cores, PolicyName, SemanticsName, cores, interrupt, one_problem};
-use super::wcet::{CHUNK_BYTES, given, open, read_log};
+use super::wcet::{CHUNK_BYTES, InputFiles, given, open, read_log};
 use super::{Outcome, SpecificationOptions, report};
 use dotgen_platform::files::disk::Stream;
 
@@ -88,21 +88,7 @@ enum Format {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let files = given(&arguments.files)?;
-    if files.texts.is_empty() {
-        bail!("name the scenario (.scn) that the log is held to, or its specification (.gen)");
-    }
-    if arguments.follow && files.logs.len() > 1 {
-        bail!("`--follow` follows one log");
-    }
-    #[cfg(unix)]
-    if files.logs.iter().any(|log| live::is_socket(log)) {
-        anyhow::ensure!(files.logs.len() == 1, "follow one run at a time");
-        let tracing = arguments.trace.is_some();
-        anyhow::ensure!(
-            !tracing,
-            "`--trace` is for logs; a run writes its own (`dotgen run --trace`)"
-        );
-    }
+    check_files(arguments, &files)?;
     let interrupt = interrupt::on_terminal();
     let Some((session, problem)) = one_problem(&files.texts, &arguments.reading)? else {
         return Ok(Outcome::Unusable);
@@ -145,43 +131,83 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut trace = (arguments.trace.is_some()).then(|| Trace::new(Some(&names)));
     for log in &files.logs {
         let mut monitor = Monitor::new(system, &names, bounds.clone());
-        #[cfg(unix)]
-        if live::is_socket(log) {
-            live::follow(log, &mut monitor, arguments.format, &interrupt)?;
-            reports.push((log.clone(), monitor.report_so_far()));
-            continue;
-        }
-        match arguments.follow {
-            true => follow(log, &mut monitor, arguments.format, &interrupt)?,
-            false => read_log(log, |number, line, ended| {
-                monitor.line(number, line, ended);
-                if let Some(trace) = &mut trace {
-                    trace.line(line, ended);
-                }
-            })?,
-        }
+        observe(log, &mut monitor, trace.as_mut(), arguments, &interrupt)?;
         reports.push((log.clone(), monitor.report_so_far()));
     }
     if let (Some(path), Some(trace)) = (&arguments.trace, trace) {
         write_trace(path, &trace.finish())?;
     }
-    let empty =
-        |pair: &(Utf8PathBuf, MonitorReport)| pair.1.runs == 0 && pair.1.deviation_count == 0;
     let title = match problem.scenario.name.as_str() {
         "" => display(&problem.path),
         name => name.to_owned(),
     };
-    let nothing = reports.iter().all(empty);
-    match arguments.format {
+    print(&title, &reports, arguments.format)
+}
+
+/// Checks that the files and options fit together.
+///
+/// # Errors
+/// They do not.
+fn check_files(arguments: &Arguments, files: &InputFiles) -> anyhow::Result<()> {
+    if files.texts.is_empty() {
+        bail!("name the scenario (.scn) that the log is held to, or its specification (.gen)");
+    }
+    if arguments.follow && files.logs.len() > 1 {
+        bail!("`--follow` follows one log");
+    }
+    #[cfg(unix)]
+    if files.logs.iter().any(|log| live::is_socket(log)) {
+        anyhow::ensure!(files.logs.len() == 1, "follow one run at a time");
+        let tracing = arguments.trace.is_some();
+        anyhow::ensure!(
+            !tracing,
+            "`--trace` is for logs; a run writes its own (`dotgen run --trace`)"
+        );
+    }
+    Ok(())
+}
+
+/// Compares the run in a log, or the run behind a socket, with the system.
+fn observe(
+    log: &Utf8Path,
+    monitor: &mut Monitor<'_>,
+    mut trace: Option<&mut Trace<'_>>,
+    arguments: &Arguments,
+    interrupt: &Interrupt,
+) -> anyhow::Result<()> {
+    #[cfg(unix)]
+    if live::is_socket(log) {
+        return live::follow(log, monitor, arguments.format, interrupt);
+    }
+    if arguments.follow {
+        return follow(log, monitor, arguments.format, interrupt);
+    }
+    read_log(log, |number, line, ended| {
+        monitor.line(number, line, ended);
+        if let Some(trace) = &mut trace {
+            trace.line(line, ended);
+        }
+    })
+}
+
+/// Prints the reports of all logs.
+fn print(
+    title: &str,
+    reports: &[(Utf8PathBuf, MonitorReport)],
+    format: Format,
+) -> anyhow::Result<Outcome> {
+    let mut all = reports.iter().map(|(_, report)| report);
+    let nothing = all.all(|report| report.runs == 0 && report.deviation_count == 0);
+    match format {
         // Without lines, only the error is printed.
         Format::Text if nothing => {}
-        Format::Text => text::print(&title, &reports)?,
-        Format::Json => print_json(&title, &reports)?,
+        Format::Text => text::print(title, reports)?,
+        Format::Json => print_json(title, reports)?,
     }
     if nothing {
         bail!("the log has no line of a codel of {title}");
     }
-    let deviates = reports.iter().any(|report| report.1.deviation_count > 0);
+    let deviates = reports.iter().any(|(_, report)| report.deviation_count > 0);
     Ok(match deviates {
         true => Outcome::Errors,
         false => Outcome::Fine,

@@ -2,6 +2,7 @@
 
 use anyhow::bail;
 use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::language::Language;
 use dotgen_codegen::codels::source::Grammar;
 
 /// Extension of traces for Perfetto.
@@ -64,8 +65,11 @@ pub(super) fn check<'f>(
 /// Returns true if a name is that of a source or of settings. Sources of codels and settings are not among
 /// the files that are read before a run.
 fn is_source(path: &Utf8Path) -> bool {
-    let other = matches!(path.extension(), Some("gen" | "idl" | "scn" | "toml"));
-    other || Grammar::of_path(path.as_str()).is_some()
+    let known = matches!(
+        Language::of(path),
+        Some(Language::Specification | Language::Scenario)
+    );
+    known || path.extension() == Some("toml") || Grammar::of_path(path.as_str()).is_some()
 }
 
 /// The identity of a file, independent of the spelling of its path.

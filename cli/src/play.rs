@@ -144,20 +144,7 @@ fn targets(
         .map(|topic| topic.trim_start_matches('/'))
         .collect();
     let paths: Vec<&str> = ports.iter().map(|port| port.path.as_str()).collect();
-    for (from, to) in renamed {
-        if !names.contains(&from.as_str()) {
-            bail!(
-                "`--topic {from}={to}`: the recording has no `{from}`; {}",
-                advice(from, &names)
-            );
-        }
-        if !paths.contains(&port_of(to).0) {
-            bail!(
-                "`--topic {from}={to}`: the run has no input port `{to}`; {}",
-                advice(to, &paths)
-            );
-        }
-    }
+    check_renamed(renamed, &names, &paths)?;
     let mut topics: BTreeMap<u16, Topic> = BTreeMap::new();
     // Input ports and instances that are taken, with the topic.
     let mut taken: BTreeMap<(usize, Option<String>), String> = BTreeMap::new();
@@ -213,6 +200,32 @@ fn targets(
         topics.insert(*channel, topic);
     }
     Ok(topics)
+}
+
+/// Checks that the renamed topics and their ports exist.
+///
+/// # Errors
+/// One of them does not.
+fn check_renamed(
+    renamed: &[(String, String)],
+    names: &[&str],
+    paths: &[&str],
+) -> anyhow::Result<()> {
+    for (from, to) in renamed {
+        if !names.contains(&from.as_str()) {
+            bail!(
+                "`--topic {from}={to}`: the recording has no `{from}`; {}",
+                advice(from, names)
+            );
+        }
+        if !paths.contains(&port_of(to).0) {
+            bail!(
+                "`--topic {from}={to}`: the run has no input port `{to}`; {}",
+                advice(to, paths)
+            );
+        }
+    }
+    Ok(())
 }
 
 /// `pump/level/left` is the instance `left` of `pump/level`.

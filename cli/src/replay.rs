@@ -98,7 +98,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         ScenarioDiagnostics::by_verifier(&session, &problem, &told, &[])?.print()?;
         return Ok(Outcome::Unusable);
     }
-    let default = problem.path.extension() == Some("gen");
+    let default = !problem.is_written();
     let outside = with_environment(&mut prepared, &recorded.about, default);
     let verified = &prepared.built.system;
     if verified.unit.to_string() != recorded.about.unit {

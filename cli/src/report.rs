@@ -10,6 +10,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use clap::ValueEnum;
 use dotgen_analysis::deps::Dependencies;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::language::SCENARIO;
 use dotgen_analysis::terminal;
 use dotgen_codegen::codels::coverage::Coverage;
 use dotgen_codegen::disk::{Disk as _, NewContent};
@@ -20,7 +21,6 @@ use serde::Serialize;
 use super::session::{SourceFile, Texts, absolute, display};
 use dotgen_platform::files::disk::SystemDisk;
 use dotgen_platform::files::vfs;
-use dotgen_views::verification::problem::EXTENSION;
 
 /// Diagnostics of all files checked.
 #[derive(Default)]
@@ -144,7 +144,7 @@ pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFi
         let Ok(path) = absolute(argument) else {
             continue;
         };
-        let mut found = vfs::files_below(&path, &[EXTENSION]);
+        let mut found = vfs::files_below(&path, &[SCENARIO]);
         found.retain(|path| !files.iter().any(|file| file.path == *path));
         let names: Vec<_> = (found.iter())
             .map(|path| format!("`{}`", display(path)))

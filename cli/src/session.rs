@@ -4,6 +4,7 @@ use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{Analysis, AnalysisHost, Cancellable, Change, FileContent};
+use dotgen_analysis::language::{self, SPECIFICATION};
 use dotgen_analysis::parallel;
 use dotgen_analysis::release::ReleaseOrigin;
 use dotgen_codegen::codels::files::FilesConfig;
@@ -18,7 +19,6 @@ use dotgen_lsp_server::config::{self, Config, Level, Problem, Settings};
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_platform::files::vfs::{self, PackageConfig, Vfs};
 use dotgen_platform::panic;
-use dotgen_views::verification::problem::EXTENSION;
 
 /// Number of files after which cached results are dropped.
 const MAX_CACHED_FILES: usize = 64;
@@ -51,7 +51,7 @@ pub(super) struct SourceFile {
 impl SourceFile {
     /// Returns true if the file is a scenario.
     pub(super) fn is_scenario(&self) -> bool {
-        self.path.extension() == Some(EXTENSION)
+        language::is_scenario(&self.path)
     }
 }
 
@@ -69,7 +69,7 @@ pub(super) struct ConfigProblems {
 pub(super) fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>> {
     let mut found = NamedFiles::default();
     for argument in arguments {
-        found.add(argument, &["gen"])?;
+        found.add(argument, &[SPECIFICATION])?;
     }
     Ok(found.files)
 }
@@ -91,7 +91,7 @@ pub(super) fn usable_files(
 
 /// Returns the files as [`usable_files`] does, for commands that do not read scenarios.
 pub(super) fn specifications(arguments: &[Utf8PathBuf]) -> (Vec<SourceFile>, ErrorReporter) {
-    let (mut files, mut trouble) = usable_files(arguments, &["gen"]);
+    let (mut files, mut trouble) = usable_files(arguments, &[SPECIFICATION]);
     files.retain(|file| match refuse_scenario(file) {
         Ok(()) => true,
         Err(error) => {

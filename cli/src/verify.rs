@@ -15,6 +15,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
 use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::FileContent;
+use dotgen_analysis::language::{self, Language, SPECIFICATION};
 use dotgen_timing::derive::Sensitivity;
 use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::explore::{Kind, Limits};
@@ -22,7 +23,7 @@ use dotgen_timing::report::Report;
 use dotgen_timing::scn::ast::{Check, Durations, Policy};
 use dotgen_timing::scn::parse_check;
 use dotgen_timing::scn::semantics::Preset;
-use dotgen_timing::verify::{Cancel, Options, settings};
+use dotgen_timing::verify::{Cancel, Interrupt, Options, settings};
 
 use self::diagnostics::ScenarioDiagnostics;
 use self::progress::Activity;
@@ -250,62 +251,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         .collect();
     outputs::check(&written, all.iter().flat_map(|pair| pair.1.files()))?;
     for (session, problem) in all {
-        if !problem.errors.is_empty() {
-            ScenarioDiagnostics::about(&session, &problem, problem.errors.clone())?.print()?;
-            trouble.told();
-            continue;
+        let is_first = answers.is_empty();
+        match answer(arguments, &checks, &session, problem, &interrupt, is_first)? {
+            Some(answer) => answers.push(answer),
+            None => trouble.told(),
         }
-        let options = arguments.options(&checks, &problem)?;
-        let cancel = Cancel::interrupted_by(&interrupt);
-        if let Some(time) = arguments.timeout {
-            cancel.limit(time);
-        }
-        let doing = format!("verifying {}", problem.scenario.name);
-        let first = match checks.is_empty() {
-            true => first::answers(&problem, &options, &cancel),
-            false => Vec::new(),
-        };
-        let report = progress::during(&cancel, &doing, |tell| {
-            problem.verify(&options, &cancel, &|report| {
-                tell(Activity {
-                    what: doing.clone(),
-                    how_far: report.how_far(),
-                })
-            })
-        });
-        let told = |all: &[dotgen_timing::diagnostic::Diagnostic]| {
-            ScenarioDiagnostics::by_verifier(&session, &problem, all, &checks)
-        };
-        // In JSON, diagnostics are part of the document, if there is one.
-        if matches!(arguments.format, Format::Text) || report.has_errors() {
-            told(&together(&report.diagnostics))?.print()?;
-        }
-        if report.has_errors() {
-            trouble.told();
-            continue;
-        }
-        let diagnostics = told(&report.diagnostics)?.to_json()?;
-        let why = why::of_report(&problem, &options, &report, Some(&cancel));
-        let mut answer = Answer {
-            why,
-            problem,
-            options,
-            report,
-            first,
-            diagnostics,
-            limits: None,
-        };
-        let is_text = matches!(arguments.format, Format::Text);
-        if is_text {
-            text::head(&answer, answers.is_empty(), arguments.explain)?;
-        }
-        if arguments.sensitivity && !interrupt.is_raised() {
-            answer.limits = Some(limits::found(&session, &answer, &cancel, is_text)?);
-        }
-        if is_text {
-            text::tail(&answer, arguments.explain)?;
-        }
-        answers.push(answer);
     }
     if !answers.is_empty() && matches!(arguments.format, Format::Json) {
         json::print(&answers)?;
@@ -325,6 +275,72 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             Outcome::Fine
         }),
     )
+}
+
+/// Verifies one problem, and prints the answers as text unless JSON is wanted. Returns `None` after errors of
+/// the problem, which are printed.
+fn answer(
+    arguments: &Arguments,
+    checks: &[&str],
+    session: &Session,
+    problem: Problem,
+    interrupt: &Interrupt,
+    is_first: bool,
+) -> anyhow::Result<Option<Answer>> {
+    if !problem.errors.is_empty() {
+        ScenarioDiagnostics::about(session, &problem, problem.errors.clone())?.print()?;
+        return Ok(None);
+    }
+    let options = arguments.options(checks, &problem)?;
+    let cancel = Cancel::interrupted_by(interrupt);
+    if let Some(time) = arguments.timeout {
+        cancel.limit(time);
+    }
+    let doing = format!("verifying {}", problem.scenario.name);
+    let first = match checks.is_empty() {
+        true => first::answers(&problem, &options, &cancel),
+        false => Vec::new(),
+    };
+    let report = progress::during(&cancel, &doing, |tell| {
+        problem.verify(&options, &cancel, &|report| {
+            tell(Activity {
+                what: doing.clone(),
+                how_far: report.how_far(),
+            })
+        })
+    });
+    let told = |all: &[dotgen_timing::diagnostic::Diagnostic]| {
+        ScenarioDiagnostics::by_verifier(session, &problem, all, checks)
+    };
+    let is_text = matches!(arguments.format, Format::Text);
+    // In JSON, diagnostics are part of the document, if there is one.
+    if is_text || report.has_errors() {
+        told(&together(&report.diagnostics))?.print()?;
+    }
+    if report.has_errors() {
+        return Ok(None);
+    }
+    let diagnostics = told(&report.diagnostics)?.to_json()?;
+    let why = why::of_report(&problem, &options, &report, Some(&cancel));
+    let mut answer = Answer {
+        why,
+        problem,
+        options,
+        report,
+        first,
+        diagnostics,
+        limits: None,
+    };
+    if is_text {
+        text::head(&answer, is_first, arguments.explain)?;
+    }
+    if arguments.sensitivity && !interrupt.is_raised() {
+        answer.limits = Some(limits::found(session, &answer, &cancel, is_text)?);
+    }
+    if is_text {
+        text::tail(&answer, arguments.explain)?;
+    }
+    Ok(Some(answer))
 }
 
 /// Writes the run of the first refuted check, or else the first witness. Of several scenarios, the first one
@@ -354,16 +370,18 @@ pub(super) fn problems(
     arguments: &[Utf8PathBuf],
     reading: &SpecificationOptions,
 ) -> (Vec<(Session, Problem)>, ErrorReporter) {
-    let (files, mut trouble) = session::usable_files(arguments, &["gen"]);
+    let (files, mut trouble) = session::usable_files(arguments, &[SPECIFICATION]);
     report::note_unused_scenarios(arguments, &files);
     // Without one of its parts the system would differ.
     let mut whole = !trouble.any();
     let mut out = Vec::new();
     let mut specifications = Vec::new();
     for file in files {
-        match file.path.extension() {
-            Some("scn") => out.extend(trouble.ok_or_report(of_scenario(&file, reading))),
-            Some("gen") => specifications.push(file),
+        match Language::of(&file.path) {
+            Some(Language::Scenario) => {
+                out.extend(trouble.ok_or_report(of_scenario(&file, reading)))
+            }
+            _ if language::is_specification(&file.path) => specifications.push(file),
             _ => {
                 let path = session::display(&file.path);
                 let error = "is neither a scenario (.scn) nor a specification (.gen)";
@@ -439,7 +457,7 @@ fn of_specifications(
 
 impl Arguments {
     fn options(&self, checks: &[&str], problem: &Problem) -> anyhow::Result<Options> {
-        let written = problem.path.extension() == Some("scn");
+        let written = problem.is_written();
         let most = match written {
             true => Limits::default().states,
             false => MAX_DEFAULT_STATES,

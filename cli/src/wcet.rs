@@ -8,6 +8,7 @@ use std::io::Read;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, Subcommand};
+use dotgen_analysis::language;
 use dotgen_recording::log::{Lines, TruncationCheck};
 
 use super::Outcome;
@@ -107,7 +108,8 @@ pub(super) struct InputFiles {
 /// # Errors
 /// The arguments name no log.
 pub(super) fn given(files: &[Utf8PathBuf]) -> anyhow::Result<InputFiles> {
-    let is_text = |path: &&Utf8PathBuf| matches!(path.extension(), Some("gen" | "scn"));
+    let is_text =
+        |path: &&Utf8PathBuf| language::is_specification(path) || language::is_scenario(path);
     let texts: Vec<_> = files.iter().filter(is_text).cloned().collect();
     let logs: Vec<_> = files
         .iter()

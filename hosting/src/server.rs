@@ -364,28 +364,7 @@ fn answer(
         return call(shared, client, path, request.get("input"), id).map(|()| None);
     }
     if let Some(path) = text("watch") {
-        let (component, port) = output(shared, path)?;
-        let mut state = shared.state();
-        if let Some(why) = state.gone.get(&component) {
-            return Ok(Some(lost(&shared.known[&component], why)));
-        }
-        admit(&state, client, id)?;
-        client.say(json!({"event": "watching"}), id);
-        if request.get("newest") == Some(&Value::Bool(true)) {
-            for (instance, value) in data::newest(shared, &state, component, port) {
-                client.offer(
-                    json!({"event": "data", "instance": instance, "value": value}),
-                    id,
-                );
-            }
-        }
-        state.watchers.push(Watcher {
-            client: client.clone(),
-            id: id.clone(),
-            component,
-            port,
-        });
-        return Ok(None);
+        return watch(shared, client, path, request, id);
     }
     if let Some(path) = text("read") {
         let (component, port) = output(shared, path)?;
@@ -433,6 +412,38 @@ fn answer(
     }
     let known = "`call`, `abort`, `watch`, `read`, `write`, `profile`, `progress` or `describe`";
     Err(format!("a request has {known}"))
+}
+
+/// Adds a watcher of an output port. Returns the answer if the component has ended.
+fn watch(
+    shared: &Shared,
+    client: &Client,
+    path: &str,
+    request: &Value,
+    id: &Value,
+) -> Result<Option<Value>, String> {
+    let (component, port) = output(shared, path)?;
+    let mut state = shared.state();
+    if let Some(why) = state.gone.get(&component) {
+        return Ok(Some(lost(&shared.known[&component], why)));
+    }
+    admit(&state, client, id)?;
+    client.say(json!({"event": "watching"}), id);
+    if request.get("newest") == Some(&Value::Bool(true)) {
+        for (instance, value) in data::newest(shared, &state, component, port) {
+            client.offer(
+                json!({"event": "data", "instance": instance, "value": value}),
+                id,
+            );
+        }
+    }
+    state.watchers.push(Watcher {
+        client: client.clone(),
+        id: id.clone(),
+        component,
+        port,
+    });
+    Ok(None)
 }
 
 /// The message to watchers of a component that has ended.

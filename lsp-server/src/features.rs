@@ -20,16 +20,17 @@ pub(crate) mod verification;
 pub(crate) mod workspace_symbol;
 
 use camino::Utf8Path;
+use dotgen_analysis::language::Language;
 
-use crate::workspace::snapshot::{DocumentKind, Snapshot};
-use language::Language;
+use crate::workspace::snapshot::Snapshot;
+use language::LanguageFeatures;
 
-/// The language of a document.
-pub(crate) fn language_of(snapshot: &Snapshot, path: &Utf8Path) -> &'static dyn Language {
-    match snapshot.kind_of(path) {
-        DocumentKind::Template | DocumentKind::Source => &template::Template,
-        DocumentKind::Code => &source::Sources,
-        DocumentKind::Specification if mentions::is_scenario(path) => &scenario::Scenario,
-        DocumentKind::Specification => &specification::Specification,
+/// Returns the features of the language of a document.
+pub(crate) fn features_of(snapshot: &Snapshot, path: &Utf8Path) -> &'static LanguageFeatures {
+    match snapshot.language_of(path) {
+        Language::Specification => &specification::FEATURES,
+        Language::Scenario => &scenario::FEATURES,
+        Language::Codel => &source::FEATURES,
+        Language::Template => &template::FEATURES,
     }
 }

@@ -66,6 +66,61 @@ struct Machine {
     awaited: Vec<ExpectedState>,
 }
 
+/// The entry of a machine into a state.
+struct StateEntry {
+    /// Neither the start, nor the state after the last one, nor the state after an interruption.
+    is_broken: bool,
+    /// The machine has one activity at most.
+    is_alone: bool,
+    /// The state that was awaited last, before this entry.
+    awaited: Option<usize>,
+    /// The state begins a chain of codels in its turn.
+    begins_chain: bool,
+    /// Beginning of that chain, in nanoseconds.
+    since: i64,
+}
+
+impl Machine {
+    /// Enters a state whose codel was asked for at a time, in nanoseconds.
+    fn enter(&mut self, at: &model::StateOutcome, asked: i64) -> StateEntry {
+        // The last one: earlier ones may belong to interrupted activities.
+        let place = self
+            .awaited
+            .iter()
+            .rposition(|expected| expected.state == at.state);
+        let is_alone = self.awaited.len() <= 1;
+        let known = place.map(|place| self.awaited.remove(place));
+        let is_first = !std::mem::replace(&mut self.seen, true);
+        let starts = at.state == at.start && (!at.permanent || is_first);
+        let interrupted = at.stop == Some(at.state);
+        let awaited = self.awaited.last().map(|expected| expected.state);
+        if known.is_none() && interrupted {
+            self.awaited.pop();
+        }
+        let since = match &known {
+            Some(place) if !place.paused => place.since,
+            _ => asked,
+        };
+        if let Some((state, paused)) = at.next {
+            if self.awaited.len() >= MAX_TRACKED_ACTIVITIES {
+                self.awaited.remove(0);
+            }
+            self.awaited.push(ExpectedState {
+                state,
+                paused,
+                since,
+            });
+        }
+        StateEntry {
+            is_broken: known.is_none() && !starts && !is_first && !interrupted,
+            is_alone,
+            awaited,
+            begins_chain: known.is_none_or(|place| place.paused),
+            since,
+        }
+    }
+}
+
 /// A task of one instance.
 #[derive(Debug, Clone, Copy, Default)]
 struct Task {
@@ -387,39 +442,11 @@ impl<'s> Monitor<'s> {
             *self.taken.entry(key).or_default() += 1;
         }
         let machine = self.machines.entry(key).or_default();
-        // The last one: earlier ones may belong to interrupted activities.
-        let place = machine
-            .awaited
-            .iter()
-            .rposition(|expected_state| expected_state.state == at.state);
-        let alone = machine.awaited.len() <= 1;
-        let known = place.map(|place| machine.awaited.remove(place));
-        let is_first = !std::mem::replace(&mut machine.seen, true);
-        let starts = at.state == at.start && (!at.permanent || is_first);
-        let broken = known.is_none() && !starts && !is_first && at.stop != Some(at.state);
-        let awaited = machine
-            .awaited
-            .last()
-            .map(|expected_state| expected_state.state);
-        if known.is_none() && at.stop == Some(at.state) {
-            machine.awaited.pop();
-        }
-        let since = match known {
-            Some(place) if !place.paused => place.since,
-            _ => run.asked,
-        };
-        if let Some((state, paused)) = at.next {
-            if machine.awaited.len() >= MAX_TRACKED_ACTIVITIES {
-                machine.awaited.remove(0);
-            }
-            machine.awaited.push(ExpectedState {
-                state,
-                paused,
-                since,
-            });
-        }
-        if broken {
-            let awaited = awaited.map(|state| self.model.state_name(at.machine, state));
+        let entry = machine.enter(&at, run.asked);
+        if entry.is_broken {
+            let awaited = entry
+                .awaited
+                .map(|state| self.model.state_name(at.machine, state));
             let what = DeviationKind::Elsewhere {
                 state: self.model.last_name(at.codel),
                 awaited,
@@ -428,10 +455,9 @@ impl<'s> Monitor<'s> {
         }
         // A chain of asynchronous codels with threads of their own lasts over several turns, and is not a
         // job.
-        if alone && !(at.is_async && self.model.system.platform.async_free) {
-            let begins = known.is_none_or(|place| place.paused);
+        if entry.is_alone && !(at.is_async && self.model.system.platform.async_free) {
             let ends = at.next.is_none_or(|pair| pair.1);
-            self.chain(at, &run, since, begins, ends);
+            self.chain(at, &run, entry.since, entry.begins_chain, ends);
         }
     }
 

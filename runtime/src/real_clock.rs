@@ -8,6 +8,7 @@ use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
 
 use crate::decide::Decide;
 use crate::engine::{self, End, MAX_ACTIONS_AT_ONE_MOMENT};
+use crate::hosts::Message;
 use crate::live::Live;
 use crate::watch::RunObserver;
 
@@ -45,18 +46,7 @@ pub fn run(
     loop {
         live.step(stepper, &seen);
         for observation in &seen {
-            if let Seen::Begun {
-                executor,
-                work,
-                time: (least, greatest),
-            } = *observation
-            {
-                engine::note(&mut works, executor, work);
-                // The end of real work, and requests from outside, come from the hosts.
-                if !live.is_running(executor) && !live.is_outside(&work) {
-                    stepper.decide(executor, decide.time(&work, least, greatest));
-                }
-            }
+            note_begun(stepper, observation, &mut works, decide, live);
             watch.on_event(stepper, observation);
         }
         seen.clear();
@@ -99,17 +89,9 @@ pub fn run(
         let due = next.map_or(u64::MAX, u64::from).min(left);
         let now = ticks(live.hosts().now());
         let late = now.saturating_sub(stepper.now()) >= due;
-        // Messages that have already arrived come first: time never passes them. Without a message and
-        // without due actions, the loop waits and yields the processor.
-        let message = match live.hosts().wait(0) {
-            None if !late => {
-                let deadline = stepper.now().saturating_add(due);
-                let deadline = start.saturating_add(deadline.saturating_mul(pace.nanos));
-                let until = live.hosts().now().saturating_add(MAX_WAIT_NANOS);
-                live.hosts().wait(deadline.min(until))
-            }
-            other => other,
-        };
+        let deadline = stepper.now().saturating_add(due);
+        let deadline = start.saturating_add(deadline.saturating_mul(pace.nanos));
+        let message = next_message(live, deadline, late);
         let now = ticks(live.hosts().now());
         let passed = now.saturating_sub(stepper.now()).min(due);
         if passed > 0 {
@@ -120,6 +102,42 @@ pub fn run(
         if let Some(message) = message {
             live.message(message);
         }
+    }
+}
+
+/// Notes work that has begun, and draws its end unless a host decides it.
+fn note_begun(
+    stepper: &mut Stepper,
+    observation: &Seen,
+    works: &mut Vec<Option<Work>>,
+    decide: &mut dyn Decide,
+    live: &Live<'_>,
+) {
+    let Seen::Begun {
+        executor,
+        work,
+        time: (least, greatest),
+    } = *observation
+    else {
+        return;
+    };
+    engine::note(works, executor, work);
+    // The end of real work, and requests from outside, come from the hosts.
+    if !live.is_running(executor) && !live.is_outside(&work) {
+        stepper.decide(executor, decide.time(&work, least, greatest));
+    }
+}
+
+/// Returns the next message of the hosts until a deadline, in nanoseconds. Messages that have already arrived
+/// come first: time never passes them. Without a message and without due actions (`late`), the thread waits
+/// and yields the processor.
+fn next_message(live: &mut Live<'_>, deadline: u64, late: bool) -> Option<Message> {
+    match live.hosts().wait(0) {
+        None if !late => {
+            let until = live.hosts().now().saturating_add(MAX_WAIT_NANOS);
+            live.hosts().wait(deadline.min(until))
+        }
+        other => other,
     }
 }
 

@@ -145,46 +145,15 @@ pub fn simulate_recorded<'p, W: Write>(
     while runs < plan.runs {
         let seed = plan.seed.wrapping_add(runs);
         let mut dice = RandomDecisions::new(system, plan.durations, seed);
-        let until = plan.until;
-        end = match &mut execution {
-            Some(Execution {
-                live,
-                pace: Some(pace),
-                ..
-            }) => real_clock::run(
-                &mut stepper,
-                &mut dice,
-                until,
-                &mut observer,
-                live,
-                *pace,
-                interrupted,
-            ),
-            other => {
-                let live = other.as_mut().map(|execution| &mut *execution.live);
-                engine::run(
-                    &mut stepper,
-                    &mut dice,
-                    until,
-                    &mut observer,
-                    live,
-                    interrupted,
-                )
-            }
-        };
-        observer.tally.end(&stepper);
-        observer.judge.end(&stepper, end);
-        if let Some(run) = observer.recorded.as_mut().filter(|_| observer.first) {
-            run.end = match run.left_out {
-                true => run.steps.last().map_or(0, |step| step.0),
-                false => stepper.now(),
-            };
-        }
-        if let Some(record) = observer.record.as_mut().filter(|_| observer.first) {
-            record.end(&stepper);
-        }
-        observer.first = false;
-        observer.offset += stepper.now();
+        end = one_run(
+            &mut stepper,
+            &mut dice,
+            plan.until,
+            &mut observer,
+            execution.as_mut(),
+            interrupted,
+        );
+        observer.end_run(&stepper, end);
         runs += 1;
         let violated = plan.stop_at_violation && observer.judge.has_violations();
         if violated
@@ -209,6 +178,28 @@ pub fn simulate_recorded<'p, W: Write>(
     }
 }
 
+/// Runs the system once, on the clock of the execution or else on the virtual clock.
+fn one_run<'p>(
+    stepper: &mut Stepper,
+    dice: &mut RandomDecisions,
+    until: u64,
+    observer: &mut dyn RunObserver,
+    execution: Option<&mut Execution<'_, 'p>>,
+    interrupted: &dyn Fn() -> bool,
+) -> End {
+    match execution {
+        Some(Execution {
+            live,
+            pace: Some(pace),
+            ..
+        }) => real_clock::run(stepper, dice, until, observer, live, *pace, interrupted),
+        other => {
+            let live = other.map(|execution| &mut *execution.live);
+            engine::run(stepper, dice, until, observer, live, interrupted)
+        }
+    }
+}
+
 struct Observer<'o, 'r, 'f, 'p, W> {
     system: &'p TimedSystem,
     prepared: &'p Prepared,
@@ -225,6 +216,27 @@ struct Observer<'o, 'r, 'f, 'p, W> {
     record: Option<&'r mut dyn Record>,
     /// The present run is the first one.
     first: bool,
+}
+
+impl<W: Write> Observer<'_, '_, '_, '_, W> {
+    /// Handles the end of a run.
+    fn end_run(&mut self, stepper: &Stepper, end: End) {
+        self.tally.end(stepper);
+        self.judge.end(stepper, end);
+        if self.first {
+            if let Some(run) = &mut self.recorded {
+                run.end = match run.left_out {
+                    true => run.steps.last().map_or(0, |step| step.0),
+                    false => stepper.now(),
+                };
+            }
+            if let Some(record) = &mut self.record {
+                record.end(stepper);
+            }
+        }
+        self.first = false;
+        self.offset += stepper.now();
+    }
 }
 
 impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {

@@ -3,19 +3,19 @@
 //! A suite that lacks a tool fails, with one line that names the package to install, because a skipped test
 //! proves nothing.
 
+mod editors;
 mod without_data;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::Args;
 
 use crate::extension::{self, Profile};
 use crate::notices;
 use crate::run::{self, step};
 use crate::tools;
-use crate::workbench::Workbench;
 
 /// Options of `cargo xtask test`.
 #[derive(Args)]
@@ -107,17 +107,17 @@ const SUITES: &[Suite] = &[
     Suite {
         name: "neovim",
         editor: true,
-        run: neovim,
+        run: editors::neovim,
     },
     Suite {
         name: "emacs",
         editor: true,
-        run: emacs,
+        run: editors::emacs,
     },
     Suite {
         name: "vscode",
         editor: true,
-        run: vscode,
+        run: editors::vscode,
     },
 ];
 
@@ -421,118 +421,6 @@ fn python(scripts: &Path) -> Result<PathBuf> {
     Ok(python)
 }
 
-fn neovim() -> Result<Outcome> {
-    tools::ensure(tools::NEOVIM)?;
-    let script = crate::root().join("tests/editors/neovim/nvim.lua");
-    let arguments = [
-        "--headless",
-        "--clean",
-        "-n",
-        "-i",
-        "NONE",
-        "-u",
-        &*script.to_string_lossy(),
-        "maneuver.gen",
-    ];
-    editor("neovim", "nvim", &arguments)
-}
-
-fn emacs() -> Result<Outcome> {
-    tools::ensure(tools::EMACS)?;
-    let script = crate::root().join("tests/editors/emacs/eglot.el");
-    editor(
-        "emacs",
-        "emacs",
-        &["--batch", "-l", &*script.to_string_lossy()],
-    )
-}
-
-/// Runs an editor's script in a copy of the example; it prints `ok …` for each successful check.
-fn editor(name: &str, program: &str, arguments: &[&str]) -> Result<Outcome> {
-    let server = extension::build_server(Profile::Dev)?;
-    // Outside of this repository, which editors would take for the project.
-    let workspace = std::env::temp_dir().join(format!("dotgen-{name}-{}", std::process::id()));
-    copy(&crate::example(), &workspace)?;
-    // Both editors print to either stream. There is a timeout, because an editor that waits for a key never
-    // ends.
-    let mut command = run::command(&workspace, "timeout", &["--kill-after=5", "120", program]);
-    command
-        .args(arguments)
-        .env("DOTGEN", server)
-        .env("FILE", workspace.join("maneuver.gen"));
-    let output = command
-        .output()
-        .with_context(|| format!("cannot run {program}"))?;
-    let text = [output.stdout, output.stderr].concat();
-    let text = String::from_utf8_lossy(&text);
-    println!("{}", text.trim_end());
-    std::fs::remove_dir_all(&workspace)?;
-    let passed = text.lines().filter(|line| line.starts_with("ok ")).count();
-    Ok(Outcome {
-        passed,
-        failed: (!output.status.success() || passed == 0).into(),
-        ..Outcome::default()
-    })
-}
-
-/// The pages of the extension in Chromium, without VS Code.
-fn pages() -> Result<Outcome> {
-    tools::ensure(tools::CHROMIUM)?;
-    let scripts = crate::root().join("tests/editors/vscode");
-    extension::install_packages(&scripts)?;
-    extension::install_packages(&extension::directory())?;
-    step("Trying the pages of the extension in Chromium");
-    let pages = [
-        "webview/trace.test.mjs",
-        "webview/diagram.test.mjs",
-        "webview/verification.test.mjs",
-        "webview/run.test.mjs",
-    ];
-    let arguments = [&["--test", "--test-reporter=tap"], &pages[..]].concat();
-    let mut outcome = Outcome::default();
-    let succeeded = run::watch(run::command(&scripts, "node", &arguments), |line| {
-        tap(line, &mut outcome);
-    })?;
-    if !succeeded && outcome.failed == 0 {
-        outcome.failed = 1;
-    }
-    Ok(outcome)
-}
-
-/// Reads a line of the summary of Node's tests.
-fn tap(line: &str, outcome: &mut Outcome) {
-    let number = |word: &str| line.strip_prefix(word)?.trim().parse::<usize>().ok();
-    outcome.passed += number("# pass ").unwrap_or(0);
-    outcome.failed += number("# fail ").unwrap_or(0);
-}
-
-fn vscode() -> Result<Outcome> {
-    // SCENARIO selects a single scenario.
-    let pages = match std::env::var_os("SCENARIO") {
-        None => pages()?,
-        Some(_) => Outcome::default(),
-    };
-    let server = extension::build_server(Profile::Dev)?;
-    let vsix = extension::package(&server, Profile::Dev)?;
-    let workbench = Workbench::set_up()?;
-    let scenario = workbench.scenario(&vsix, &[])?;
-    step("Driving VS Code; screenshots go to target/shots");
-    let mut outcome = Outcome::default();
-    let succeeded = run::watch(scenario, |line| {
-        // The last line. If a scenario is tried again, the results of its first attempt do not count.
-        if line.ends_with(" failed") {
-            outcome.passed = count(line, " passed");
-            outcome.failed = count(line, " failed");
-        }
-    })?;
-    if !succeeded && outcome.failed == 0 {
-        outcome.failed = 1;
-    }
-    outcome.passed += pages.passed;
-    outcome.failed += pages.failed;
-    Ok(outcome)
-}
-
 /// The number before ` passed` or a similar word.
 fn count(line: &str, what: &str) -> usize {
     let before = line.split(what).next().filter(|_| line.contains(what));
@@ -578,7 +466,9 @@ mod tests {
             "# fail 2",
             "# suites 0",
         ];
-        lines.iter().for_each(|line| super::tap(line, &mut outcome));
+        lines
+            .iter()
+            .for_each(|line| super::editors::tap(line, &mut outcome));
         assert_eq!((outcome.passed, outcome.failed), (10, 2));
     }
 

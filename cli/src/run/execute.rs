@@ -2,13 +2,14 @@
 
 use std::io::{self, Write};
 
+use camino::Utf8PathBuf;
 use dotgen_recording::log::origins;
 use dotgen_runtime::profile::{Profile, functions};
 use dotgen_runtime::report::RunReport;
 use dotgen_runtime::simulation::{Record, SimulationResult, simulate_recorded};
 use dotgen_timing::report::Event;
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::system::Ticks;
+use dotgen_timing::system::{Ticks, TimedSystem};
 use dotgen_timing::verify::{Cancel, Interrupt, Options, Prepared, SystemInput};
 
 use super::bounds::{self, BoundVerification};
@@ -213,6 +214,47 @@ impl Context<'_, '_> {
         })
     }
 
+    /// Builds the executed components. Returns `None` if that fails, which is printed, or is interrupted.
+    #[cfg(unix)]
+    fn hosted(&self, arguments: &Arguments) -> anyhow::Result<Option<super::hosted::Hosted<'_>>> {
+        use super::hosted;
+
+        match arguments.simulate {
+            Simulate::All => Ok(Some(hosted::Hosted::none(self.names))),
+            Simulate::Missing => hosted::build(
+                self.session,
+                self.problem,
+                self.names,
+                arguments.debug,
+                self.interrupt,
+            ),
+        }
+    }
+
+    /// Returns the hosts of the executed components.
+    #[cfg(unix)]
+    fn children(
+        &self,
+        arguments: &Arguments,
+        libraries: Vec<Option<Utf8PathBuf>>,
+        system: &TimedSystem,
+        real: bool,
+    ) -> dotgen_hosting::children::Children {
+        let components = system.components.iter();
+        let names = components.map(|component| component.name.clone()).collect();
+        let tasks = system.tasks.iter();
+        let tasks = tasks
+            .map(|task| (task.component, task.name.clone()))
+            .collect();
+        let interrupt = self.interrupt.clone();
+        let mut children =
+            dotgen_hosting::children::Children::new(libraries, names, tasks, real, interrupt);
+        if arguments.debug {
+            children.debug(arguments.waiting());
+        }
+        children
+    }
+
     #[cfg(unix)]
     fn executed(
         &self,
@@ -221,9 +263,7 @@ impl Context<'_, '_> {
         files: &mut Files<'_>,
     ) -> anyhow::Result<Option<Run>> {
         use super::hosted;
-        use dotgen_hosting::children::Children;
         use dotgen_hosting::orphans::OrphanReaper;
-        use dotgen_hosting::realtime;
         use dotgen_hosting::server::Server;
         use dotgen_runtime::engine::End;
         use dotgen_runtime::live::Live;
@@ -234,20 +274,8 @@ impl Context<'_, '_> {
 
         let real = arguments.clock == Clock::Real;
         let inputs = hosted::inputs(&arguments.inputs, self.names)?;
-        let hosted = match arguments.simulate {
-            Simulate::All => hosted::Hosted::none(self.names),
-            Simulate::Missing => {
-                match hosted::build(
-                    self.session,
-                    self.problem,
-                    self.names,
-                    arguments.debug,
-                    self.interrupt,
-                )? {
-                    Some(host) => host,
-                    None => return Ok(None),
-                }
-            }
+        let Some(hosted) = self.hosted(arguments)? else {
+            return Ok(None);
         };
         if hosted.is_empty() && !real {
             return self.simulated(arguments, prepared, files).map(Some);
@@ -255,46 +283,24 @@ impl Context<'_, '_> {
         let settings = settings(&self.problem.scenario, self.options);
         let parts = hosted.parts(prepared, self.names, &settings, &inputs);
         // Without a scenario, requests come only from outside.
-        let default = self.problem.path.extension() == Some("gen");
+        let default = !self.problem.is_written();
         let (opened, factor, first) = hosted::opened(prepared, &parts, real, default);
         let parts = match first {
             Some(first) => parts.with_outside(first),
             None => parts,
         };
         let system = &opened.built.system;
-        let names = system
-            .components
-            .iter()
-            .map(|component| component.name.clone())
-            .collect();
-        let tasks = system.tasks.iter();
-        let tasks = tasks.map(|task| (task.component, task.name.clone()));
         // Dropped after the hosts.
         let _strays = OrphanReaper::become_subreaper();
-        let mut children = Children::new(
-            hosted.libraries(prepared),
-            names,
-            tasks.collect(),
-            real,
-            self.interrupt.clone(),
-        );
-        if arguments.debug {
-            children.debug(arguments.waiting());
-        }
+        let libraries = hosted.libraries(prepared);
+        let mut children = self.children(arguments, libraries, system, real);
         let mut notes = hosted.notes.clone();
         notes.extend(parts.unlike.iter().cloned());
         let pace = real.then(|| Pace {
             nanos: hosted::nanos(&opened),
         });
-        if real && !realtime::raise_priority() {
-            notes.push(
-                "the system grants no real-time scheduling: times depend on what else runs"
-                    .to_owned(),
-            );
-        }
         if real {
-            // Hosts report the rights that the system does not grant.
-            realtime::lock_memory(realtime::Pages::Present);
+            notes.extend(real_time());
         }
         let serving = match real {
             true => Some(super::serve::start(
@@ -368,6 +374,19 @@ impl Context<'_, '_> {
             report,
         }))
     }
+}
+
+/// Gives this process real-time scheduling and locked memory. Returns a note if the system does not grant the
+/// scheduling; hosts report the other rights.
+#[cfg(unix)]
+fn real_time() -> Option<String> {
+    use dotgen_hosting::realtime;
+
+    let granted = realtime::raise_priority();
+    realtime::lock_memory(realtime::Pages::Present);
+    (!granted).then(|| {
+        "the system grants no real-time scheduling: times depend on what else runs".to_owned()
+    })
 }
 
 /// Ends a recording.

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::diagnostic::Severity;
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_codegen::codels::build::Optimization;
 use dotgen_codegen::codels::files::{Files as _, Sources};
 use dotgen_codegen::codels::folder::folders;
@@ -62,19 +62,7 @@ pub(super) fn build<'s>(
             };
             let built = build::hosts(&folder, session.packages(), optimization, interrupt)?;
             failed |= built.failed;
-            for diagnostic in &built.diagnostics {
-                for path in std::iter::once(&diagnostic.path)
-                    .chain(diagnostic.related.iter().map(|related| &related.path))
-                {
-                    let text = || Disk.read(path).unwrap_or_default();
-                    let lines = || Lines::new(text(), Encoding::Utf16);
-                    said.texts.entry(path.clone()).or_insert_with(lines);
-                }
-            }
-            let errors = built.diagnostics.into_iter();
-            let errors = errors.filter(|error| error.severity == Severity::Error);
-            said.diagnostics.extend(errors);
-            said.checked += 1;
+            note_errors(&mut said, built.diagnostics);
             for shared_object in built.hosted {
                 let name = &unit.spec.components[shared_object.component as usize].name;
                 let found = names.components.iter().position(|member| {
@@ -100,25 +88,44 @@ pub(super) fn build<'s>(
         report::note("codels that do not compile cannot run; `--simulate all` does without them");
         return Ok(None);
     }
-    for (part, member) in out.parts.iter().zip(&names.components) {
-        let name = &member.component.name;
-        match part {
-            None => out.notes.push(format!(
-                "`{name}` is simulated: it has no sources of codels; `dotgen codels stub` writes them"
-            )),
-            Some(part) if !part.missing.is_empty() => {
-                let mut missing: Vec<&str> = part.missing.iter().map(|text| text.as_str()).collect();
-                missing.sort_unstable();
-                out.notes.push(format!(
-                    "simulated codels of `{name}`, which have no function (`dotgen codels stub` writes \
-                        them): {}",
-                    missing.join(", ")
-                ));
-            }
-            Some(_) => {}
+    let parts = out.parts.iter().zip(&names.components);
+    out.notes = parts
+        .filter_map(|(part, member)| simulated_note(&member.component.name, part.as_ref()))
+        .collect();
+    Ok(Some(out))
+}
+
+/// Adds the errors of a build, with the texts that their places are in.
+fn note_errors(said: &mut FileReports, diagnostics: Vec<Diagnostic>) {
+    for diagnostic in &diagnostics {
+        let related = diagnostic.related.iter().map(|related| &related.path);
+        for path in std::iter::once(&diagnostic.path).chain(related) {
+            let text = || Disk.read(path).unwrap_or_default();
+            let lines = || Lines::new(text(), Encoding::Utf16);
+            said.texts.entry(path.clone()).or_insert_with(lines);
         }
     }
-    Ok(Some(out))
+    let errors = diagnostics.into_iter();
+    let errors = errors.filter(|error| error.severity == Severity::Error);
+    said.diagnostics.extend(errors);
+    said.checked += 1;
+}
+
+/// Returns the note about what is simulated of a component.
+fn simulated_note(name: &str, part: Option<&HostedComponent<'_>>) -> Option<String> {
+    let Some(part) = part else {
+        return Some(format!(
+            "`{name}` is simulated: it has no sources of codels; `dotgen codels stub` writes them"
+        ));
+    };
+    let mut missing: Vec<&str> = part.missing.iter().map(|text| text.as_str()).collect();
+    missing.sort_unstable();
+    (!missing.is_empty()).then(|| {
+        format!(
+            "simulated codels of `{name}`, which have no function (`dotgen codels stub` writes them): {}",
+            missing.join(", ")
+        )
+    })
 }
 
 impl<'s> Hosted<'s> {

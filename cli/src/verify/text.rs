@@ -39,26 +39,7 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
     // Without any execution time, the table is sufficient.
     let is_nothing = |answer: &FirstAnswer| answer.outcome == Outcome::Nothing;
     if !answer.first.iter().all(is_nothing) {
-        writeln!(out)?;
-        let width = answer
-            .first
-            .iter()
-            .map(|answer| answer.assuming.len())
-            .max();
-        let width = width.unwrap_or_default();
-        for answer in &answer.first {
-            let open = match answer.open.is_empty() {
-                true => String::new(),
-                false => format!(": {}", answer.open.join(", ")),
-            };
-            writeln!(
-                out,
-                "  {:<width$}  {}{open}",
-                answer.assuming,
-                answer.outcome.counted()
-            )?;
-        }
-        writeln!(out, "  any client:")?;
+        first_answers(out, &answer.first)?;
     }
     let view = answer.view();
     let mut rows: Vec<Row> = view.checks.iter().map(Row::new).collect();
@@ -73,37 +54,64 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
         )?;
     }
     for seen in &view.checks {
-        let check = seen.report;
-        let (events, remark) = match check.counterexample.is_empty() {
-            true => (
-                &check.possible_run,
-                ", with rounded durations; it may not be possible",
-            ),
-            false => (&check.counterexample, ""),
+        shown_run(out, seen, unit, explained)?;
+    }
+    Ok(())
+}
+
+/// Prints the answers that hold for fewer clients than any client at any time.
+fn first_answers(out: &mut impl Write, answers: &[FirstAnswer]) -> std::io::Result<()> {
+    writeln!(out)?;
+    let width = answers.iter().map(|answer| answer.assuming.len()).max();
+    let width = width.unwrap_or_default();
+    for answer in answers {
+        let open = match answer.open.is_empty() {
+            true => String::new(),
+            false => format!(": {}", answer.open.join(", ")),
         };
-        if events.is_empty() {
-            continue;
-        }
-        let style = style(seen.outcome);
-        let word = seen.outcome.word();
-        writeln!(out, "\n{style}{word}{style:#} {}{remark}", seen.title())?;
-        run(out, events, check.cycle, unit, explained)?;
-        let requests = events
-            .iter()
-            .filter(|event| event.kind == MomentKind::Request);
-        let requests: Vec<&str> = requests.map(|request| request.what.as_str()).collect();
-        if !requests.is_empty() {
-            labelled(out, "requests", &requests.join(", then "))?;
-        }
-        if let Some(cause) = &seen.cause {
-            labelled(out, "cause", cause)?;
-        }
-        if let Some(remedy) = &seen.remedy {
-            labelled(out, "help", remedy)?;
-        }
-        for reason in &seen.reason {
-            labelled(out, "because", reason)?;
-        }
+        let (assuming, counted) = (&answer.assuming, answer.outcome.counted());
+        writeln!(out, "  {assuming:<width$}  {counted}{open}")?;
+    }
+    writeln!(out, "  any client:")
+}
+
+/// Prints the run of a check, with its cause and its help.
+fn shown_run(
+    out: &mut impl Write,
+    seen: &CheckView<'_>,
+    unit: TimeUnit,
+    explained: bool,
+) -> anyhow::Result<()> {
+    let check = seen.report;
+    let (events, remark) = match check.counterexample.is_empty() {
+        true => (
+            &check.possible_run,
+            ", with rounded durations; it may not be possible",
+        ),
+        false => (&check.counterexample, ""),
+    };
+    if events.is_empty() {
+        return Ok(());
+    }
+    let style = style(seen.outcome);
+    let word = seen.outcome.word();
+    writeln!(out, "\n{style}{word}{style:#} {}{remark}", seen.title())?;
+    run(out, events, check.cycle, unit, explained)?;
+    let requests = events
+        .iter()
+        .filter(|event| event.kind == MomentKind::Request);
+    let requests: Vec<&str> = requests.map(|request| request.what.as_str()).collect();
+    if !requests.is_empty() {
+        labelled(out, "requests", &requests.join(", then "))?;
+    }
+    if let Some(cause) = &seen.cause {
+        labelled(out, "cause", cause)?;
+    }
+    if let Some(remedy) = &seen.remedy {
+        labelled(out, "help", remedy)?;
+    }
+    for reason in &seen.reason {
+        labelled(out, "because", reason)?;
     }
     Ok(())
 }

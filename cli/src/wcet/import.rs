@@ -10,6 +10,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
 use dotgen_analysis::diagnostic::{FileEdit, Severity};
 use dotgen_analysis::host::{Change, FileContent, UnitResult};
+use dotgen_analysis::language;
 use dotgen_analysis::model::{CodelRef, Seconds};
 use dotgen_analysis::source_map::{Location, Locations};
 use dotgen_recording::edits::{self, NewWcet, Refusal, WcetForm};
@@ -123,7 +124,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let Some((mut session, problem)) = one_problem(&files.texts, &arguments.reading)? else {
         return Ok(Outcome::Unusable);
     };
-    let is_scenario = problem.path.extension() == Some("scn");
+    let is_scenario = problem.is_written();
     ensure!(
         is_scenario || arguments.form != FormName::Sidecar,
         "`--as sidecar` writes into a scenario: name one (.scn) that uses the specification"
@@ -161,7 +162,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 fn only_specification() -> anyhow::Result<Utf8PathBuf> {
     let entries = std::fs::read_dir(".")?.flatten();
     let paths = entries.filter_map(|entry| Utf8PathBuf::from_path_buf(entry.path()).ok());
-    let mut all = paths.filter(|path| path.extension() == Some("gen") && path.is_file());
+    let mut all = paths.filter(|path| language::is_specification(path) && path.is_file());
     match (all.next(), all.next()) {
         (Some(only), None) => Ok(only),
         (None, _) => bail!("no specification is here: name one (.gen), or a scenario (.scn)"),
@@ -179,26 +180,76 @@ fn answer(
     let specs = problem.specs();
     let names = Names::new(&specs);
     let found = measured.found(&names);
+    let (rows, wanted) = rows(arguments, problem, &names, found.sites);
+    let is_measured = rows.iter().any(|row| row.measure.runs > 0);
+    ensure!(
+        is_measured || found.simulated.is_empty(),
+        "these times were simulated, not measured: nothing to import; run the codels with `dotgen run --clock \
+         real --profile FILE`"
+    );
+    if !is_measured {
+        let strays: u64 = found.strays.iter().map(|stray| stray.2).sum();
+        let why = match (strays, measured.left.total()) {
+            (0, 0) => "the log is empty".to_owned(),
+            (0, n) => format!("none of its {n} lines is one of a codel"),
+            (n, _) => format!("its {n} runs are of other components or other codels"),
+        };
+        bail!("no codel of the specification was measured: {why}");
+    }
+    let mut answer = Answer {
+        logs,
+        rows,
+        strays: found.strays,
+        simulated: found.simulated,
+        left: measured.left,
+        refused: Vec::new(),
+        edits: Vec::new(),
+        changed: BTreeMap::new(),
+    };
+    let form = match arguments.form {
+        FormName::Sidecar => {
+            edit_scenario(&mut answer, problem, &names, &wanted)?;
+            return Ok(answer);
+        }
+        FormName::Pragma => WcetForm::Pragma,
+        FormName::Clause => WcetForm::Clause,
+    };
+    let mut of_units: Vec<Vec<NewWcet>> = (0..problem.units.len())
+        .map(|index| of_unit(problem, &names, index, &wanted))
+        .collect();
+    unify_declarations(&problem.units, &mut of_units);
+    edit_specifications(&mut answer, problem, &of_units, form)?;
+    for (unit, of_unit) in problem.units.iter().zip(&of_units) {
+        check_unit(session, unit, of_unit, &answer)?;
+    }
+    Ok(answer)
+}
+
+/// Returns a row for each codel, and the times to write, in microseconds.
+fn rows(
+    arguments: &Arguments,
+    problem: &Problem,
+    names: &Names<'_>,
+    sites: Vec<(Site, ExecutionTimes)>,
+) -> (Vec<Row>, Vec<(Site, u64)>) {
     let sidecar = arguments.form == FormName::Sidecar;
-    let mut rows = Vec::new();
     // A declaration applies to all of its states: the greatest time counts.
     let mut greatest: BTreeMap<(usize, CodelRef), i64> = BTreeMap::new();
-    for (site, measure) in found.sites.iter().filter(|site| site.1.runs > 0) {
+    for (site, measure) in sites.iter().filter(|site| site.1.runs > 0) {
         let entry = greatest.entry((site.component, site.codel)).or_default();
         *entry = measure.greatest.max(*entry);
     }
-    let mut wanted: Vec<(Site, u64)> = Vec::new();
-    for (site, measure) in found.sites {
+    let (mut rows, mut wanted) = (Vec::new(), Vec::new());
+    for (site, measure) in sites {
         let Some(member) = names.components.get(site.component) else {
             continue;
         };
         let codel = member.component.codel(site.codel);
-        let of = (measure.runs > 0).then_some(measure.greatest);
         let of = match sidecar {
-            true => of,
+            true => (measure.runs > 0).then_some(measure.greatest),
             false => greatest.get(&(site.component, site.codel)).copied(),
         };
-        let path = path(&names, &site);
+        let path = path(names, &site);
         let of_scenario = sidecar
             .then(|| declared_bound(&problem.scenario, &path))
             .flatten();
@@ -227,92 +278,72 @@ fn answer(
             decision,
         });
     }
-    let is_measured = rows.iter().any(|row| row.measure.runs > 0);
-    ensure!(
-        is_measured || found.simulated.is_empty(),
-        "these times were simulated, not measured: nothing to import; run the codels with `dotgen run --clock \
-         real --profile FILE`"
-    );
-    if !is_measured {
-        let strays: u64 = found.strays.iter().map(|stray| stray.2).sum();
-        let why = match (strays, measured.left.total()) {
-            (0, 0) => "the log is empty".to_owned(),
-            (0, n) => format!("none of its {n} lines is one of a codel"),
-            (n, _) => format!("its {n} runs are of other components or other codels"),
+    (rows, wanted)
+}
+
+/// Writes the times into the scenario.
+fn edit_scenario(
+    answer: &mut Answer,
+    problem: &Problem,
+    names: &Names<'_>,
+    wanted: &[(Site, u64)],
+) -> anyhow::Result<()> {
+    let times = wanted
+        .iter()
+        .map(|(site, micros)| (path(names, site), *micros));
+    let times: Vec<(String, u64)> = times.collect();
+    let text = text(&problem.path).unwrap_or_default();
+    let edits = edits::scenario(&problem.path, &text, &problem.scenario, &times);
+    change(answer, &problem.path, &text, &edits);
+    check_scenario(answer, problem, &times)
+}
+
+/// Returns the times that belong into one unit.
+fn of_unit(
+    problem: &Problem,
+    names: &Names<'_>,
+    index: usize,
+    wanted: &[(Site, u64)],
+) -> Vec<NewWcet> {
+    let mut out: Vec<NewWcet> = Vec::new();
+    for (site, micros) in wanted {
+        let Some(member) = names.components.get(site.component) else {
+            continue;
         };
-        bail!("no codel of the specification was measured: {why}");
+        let mut components = problem.units[index].spec.components.iter();
+        let place = components.position(|component| std::ptr::eq(component, member.component));
+        if let (true, Some(place)) = (member.spec_index == index, place) {
+            out.push(NewWcet {
+                component: place as u32,
+                codel: site.codel,
+                micros: *micros,
+            });
+        }
     }
-    let mut answer = Answer {
-        logs,
-        rows,
-        strays: found.strays,
-        simulated: found.simulated,
-        left: measured.left,
-        refused: Vec::new(),
-        edits: Vec::new(),
-        changed: BTreeMap::new(),
-    };
-    if sidecar {
-        let mut times: Vec<(String, u64)> = Vec::new();
-        times.extend(
-            wanted
-                .iter()
-                .map(|(site, micros)| (path(&names, site), *micros)),
-        );
-        let text = text(&problem.path).unwrap_or_default();
-        let edits = edits::scenario(&problem.path, &text, &problem.scenario, &times);
-        change(&mut answer, &problem.path, &text, &edits);
-        check_scenario(&answer, problem, &times)?;
-        return Ok(answer);
-    }
-    let form = match arguments.form {
-        FormName::Pragma => WcetForm::Pragma,
-        _ => WcetForm::Clause,
-    };
-    let mut of_units: Vec<Vec<NewWcet>> = Vec::new();
-    for (index, unit) in problem.units.iter().enumerate() {
-        let mut of_unit: Vec<NewWcet> = Vec::new();
-        for (site, micros) in &wanted {
-            let Some(member) = names.components.get(site.component) else {
-                continue;
-            };
-            let mut components = unit.spec.components.iter();
-            let place = components.position(|component| std::ptr::eq(component, member.component));
-            if let (true, Some(place)) = (member.spec_index == index, place) {
-                of_unit.push(NewWcet {
-                    component: place as u32,
-                    codel: site.codel,
-                    micros: *micros,
-                });
+    out.dedup();
+    out
+}
+
+/// Writes the times into the specifications. A file that several specifications include is edited once.
+fn edit_specifications(
+    answer: &mut Answer,
+    problem: &Problem,
+    of_units: &[Vec<NewWcet>],
+    form: WcetForm,
+) -> anyhow::Result<()> {
+    let mut all: Vec<FileEdit> = Vec::new();
+    for (unit, of_unit) in problem.units.iter().zip(of_units) {
+        let written = edits::specification(unit, &text, of_unit, form);
+        for refused in written.refused {
+            if !answer.refused.contains(&refused) {
+                answer.refused.push(refused);
             }
         }
-        of_unit.dedup();
-        of_units.push(of_unit);
-    }
-    unify_declarations(&problem.units, &mut of_units);
-    let mut all: Vec<FileEdit> = Vec::new();
-    for (unit, of_unit) in problem.units.iter().zip(&of_units) {
-        let written = edits::specification(unit, &text, of_unit, form);
-        let known = |pair: &(String, Refusal)| answer.refused.contains(pair);
-        let fresh: Vec<_> = written
-            .refused
-            .into_iter()
-            .filter(|ty| !known(ty))
-            .collect();
-        answer.refused.extend(fresh);
         all.extend(written.edits);
     }
-    // A file that several specifications include is edited once.
-    all.sort_by(|a, b| {
-        let key = |edit: &FileEdit| {
-            (
-                edit.path.clone(),
-                edit.range.start,
-                edit.range.end,
-                edit.new_text.clone(),
-            )
-        };
-        key(a).cmp(&key(b))
+    all.sort_by_cached_key(|edit| {
+        let (range, text) = (&edit.range, &edit.new_text);
+        (edit.path.clone(), range.start, range.end, text.clone())
     });
     all.dedup();
     for edits in all.chunk_by(|a, b| a.path == b.path) {
@@ -332,12 +363,9 @@ fn answer(
             display(&first.path)
         );
         let old = text(&first.path).unwrap_or_default();
-        change(&mut answer, &first.path, &old, edits);
+        change(answer, &first.path, &old, edits);
     }
-    for (unit, of_unit) in problem.units.iter().zip(&of_units) {
-        check_unit(session, unit, of_unit, &answer)?;
-    }
-    Ok(answer)
+    Ok(())
 }
 
 /// Gives each shared declaration the greatest time of all specifications that include it, such as that of an

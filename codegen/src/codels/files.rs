@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use camino::{Utf8Component, Utf8Path, Utf8PathBuf};
+use dotgen_analysis::language::is_header;
 use rustc_hash::FxHashMap;
 
 use super::source::{Grammar, SourceIndex};
@@ -80,11 +81,7 @@ pub fn select(listing: &[Utf8PathBuf], makefile: Option<&str>, config: &FilesCon
     all.sort();
     all.dedup();
     let mut out = CodelFiles::default();
-    let header = |path: &&Utf8PathBuf| {
-        let extension = path.extension().unwrap_or_default();
-        matches!(extension, "h" | "hh" | "hpp" | "hxx")
-    };
-    out.headers = all.iter().filter(header).cloned().collect();
+    out.headers = all.iter().filter(|path| is_header(path)).cloned().collect();
     let listed = makefile.filter(|_| config.makefile).map(makefile_sources);
     let listed = listed.unwrap_or_default();
     let listed = listed.into_iter().filter(|source| config.is_source(source));

@@ -31,6 +31,17 @@ pub struct Problem {
     pub range: Option<Range<usize>>,
 }
 
+impl Problem {
+    /// An unknown setting.
+    fn unknown(message: String) -> Problem {
+        Problem {
+            kind: ProblemKind::UnknownKey,
+            message,
+            range: None,
+        }
+    }
+}
+
 /// Kinds of problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProblemKind {
@@ -194,22 +205,9 @@ fn read_object(
             continue;
         }
         if !properties.contains_key(key) {
-            let written = name(key);
-            let message = match nearest(key, properties.keys().map(String::as_str)) {
-                Some(near) => {
-                    let near = name(near);
-                    format!("unknown setting `{written}`; did you mean `{near}`?")
-                }
-                None => format!("unknown setting `{written}`"),
-            };
-            problems.push((
-                format!("/{key}"),
-                Problem {
-                    kind: ProblemKind::UnknownKey,
-                    message,
-                    range: None,
-                },
-            ));
+            let hint = did_you_mean(key, properties.keys().map(String::as_str), name);
+            let message = format!("unknown setting `{}`{hint}", name(key));
+            problems.push((format!("/{key}"), Problem::unknown(message)));
             continue;
         }
         // Each entry is read separately, so that an invalid entry of a table does not remove the others.
@@ -230,17 +228,9 @@ fn read_object(
                 continue;
             }
             let known = entries.iter().flatten().map(String::as_str);
-            let hint = match nearest(entry, known) {
-                Some(near) => format!("; did you mean `{near}`?"),
-                None => String::new(),
-            };
+            let hint = did_you_mean(entry, known, &str::to_owned);
             let message = format!("unknown setting `{}`{hint}", name(&dotted(&pointer)));
-            let problem = Problem {
-                kind: ProblemKind::UnknownKey,
-                message,
-                range: None,
-            };
-            problems.push((pointer, problem));
+            problems.push((pointer, Problem::unknown(message)));
         }
         if !value.is_object() {
             parts.push((format!("/{key}"), value.clone()));
@@ -252,22 +242,31 @@ fn read_object(
             }
             match serde_json::from_value::<Settings>(one) {
                 Ok(one) => settings = settings.over(one),
-                Err(error) => problems.push((
-                    pointer.clone(),
-                    Problem {
+                Err(error) => {
+                    let (written, why) = (name(&dotted(&pointer)), explain(key, &error));
+                    let problem = Problem {
                         kind: ProblemKind::BadValue,
-                        message: format!(
-                            "bad value for `{}`: {}",
-                            name(&dotted(&pointer)),
-                            explain(key, &error)
-                        ),
+                        message: format!("bad value for `{written}`: {why}"),
                         range: None,
-                    },
-                )),
+                    };
+                    problems.push((pointer, problem));
+                }
             }
         }
     }
     (settings, problems)
+}
+
+/// The nearest known name, as the end of a message.
+fn did_you_mean<'k>(
+    written: &str,
+    known: impl Iterator<Item = &'k str>,
+    name: &dyn Fn(&str) -> String,
+) -> String {
+    let near = nearest(written, known);
+    near.map_or(String::new(), |near| {
+        format!("; did you mean `{}`?", name(near))
+    })
 }
 
 /// A JSON pointer in the syntax of settings: `/severity/fsm/busy-loop` with the quotes that the code needs.

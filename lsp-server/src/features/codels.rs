@@ -20,6 +20,7 @@ use std::sync::Arc;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{Cancellable, Cancelled, FileContent, UnitResult};
+use dotgen_analysis::language::Language;
 use dotgen_analysis::source_map::{Location, TextMove};
 use dotgen_codegen::codels::diagnostics::{Side, diagnostics};
 use dotgen_codegen::codels::drift::{Drift, Repair};
@@ -34,7 +35,7 @@ use dotgen_codegen::template::notice;
 use rustc_hash::FxHasher;
 
 use crate::workspace::codels::{ComparedFolders, ValidUnit, lock};
-use crate::workspace::snapshot::{DocumentKind, Snapshot};
+use crate::workspace::snapshot::Snapshot;
 use dotgen_platform::files::{history, vfs};
 
 /// The files on the disk.
@@ -456,7 +457,7 @@ pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
     let code = snapshot
         .open
         .iter()
-        .filter(|pair| pair.1.kind == DocumentKind::Code);
+        .filter(|pair| pair.1.language == Language::Codel);
     for path in code.map(|code| code.0) {
         for (lens, _) in crate::features::codels::lenses::lenses(snapshot, path)? {
             anything = true;

@@ -5,6 +5,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::{AnalysisHost, Cancellable, Change};
 use dotgen_analysis::ide;
+use dotgen_analysis::language::SCENARIO;
 use dotgen_analysis::model::{Component, ComponentKind, PortDir};
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::command::{self, Project, StubTarget};
@@ -21,7 +22,6 @@ use crate::protocol::convert::uri;
 use crate::protocol::types::Uri;
 use crate::protocol::user_result::UserResult;
 use crate::workspace::snapshot::{Snapshot, Subject};
-use dotgen_views::verification::problem::EXTENSION;
 
 /// The contents of a new component, with interfaces by name and file.
 #[derive(Debug, Clone, Default)]
@@ -85,7 +85,7 @@ pub fn files(
     project.overlay(specification.clone(), text.clone());
     let stubs = command::stub(&mut project, &specification, &StubTarget::All)?;
     drop(project);
-    let scenario = specification.with_extension(EXTENSION);
+    let scenario = specification.with_extension(SCENARIO);
     let of_scenario = scn::format(&made.scenario).unwrap_or(made.scenario);
     let mut out = vec![(specification, text), (scenario, of_scenario)];
     out.extend(stubs.into_iter().map(|stub| (stub.path, stub.after)));

@@ -10,7 +10,7 @@ use dotgen_analysis::host::Cancellable;
 use rustc_hash::{FxHashMap, FxHasher};
 
 use crate::features::convert::diagnostic;
-use crate::features::language::Language;
+use crate::features::language::LanguageFeatures;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_platform::panic;
@@ -28,12 +28,12 @@ pub(crate) struct DocumentReport {
 
 /// `textDocument/diagnostic`. Empty for sources: editors get their diagnostics from other servers.
 pub(crate) fn document(
-    language: &dyn Language,
+    features: &LanguageFeatures,
     snapshot: &Snapshot,
     subject: &Subject,
     params: &DocumentDiagnosticParams,
 ) -> Cancellable<DocumentReport> {
-    if !language.is_own() && !snapshot.client.pull_sources {
+    if !features.is_own && !snapshot.client.pull_sources {
         return Ok(DocumentReport::default());
     }
     let items = file_diagnostics(snapshot, &subject.path, Severity::Hint)?;
@@ -196,7 +196,7 @@ pub(crate) fn file_diagnostics(
     least: Severity,
 ) -> Cancellable<Vec<Diagnostic>> {
     let mut items = Vec::new();
-    let all = super::language_of(snapshot, path).diagnostics(snapshot, path)?;
+    let all = (super::features_of(snapshot, path).diagnostics)(snapshot, path)?;
     for diagnostic in all {
         // Clients that support clangd's notification grey the regions by it.
         let greyed = diagnostic.code == INACTIVE_CODE && snapshot.client.inactive_regions;

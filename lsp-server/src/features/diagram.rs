@@ -113,25 +113,7 @@ pub(crate) fn handle(
     let Some(picture) = drawn.first() else {
         return Ok(None);
     };
-    let outlines: RefCell<BTreeMap<Utf8PathBuf, Vec<DocumentSymbol>>> = RefCell::default();
-    let (nodes, edges) = pictures::data(&units, picture, &|location| {
-        let uri = snapshot.uri(&location.path)?;
-        let lines = snapshot.lines(&location.path).ok()??;
-        // The whole codel, component or other declaration, if the outline of its document contains it.
-        let mut outlines = outlines.borrow_mut();
-        let outline = match outlines.entry(location.path.clone()) {
-            Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(new) => {
-                new.insert(snapshot.analysis.document_symbols(&location.path).ok()?)
-            }
-        };
-        let whole = whole(outline, location.range.start).unwrap_or(location.range.clone());
-        Some(json!({
-            "uri": uri,
-            "range": lines.range(&whole),
-            "selectionRange": lines.range(&location.range),
-        }))
-    });
+    let (nodes, edges) = nodes_and_edges(snapshot, &units, picture);
     let declared = declared(
         &symbols,
         picture.component.as_deref(),
@@ -165,6 +147,33 @@ pub(crate) fn handle(
         question.last.set(key, answer.clone());
     }
     Ok(Some(answer))
+}
+
+/// The nodes and edges of a picture, with their places.
+fn nodes_and_edges(
+    snapshot: &Snapshot,
+    units: &[UnitResult],
+    picture: &pictures::Picture,
+) -> (Value, Value) {
+    let outlines: RefCell<BTreeMap<Utf8PathBuf, Vec<DocumentSymbol>>> = RefCell::default();
+    pictures::data(units, picture, &|location| {
+        let uri = snapshot.uri(&location.path)?;
+        let lines = snapshot.lines(&location.path).ok()??;
+        // The whole codel, component or other declaration, if the outline of its document contains it.
+        let mut outlines = outlines.borrow_mut();
+        let outline = match outlines.entry(location.path.clone()) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => {
+                new.insert(snapshot.analysis.document_symbols(&location.path).ok()?)
+            }
+        };
+        let whole = whole(outline, location.range.start).unwrap_or(location.range.clone());
+        Some(json!({
+            "uri": uri,
+            "range": lines.range(&whole),
+            "selectionRange": lines.range(&location.range),
+        }))
+    })
 }
 
 /// The picture without the rest of the answer, for editors that show text.

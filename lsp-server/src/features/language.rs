@@ -1,109 +1,115 @@
-//! The features of a language of documents: one interface for specifications, scenarios, sources of codels
-//! and template files.
+//! The features of a language of documents: one table for specifications, scenarios, sources of codels and
+//! templates.
 
 use camino::Utf8Path;
 use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::Cancellable;
 
+use crate::protocol::types::request::*;
 use crate::protocol::types::*;
 use crate::protocol::user_result::UserResult;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// Declares [`Language`]: features by parameters and answer. The default answer of every feature is empty.
-macro_rules! language {
-    ($($(#[$doc:meta])+ $name:ident: $params:ty => $answer:ty;)*) => {
-        /// A language of documents.
-        pub(crate) trait Language: Sync {
-            /// The diagnostics of a file.
-            fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>>;
+/// A function that answers a request about a document.
+pub(crate) type Handler<P, A> = fn(&Snapshot, &Subject, &P) -> Cancellable<A>;
 
-            /// True if no other server serves its documents. For other documents the client also asks other
-            /// servers: diagnostics are then sent without a request, and only the standard protocol is
-            /// served.
-            fn is_own(&self) -> bool {
-                false
-            }
+/// The handler of a request of the protocol.
+type HandlerOf<R> = Handler<<R as Request>::Params, <R as Request>::Result>;
 
-            /// True if a file can have diagnostics.
-            fn is_served(&self, _: &Snapshot, _: &Utf8Path) -> Cancellable<bool> {
-                Ok(true)
-            }
-
-            $(
-                $(#[$doc])+
-                fn $name(&self, _: &Snapshot, _: &Subject, _: &$params) -> Cancellable<$answer> {
-                    Ok(Default::default())
-                }
-            )*
-        }
-    };
-}
-
-language! {
+/// The features of a language. Those that a language lacks are taken from [`LanguageFeatures::NONE`].
+pub(crate) struct LanguageFeatures {
+    /// The diagnostics of a file.
+    pub(crate) diagnostics: fn(&Snapshot, &Utf8Path) -> Cancellable<Vec<Diagnostic>>,
+    /// False if the client also asks other servers about its documents: diagnostics are then sent without a
+    /// request, and only the standard protocol is served.
+    pub(crate) is_own: bool,
+    /// Returns true if a file can have diagnostics.
+    pub(crate) is_served: fn(&Snapshot, &Utf8Path) -> Cancellable<bool>,
     /// The outline.
-    symbols: DocumentSymbolParams => Option<DocumentSymbolResponse>;
+    pub(crate) symbols: HandlerOf<DocumentSymbolRequest>,
     /// The ranges that can be folded.
-    folds: FoldingRangeParams => Option<Vec<FoldingRange>>;
+    pub(crate) folds: HandlerOf<FoldingRangeRequest>,
     /// The nested ranges around some places, for growing selections.
-    selections: SelectionRangeParams => Option<Vec<SelectionRange>>;
+    pub(crate) selections: HandlerOf<SelectionRangeRequest>,
     /// Links to the files that are named in a document.
-    links: DocumentLinkParams => Option<Vec<DocumentLink>>;
+    pub(crate) links: HandlerOf<DocumentLinkRequest>,
     /// The tokens of a document, for colours.
-    tokens: SemanticTokensParams => Option<Vec<SemanticToken>>;
+    pub(crate) tokens: Handler<SemanticTokensParams, Option<Vec<SemanticToken>>>,
     /// The tokens of a part of a document.
-    tokens_in: SemanticTokensRangeParams => Option<SemanticTokensRangeResult>;
+    pub(crate) tokens_in: HandlerOf<SemanticTokensRangeRequest>,
     /// The definition of a name.
-    definition: GotoDefinitionParams => Option<GotoDefinitionResponse>;
+    pub(crate) definition: HandlerOf<GotoDefinition>,
     /// The declaration of a name.
-    declaration: GotoDeclarationParams => Option<GotoDeclarationResponse>;
+    pub(crate) declaration: HandlerOf<GotoDeclaration>,
     /// The definition of a name's type.
-    type_definition: GotoTypeDefinitionParams => Option<GotoTypeDefinitionResponse>;
+    pub(crate) type_definition: HandlerOf<GotoTypeDefinition>,
     /// The implementation of a name.
-    implementation: GotoImplementationParams => Option<GotoImplementationResponse>;
+    pub(crate) implementation: HandlerOf<GotoImplementation>,
     /// All mentions of a name.
-    references: ReferenceParams => Option<Vec<Location>>;
+    pub(crate) references: HandlerOf<References>,
     /// The mentions of a name in the same document.
-    highlights: DocumentHighlightParams => Option<Vec<DocumentHighlight>>;
+    pub(crate) highlights: HandlerOf<DocumentHighlightRequest>,
     /// The description of a name.
-    hover: HoverParams => Option<Hover>;
+    pub(crate) hover: HandlerOf<HoverRequest>,
     /// The proposals at a place.
-    completion: CompletionParams => Option<CompletionResponse>;
+    pub(crate) completion: HandlerOf<Completion>,
     /// The parameters of the call at a place.
-    signature: SignatureHelpParams => Option<SignatureHelp>;
+    pub(crate) signature: HandlerOf<SignatureHelpRequest>,
     /// The range of a name that can be renamed.
-    prepare_rename: TextDocumentPositionParams => UserResult<PrepareRenameResponse>;
+    pub(crate) prepare_rename:
+        Handler<TextDocumentPositionParams, UserResult<PrepareRenameResponse>>,
     /// The edits that rename a declaration.
-    rename: RenameParams => UserResult<WorkspaceEdit>;
+    pub(crate) rename: Handler<RenameParams, UserResult<WorkspaceEdit>>,
     /// The edits that format a document.
-    format: DocumentFormattingParams => Option<Vec<TextEdit>>;
+    pub(crate) format: HandlerOf<Formatting>,
     /// The edits that format a part of a document.
-    format_range: DocumentRangeFormattingParams => Option<Vec<TextEdit>>;
+    pub(crate) format_range: HandlerOf<RangeFormatting>,
     /// The edits that format newly typed text.
-    format_typed: DocumentOnTypeFormattingParams => Option<Vec<TextEdit>>;
+    pub(crate) format_typed: HandlerOf<OnTypeFormatting>,
     /// Hints between the words.
-    hints: InlayHintParams => Option<Vec<InlayHint>>;
+    pub(crate) hints: HandlerOf<InlayHintRequest>,
     /// Lenses between the lines.
-    lenses: CodeLensParams => Option<Vec<CodeLens>>;
+    pub(crate) lenses: HandlerOf<CodeLensRequest>,
     /// The caller or callee at a place.
-    calls: CallHierarchyPrepareParams => Option<Vec<CallHierarchyItem>>;
+    pub(crate) calls: HandlerOf<CallHierarchyPrepare>,
     /// The actions at a place.
-    actions: CodeActionParams => Option<CodeActionResponse>;
+    pub(crate) actions: HandlerOf<CodeActionRequest>,
 }
 
-/// Methods of [`Language`] that call a function of the same signature.
-macro_rules! answered_by {
-    ($($name:ident: $params:ty => $answer:ty = $handler:path;)*) => {
-        $(
-            fn $name(
-                &self,
-                snapshot: &crate::workspace::snapshot::Snapshot,
-                subject: &crate::workspace::snapshot::Subject,
-                params: &$params,
-            ) -> dotgen_analysis::host::Cancellable<$answer> {
-                $handler(snapshot, subject, params)
-            }
-        )*
+impl LanguageFeatures {
+    /// No features: every answer is empty.
+    pub(crate) const NONE: LanguageFeatures = LanguageFeatures {
+        diagnostics: |_, _| Ok(Vec::new()),
+        is_own: false,
+        is_served: |_, _| Ok(true),
+        symbols: nothing,
+        folds: nothing,
+        selections: nothing,
+        links: nothing,
+        tokens: nothing,
+        tokens_in: nothing,
+        definition: nothing,
+        declaration: nothing,
+        type_definition: nothing,
+        implementation: nothing,
+        references: nothing,
+        highlights: nothing,
+        hover: nothing,
+        completion: nothing,
+        signature: nothing,
+        prepare_rename: nothing,
+        rename: nothing,
+        format: nothing,
+        format_range: nothing,
+        format_typed: nothing,
+        hints: nothing,
+        lenses: nothing,
+        calls: nothing,
+        actions: nothing,
     };
 }
 
-pub(crate) use answered_by;
+/// The empty answer.
+fn nothing<P, A: Default>(_: &Snapshot, _: &Subject, _: &P) -> Cancellable<A> {
+    Ok(A::default())
+}

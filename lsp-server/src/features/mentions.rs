@@ -6,6 +6,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::{Cancellable, FileContent};
 use dotgen_analysis::ide::FilePosition;
+use dotgen_analysis::language::is_scenario;
 use dotgen_analysis::source_map::Locations;
 use dotgen_timing::scn::names::{Names, Target};
 use dotgen_timing::scn::outline::{self, EntryKind};
@@ -14,12 +15,6 @@ use crate::features::verification::problems;
 use crate::workspace::snapshot::Snapshot;
 use dotgen_platform::files::vfs;
 use dotgen_views::verification::Problem;
-use dotgen_views::verification::problem::EXTENSION;
-
-/// True if a document is a scenario.
-pub(crate) fn is_scenario(path: &Utf8Path) -> bool {
-    path.extension() == Some(EXTENSION)
-}
 
 /// The declaration of a target.
 pub(crate) fn declaration(

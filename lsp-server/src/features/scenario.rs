@@ -10,6 +10,7 @@ use camino::Utf8Path;
 use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::FilePosition;
+use dotgen_analysis::language;
 use dotgen_analysis::markdown;
 use dotgen_codegen::codels::edit::Edit;
 use dotgen_timing::scn::complete::{self, CompletionKind as Kind, Completions};
@@ -19,8 +20,8 @@ use dotgen_timing::scn::{self, describe};
 
 use super::codels::judged_actions;
 use super::convert::edit::is_wanted;
-use super::language::{Language, answered_by};
-use super::mentions::{declaration, is_scenario};
+use super::language::LanguageFeatures;
+use super::mentions::declaration;
 use super::specification::{code_action, completion, references, rename};
 use super::verification::problems;
 use crate::protocol::convert::Lines;
@@ -31,38 +32,29 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_views::verification::Problem;
 use dotgen_views::verification::problem;
 
-/// Scenarios.
-pub(crate) struct Scenario;
-
-impl Language for Scenario {
-    fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
-        diagnostics(snapshot, path)
-    }
-
-    fn is_own(&self) -> bool {
-        true
-    }
-
-    answered_by! {
-        symbols: DocumentSymbolParams => Option<DocumentSymbolResponse> = symbols;
-        definition: GotoDefinitionParams => Option<GotoDefinitionResponse> = definition;
-        references: ReferenceParams => Option<Vec<Location>> = references;
-        highlights: DocumentHighlightParams => Option<Vec<DocumentHighlight>> = highlights;
-        hover: HoverParams => Option<Hover> = hover;
-        completion: CompletionParams => Option<CompletionResponse> = completion;
-        prepare_rename: TextDocumentPositionParams => UserResult<PrepareRenameResponse> = prepare_rename;
-        rename: RenameParams => UserResult<WorkspaceEdit> = rename;
-        lenses: CodeLensParams => Option<Vec<CodeLens>> = super::runs::scenario_lenses;
-        links: DocumentLinkParams => Option<Vec<DocumentLink>> = links;
-        actions: CodeActionParams => Option<CodeActionResponse> = actions;
-        folds: FoldingRangeParams => Option<Vec<FoldingRange>> = text::folds;
-        selections: SelectionRangeParams => Option<Vec<SelectionRange>> = text::selections;
-        format: DocumentFormattingParams => Option<Vec<TextEdit>> = text::format;
-        format_range: DocumentRangeFormattingParams => Option<Vec<TextEdit>> = text::format_range;
-        tokens: SemanticTokensParams => Option<Vec<SemanticToken>> = tokens::full;
-        tokens_in: SemanticTokensRangeParams => Option<SemanticTokensRangeResult> = tokens::range;
-    }
-}
+/// The features of scenarios.
+pub(crate) const FEATURES: LanguageFeatures = LanguageFeatures {
+    diagnostics,
+    is_own: true,
+    symbols,
+    definition,
+    references,
+    highlights,
+    hover,
+    completion,
+    prepare_rename,
+    rename,
+    lenses: super::runs::scenario_lenses,
+    links,
+    actions,
+    folds: text::folds,
+    selections: text::selections,
+    format: text::format,
+    format_range: text::format_range,
+    tokens: tokens::full,
+    tokens_in: tokens::range,
+    ..LanguageFeatures::NONE
+};
 
 /// The present text of a scenario, with the position of the cursor.
 struct Cursor {
@@ -324,8 +316,7 @@ fn files(snapshot: &Snapshot, path: &Utf8Path) -> Vec<String> {
     let beside = directory.read_dir_utf8().into_iter().flatten();
     let beside = beside.filter_map(|beside| Some(beside.ok()?.into_path()));
     let specifications = snapshot.roots.iter().cloned().chain(beside);
-    let specifications =
-        specifications.filter(|specification| specification.extension() == Some("gen"));
+    let specifications = specifications.filter(|path| language::is_specification(path));
     let mut names: Vec<String> = specifications
         .map(|file| {
             let mut up = String::new();
@@ -466,7 +457,9 @@ fn prepare_rename(
     params: &TextDocumentPositionParams,
 ) -> Cancellable<UserResult<PrepareRenameResponse>> {
     let found = declared_at(snapshot, subject, params.position)?;
-    let Some((at, range, placeholder)) = found.filter(|triple| !is_scenario(&triple.0.path)) else {
+    let Some((at, range, placeholder)) =
+        found.filter(|triple| !language::is_scenario(&triple.0.path))
+    else {
         return Ok(UserResult::default());
     };
     Ok(UserResult(match snapshot.analysis.prepare_rename(&at)? {
@@ -485,7 +478,7 @@ fn rename(
     params: &RenameParams,
 ) -> Cancellable<UserResult<WorkspaceEdit>> {
     let found = declared_at(snapshot, subject, params.text_document_position.position)?;
-    match found.filter(|triple| !is_scenario(&triple.0.path)) {
+    match found.filter(|triple| !language::is_scenario(&triple.0.path)) {
         Some((at, ..)) => rename::rename_at(snapshot, &at, &params.new_name),
         None => Ok(UserResult::default()),
     }

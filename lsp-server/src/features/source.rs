@@ -1,41 +1,30 @@
 //! C and C++ sources of codels: the features that dotgen adds to those of the C and C++ server.
 
-use camino::Utf8Path;
-use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{Analysis, Cancellable};
 use dotgen_analysis::ide::FilePosition;
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::origin::origin;
 
-use super::language::{Language, answered_by};
+use super::language::LanguageFeatures;
 use crate::features::codels::{self, actions, lenses};
 use crate::features::specification::{goto, hover, references};
 use crate::protocol::types::{
-    CodeActionParams, CodeActionResponse, CodeLens, CodeLensParams, GotoDefinitionParams,
-    GotoDefinitionResponse, Hover, HoverParams, Location, Position, Range, ReferenceParams,
+    GotoDefinitionParams, GotoDefinitionResponse, Hover, HoverParams, Location, Position, Range,
+    ReferenceParams,
 };
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// C and C++ sources of codels.
-pub(crate) struct Sources;
-
-impl Language for Sources {
-    fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
-        codels::file_diagnostics(snapshot, path)
-    }
-
-    fn is_served(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
-        Ok(!codels::around(snapshot, path)?.is_empty())
-    }
-
-    answered_by! {
-        definition: GotoDefinitionParams => Option<GotoDefinitionResponse> = definition;
-        hover: HoverParams => Option<Hover> = hover;
-        references: ReferenceParams => Option<Vec<Location>> = mentions;
-        lenses: CodeLensParams => Option<Vec<CodeLens>> = lenses::handle;
-        actions: CodeActionParams => Option<CodeActionResponse> = actions::handle;
-    }
-}
+/// The features of sources of codels.
+pub(crate) const FEATURES: LanguageFeatures = LanguageFeatures {
+    diagnostics: codels::file_diagnostics,
+    is_served: |snapshot, path| Ok(!codels::around(snapshot, path)?.is_empty()),
+    definition,
+    hover,
+    references: mentions,
+    lenses: lenses::handle,
+    actions: actions::handle,
+    ..LanguageFeatures::NONE
+};
 
 /// A name in a source, and the places of its declarations in specifications.
 struct DeclaredName {

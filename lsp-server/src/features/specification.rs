@@ -23,51 +23,44 @@ use camino::Utf8Path;
 use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::Cancellable;
 
-use super::language::{Language, answered_by};
+use super::language::LanguageFeatures;
 use super::{codels, verification};
-use crate::protocol::types::*;
-use crate::protocol::user_result::UserResult;
 use crate::workspace::snapshot::Snapshot;
 
-/// Specifications and the files they include.
-pub(crate) struct Specification;
+/// The features of specifications.
+pub(crate) const FEATURES: LanguageFeatures = LanguageFeatures {
+    diagnostics,
+    is_own: true,
+    symbols: document_symbol::handle,
+    folds: folding_range::handle,
+    selections: selection_range::handle,
+    links: document_link::handle,
+    tokens: semantic_tokens::full,
+    tokens_in: semantic_tokens::range,
+    definition: goto::definition,
+    declaration: goto::declaration,
+    type_definition: goto::type_definition,
+    implementation: goto::implementation,
+    references: references::handle,
+    highlights: document_highlight::handle,
+    hover: hover::handle,
+    completion: completion::handle,
+    signature: signature_help::handle,
+    prepare_rename: rename::prepare,
+    rename: rename::rename,
+    format: formatting::document,
+    format_range: formatting::range,
+    format_typed: formatting::on_type,
+    hints: inlay_hint::handle,
+    lenses: code_lens::handle,
+    calls: call_hierarchy::prepare,
+    actions: code_action::handle,
+    ..LanguageFeatures::NONE
+};
 
-impl Language for Specification {
-    fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
-        let mut all = codels::unrefuted_findings(snapshot, path)?;
-        all.extend(verification::in_specification(snapshot, path)?);
-        all.extend(codels::file_diagnostics(snapshot, path)?);
-        Ok(all)
-    }
-
-    fn is_own(&self) -> bool {
-        true
-    }
-
-    answered_by! {
-        symbols: DocumentSymbolParams => Option<DocumentSymbolResponse> = document_symbol::handle;
-        folds: FoldingRangeParams => Option<Vec<FoldingRange>> = folding_range::handle;
-        selections: SelectionRangeParams => Option<Vec<SelectionRange>> = selection_range::handle;
-        links: DocumentLinkParams => Option<Vec<DocumentLink>> = document_link::handle;
-        tokens: SemanticTokensParams => Option<Vec<SemanticToken>> = semantic_tokens::full;
-        tokens_in: SemanticTokensRangeParams => Option<SemanticTokensRangeResult> = semantic_tokens::range;
-        definition: GotoDefinitionParams => Option<GotoDefinitionResponse> = goto::definition;
-        declaration: GotoDeclarationParams => Option<GotoDeclarationResponse> = goto::declaration;
-        type_definition: GotoTypeDefinitionParams => Option<GotoTypeDefinitionResponse> = goto::type_definition;
-        implementation: GotoImplementationParams => Option<GotoImplementationResponse> = goto::implementation;
-        references: ReferenceParams => Option<Vec<Location>> = references::handle;
-        highlights: DocumentHighlightParams => Option<Vec<DocumentHighlight>> = document_highlight::handle;
-        hover: HoverParams => Option<Hover> = hover::handle;
-        completion: CompletionParams => Option<CompletionResponse> = completion::handle;
-        signature: SignatureHelpParams => Option<SignatureHelp> = signature_help::handle;
-        prepare_rename: TextDocumentPositionParams => UserResult<PrepareRenameResponse> = rename::prepare;
-        rename: RenameParams => UserResult<WorkspaceEdit> = rename::rename;
-        format: DocumentFormattingParams => Option<Vec<TextEdit>> = formatting::document;
-        format_range: DocumentRangeFormattingParams => Option<Vec<TextEdit>> = formatting::range;
-        format_typed: DocumentOnTypeFormattingParams => Option<Vec<TextEdit>> = formatting::on_type;
-        hints: InlayHintParams => Option<Vec<InlayHint>> = inlay_hint::handle;
-        lenses: CodeLensParams => Option<Vec<CodeLens>> = code_lens::handle;
-        calls: CallHierarchyPrepareParams => Option<Vec<CallHierarchyItem>> = call_hierarchy::prepare;
-        actions: CodeActionParams => Option<CodeActionResponse> = code_action::handle;
-    }
+fn diagnostics(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
+    let mut all = codels::unrefuted_findings(snapshot, path)?;
+    all.extend(verification::in_specification(snapshot, path)?);
+    all.extend(codels::file_diagnostics(snapshot, path)?);
+    Ok(all)
 }

@@ -6,17 +6,14 @@ use dotgen_analysis::host::Cancellable;
 use dotgen_codegen::template::check;
 use dotgen_codegen::template::files::{self, Role, SCRIPT};
 
-use super::language::Language;
-use crate::workspace::snapshot::{DocumentKind, Snapshot};
+use super::language::LanguageFeatures;
+use crate::workspace::snapshot::Snapshot;
 
-/// Files of templates.
-pub(crate) struct Template;
-
-impl Language for Template {
-    fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
-        diagnostics(snapshot, path)
-    }
-}
+/// The features of templates.
+pub(crate) const FEATURES: LanguageFeatures = LanguageFeatures {
+    diagnostics,
+    ..LanguageFeatures::NONE
+};
 
 /// Maximum number of scripts that a template requires.
 const MAX_REQUIRED: usize = 32;
@@ -39,7 +36,7 @@ fn diagnostics(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Diagnost
     let said = snapshot
         .open
         .get(file)
-        .is_some_and(|file| file.kind == DocumentKind::Source);
+        .is_some_and(|file| file.is_template_source);
     let role = files::role(file, &text, scripts.iter().map(|script| &**script));
     Ok(match role {
         Some(Role::Script) if !said => check::script(file, &text),

@@ -13,6 +13,7 @@ use std::ops::Range;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::language;
 use dotgen_analysis::source_map::Locations;
 use dotgen_timing::report::{CheckReport, TaskId, Verdict};
 use dotgen_timing::scn::names::Names;
@@ -145,7 +146,7 @@ fn write_out(
     given_up: Option<Diagnostic>,
 ) -> Cancellable<Option<CodeAction>> {
     let path = &subject.path;
-    if !snapshot.client.creates_files || path.extension() != Some("gen") {
+    if !snapshot.client.creates_files || !language::is_specification(path) {
         return Ok(None);
     }
     let unit = snapshot.analysis.root_unit(path)?;
@@ -155,7 +156,7 @@ fn write_out(
             place.path == *path && place.range.start <= range.end && range.start <= place.range.end
         })
     });
-    let target = path.with_extension(problem::EXTENSION);
+    let target = path.with_extension(language::SCENARIO);
     if !(heading || given_up.is_some()) || target.exists() || snapshot.open.contains_key(&target) {
         return Ok(None);
     }

@@ -6,7 +6,7 @@
 pub use tower_lsp::jsonrpc::{Error, ErrorCode, Result};
 pub use tower_lsp::ls_types::notification::{self, Notification};
 pub use tower_lsp::ls_types::request::{
-    GotoDeclarationParams, GotoDeclarationResponse, GotoImplementationParams,
+    self, GotoDeclarationParams, GotoDeclarationResponse, GotoImplementationParams,
     GotoImplementationResponse, GotoTypeDefinitionParams, GotoTypeDefinitionResponse,
 };
 pub use tower_lsp::ls_types::*;

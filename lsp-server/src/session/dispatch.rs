@@ -15,8 +15,8 @@ use dotgen_analysis::host::{Cancellable, CancellationToken, Cancelled};
 use dotgen_analysis::progress::Progress;
 use tokio::sync::{Notify, Semaphore, oneshot};
 
-use crate::features::language::Language;
-use crate::features::language_of;
+use crate::features::features_of;
+use crate::features::language::{Handler, LanguageFeatures};
 use crate::protocol::outbox::Outbox;
 use crate::protocol::progress::ProgressReporter;
 use crate::protocol::types::{self, MessageType, Uri};
@@ -194,7 +194,7 @@ impl Dispatcher {
         R: Default + Send + 'static,
     {
         let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| match subject {
-            Some(subject) if language_of(snapshot, &subject.path).is_own() => {
+            Some(subject) if features_of(snapshot, &subject.path).is_own => {
                 handler(snapshot, subject, params)
             }
             _ => Ok(R::default()),
@@ -209,12 +209,32 @@ impl Dispatcher {
         .await
     }
 
-    /// A request that the language of the document answers.
+    /// A request that the language of the document answers, with one of its features.
+    pub(crate) async fn feature<P, R>(
+        &self,
+        uri: Uri,
+        params: P,
+        feature: fn(&LanguageFeatures) -> Handler<P, R>,
+    ) -> types::Result<R>
+    where
+        P: Send + Sync + 'static,
+        R: Default + Send + 'static,
+    {
+        self.language(uri, params, move |features, snapshot, subject, params| {
+            feature(features)(snapshot, subject, params)
+        })
+        .await
+    }
+
+    /// A request whose answer depends on the language of the document.
     pub(crate) async fn language<P, R>(
         &self,
         uri: Uri,
         params: P,
-        feature: fn(&dyn Language, &Snapshot, &Subject, &P) -> Cancellable<R>,
+        handler: impl Fn(&LanguageFeatures, &Snapshot, &Subject, &P) -> Cancellable<R>
+        + Send
+        + Copy
+        + 'static,
     ) -> types::Result<R>
     where
         P: Send + Sync + 'static,
@@ -222,8 +242,8 @@ impl Dispatcher {
     {
         let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| match subject {
             Some(subject) => {
-                let language = language_of(snapshot, &subject.path);
-                feature(language, snapshot, subject, params)
+                let features = features_of(snapshot, &subject.path);
+                handler(features, snapshot, subject, params)
             }
             None => Ok(R::default()),
         };

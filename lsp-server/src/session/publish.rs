@@ -14,7 +14,7 @@ use tokio::runtime::Handle;
 
 use crate::features::codels::{fingerprint, sources_with_findings};
 use crate::features::diagnostics::{self, file_diagnostics, inactive_ranges, least, survived};
-use crate::features::language_of;
+use crate::features::features_of;
 use crate::protocol::client::ClientCaps;
 use crate::protocol::messages::{InactiveRegions, InactiveRegionsParams};
 use crate::protocol::outbox::Outbox;
@@ -326,11 +326,11 @@ fn file(
     let Some(uri) = snapshot.uri(path) else {
         return Ok(None);
     };
-    let language = language_of(snapshot, path);
-    if !language.is_served(snapshot, path)? {
+    let features = features_of(snapshot, path);
+    if !(features.is_served)(snapshot, path)? {
         return Ok(None);
     }
-    let own = language.is_own();
+    let own = features.is_own;
     let diagnostics = match push || !own {
         true => Some(file_diagnostics(snapshot, path, least(snapshot, path))?),
         false => None,

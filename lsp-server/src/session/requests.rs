@@ -1,8 +1,8 @@
-//! The table of requests: method, parameters, answer and handler.
+//! The requests: parameters, answer and handler.
 //!
-//! Rows of the protocol name a feature of [`Language`](crate::features::language::Language): the language of
-//! the document answers. Rows beyond the protocol name a handler, or a method of [`Backend`] if it talks to
-//! the client during the request.
+//! Most requests of the protocol are answered by the language of the document, with one of its
+//! [features](crate::features::language::LanguageFeatures). Requests beyond the protocol name a handler, or
+//! are methods of [`Backend`] if they talk to the client during the request.
 
 use std::sync::atomic::Ordering;
 
@@ -12,121 +12,285 @@ use tokio::sync::oneshot;
 use super::backend::{Backend, document_of, retriggered};
 use super::writer::{Event, Mutation};
 use crate::features::specification::{call_hierarchy, code_lens, completion, rename};
-use crate::features::{codels, commands, diagnostics, inspect, language_of, workspace_symbol};
+use crate::features::{codels, commands, diagnostics, features_of, inspect, workspace_symbol};
 use crate::protocol::messages::{
     ChooseRoot, DocumentParams, IncludingRoots, MacroExpansion, PositionParams, ReleaseInfo,
 };
 use crate::protocol::types::*;
 
-/// The URI of the document in parameters.
-macro_rules! uri_of {
-    ($params:ident, document) => {
-        $params.text_document.uri
-    };
-    ($params:ident, position) => {
-        $params.text_document_position.text_document.uri
-    };
-    // The protocol library has two names for one field.
-    ($params:ident, position_params) => {
-        $params.text_document_position_params.text_document.uri
-    };
-}
-
-/// Methods of the protocol that the language of a document answers: parameters, answer, feature, and the
-/// field with the document.
-macro_rules! answered_by_language {
-    ($($method:ident($params:ty) -> $answer:ty = $feature:ident of $place:ident;)*) => {
-        $(
-            async fn $method(&self, params: $params) -> Result<$answer> {
-                let uri = uri_of!(params, $place).clone();
-                let answer = self.dispatch.language(uri, params, |features, snapshot, subject, params| {
-                    features.$feature(snapshot, subject, params)
-                });
-                answer.await
-            }
-        )*
-    };
-}
-
-/// Methods beyond the protocol; see `docs/protocol.md`.
-macro_rules! beyond_the_protocol {
-    (
-        handlers { $($name:literal $method:ident($params:ty) -> $answer:ty = $handler:path;)* }
-        methods { $($other:literal $path:path;)* }
-    ) => {
-        impl Backend {
-            $(
-                async fn $method(&self, params: $params) -> Result<$answer> {
-                    let uri = params.text_document.uri.clone();
-                    self.dispatch.document(uri, params, $handler).await
-                }
-            )*
-        }
-
-        /// Registers the methods beyond the protocol.
-        pub(super) fn custom_methods(builder: Builder) -> Builder {
-            builder
-                $(.custom_method($name, Backend::$method))*
-                $(.custom_method($other, $path))*
-        }
-    };
-}
-
 /// The builder of the service.
 pub(super) type Builder = tower_lsp::LspServiceBuilder<Backend>;
 
-beyond_the_protocol! {
-    handlers {
-        "dotgen/syntaxTree" syntax_tree(DocumentParams) -> Option<String> = inspect::syntax_tree;
-        "dotgen/itemTree" item_tree(DocumentParams) -> Option<String> = inspect::item_tree;
-        "dotgen/expandMacro" expand_macro(PositionParams) -> Option<MacroExpansion> = inspect::expand_macro;
-        "dotgen/includingRoots" including_roots(DocumentParams) -> IncludingRoots = inspect::including_roots;
-        "dotgen/release" release(DocumentParams) -> ReleaseInfo = inspect::release;
-        "dotgen/model" model(DocumentParams) -> Value = inspect::model;
+/// Registers the methods beyond the protocol; see `docs/protocol.md`.
+pub(super) fn custom_methods(builder: Builder) -> Builder {
+    builder
+        .custom_method("dotgen/syntaxTree", Backend::syntax_tree)
+        .custom_method("dotgen/itemTree", Backend::item_tree)
+        .custom_method("dotgen/expandMacro", Backend::expand_macro)
+        .custom_method("dotgen/includingRoots", Backend::including_roots)
+        .custom_method("dotgen/release", Backend::release)
+        .custom_method("dotgen/model", Backend::model)
+        .custom_method("dotgen/diagram", Backend::diagram)
+        .custom_method("dotgen/verification", Backend::verification)
+        .custom_method("dotgen/trace", Backend::trace)
+        .custom_method("dotgen/sensitivity", Backend::sensitivity)
+        .custom_method("dotgen/codelHeaders", Backend::codel_headers)
+        .custom_method("dotgen/interfaces", Backend::interfaces)
+        .custom_method("dotgen/newComponent", Backend::new_component)
+        .custom_method("window/workDoneProgress/cancel", Backend::cancel_progress)
+}
+
+impl Backend {
+    async fn syntax_tree(&self, params: DocumentParams) -> Result<Option<String>> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .document(uri, params, inspect::syntax_tree)
+            .await
     }
-    methods {
-        "dotgen/diagram" Backend::diagram;
-        "dotgen/verification" Backend::verification;
-        "dotgen/trace" Backend::trace;
-        "dotgen/sensitivity" Backend::sensitivity;
-        "dotgen/codelHeaders" Backend::codel_headers;
-        "dotgen/interfaces" Backend::interfaces;
-        "dotgen/newComponent" Backend::new_component;
-        "window/workDoneProgress/cancel" Backend::cancel_progress;
+
+    async fn item_tree(&self, params: DocumentParams) -> Result<Option<String>> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .document(uri, params, inspect::item_tree)
+            .await
+    }
+
+    async fn expand_macro(&self, params: PositionParams) -> Result<Option<MacroExpansion>> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .document(uri, params, inspect::expand_macro)
+            .await
+    }
+
+    async fn including_roots(&self, params: DocumentParams) -> Result<IncludingRoots> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .document(uri, params, inspect::including_roots)
+            .await
+    }
+
+    async fn release(&self, params: DocumentParams) -> Result<ReleaseInfo> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch.document(uri, params, inspect::release).await
+    }
+
+    async fn model(&self, params: DocumentParams) -> Result<Value> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch.document(uri, params, inspect::model).await
     }
 }
 
 impl LanguageServer for Backend {
-    answered_by_language! {
-        document_symbol(DocumentSymbolParams) -> Option<DocumentSymbolResponse> = symbols of document;
-        folding_range(FoldingRangeParams) -> Option<Vec<FoldingRange>> = folds of document;
-        selection_range(SelectionRangeParams) -> Option<Vec<SelectionRange>> = selections of document;
-        document_link(DocumentLinkParams) -> Option<Vec<DocumentLink>> = links of document;
-        semantic_tokens_range(SemanticTokensRangeParams) -> Option<SemanticTokensRangeResult>
-            = tokens_in of document;
-        goto_definition(GotoDefinitionParams) -> Option<GotoDefinitionResponse>
-            = definition of position_params;
-        goto_declaration(GotoDeclarationParams) -> Option<GotoDeclarationResponse>
-            = declaration of position_params;
-        goto_type_definition(GotoTypeDefinitionParams) -> Option<GotoTypeDefinitionResponse>
-            = type_definition of position_params;
-        goto_implementation(GotoImplementationParams) -> Option<GotoImplementationResponse>
-            = implementation of position_params;
-        references(ReferenceParams) -> Option<Vec<Location>> = references of position;
-        document_highlight(DocumentHighlightParams) -> Option<Vec<DocumentHighlight>>
-            = highlights of position_params;
-        hover(HoverParams) -> Option<Hover> = hover of position_params;
-        completion(CompletionParams) -> Option<CompletionResponse> = completion of position;
-        signature_help(SignatureHelpParams) -> Option<SignatureHelp> = signature of position_params;
-        formatting(DocumentFormattingParams) -> Option<Vec<TextEdit>> = format of document;
-        range_formatting(DocumentRangeFormattingParams) -> Option<Vec<TextEdit>> = format_range of document;
-        on_type_formatting(DocumentOnTypeFormattingParams) -> Option<Vec<TextEdit>>
-            = format_typed of position;
-        inlay_hint(InlayHintParams) -> Option<Vec<InlayHint>> = hints of document;
-        code_lens(CodeLensParams) -> Option<Vec<CodeLens>> = lenses of document;
-        prepare_call_hierarchy(CallHierarchyPrepareParams) -> Option<Vec<CallHierarchyItem>>
-            = calls of position_params;
-        code_action(CodeActionParams) -> Option<CodeActionResponse> = actions of document;
+    async fn document_symbol(
+        &self,
+        params: DocumentSymbolParams,
+    ) -> Result<Option<DocumentSymbolResponse>> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .feature(uri, params, |features| features.symbols)
+            .await
+    }
+
+    async fn folding_range(&self, params: FoldingRangeParams) -> Result<Option<Vec<FoldingRange>>> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .feature(uri, params, |features| features.folds)
+            .await
+    }
+
+    async fn selection_range(
+        &self,
+        params: SelectionRangeParams,
+    ) -> Result<Option<Vec<SelectionRange>>> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .feature(uri, params, |features| features.selections)
+            .await
+    }
+
+    async fn document_link(&self, params: DocumentLinkParams) -> Result<Option<Vec<DocumentLink>>> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .feature(uri, params, |features| features.links)
+            .await
+    }
+
+    async fn semantic_tokens_range(
+        &self,
+        params: SemanticTokensRangeParams,
+    ) -> Result<Option<SemanticTokensRangeResult>> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .feature(uri, params, |features| features.tokens_in)
+            .await
+    }
+
+    async fn goto_definition(
+        &self,
+        params: GotoDefinitionParams,
+    ) -> Result<Option<GotoDefinitionResponse>> {
+        let uri = params
+            .text_document_position_params
+            .text_document
+            .uri
+            .clone();
+        self.dispatch
+            .feature(uri, params, |features| features.definition)
+            .await
+    }
+
+    async fn goto_declaration(
+        &self,
+        params: GotoDeclarationParams,
+    ) -> Result<Option<GotoDeclarationResponse>> {
+        let uri = params
+            .text_document_position_params
+            .text_document
+            .uri
+            .clone();
+        self.dispatch
+            .feature(uri, params, |features| features.declaration)
+            .await
+    }
+
+    async fn goto_type_definition(
+        &self,
+        params: GotoTypeDefinitionParams,
+    ) -> Result<Option<GotoTypeDefinitionResponse>> {
+        let uri = params
+            .text_document_position_params
+            .text_document
+            .uri
+            .clone();
+        self.dispatch
+            .feature(uri, params, |features| features.type_definition)
+            .await
+    }
+
+    async fn goto_implementation(
+        &self,
+        params: GotoImplementationParams,
+    ) -> Result<Option<GotoImplementationResponse>> {
+        let uri = params
+            .text_document_position_params
+            .text_document
+            .uri
+            .clone();
+        self.dispatch
+            .feature(uri, params, |features| features.implementation)
+            .await
+    }
+
+    async fn references(&self, params: ReferenceParams) -> Result<Option<Vec<Location>>> {
+        let uri = params.text_document_position.text_document.uri.clone();
+        self.dispatch
+            .feature(uri, params, |features| features.references)
+            .await
+    }
+
+    async fn document_highlight(
+        &self,
+        params: DocumentHighlightParams,
+    ) -> Result<Option<Vec<DocumentHighlight>>> {
+        let uri = params
+            .text_document_position_params
+            .text_document
+            .uri
+            .clone();
+        self.dispatch
+            .feature(uri, params, |features| features.highlights)
+            .await
+    }
+
+    async fn hover(&self, params: HoverParams) -> Result<Option<Hover>> {
+        let uri = params
+            .text_document_position_params
+            .text_document
+            .uri
+            .clone();
+        self.dispatch
+            .feature(uri, params, |features| features.hover)
+            .await
+    }
+
+    async fn completion(&self, params: CompletionParams) -> Result<Option<CompletionResponse>> {
+        let uri = params.text_document_position.text_document.uri.clone();
+        self.dispatch
+            .feature(uri, params, |features| features.completion)
+            .await
+    }
+
+    async fn signature_help(&self, params: SignatureHelpParams) -> Result<Option<SignatureHelp>> {
+        let uri = params
+            .text_document_position_params
+            .text_document
+            .uri
+            .clone();
+        self.dispatch
+            .feature(uri, params, |features| features.signature)
+            .await
+    }
+
+    async fn formatting(&self, params: DocumentFormattingParams) -> Result<Option<Vec<TextEdit>>> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .feature(uri, params, |features| features.format)
+            .await
+    }
+
+    async fn range_formatting(
+        &self,
+        params: DocumentRangeFormattingParams,
+    ) -> Result<Option<Vec<TextEdit>>> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .feature(uri, params, |features| features.format_range)
+            .await
+    }
+
+    async fn on_type_formatting(
+        &self,
+        params: DocumentOnTypeFormattingParams,
+    ) -> Result<Option<Vec<TextEdit>>> {
+        let uri = params.text_document_position.text_document.uri.clone();
+        self.dispatch
+            .feature(uri, params, |features| features.format_typed)
+            .await
+    }
+
+    async fn inlay_hint(&self, params: InlayHintParams) -> Result<Option<Vec<InlayHint>>> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .feature(uri, params, |features| features.hints)
+            .await
+    }
+
+    async fn code_lens(&self, params: CodeLensParams) -> Result<Option<Vec<CodeLens>>> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .feature(uri, params, |features| features.lenses)
+            .await
+    }
+
+    async fn prepare_call_hierarchy(
+        &self,
+        params: CallHierarchyPrepareParams,
+    ) -> Result<Option<Vec<CallHierarchyItem>>> {
+        let uri = params
+            .text_document_position_params
+            .text_document
+            .uri
+            .clone();
+        self.dispatch
+            .feature(uri, params, |features| features.calls)
+            .await
+    }
+
+    async fn code_action(&self, params: CodeActionParams) -> Result<Option<CodeActionResponse>> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch
+            .feature(uri, params, |features| features.actions)
+            .await
     }
 
     async fn initialize(&self, params: InitializeParams) -> Result<InitializeResult> {
@@ -226,11 +390,7 @@ impl LanguageServer for Backend {
         params: TextDocumentPositionParams,
     ) -> Result<Option<PrepareRenameResponse>> {
         let uri = document_of(&params);
-        let answer = self
-            .dispatch
-            .language(uri, params, |features, snapshot, subject, params| {
-                features.prepare_rename(snapshot, subject, params)
-            });
+        let answer = (self.dispatch).feature(uri, params, |features| features.prepare_rename);
         answer.await?.into_response()
     }
 
@@ -242,8 +402,8 @@ impl LanguageServer for Backend {
             params,
             |snapshot, subject, params| match subject {
                 Some(subject) => {
-                    let language = language_of(snapshot, &subject.path);
-                    language.rename(snapshot, subject, params)
+                    let features = features_of(snapshot, &subject.path);
+                    (features.rename)(snapshot, subject, params)
                 }
                 None => Ok(Default::default()),
             },
@@ -311,11 +471,7 @@ impl LanguageServer for Backend {
         params: SemanticTokensParams,
     ) -> Result<Option<SemanticTokensResult>> {
         let uri = params.text_document.uri.clone();
-        let question =
-            self.dispatch
-                .language(uri.clone(), params, |row, snapshot, subject, params| {
-                    row.tokens(snapshot, subject, params)
-                });
+        let question = (self.dispatch).feature(uri.clone(), params, |features| features.tokens);
         let tokens = question.await?;
         Ok(tokens.map(|data| self.tokens.remember(uri, data).into()))
     }
@@ -331,11 +487,7 @@ impl LanguageServer for Backend {
             work_done_progress_params: params.work_done_progress_params,
             partial_result_params: params.partial_result_params,
         };
-        let question =
-            self.dispatch
-                .language(uri.clone(), params, |row, snapshot, subject, params| {
-                    row.tokens(snapshot, subject, params)
-                });
+        let question = (self.dispatch).feature(uri.clone(), params, |features| features.tokens);
         let Some(data) = question.await? else {
             return Ok(None);
         };

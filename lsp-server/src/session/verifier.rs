@@ -110,9 +110,9 @@ impl Verifier {
             let stays = wanted.iter().any(|request| request.path == *path);
             if !stays {
                 entry.cancel.abandon();
-                self.told
-                    .iter_mut()
-                    .for_each(|b_tree_map| drop(b_tree_map.remove(path)));
+                if let Some(told) = &mut self.told {
+                    told.remove(path);
+                }
             }
             stays
         });

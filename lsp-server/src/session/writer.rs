@@ -6,18 +6,17 @@
 
 mod changes;
 mod flush;
+mod listings;
 mod readers;
 mod session;
 mod settings;
 mod surrogates;
 mod verification;
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::host::AnalysisHost;
-use rustc_hash::FxHashSet;
 use serde_json::Value;
 use tokio::sync::mpsc::{UnboundedReceiver, WeakUnboundedSender};
 use tokio::sync::{oneshot, watch};
@@ -38,7 +37,10 @@ use dotgen_platform::panic;
 use crate::workspace::documents::Documents;
 use crate::workspace::folders::Workspace;
 use flush::Pending;
+use listings::Listings;
+use readers::Readers;
 use session::Stale;
+use settings::Reported;
 
 pub(crate) use changes::Mutation;
 
@@ -80,6 +82,15 @@ impl From<verifier::News> for Event {
     }
 }
 
+/// The document that the user works on, and choices about documents.
+#[derive(Default)]
+struct Focus {
+    /// The last edited document.
+    active: Option<Utf8PathBuf>,
+    /// Files, and the including roots that the user chose to show them in.
+    chosen: Vec<(Utf8PathBuf, Utf8PathBuf)>,
+}
+
 /// The state of the session, which only the writer changes.
 pub(crate) struct State {
     host: AnalysisHost,
@@ -89,40 +100,22 @@ pub(crate) struct State {
     client: Arc<ClientCaps>,
     config: Arc<Config>,
     roots: Arc<Vec<Utf8PathBuf>>,
-    /// Open documents in which half of a surrogate pair was replaced.
-    mended: FxHashSet<Utf8PathBuf>,
-    /// The last edited document.
-    active: Option<Utf8PathBuf>,
-    /// Files, and the including roots that the user chose to show them in.
-    chosen: Vec<(Utf8PathBuf, Utf8PathBuf)>,
+    focus: Focus,
     pending: Pending,
     /// True once messages may be sent to the client.
     initialized: bool,
-    /// Configuration files with diagnostics.
-    reported: FxHashSet<Utf8PathBuf>,
-    /// The errors in the editor's settings.
-    settings_problems: BTreeSet<String>,
-    revision: u64,
+    reported: Reported,
+    /// The number of the database's revision.
     revisions: watch::Sender<u64>,
     publisher: Publisher,
     verifier: Verifier,
     outbox: Outbox,
     events: WeakUnboundedSender<Event>,
     codels: Arc<codels::Cache>,
-    /// Every snapshot has a clone of it: the count shows the number of readers.
-    readers: Arc<()>,
-    /// True if many requests were served since memory was last released.
-    worked: bool,
+    readers: Readers,
     /// The registered documents in other languages.
     foreign: ForeignDocuments,
-    /// Number of listings of the workspace in progress.
-    listings: usize,
-    /// True after the first listing.
-    listed: bool,
-    /// The number of the last requested listing.
-    last_listing: u64,
-    /// Requests that wait for the listing.
-    waiting: Vec<ReadRequest>,
+    listings: Listings,
 }
 
 impl State {
@@ -142,28 +135,25 @@ impl State {
             client: Arc::default(),
             config: Arc::default(),
             roots: Arc::default(),
-            mended: FxHashSet::default(),
-            active: None,
-            chosen: Vec::new(),
+            focus: Focus::default(),
             pending: Pending::default(),
             initialized: false,
-            reported: FxHashSet::default(),
-            settings_problems: BTreeSet::new(),
-            revision: 0,
+            reported: Reported::default(),
             revisions,
             publisher: Publisher::default(),
             verifier: Verifier::default(),
             outbox,
             events,
             codels: Arc::default(),
-            readers: Arc::default(),
-            worked: false,
+            readers: Readers::default(),
             foreign: ForeignDocuments::default(),
-            listings: 0,
-            listed: false,
-            last_listing: 0,
-            waiting: Vec::new(),
+            listings: Listings::default(),
         }
+    }
+
+    /// The number of the database's revision.
+    fn revision(&self) -> u64 {
+        *self.revisions.borrow()
     }
 
     /// Serves events until the server has ended.

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{Analysis, Cancellable, UnitResult};
+use dotgen_analysis::language::Language;
 use dotgen_codegen::codels::drift::Drift;
 use dotgen_codegen::codels::files::{FilesConfig, Indexes};
 use dotgen_codegen::codels::folder::Folder;
@@ -51,13 +52,8 @@ pub(crate) fn is_code(path: &Utf8Path, language: Option<&str>) -> bool {
         "objective-c",
         "objective-cpp",
     ];
-    matches!(path.extension(), Some("c" | "cc" | "cpp" | "cxx"))
+    Language::of(path) == Some(Language::Codel)
         || language.is_some_and(|language| languages.contains(&language))
-}
-
-/// True if a file is a header, by its name.
-pub(crate) fn is_header(path: &Utf8Path) -> bool {
-    matches!(path.extension(), Some("h" | "hh" | "hpp" | "hxx"))
 }
 
 /// The folder of the specifications to which a source belongs, if the source is in a folder of codels.

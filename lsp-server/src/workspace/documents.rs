@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::protocol::convert::{Encoding, Lines};
 use crate::protocol::types::TextDocumentContentChangeEvent;
@@ -14,6 +14,8 @@ use crate::workspace::snapshot::OpenFile;
 pub(crate) struct Documents {
     texts: FxHashMap<Utf8PathBuf, Text>,
     open: Arc<FxHashMap<Utf8PathBuf, OpenFile>>,
+    /// Open documents in which half of a surrogate pair was replaced.
+    mended: FxHashSet<Utf8PathBuf>,
 }
 
 /// The text of an open document.
@@ -37,12 +39,14 @@ pub(crate) enum EditEffect {
 impl Documents {
     /// Opens a document.
     pub(crate) fn open(&mut self, path: Utf8PathBuf, file: OpenFile, text: String) {
+        self.mended.remove(&path);
         self.texts.insert(path.clone(), Text::Known(text.into()));
         Arc::make_mut(&mut self.open).insert(path, file);
     }
 
     /// Closes a document. Returns true if it was open.
     pub(crate) fn close(&mut self, path: &Utf8Path) -> bool {
+        self.mended.remove(path);
         Arc::make_mut(&mut self.open).remove(path);
         self.texts.remove(path).is_some()
     }
@@ -102,6 +106,21 @@ impl Documents {
         matches!(self.texts.get(path), Some(Text::Lost))
     }
 
+    /// Records that half of a surrogate pair was replaced in a document. Returns false if that is known.
+    pub(crate) fn mend(&mut self, path: Utf8PathBuf) -> bool {
+        self.mended.insert(path)
+    }
+
+    /// True if half of a surrogate pair was replaced in a document.
+    pub(crate) fn is_mended(&self, path: &Utf8Path) -> bool {
+        self.mended.contains(path)
+    }
+
+    /// Records that a document has the client's text again. Returns true if it was mended.
+    pub(crate) fn restored(&mut self, path: &Utf8Path) -> bool {
+        self.mended.remove(path)
+    }
+
     /// URIs and versions.
     pub(crate) fn open_files(&self) -> &Arc<FxHashMap<Utf8PathBuf, OpenFile>> {
         &self.open
@@ -112,7 +131,7 @@ impl Documents {
 mod tests {
     use super::*;
     use crate::protocol::types::{Position, Range};
-    use crate::workspace::snapshot::DocumentKind;
+    use dotgen_analysis::language::Language;
 
     fn edit(range: Option<(u32, u32, u32, u32)>, text: &str) -> TextDocumentContentChangeEvent {
         TextDocumentContentChangeEvent {
@@ -129,7 +148,8 @@ mod tests {
         let file = OpenFile {
             uri,
             version: 1,
-            kind: DocumentKind::Specification,
+            language: Language::Specification,
+            is_template_source: false,
         };
         documents.open(path.clone(), file, text.to_owned());
         (documents, path)

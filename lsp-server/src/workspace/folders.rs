@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::FileContent;
+use dotgen_analysis::language::SCENARIO;
 use dotgen_codegen::template::files::SCRIPT;
 use serde_json::Value;
 
@@ -16,7 +17,6 @@ use crate::protocol::types::{
 };
 use crate::workspace::templates::Templates;
 use dotgen_platform::files::vfs;
-use dotgen_views::verification::problem::EXTENSION;
 
 /// The folders of the workspace and their contents.
 #[derive(Default)]
@@ -139,7 +139,7 @@ impl Workspace {
         self.files.clear();
         for file in files {
             match file.extension() {
-                Some(EXTENSION) => _ = scenarios.insert(file),
+                Some(SCENARIO) => _ = scenarios.insert(file),
                 Some("tcl") => scripts.push(file),
                 Some("toml") if file.file_name() == Some(config::FILE_NAME) => {
                     configured |= self.add_project(file.parent());

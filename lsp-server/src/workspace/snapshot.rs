@@ -11,6 +11,7 @@ use std::sync::Arc;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{Analysis, Cancellable, UnitResult};
 use dotgen_analysis::ide::FilePosition;
+use dotgen_analysis::language::{self, Language};
 use dotgen_analysis::parallel;
 use dotgen_analysis::progress::Progress;
 use rustc_hash::FxHashMap;
@@ -30,28 +31,10 @@ pub(crate) struct OpenFile {
     pub uri: Uri,
     /// Last version seen.
     pub version: i32,
-    /// Its kind.
-    pub kind: DocumentKind,
-}
-
-/// The kind of a document, for this server.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum DocumentKind {
-    /// Part of a specification, or a scenario.
-    Specification,
-    /// C or C++.
-    Code,
-    /// A file of a template.
-    Template,
-    /// A source of a template, by the language id of its client.
-    Source,
-}
-
-impl DocumentKind {
-    /// True for documents of a template.
-    pub(crate) fn is_template(self) -> bool {
-        matches!(self, DocumentKind::Template | DocumentKind::Source)
-    }
+    /// Its language.
+    pub language: Language,
+    /// The client says that it is a source of a template, by its language id.
+    pub is_template_source: bool,
 }
 
 /// The state of the server at the time of a request.
@@ -221,25 +204,26 @@ impl Snapshot {
         }))
     }
 
-    /// The kind of a document.
-    pub(crate) fn kind_of(&self, path: &Utf8Path) -> DocumentKind {
-        let is_code = match self.open.get(path) {
-            Some(open) => return open.kind,
-            None if codels::is_header(path) => {
+    /// The language of a document. Without another one, it is part of a specification.
+    pub(crate) fn language_of(&self, path: &Utf8Path) -> Language {
+        let is_codel = match self.open.get(path) {
+            Some(open) => return open.language,
+            None if language::is_header(path) => {
                 let config = self.config.codels_of(path);
                 config.is_some_and(|config| codels::home(config, path).is_some())
             }
             None => codels::is_code(path, None),
         };
-        match is_code {
-            true => DocumentKind::Code,
-            false => DocumentKind::Specification,
+        match is_codel {
+            true => Language::Codel,
+            false if language::is_scenario(path) => Language::Scenario,
+            false => Language::Specification,
         }
     }
 
     /// True if a file is C or C++, and not part of a specification.
     pub(crate) fn is_code(&self, path: &Utf8Path) -> bool {
-        self.kind_of(path) == DocumentKind::Code
+        self.language_of(path) == Language::Codel
     }
 
     /// The units of the system that a file belongs to: the files of the same workspace folder below the same

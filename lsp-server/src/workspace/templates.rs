@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::FileContent;
+use dotgen_analysis::language;
 use dotgen_codegen::template::files::{self, SCRIPT};
 
 use dotgen_platform::files::vfs;
@@ -75,5 +76,7 @@ impl Templates {
 
 /// True if a document belongs to a template by its place. False for specifications and scenarios.
 pub(crate) fn is_template(templates: &Templates, file: &Utf8Path) -> bool {
-    !matches!(file.extension(), Some("gen" | "scn")) && templates.home(file).is_some()
+    !language::is_specification(file)
+        && !language::is_scenario(file)
+        && templates.home(file).is_some()
 }

@@ -12,6 +12,7 @@ use std::sync::{PoisonError, RwLock};
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{DirEntry, FileContent, Loader, PackageFlags};
+use dotgen_analysis::language;
 use dotgen_analysis::release::ReleaseChoice;
 
 use dotgen_syntax::encoding;
@@ -182,7 +183,7 @@ pub fn specifications_in(directory: &Utf8Path) -> Vec<Utf8PathBuf> {
     let entries = directory.read_dir_utf8().into_iter().flatten().flatten();
     let paths = entries.map(|entry| directory.join(entry.file_name()));
     let mut out: Vec<_> = paths
-        .filter(|path| path.extension() == Some("gen") && path.is_file())
+        .filter(|path| language::is_specification(path) && path.is_file())
         .collect();
     out.sort();
     out

@@ -5,6 +5,7 @@ use std::ops::Range;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::{Diagnostic, FileEdit, Fix, FixKind, Related, Severity};
 use dotgen_analysis::host::{Analysis, BatchInput, Cancellable, FileContent, Input, UnitResult};
+use dotgen_analysis::language;
 use dotgen_analysis::model::{Component, ComponentKind, Spec, Src};
 use dotgen_analysis::source_map::Locations;
 use dotgen_timing::derive::{InterimResult, Sensitivity, sensitivity};
@@ -14,9 +15,6 @@ use dotgen_timing::scn::{self, Platform, default_text_on};
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify_with_reports};
 
 use dotgen_platform::files::vfs;
-
-/// Extension of scenario files.
-pub const EXTENSION: &str = "scn";
 
 /// Code of the finding about `#pragma requires` with a package that is not installed.
 const UNRESOLVED_PACKAGE: &str = "pp-requires-unresolved";
@@ -269,7 +267,7 @@ impl Problem {
 
     /// True if the scenario is in a file; the default scenario is not.
     pub fn is_written(&self) -> bool {
-        self.path.extension() == Some(EXTENSION)
+        language::is_scenario(&self.path)
     }
 
     /// The distance of the system from missing its deadlines, or from meeting them. Requires that

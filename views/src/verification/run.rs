@@ -4,9 +4,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use dotgen_timing::advice::RepairCallbacks;
-use dotgen_timing::derive::minimum_cores;
+use dotgen_timing::derive::{MinimumCores, minimum_cores};
 use dotgen_timing::property::PropertyKind;
-use dotgen_timing::report::Verdict;
+use dotgen_timing::report::{Report, Verdict};
 use dotgen_timing::verify::{Cancel, Options, SystemInput};
 
 use super::changes::{self, Repair, Repairs};
@@ -88,32 +88,33 @@ pub fn run(
             tell(Interim::Answer(with(&why, repairs)));
         }
     }
-    let deadlines = || {
-        report
-            .checks
-            .iter()
-            .filter(|check| check.kind == PropertyKind::Schedulable)
-    };
-    let worth_it = report.seconds < QUICK_SECONDS
-        && deadlines().next().is_some()
-        && deadlines().all(|deadline| deadline.verdict == Verdict::Proved);
-    if worth_it && !cancel.is_over() {
-        let input = SystemInput {
-            specs: problem.specs(),
-        };
-        let cores = minimum_cores(&input, &problem.scenario, &options, cancel);
-        let decided = |cores: &dotgen_timing::derive::MinimumCores| {
-            cores.cores.is_some() && cores.tried.iter().all(|pair| pair.1 != Verdict::Unknown)
-        };
-        if let Some(cores) = cores.ok().filter(decided)
-            && !cancel.is_abandoned()
-        {
-            tell(Interim::Answer(answer(
-                report,
-                why,
-                Repairs::default(),
-                Some(cores),
-            )));
-        }
+    if report.seconds < QUICK_SECONDS
+        && all_deadlines_proved(&report)
+        && !cancel.is_over()
+        && let Some(cores) = decided_cores(&problem, &options, cancel)
+        && !cancel.is_abandoned()
+    {
+        let none = Repairs::default();
+        tell(Interim::Answer(answer(report, why, none, Some(cores))));
     }
+}
+
+/// Returns true if there are deadlines, and all of them are proved.
+fn all_deadlines_proved(report: &Report) -> bool {
+    let checks = report.checks.iter();
+    let mut deadlines = checks
+        .filter(|check| check.kind == PropertyKind::Schedulable)
+        .peekable();
+    deadlines.peek().is_some() && deadlines.all(|deadline| deadline.verdict == Verdict::Proved)
+}
+
+/// Returns the least number of cores, if every number that was tried has an answer.
+fn decided_cores(problem: &Problem, options: &Options, cancel: &Cancel) -> Option<MinimumCores> {
+    let input = SystemInput {
+        specs: problem.specs(),
+    };
+    let cores = minimum_cores(&input, &problem.scenario, options, cancel).ok()?;
+    let mut tried = cores.tried.iter();
+    let decided = cores.cores.is_some() && tried.all(|pair| pair.1 != Verdict::Unknown);
+    decided.then_some(cores)
 }

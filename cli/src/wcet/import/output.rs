@@ -36,23 +36,7 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
         true => Box::new(anstream::AutoStream::auto(std::io::stderr().lock())),
         false => Box::new(anstream::AutoStream::auto(std::io::stdout().lock())),
     };
-    let head = [
-        "codel", "runs", "mean", "greatest", "declared", "proposed", "",
-    ];
-    let mut rows = vec![head.map(str::to_owned)];
-    for row in answer.rows.iter().filter(|row| row.measure.runs > 0) {
-        rows.push([
-            terminal::text(&row.path).into_owned(),
-            row.measure.runs.to_string(),
-            nanos(row.measure.mean()),
-            nanos(row.measure.greatest),
-            row.declared
-                .map_or("-".to_owned(), |ratio| nanos(in_nanos(ratio))),
-            row.proposed.map_or("-".to_owned(), written),
-            in_words(row).to_owned(),
-        ]);
-    }
-    table(&mut out, &rows)?;
+    table(&mut out, &rows(answer))?;
     let simulated: Vec<&str> = answer.simulated.keys().map(String::as_str).collect();
     if !simulated.is_empty() {
         writeln!(
@@ -77,24 +61,7 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
             row.measure.greatest / row.measure.mean().max(1)
         )?;
     }
-    let strays = answer.strays.iter();
-    for (kind, stray, count) in strays.clone().take(MAX_UNMATCHED_LINES) {
-        let place = format!(
-            "{} {} {} {} {}",
-            kind.instance, kind.task, kind.service, kind.function, kind.from
-        );
-        let runs = if *count == 1 { "run" } else { "runs" };
-        writeln!(
-            out,
-            "{TITLE}note{TITLE:#}: {count} {runs} of `{}` left out: {}",
-            terminal::text(&place),
-            why(*stray)
-        )?;
-    }
-    if answer.strays.len() > MAX_UNMATCHED_LINES {
-        let more = answer.strays.len() - MAX_UNMATCHED_LINES;
-        writeln!(out, "{TITLE}note{TITLE:#}: {more} more of such kinds")?;
-    }
+    strays(&mut out, answer)?;
     for text in told(&answer.left) {
         writeln!(out, "{TITLE}left out{TITLE:#}: {text}")?;
     }
@@ -118,6 +85,49 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
     }
     if answer.changed.is_empty() {
         writeln!(out, "nothing to change")?;
+    }
+    Ok(())
+}
+
+/// Returns the table of the measured codels.
+fn rows(answer: &Answer) -> Vec<[String; 7]> {
+    let head = [
+        "codel", "runs", "mean", "greatest", "declared", "proposed", "",
+    ];
+    let mut rows = vec![head.map(str::to_owned)];
+    for row in answer.rows.iter().filter(|row| row.measure.runs > 0) {
+        rows.push([
+            terminal::text(&row.path).into_owned(),
+            row.measure.runs.to_string(),
+            nanos(row.measure.mean()),
+            nanos(row.measure.greatest),
+            row.declared
+                .map_or("-".to_owned(), |ratio| nanos(in_nanos(ratio))),
+            row.proposed.map_or("-".to_owned(), written),
+            in_words(row).to_owned(),
+        ]);
+    }
+    rows
+}
+
+/// Prints the runs without a codel of the specification.
+fn strays(out: &mut impl Write, answer: &Answer) -> std::io::Result<()> {
+    for (kind, stray, count) in answer.strays.iter().take(MAX_UNMATCHED_LINES) {
+        let place = format!(
+            "{} {} {} {} {}",
+            kind.instance, kind.task, kind.service, kind.function, kind.from
+        );
+        let runs = if *count == 1 { "run" } else { "runs" };
+        writeln!(
+            out,
+            "{TITLE}note{TITLE:#}: {count} {runs} of `{}` left out: {}",
+            terminal::text(&place),
+            why(*stray)
+        )?;
+    }
+    if answer.strays.len() > MAX_UNMATCHED_LINES {
+        let more = answer.strays.len() - MAX_UNMATCHED_LINES;
+        writeln!(out, "{TITLE}note{TITLE:#}: {more} more of such kinds")?;
     }
     Ok(())
 }

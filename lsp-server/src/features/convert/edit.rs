@@ -8,6 +8,7 @@ use dotgen_analysis::host::Cancellable;
 use dotgen_codegen::codels::edit::Edit;
 use dotgen_syntax::encoding::LineEnd;
 
+use crate::protocol::client::ClientCaps;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::Snapshot;
 
@@ -124,13 +125,27 @@ pub(crate) fn edit_of(
             Err(why) => return Ok(Err(why)),
         }
     }
-    let client = &snapshot.client;
+    Ok(Ok(reviewed_edit(
+        &snapshot.client,
+        review,
+        created,
+        changed,
+    )))
+}
+
+/// The changes as one edit, with a review in clients that support it.
+fn reviewed_edit(
+    client: &ClientCaps,
+    review: Review<'_>,
+    created: Vec<(Uri, TextEdit)>,
+    changed: Vec<(Uri, Option<i32>, Vec<TextEdit>)>,
+) -> WorkspaceEdit {
     if !client.document_changes || !(created.is_empty() || client.creates_files) {
         let created = created.into_iter().map(|pair| (pair.0, vec![pair.1]));
         let changed = changed.into_iter().map(|triple| (triple.0, triple.2));
         #[allow(clippy::mutable_key_type, reason = "the type of the protocol")]
         let changes: HashMap<_, _> = created.chain(changed).collect();
-        return Ok(Ok(WorkspaceEdit::new(changes)));
+        return WorkspaceEdit::new(changes);
     }
     let label = match review {
         Review::SeveralFiles(label) if created.len() + changed.len() > 1 => Some(label),
@@ -180,11 +195,11 @@ pub(crate) fn edit_of(
         };
         HashMap::from([(REVIEWED.to_owned(), annotation)])
     });
-    Ok(Ok(WorkspaceEdit {
+    WorkspaceEdit {
         document_changes: Some(DocumentChanges::Operations(operations)),
         change_annotations: annotations,
         ..WorkspaceEdit::default()
-    }))
+    }
 }
 
 /// Name of the annotation for edits with a review.

@@ -83,12 +83,27 @@ fn offered(
         return Ok(Some(actions));
     }
     search_paths::fixes(snapshot, subject, &range, &mut actions)?;
+    quick_fixes(snapshot, subject, &all, &range, offers, &mut actions)?;
+    refactorings(snapshot, subject, &range, params, offers, &mut actions)?;
+    generate(snapshot, subject, &range, params, &mut actions)?;
+    Ok(Some(actions))
+}
+
+/// Adds the fixes of the findings at a place, and those of all findings like them.
+fn quick_fixes(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    all: &[Diagnostic],
+    range: &std::ops::Range<usize>,
+    offers: &mut JudgedActions<'_, '_, '_>,
+    actions: &mut Vec<CodeActionOrCommand>,
+) -> Cancellable<()> {
     let mut codes: Vec<&str> = Vec::new();
     let mut offered: Vec<&Fix> = Vec::new();
     // Findings at this place come first, then findings elsewhere that a fix at this place repairs.
     let (here, elsewhere): (Vec<_>, Vec<_>) = all
         .iter()
-        .partition(|finding| touches(&finding.range, &range));
+        .partition(|finding| touches(&finding.range, range));
     let mut tried = 0;
     for diagnostic in here {
         let before = actions.len();
@@ -98,7 +113,7 @@ fn offered(
         }
         if actions.len() == before && diagnostic.severity == Severity::Error && tried < MAX_TRIED {
             tried += 1;
-            for fix in snapshot.analysis.trials(diagnostic, &all)? {
+            for fix in snapshot.analysis.trials(diagnostic, all)? {
                 actions.extend(quick_fix(snapshot, diagnostic, &fix, false, offers)?);
             }
         }
@@ -109,14 +124,14 @@ fn offered(
     for diagnostic in elsewhere {
         for fix in &diagnostic.fixes {
             let mut edits = fix.edits.iter();
-            let mends = edits.any(|edit| edit.path == subject.path && touches(&edit.range, &range));
+            let mends = edits.any(|edit| edit.path == subject.path && touches(&edit.range, range));
             if mends && !offered.contains(&fix) {
                 actions.extend(quick_fix(snapshot, diagnostic, fix, false, offers)?);
                 offered.push(fix);
             }
         }
     }
-    actions.extend(standins::actions(snapshot, subject, &all, &range, offers)?);
+    actions.extend(standins::actions(snapshot, subject, all, range, offers)?);
     for code in codes {
         let alike = || {
             all.iter()
@@ -128,9 +143,7 @@ fn offered(
             actions.extend(action.map(CodeActionOrCommand::CodeAction));
         }
     }
-    refactorings(snapshot, subject, &range, params, offers, &mut actions)?;
-    generate(snapshot, subject, &range, params, &mut actions)?;
-    Ok(Some(actions))
+    Ok(())
 }
 
 /// True if two ranges overlap or touch.

@@ -390,36 +390,7 @@ pub(crate) fn present(
         .map_or(&prepared.problem, |answer| &answer.problem);
     let settings = settings(&problem.scenario, options);
     let unit = TimeUnit::of(&settings);
-    let location = |at: &CodelLocation| locate(snapshot, &prepared.places, at.src);
-    let table = blocking::table(problem, options);
-    let mut blocked = Vec::new();
-    let mut codels = Vec::new();
-    for row in &table {
-        codels.push(CodelResult {
-            path: row.codel.path.to_string(),
-            wcet: row.codel.micros,
-            location: location(&row.codel)?,
-        });
-        let mut by = Vec::new();
-        for blocker in &row.by {
-            by.push(BlockerResult {
-                codel: blocker.codel.path.to_string(),
-                location: location(&blocker.codel)?,
-                time: blocker
-                    .codel
-                    .upper
-                    .map_or("no end".to_owned(), |number| unit.show(number)),
-                through: Phrase::joined(&blocker.through, ", ").to_string(),
-            });
-        }
-        if !by.is_empty() {
-            blocked.push(BlockedResult {
-                codel: row.codel.path.to_string(),
-                location: location(&row.codel)?,
-                by,
-            });
-        }
-    }
+    let (codels, blocking) = codels(snapshot, prepared, problem, options, unit)?;
     let mut out = VerificationResult {
         uri: prepared.uri.clone(),
         version: prepared.version,
@@ -438,7 +409,7 @@ pub(crate) fn present(
                 bound: unit.show(bound.bound),
             })
             .collect(),
-        blocking: blocked,
+        blocking,
         codels,
         what_if: !params.what_if.is_nothing(),
         ..VerificationResult::default()
@@ -476,6 +447,46 @@ pub(crate) fn present(
         out.run = Some(shown_run(snapshot, prepared, answer, chosen)?);
     }
     Ok(Some(out))
+}
+
+/// The codels of a system, and those that wait for others.
+fn codels(
+    snapshot: &Snapshot,
+    prepared: &Prepared,
+    problem: &Problem,
+    options: &Options,
+    unit: TimeUnit,
+) -> Cancellable<(Vec<CodelResult>, Vec<BlockedResult>)> {
+    let location = |at: &CodelLocation| locate(snapshot, &prepared.places, at.src);
+    let mut blocked = Vec::new();
+    let mut codels = Vec::new();
+    for row in &blocking::table(problem, options) {
+        codels.push(CodelResult {
+            path: row.codel.path.to_string(),
+            wcet: row.codel.micros,
+            location: location(&row.codel)?,
+        });
+        let mut by = Vec::new();
+        for blocker in &row.by {
+            by.push(BlockerResult {
+                codel: blocker.codel.path.to_string(),
+                location: location(&blocker.codel)?,
+                time: blocker
+                    .codel
+                    .upper
+                    .map_or("no end".to_owned(), |number| unit.show(number)),
+                through: Phrase::joined(&blocker.through, ", ").to_string(),
+            });
+        }
+        if !by.is_empty() {
+            blocked.push(BlockedResult {
+                codel: row.codel.path.to_string(),
+                location: location(&row.codel)?,
+                by,
+            });
+        }
+    }
+    Ok((codels, blocked))
 }
 
 /// A place of a specification for a client.

@@ -7,6 +7,7 @@ use camino::Utf8Path;
 use dotgen_analysis::codes;
 use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
 use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::language;
 use dotgen_timing::advice::Change;
 use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::explore::MomentKind;
@@ -20,7 +21,7 @@ use crate::protocol::types::Uri;
 use crate::workspace::snapshot::Snapshot;
 use dotgen_views::verification::Problem;
 use dotgen_views::verification::advice::{self, Names};
-use dotgen_views::verification::problem::{self, EXTENSION};
+use dotgen_views::verification::problem;
 use dotgen_views::verification::results::{Answer, Entry};
 use dotgen_views::verification::view::{CheckView, Outcome};
 
@@ -56,7 +57,7 @@ pub(super) fn at(
         check.diagnostic.range.start <= range.end && range.start <= check.diagnostic.range.end
     };
     for (of, entry) in about(snapshot, path) {
-        let found = match path.extension() == Some(EXTENSION) {
+        let found = match language::is_scenario(path) {
             true => scenario(snapshot, entry, path),
             false => specification(snapshot, entry, path),
         };
@@ -272,7 +273,7 @@ fn diagnostic(
         message +=
             "; this may be a false alarm, as durations are rounded up to the unit of the scenario";
     }
-    if path.extension() != Some(EXTENSION) && view.outcome != Outcome::GaveUp {
+    if !language::is_scenario(path) && view.outcome != Outcome::GaveUp {
         message += &match entry.problem.is_written() {
             true => format!(" (scenario `{}`)", answer.report.scenario),
             false => " (no scenario: any client, at any time)".to_owned(),

@@ -2,13 +2,14 @@
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{Cancellable, FileContent};
+use dotgen_analysis::language;
 use dotgen_analysis::model::{CodelKind, Spec};
 use dotgen_timing::scn;
 
 use crate::workspace::snapshot::Snapshot;
 use dotgen_platform::files::vfs;
 use dotgen_views::verification::Problem;
-use dotgen_views::verification::problem::{self, EXTENSION};
+use dotgen_views::verification::problem;
 use dotgen_views::verification::results::Entry;
 
 /// Maximum number of scenarios that are verified without being open, because they use an open specification.
@@ -25,18 +26,13 @@ pub(crate) struct VerificationRequest {
 /// specification; open specifications with timing that no such scenario uses.
 pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<VerificationRequest>> {
     let mut out: Vec<VerificationRequest> = Vec::new();
-    let open = |extension: &'static str| {
-        let mut paths: Vec<_> = snapshot.open.keys().collect();
-        paths.sort();
-        paths
-            .into_iter()
-            .filter(move |path| path.extension() == Some(extension))
-    };
+    let mut open: Vec<_> = snapshot.open.keys().collect();
+    open.sort();
     let version = |path: &Utf8Path| snapshot.open.get(path).map(|file| file.version);
-    for path in open(EXTENSION) {
+    for path in open.iter().filter(|path| language::is_scenario(path)) {
         let problem = problem_of(snapshot, path)?;
         out.extend(problem.map(|problem| VerificationRequest {
-            path: path.clone(),
+            path: (*path).clone(),
             version: version(path),
             problem,
         }));
@@ -63,7 +59,8 @@ pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<VerificationRequest
             });
         }
     }
-    for path in open("gen") {
+    let specifications = open.iter().filter(|path| language::is_specification(path));
+    for &path in specifications {
         if out.iter().any(|request| request.problem.uses(path)) {
             continue;
         }
@@ -83,31 +80,28 @@ pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<VerificationRequest
 /// The problem of one document: a scenario as written, or a specification with the default scenario
 /// on the configured platform.
 pub(crate) fn problem_of(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Problem>> {
-    match path.extension() {
-        Some(EXTENSION) => {
-            let text = match snapshot.analysis.text(path)? {
-                Some(text) => text.to_string(),
-                None => return Ok(None),
-            };
-            scenario(snapshot, path, text).map(Some)
-        }
-        Some("gen") => {
-            let unit = snapshot.analysis.root_unit(path)?;
-            let name = path.file_name().unwrap_or_default().to_owned();
-            let platform = scn::Platform {
-                cores: snapshot.config.lints.cores.filter(|&core| core > 0),
-                policy: snapshot.config.verification.policy(),
-                semantics: snapshot.config.verification.semantics(),
-            };
-            Ok(Some(Problem::default_scenario_on(
-                platform,
-                path,
-                &[name],
-                vec![unit],
-            )))
-        }
-        _ => Ok(None),
+    if language::is_scenario(path) {
+        let Some(text) = snapshot.analysis.text(path)? else {
+            return Ok(None);
+        };
+        return scenario(snapshot, path, text.to_string()).map(Some);
     }
+    if !language::is_specification(path) {
+        return Ok(None);
+    }
+    let unit = snapshot.analysis.root_unit(path)?;
+    let name = path.file_name().unwrap_or_default().to_owned();
+    let platform = scn::Platform {
+        cores: snapshot.config.lints.cores.filter(|&core| core > 0),
+        policy: snapshot.config.verification.policy(),
+        semantics: snapshot.config.verification.semantics(),
+    };
+    Ok(Some(Problem::default_scenario_on(
+        platform,
+        path,
+        &[name],
+        vec![unit],
+    )))
 }
 
 /// A scenario and the specifications it uses, open documents included.

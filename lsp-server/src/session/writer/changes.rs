@@ -1,21 +1,20 @@
 //! Changes: of documents, files on disk, folders, settings, and the root in which a file is shown.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::host::Cancelled;
+use dotgen_analysis::language::{self, Language, SCENARIO, SPECIFICATION};
 use dotgen_codegen::template::files::SCRIPT;
 use serde_json::Value;
 
-use super::{Event, State};
+use super::State;
 use crate::protocol::convert::uri;
 use crate::protocol::messages::DocumentText;
 use crate::protocol::types::*;
 use crate::session::capabilities::is_watched;
 use crate::workspace::codels;
 use crate::workspace::documents::EditEffect;
-use crate::workspace::snapshot::{DocumentKind, OpenFile};
+use crate::workspace::snapshot::OpenFile;
 use crate::workspace::templates;
 use dotgen_platform::files::vfs;
 
@@ -59,11 +58,11 @@ impl State {
                 let file = OpenFile {
                     uri: document.uri,
                     version: document.version,
-                    kind: self.kind(&path, &document.language_id),
+                    language: self.language_of_opened(&path, &document.language_id),
+                    is_template_source: document.language_id == templates::LANGUAGE,
                 };
                 self.documents.open(path.clone(), file, document.text);
                 self.publisher.resend_diagnostics(&path);
-                self.mended.remove(&path);
                 if self.workspace.adopt(&path) {
                     self.reconfigure();
                 }
@@ -74,7 +73,7 @@ impl State {
                 let path = uri::to_path(&params.text_document.uri);
                 let version = params.text_document.version;
                 let encoding = self.client.encoding;
-                if self.mended.contains(&path) {
+                if self.documents.is_mended(&path) {
                     self.ask_for_text(params.text_document.uri);
                 }
                 match self
@@ -95,7 +94,6 @@ impl State {
             Mutation::Saved(uri) => self.saved(&uri),
             Mutation::Close(params) => {
                 let path = uri::to_path(&params.text_document.uri);
-                self.mended.remove(&path);
                 if self.documents.close(&path) {
                     self.pending.roots = true;
                     self.publisher.forget(&path);
@@ -122,26 +120,19 @@ impl State {
                 self.scan();
             }
             Mutation::Choose(file, root) => {
-                self.chosen.retain(|entry| entry.0 != file);
-                self.chosen.extend(root.map(|root| (file.clone(), root)));
+                self.focus.chosen.retain(|entry| entry.0 != file);
+                self.focus
+                    .chosen
+                    .extend(root.map(|root| (file.clone(), root)));
                 self.pending.chosen = true;
                 self.pending.files.insert(file);
             }
             Mutation::Scanned(number, files) => {
                 // A listing that began before the folders changed contains files of removed folders, and
                 // lacks those of new ones.
-                let counts = number == self.last_listing;
+                let counts = number == self.listings.last;
                 if counts {
-                    // Only requests about the whole workspace wait for the first listing.
-                    if !std::mem::replace(&mut self.listed, true) {
-                        self.pending.indexed = Some(false);
-                    }
-                    let configured = self.workspace.set_files(files);
-                    self.pending.roots = true;
-                    match configured {
-                        true => self.reconfigure(),
-                        false => self.register_documents(),
-                    }
+                    self.set_listed(files);
                 }
                 if !(counts && self.index()) {
                     self.settle_listing();
@@ -158,24 +149,25 @@ impl State {
     }
 
     pub(super) fn touch(&mut self, path: Utf8PathBuf) {
-        let is_specification = self.kind_of(&path) == DocumentKind::Specification;
-        if is_specification && self.active.as_ref() != Some(&path) {
-            self.active = Some(path.clone());
+        let language = self.language_of(&path);
+        let leads = matches!(language, Language::Specification | Language::Scenario);
+        if leads && self.focus.active.as_ref() != Some(&path) {
+            self.focus.active = Some(path.clone());
             self.pending.active = true;
         }
         self.pending.files.insert(path);
     }
 
-    /// The kind of an open document.
-    pub(super) fn kind_of(&self, path: &Utf8Path) -> DocumentKind {
+    /// The language of an open document.
+    pub(super) fn language_of(&self, path: &Utf8Path) -> Language {
         let open = self.documents.open_files().get(path);
-        open.map_or(DocumentKind::Specification, |file| file.kind)
+        open.map_or(Language::Specification, |file| file.language)
     }
 
-    /// The kind of a document that is opened.
-    fn kind(&self, path: &Utf8Path, language: &str) -> DocumentKind {
+    /// The language of a document that is opened.
+    fn language_of_opened(&self, path: &Utf8Path, language: &str) -> Language {
         if language == templates::LANGUAGE {
-            return DocumentKind::Source;
+            return Language::Template;
         }
         let is_code = codels::is_code(path, Some(language));
         // Codels in a folder below a template are codels.
@@ -184,11 +176,12 @@ impl State {
             home.is_some_and(|home| !vfs::specifications_in(&home).is_empty())
         };
         if templates::is_template(&self.workspace.templates, path) && !(is_code && is_codel()) {
-            return DocumentKind::Template;
+            return Language::Template;
         }
         match is_code {
-            true => DocumentKind::Code,
-            false => DocumentKind::Specification,
+            true => Language::Codel,
+            false if language::is_scenario(path) => Language::Scenario,
+            false => Language::Specification,
         }
     }
 
@@ -216,16 +209,16 @@ impl State {
             }
             match path.extension() {
                 Some("pc") => self.pending.packages = true,
-                Some("scn") if change.typ == FileChangeType::DELETED => {
+                Some(SCENARIO) if change.typ == FileChangeType::DELETED => {
                     Arc::make_mut(&mut self.workspace.scenarios).remove(&path);
                 }
-                Some("scn") if self.workspace.contains(&path) => {
+                Some(SCENARIO) if self.workspace.contains(&path) => {
                     Arc::make_mut(&mut self.workspace.scenarios).insert(path.clone());
                 }
-                Some("gen") if change.typ == FileChangeType::DELETED => {
+                Some(SPECIFICATION) if change.typ == FileChangeType::DELETED => {
                     self.pending.roots |= self.workspace.files.remove(&path);
                 }
-                Some("gen") if self.workspace.contains(&path) => {
+                Some(SPECIFICATION) if self.workspace.contains(&path) => {
                     self.pending.roots |= self.workspace.files.insert(path.clone());
                 }
                 _ => {}
@@ -245,65 +238,5 @@ impl State {
         self.pending.roots |= found;
         self.pending.files.extend(known);
         found
-    }
-
-    /// Reads the includes of every root on the blocking pool. Returns true if that has begun.
-    fn index(&mut self) -> bool {
-        let Some(events) = self.events.upgrade() else {
-            return false;
-        };
-        self.flush();
-        let analysis = self.host.analysis();
-        self.outbox.runtime().spawn_blocking(move || {
-            let looked = catch_unwind(AssertUnwindSafe(|| analysis.index()));
-            drop(analysis);
-            let found = match looked {
-                Ok(Ok(found)) => Some(found),
-                Ok(Err(Cancelled::PendingWrite)) => None,
-                // After a panic, the request for the affected file reports it.
-                _ => Some(true),
-            };
-            let _ = events.send(Event::Mutation(Mutation::Indexed(found)));
-        });
-        true
-    }
-
-    /// Handles the end of a listing: admits the waiting requests.
-    fn settle_listing(&mut self) {
-        self.listings = self.listings.saturating_sub(1);
-        if self.listings == 0 {
-            for read in std::mem::take(&mut self.waiting) {
-                self.admit(read);
-            }
-        }
-    }
-
-    /// Lists the files of the workspace folders, with progress.
-    pub(super) fn scan(&mut self) {
-        self.last_listing += 1;
-        let number = self.last_listing;
-        let folders = self.workspace.scanned_folders();
-        let Some(events) = self.events.upgrade().filter(|_| !folders.is_empty()) else {
-            return;
-        };
-        self.listings += 1;
-        let wants_progress = self.client.progress;
-        self.outbox.run_conversation(move |client| async move {
-            let progress =
-                crate::protocol::progress::begin(&client, wants_progress, "Indexing").await;
-            let listing = tokio::task::spawn_blocking(move || {
-                let below =
-                    |path: &Utf8PathBuf| vfs::files_below(path, &["gen", "scn", "tcl", "toml"]);
-                folders.iter().flat_map(below).collect::<Vec<_>>()
-            });
-            let files = listing.await.unwrap_or_default();
-            let specifications = files.iter().filter(|file| file.extension() == Some("gen"));
-            let summary = match specifications.count() {
-                1 => "1 specification".to_owned(),
-                count => format!("{count} specifications"),
-            };
-            let _ = events.send(Event::Mutation(Mutation::Scanned(number, files)));
-            crate::protocol::progress::end(progress, summary).await;
-        });
     }
 }

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::Change;
+use dotgen_analysis::language::Language;
 use rustc_hash::FxHashSet;
 
 use super::State;
 use super::session::Stale;
 use crate::session::post::Post;
 use crate::workspace::codels;
-use crate::workspace::snapshot::DocumentKind;
 use dotgen_platform::files::vfs;
 
 /// Changes that are not in the database yet.
@@ -35,14 +35,21 @@ impl State {
         }
         if pending.roots {
             let open = self.documents.open_files().keys();
-            let open = open.filter(|key| {
-                !self.documents.is_lost(key)
-                    && key.extension() != Some(dotgen_views::verification::problem::EXTENSION)
-                    && !self.kind_of(key).is_template()
-            });
-            let (code, open): (Vec<_>, Vec<_>) =
-                open.partition(|key| self.kind_of(key) == DocumentKind::Code);
-            let mut roots: Vec<_> = self.workspace.files.iter().chain(open).cloned().collect();
+            let (mut code, mut specifications) = (Vec::new(), Vec::new());
+            for path in open.filter(|path| !self.documents.is_lost(path)) {
+                match self.language_of(path) {
+                    Language::Specification => specifications.push(path),
+                    Language::Codel => code.push(path),
+                    Language::Scenario | Language::Template => {}
+                }
+            }
+            let mut roots: Vec<_> = self
+                .workspace
+                .files
+                .iter()
+                .chain(specifications)
+                .cloned()
+                .collect();
             // A source finds its specification even if its folder is not searched.
             let home = |source: &&Utf8PathBuf| codels::home(self.config.codels_of(source)?, source);
             let homes = code.iter().filter_map(home);
@@ -70,8 +77,8 @@ impl State {
         let change = Change {
             files: files.map(|(text, path)| (path, text)).collect(),
             roots: pending.roots.then(|| self.roots.to_vec()),
-            active: self.active.clone().filter(|_| pending.active),
-            chosen: pending.chosen.then(|| self.chosen.clone()),
+            active: self.focus.active.clone().filter(|_| pending.active),
+            chosen: pending.chosen.then(|| self.focus.chosen.clone()),
             config: pending.config.then(|| self.config.for_analysis()),
             reload_packages: pending.packages,
             indexed: pending.indexed,
@@ -80,10 +87,9 @@ impl State {
             let _span = tracing::debug_span!("apply", files = change.files.len()).entered();
             self.host.apply(change);
         }
-        self.revision += 1;
-        self.revisions.send_replace(self.revision);
+        self.revisions.send_modify(|revision| *revision += 1);
         self.publisher
-            .changed(self.revision, &self.outbox, &Post::new(&self.events));
+            .changed(self.revision(), &self.outbox, &Post::new(&self.events));
         self.schedule_verification();
         if std::mem::take(&mut self.publisher.refresh_wanted) {
             self.refresh(Stale::Meaning);

@@ -10,6 +10,15 @@ use crate::session::post::Post;
 use crate::session::publish::Run;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
+/// The requests and computations that read a snapshot.
+#[derive(Default)]
+pub(super) struct Readers {
+    /// Every snapshot has a clone of it: the count shows the number of readers.
+    count: Arc<()>,
+    /// True if many requests were served since memory was last released.
+    have_worked: bool,
+}
+
 impl State {
     pub(super) fn snapshot(&self) -> Snapshot {
         let mut snapshot = Snapshot::new(
@@ -19,10 +28,10 @@ impl State {
             Arc::new(self.workspace.scanned_folders()),
             self.config.clone(),
             self.client.clone(),
-            self.revision,
+            self.revision(),
             self.vfs.clone(),
             self.codels.clone(),
-            self.readers.clone(),
+            self.readers.count.clone(),
         );
         snapshot.verification = self.verifier.results().clone();
         snapshot.scenarios = self.workspace.scenarios.clone();
@@ -35,7 +44,7 @@ impl State {
         if read.control.is_cancelled() {
             return;
         }
-        if read.whole && self.listings > 0 {
+        if read.whole && self.listings.running > 0 {
             // The request is about the present text.
             let mut read = read;
             let subject = read.subject.as_ref().map(uri::to_path);
@@ -46,7 +55,7 @@ impl State {
                     .map(|file| file.version)
             });
             read.expected.get_or_insert(version);
-            return self.waiting.push(read);
+            return self.listings.waiting.push(read);
         }
         let subject = read.subject.map(|uri| {
             let path = uri::to_path(&uri);
@@ -86,8 +95,8 @@ impl State {
 
     pub(super) fn publish(&mut self, revision: u64) {
         self.flush();
-        if self.publisher.is_due(revision, self.revision)
-            && let Some(run) = self.publisher.start(self.revision)
+        if self.publisher.is_due(revision, self.revision())
+            && let Some(run) = self.publisher.start(self.revision())
         {
             self.continue_run(run);
         }
@@ -96,7 +105,7 @@ impl State {
     /// Continues a computation of diagnostics, unless a change has cancelled it and scheduled the next one.
     pub(super) fn continue_run(&mut self, run: Run) {
         self.rest();
-        if run.revision() != self.revision || run.is_done() {
+        if run.revision() != self.revision() || run.is_done() {
             return;
         }
         let snapshot = self.snapshot();
@@ -106,10 +115,10 @@ impl State {
     /// Releases memory of results that can be computed again, after many requests. Runs only without readers,
     /// which it would cancel.
     pub(super) fn rest(&mut self) {
-        let idle = Arc::strong_count(&self.readers) == 1;
-        if idle && std::mem::take(&mut self.worked) {
+        let idle = Arc::strong_count(&self.readers.count) == 1;
+        if idle && std::mem::take(&mut self.readers.have_worked) {
             self.host.evict_cache();
         }
-        self.worked = true;
+        self.readers.have_worked = true;
     }
 }

@@ -25,7 +25,7 @@ impl State {
         raw: &Value,
     ) -> InitializeResult {
         self.client = Arc::new(ClientCaps::new(params, raw));
-        self.settings_problems = self.workspace.initialize(params);
+        self.reported.settings = self.workspace.initialize(params);
         self.publisher.initialize(&self.client);
         self.verifier.initialize(self.client.verification_status);
         self.reconfigure();

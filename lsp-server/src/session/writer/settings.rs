@@ -1,12 +1,24 @@
 //! The editor's settings and configuration files: requests for them, their combination, and reports of errors
 //! in them.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use camino::Utf8PathBuf;
+use rustc_hash::FxHashSet;
 use serde_json::Value;
 
 use super::{Event, Mutation, State};
 use crate::protocol::types::*;
+
+/// The errors in settings that the client shows.
+#[derive(Default)]
+pub(super) struct Reported {
+    /// Configuration files with diagnostics.
+    files: FxHashSet<Utf8PathBuf>,
+    /// The errors in the editor's settings.
+    pub(super) settings: BTreeSet<String>,
+}
 
 impl State {
     /// Requests the settings of the client, if it supports that.
@@ -32,15 +44,15 @@ impl State {
 
     pub(super) fn set_editor_settings(&mut self, settings: &[Value]) {
         let problems = self.workspace.set_editor_settings(settings);
-        if self.settings_problems != problems {
-            self.settings_problems = problems;
+        if self.reported.settings != problems {
+            self.reported.settings = problems;
             self.show_settings_problems();
         }
         self.reconfigure();
     }
 
     pub(super) fn show_settings_problems(&self) {
-        for problem in &self.settings_problems {
+        for problem in &self.reported.settings {
             let message = format!("dotgen, editor settings: {problem}");
             self.outbox.show(MessageType::WARNING, message);
         }
@@ -64,10 +76,10 @@ impl State {
     /// Shows errors in configuration files, and clears those that are fixed.
     pub(super) fn report_problems(&mut self) {
         let problems = self.workspace.problems(self.client.encoding);
-        let mut gone = std::mem::take(&mut self.reported);
+        let mut gone = std::mem::take(&mut self.reported.files);
         for (path, diagnostics) in problems {
             gone.remove(&path);
-            self.reported.insert(path.clone());
+            self.reported.files.insert(path.clone());
             self.outbox.publish(&path, diagnostics);
         }
         for path in gone {

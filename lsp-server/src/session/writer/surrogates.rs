@@ -17,7 +17,7 @@ impl State {
     pub(super) fn mended(&mut self, uri: Uri) {
         let path = uri::to_path(&uri);
         // If the document is already marked, the change itself has asked for the text.
-        if self.documents.open_files().contains_key(&path) && self.mended.insert(path) {
+        if self.documents.open_files().contains_key(&path) && self.documents.mend(path) {
             self.ask_for_text(uri);
         }
     }
@@ -48,14 +48,14 @@ impl State {
         else {
             return;
         };
-        self.mended.remove(&path);
+        self.documents.restored(&path);
         self.replace_text(&path, sent.version, sent.text);
     }
 
     /// Uses the saved text.
     pub(super) fn saved(&mut self, uri: &Uri) {
         let path = uri::to_path(uri);
-        if !self.mended.remove(&path) {
+        if !self.documents.restored(&path) {
             return;
         }
         let version = self

@@ -16,7 +16,7 @@ impl State {
             }
             return;
         }
-        let (events, revision) = (Post::new(&self.events), self.revision);
+        let (events, revision) = (Post::new(&self.events), self.revision());
         let pause = self.verifier.debounce();
         self.outbox.runtime().spawn(async move {
             tokio::time::sleep(pause).await;
@@ -27,7 +27,7 @@ impl State {
     /// Computes the problems to verify, on the blocking pool.
     pub(super) fn verify(&mut self, revision: u64) {
         self.flush();
-        if revision != self.revision {
+        if revision != self.revision() {
             return;
         }
         let events = Post::new(&self.events);
@@ -49,7 +49,7 @@ impl State {
     /// Updates diagnostics and lenses after a change of the results of verification.
     pub(super) fn show_verification(&mut self) {
         self.publisher
-            .changed(self.revision, &self.outbox, &Post::new(&self.events));
+            .changed(self.revision(), &self.outbox, &Post::new(&self.events));
         self.refresh(Stale::Findings);
     }
 }

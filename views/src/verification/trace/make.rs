@@ -150,73 +150,10 @@ impl TraceBuilder<'_> {
             key = client;
         }
         self.lanes.touch(&key);
-        let locks = Key::Of(thread.component.clone(), Part::Locks);
         if let Some(victim) = &event.preempts {
             self.take_core(victim, thread, step, now);
         }
-        let codel = event.codel.clone();
-        let of = codel.clone().map(Of::Codel);
-        let begun = |kind, codel: &CodelName| SpanStart {
-            of: Of::Codel(codel.clone()),
-            kind,
-            label: codel.inside().to_owned(),
-            step,
-            ahead: Vec::new(),
-        };
-        let shares = codel
-            .as_deref()
-            .is_some_and(|codel| self.excludes.through.contains_key(codel));
-        match (event.kind, &codel, &of) {
-            (MomentKind::Release, ..) if event.for_core => {
-                let waits = SpanStart {
-                    of: Of::Core(thread.clone()),
-                    kind: SpanKind::WaitCore,
-                    label: "waits for a core".to_owned(),
-                    step,
-                    ahead: Vec::new(),
-                };
-                self.lanes.begin(&key, now, waits);
-            }
-            (MomentKind::Grant, ..) if event.preempts.is_none() => {
-                let core = Of::Core(thread.clone());
-                self.lanes.end(&key, now, &core, SpanKind::WaitCore);
-                let free = Key::Core(self.lanes.free_core());
-                self.has_core(&free, thread.clone(), step, now);
-            }
-            (MomentKind::Wait, Some(path), Some(of)) => {
-                let ahead = event.waits_for.iter().filter(|wait| wait.ahead);
-                let ahead: Vec<CodelName> = ahead.map(|wait| wait.codel.clone()).collect();
-                for lane in [&key, &locks] {
-                    match self.lanes.open(lane, of, SpanKind::WaitLock) {
-                        Some(span) => span.ahead.extend(ahead.iter().cloned()),
-                        None => {
-                            let ahead = ahead.clone();
-                            let waits = begun(SpanKind::WaitLock, path);
-                            self.lanes.begin(lane, now, SpanStart { ahead, ..waits });
-                        }
-                    }
-                }
-            }
-            (MomentKind::Begin, Some(path), Some(of)) => {
-                self.lanes.end(&key, now, of, SpanKind::WaitLock);
-                self.lanes.end(&locks, now, of, SpanKind::WaitLock);
-                self.lanes.begin(&key, now, begun(SpanKind::Run, path));
-                if shares {
-                    self.lanes.begin(&locks, now, begun(SpanKind::Hold, path));
-                }
-            }
-            (MomentKind::End, _, Some(of)) => {
-                self.lanes.end(&key, now, of, SpanKind::Run);
-                self.lanes.end(&locks, now, of, SpanKind::Hold);
-            }
-            (MomentKind::Complete, ..) => {
-                if let Some(core) = self.lanes.core_of(thread) {
-                    self.lanes
-                        .end(&core, now, &Of::Core(thread.clone()), SpanKind::Run);
-                }
-            }
-            _ => {}
-        }
+        self.spans(step, event, now, &key);
         if let Some(client) = &event.client {
             let from = Key::Client(client.clone());
             self.lanes.touch(&from);
@@ -236,7 +173,8 @@ impl TraceBuilder<'_> {
             .extend(mark.map(|mark| (key.clone(), now, mark, Some(step))));
         let blockers: Vec<&str> = event.waits_for.iter().map(|wait| &*wait.codel).collect();
         let with = (event.kind == MomentKind::Wait).then_some(&*blockers);
-        let codel_locks = codel
+        let codel_locks = event
+            .codel
             .as_deref()
             .map(|codel| self.excludes.shared(codel, with));
         let (rule, sentence) = rule(event.kind);
@@ -257,11 +195,80 @@ impl TraceBuilder<'_> {
                 lane: 0,
                 rule: rule.to_owned(),
                 what: event.what.clone(),
-                codel: codel.map(|codel| codel.to_string()),
+                codel: event.codel.as_ref().map(ToString::to_string),
                 locks: codel_locks.unwrap_or_default(),
                 place,
             },
         ));
+    }
+
+    /// Begins and ends the spans in the lanes of a thread, its locks and its core.
+    fn spans(&mut self, step: usize, event: &Event, now: f64, key: &Key) {
+        let thread = &event.thread;
+        let locks = Key::Of(thread.component.clone(), Part::Locks);
+        let of = event.codel.clone().map(Of::Codel);
+        let begun = |kind, codel: &CodelName| SpanStart {
+            of: Of::Codel(codel.clone()),
+            kind,
+            label: codel.inside().to_owned(),
+            step,
+            ahead: Vec::new(),
+        };
+        let shares = event
+            .codel
+            .as_deref()
+            .is_some_and(|codel| self.excludes.through.contains_key(codel));
+        match (event.kind, &event.codel, &of) {
+            (MomentKind::Release, ..) if event.for_core => {
+                let waits = SpanStart {
+                    of: Of::Core(thread.clone()),
+                    kind: SpanKind::WaitCore,
+                    label: "waits for a core".to_owned(),
+                    step,
+                    ahead: Vec::new(),
+                };
+                self.lanes.begin(key, now, waits);
+            }
+            (MomentKind::Grant, ..) if event.preempts.is_none() => {
+                let core = Of::Core(thread.clone());
+                self.lanes.end(key, now, &core, SpanKind::WaitCore);
+                let free = Key::Core(self.lanes.free_core());
+                self.has_core(&free, thread.clone(), step, now);
+            }
+            (MomentKind::Wait, Some(path), Some(of)) => {
+                let ahead = event.waits_for.iter().filter(|wait| wait.ahead);
+                let ahead: Vec<CodelName> = ahead.map(|wait| wait.codel.clone()).collect();
+                for lane in [key, &locks] {
+                    match self.lanes.open(lane, of, SpanKind::WaitLock) {
+                        Some(span) => span.ahead.extend(ahead.iter().cloned()),
+                        None => {
+                            let ahead = ahead.clone();
+                            let waits = begun(SpanKind::WaitLock, path);
+                            self.lanes.begin(lane, now, SpanStart { ahead, ..waits });
+                        }
+                    }
+                }
+            }
+            (MomentKind::Begin, Some(path), Some(of)) => {
+                self.lanes.end(key, now, of, SpanKind::WaitLock);
+                self.lanes.end(&locks, now, of, SpanKind::WaitLock);
+                self.lanes.begin(key, now, begun(SpanKind::Run, path));
+                if shares {
+                    self.lanes.begin(&locks, now, begun(SpanKind::Hold, path));
+                }
+            }
+            (MomentKind::End, _, Some(of)) => {
+                self.lanes.end(key, now, of, SpanKind::Run);
+                self.lanes.end(&locks, now, of, SpanKind::Hold);
+            }
+            (MomentKind::Complete, ..) => {
+                if let Some(core) = self.lanes.core_of(thread) {
+                    self.lanes
+                        .end(&core, now, &Of::Core(thread.clone()), SpanKind::Run);
+                }
+            }
+            _ => {}
+        }
     }
 
     fn has_core(&mut self, core: &Key, thread: ThreadName, step: usize, now: f64) {
@@ -300,45 +307,29 @@ impl TraceBuilder<'_> {
         let executes = |span: &Span| self.steps.get(span.step).map(|step| lane(&step.0));
         let mut waits = Vec::new();
         for (i, span) in spans.iter().enumerate() {
+            let holder = |span: &Span| Holder {
+                name: span.label.clone(),
+                lane: executes(span),
+                from: span.from,
+                to: span.to,
+                through: Vec::new(),
+                ahead: false,
+            };
             let by = match (span.kind, &span.codel) {
                 (SpanKind::WaitLock, Some(codel)) => {
                     let mut by = holds.during(span, |span| {
                         let other = span.codel.as_deref()?;
                         let through = self.excludes.through(codel, other)?;
+                        let through = through.iter().map(ToString::to_string).collect();
                         Some(Holder {
-                            name: span.label.clone(),
-                            lane: executes(span),
-                            from: span.from,
-                            to: span.to,
-                            through: through.iter().map(ToString::to_string).collect(),
-                            ahead: false,
+                            through,
+                            ..holder(span)
                         })
                     });
-                    for other in &ahead[i] {
-                        let name = other.inside().to_owned();
-                        if by.iter().all(|holder: &Holder| holder.name != name) {
-                            by.push(Holder {
-                                name,
-                                lane: None,
-                                from: span.from,
-                                to: span.to,
-                                through: Vec::new(),
-                                ahead: true,
-                            });
-                        }
-                    }
+                    add_ahead(&mut by, &ahead[i], span);
                     by
                 }
-                (SpanKind::WaitCore, _) => cores.during(span, |span| {
-                    Some(Holder {
-                        name: span.label.clone(),
-                        lane: executes(span),
-                        from: span.from,
-                        to: span.to,
-                        through: Vec::new(),
-                        ahead: false,
-                    })
-                }),
+                (SpanKind::WaitCore, _) => cores.during(span, |span| Some(holder(span))),
                 _ => continue,
             };
             waits.push((i, by));
@@ -388,6 +379,23 @@ impl TraceBuilder<'_> {
             notes: Vec::new(),
             lanes,
             spans,
+        }
+    }
+}
+
+/// Adds the codels that wait ahead in a queue of locks.
+fn add_ahead(by: &mut Vec<Holder>, ahead: &[CodelName], wait: &Span) {
+    for other in ahead {
+        let name = other.inside();
+        if by.iter().all(|holder| holder.name != name) {
+            by.push(Holder {
+                name: name.to_owned(),
+                lane: None,
+                from: wait.from,
+                to: wait.to,
+                through: Vec::new(),
+                ahead: true,
+            });
         }
     }
 }
