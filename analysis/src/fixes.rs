@@ -6,6 +6,7 @@
 mod braces;
 mod create;
 mod includes;
+mod range;
 pub(crate) mod trial;
 mod typos;
 
@@ -25,6 +26,7 @@ use crate::{
     source_map::bytes,
     spelling::Spelling,
 };
+use range::{end_of, indent_of, starts_line, whole_lines, with_comma};
 
 /// A fix within one file: its title, and replacements of ranges.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -537,100 +539,4 @@ fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
         title: format!("Let `{}` yield `{state}`", name.syntax().text()),
         edits: edits.collect(),
     })
-}
-
-/// Returns true if a node begins its line.
-fn starts_line(node: &SyntaxNode) -> bool {
-    let tokens = node
-        .descendants_with_tokens()
-        .filter_map(|element| element.into_token());
-    let first = tokens.into_iter().find(|token| !token.kind().is_trivia());
-    let mut before = first.and_then(|token| token.prev_token());
-    while let Some(token) = before {
-        if token.text().contains(['\n', '\r']) {
-            return true;
-        }
-        if !token.kind().is_trivia() {
-            return false;
-        }
-        before = token.prev_token();
-    }
-    true
-}
-
-/// The blanks before the first real token of a node on its line.
-fn indent_of(node: &SyntaxNode) -> String {
-    let first = node
-        .descendants_with_tokens()
-        .filter_map(|element| element.into_token())
-        .find(|token| !token.kind().is_trivia());
-    let before = first.and_then(|token| token.prev_token());
-    before
-        .filter(|token| token.kind() == SyntaxKind::WHITESPACE)
-        .map(|token| {
-            token
-                .text()
-                .rsplit('\n')
-                .next()
-                .unwrap_or_default()
-                .to_owned()
-        })
-        .unwrap_or_default()
-}
-
-/// The end of the last real token of a node.
-fn end_of(node: &SyntaxNode) -> TextSize {
-    let tokens = node
-        .descendants_with_tokens()
-        .filter_map(|element| element.into_token());
-    let last = tokens
-        .filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty())
-        .last();
-    last.map_or(node.text_range().end(), |token| token.text_range().end())
-}
-
-/// A declaration with the blanks and the line end before it.
-fn whole_lines(node: &SyntaxNode) -> TextRange {
-    let mut range = TextRange::new(node.text_range().start(), end_of(node));
-    let mut before = node.first_token().and_then(|token| token.prev_token());
-    while let Some(token) =
-        before.filter(|token| matches!(token.kind(), SyntaxKind::WHITESPACE | SyntaxKind::NEWLINE))
-    {
-        range = range.cover(token.text_range());
-        if token.text().contains(['\n', '\r']) {
-            break;
-        }
-        before = token.prev_token();
-    }
-    range
-}
-
-/// A part of a list with its comma.
-fn with_comma(part: &SyntaxNode) -> TextRange {
-    let range = TextRange::new(part.text_range().start(), end_of(part));
-    let mut next = part.last_token().and_then(|token| token.next_token());
-    while let Some(token) = next {
-        if token.kind() == SyntaxKind::COMMA {
-            let after = token
-                .next_token()
-                .filter(|token| token.kind() == SyntaxKind::WHITESPACE);
-            let end = after.map_or(token.text_range().end(), |token| token.text_range().end());
-            return TextRange::new(range.start(), end);
-        }
-        if !token.kind().is_trivia() {
-            break;
-        }
-        next = token.next_token();
-    }
-    let mut before = part.first_token().and_then(|token| token.prev_token());
-    while let Some(token) = before {
-        if token.kind() == SyntaxKind::COMMA {
-            return TextRange::new(token.text_range().start(), range.end());
-        }
-        if !token.kind().is_trivia() {
-            break;
-        }
-        before = token.prev_token();
-    }
-    range
 }

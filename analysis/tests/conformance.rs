@@ -277,6 +277,32 @@ fn is_near(want: &Json, diagnostics: &[&Diagnostic]) -> bool {
     })
 }
 
+/// Keys of the summary that mean "not given" when absent.
+const OPTIONAL: &[&str] = &[
+    "doc",
+    "version",
+    "lang",
+    "email",
+    "clock-rate",
+    "ids",
+    "period",
+    "delay",
+    "priority",
+    "stack",
+    "scheduling",
+    "task",
+    "member",
+    "of",
+    "init",
+    "value",
+    "mutex",
+    "cases",
+    "switch",
+    "valuekind",
+    "triggers",
+    "yields",
+];
+
 /// Compares the output of the reference with dotgen's, which may have further keys in objects.
 fn compare(want: &Json, ours: &Json, at: &str) -> Result<(), String> {
     let differ = || Err(format!("{at} should be {want}, is {ours}"));
@@ -305,38 +331,13 @@ fn compare(want: &Json, ours: &Json, at: &str) -> Result<(), String> {
                 };
                 compare(value, other, &format!("{at}.{key}"))?;
             }
-            // Names of types, and keys of the summary that mean "not given" when absent.
-            let known = [
-                "doc",
-                "version",
-                "lang",
-                "email",
-                "clock-rate",
-                "ids",
-                "period",
-                "delay",
-                "priority",
-                "stack",
-                "scheduling",
-                "task",
-                "member",
-                "of",
-                "init",
-                "value",
-                "mutex",
-                "cases",
-                "switch",
-                "valuekind",
-                "triggers",
-                "yields",
-            ];
-            // The summary leaves the stack of a component out.
+            // Names of types are keys too. The summary leaves the stack of a component out.
             let is_component = ours.contains_key("ports");
             let extra = ours.keys().find(|key| {
                 let omitted = is_component && key.as_str() == "stack";
                 !want.contains_key(*key)
                     && !omitted
-                    && (known.contains(&key.as_str()) || key.starts_with("::"))
+                    && (OPTIONAL.contains(&key.as_str()) || key.starts_with("::"))
             });
             match extra {
                 Some(key) => Err(format!("{at}.{key} should not be there: {}", ours[key])),

@@ -11,7 +11,8 @@ use crate::{
         codels::{CodelProblem, OwnerName},
     },
     model::{
-        Codel, Component, ComponentKind, Name, Spec, Src, Type, TypeId, TypeKind, fsm::Machine,
+        Codel, Component, ComponentKind, Name, Spec, Src, State, Type, TypeId, TypeKind,
+        fsm::Machine,
     },
 };
 
@@ -58,7 +59,6 @@ pub(super) fn check(spec: &Spec, component: &Component, found: &mut Vec<Finding>
 }
 
 fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut Vec<Finding>) {
-    let what = owner.what;
     let machine = Machine::new(codels);
     if machine.is_empty() {
         return;
@@ -86,16 +86,11 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
     reached.extend(from_stop);
     let misnamed = misnamed(&machine);
     for (&(state, src), used) in misnamed.iter() {
-        found.push(
-            Finding::new(
-                CodelProblem::Misnamed {
-                    state: state.clone(),
-                    owner: owner.name(),
-                },
-                src,
-            )
-            .near(Some(Near::new(src, used))),
-        );
+        let kind = CodelProblem::Misnamed {
+            state: state.clone(),
+            owner: owner.name(),
+        };
+        found.push(Finding::new(kind, src).near(Some(Near::new(src, used))));
     }
     let is_misnamed = |codel: &Codel| {
         let mut triggers = codel.triggers.iter();
@@ -103,100 +98,104 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
     };
     let before = std::iter::once(None).chain(machine.codels.iter().map(|codel| Some(codel.1)));
     for ((_, codel), before) in machine.codels.iter().zip(before) {
-        let is_reached = codel
-            .triggers
-            .iter()
-            .any(|trigger| reached.contains(trigger.name.as_str()));
-        if !is_reached {
-            if complete
-                && !is_misnamed(codel)
-                && let Some(state) = codel.triggers.first()
-            {
-                // The codel before is the first candidate for a transition to this one.
-                let in_cycle = before.is_some_and(|before| {
-                    let is_before = |name: &str| before.triggers.iter().any(|s| s.name == name);
-                    machine.reaches_without_pause(&state.name, is_before)
-                });
-                found.push(
-                    Finding::new(
-                        CodelProblem::Unreachable {
-                            state: state.name.clone(),
-                            owner: owner.name(),
-                            in_cycle,
-                        },
-                        codel.src,
-                    )
-                    .related(owner.src, Role::Owner(what)),
-                );
-            }
-            continue;
-        }
-        if let Some(ether) = codel
-            .triggers
-            .iter()
-            .find(|trigger| trigger.name == "ether")
-        {
-            found.push(Finding::new(CodelProblem::EtherCodel, ether.src));
-        }
-        let mut missing: Vec<&Name> = Vec::new();
-        for state in &codel.yields {
-            if state.name == "ether"
-                || machine.codel(&state.name).is_some()
-                || misnamed.values().any(|name| **name == state.name)
-                || missing.contains(&&state.name)
-            {
-                continue;
-            }
-            missing.push(&state.name);
-            if let Some(exception) = thrown_elsewhere(spec, owner, &state.name) {
-                found.push(
-                    Finding::new(
-                        CodelProblem::UndeclaredThrow {
-                            codel: codel.name.clone(),
-                            state: state.name.clone(),
-                            owner: owner.name(),
-                            exception: spec
-                                .full_name(exception)
-                                .map_or_else(|| state.name.clone(), Into::into),
-                        },
-                        state.src,
-                    )
-                    .related(owner.src, Role::Owner(what)),
-                );
-                continue;
-            }
-            let states = machine.states().map(|state| state.as_str());
-            let near = dotgen_syntax::suggestion::nearest(&state.name, states.chain(["ether"]));
-            let near = near.map(|name| {
-                let pause = if state.paused { "pause::" } else { "" };
-                Near {
-                    at: state.src,
-                    name: name.into(),
-                    text: format_smolstr!("{pause}{name}"),
-                    plain: false,
-                }
-            });
-
-            found.push(
-                Finding::new(
-                    CodelProblem::Undefined {
-                        codel: codel.name.clone(),
-                        state: state.name.clone(),
-                        owner: owner.name(),
-                    },
-                    state.src,
-                )
-                .related(codel.src, Role::Codel)
-                .compiler_at(codel.src)
-                .near(near),
-            );
+        let mut triggers = codel.triggers.iter();
+        if triggers.any(|trigger| reached.contains(trigger.name.as_str())) {
+            check_transitions(spec, owner, &machine, &misnamed, codel, found);
+        } else if complete && !is_misnamed(codel) {
+            found.extend(unreachable(owner, &machine, codel, before));
         }
     }
 }
 
+/// The finding for a codel that no transition leads to. The codel before it is the first candidate for one.
+fn unreachable(
+    owner: &Owner<'_>,
+    machine: &Machine<'_>,
+    codel: &Codel,
+    before: Option<&Codel>,
+) -> Option<Finding> {
+    let state = codel.triggers.first()?;
+    let in_cycle = before.is_some_and(|before| {
+        let is_before = |name: &str| before.triggers.iter().any(|s| s.name == name);
+        machine.reaches_without_pause(&state.name, is_before)
+    });
+    let kind = CodelProblem::Unreachable {
+        state: state.name.clone(),
+        owner: owner.name(),
+        in_cycle,
+    };
+    Some(Finding::new(kind, codel.src).related(owner.src, Role::Owner(owner.what)))
+}
+
+/// Checks the states of a reachable codel: its own, and those that it yields.
+fn check_transitions(
+    spec: &Spec,
+    owner: &Owner<'_>,
+    machine: &Machine<'_>,
+    misnamed: &Misnamed<'_>,
+    codel: &Codel,
+    found: &mut Vec<Finding>,
+) {
+    let mut triggers = codel.triggers.iter();
+    if let Some(ether) = triggers.find(|trigger| trigger.name == "ether") {
+        found.push(Finding::new(CodelProblem::EtherCodel, ether.src));
+    }
+    let mut missing: Vec<&Name> = Vec::new();
+    for state in &codel.yields {
+        if state.name == "ether"
+            || machine.codel(&state.name).is_some()
+            || misnamed.values().any(|name| **name == state.name)
+            || missing.contains(&&state.name)
+        {
+            continue;
+        }
+        missing.push(&state.name);
+        found.push(match thrown_elsewhere(spec, owner, &state.name) {
+            Some(exception) => {
+                let kind = CodelProblem::UndeclaredThrow {
+                    codel: codel.name.clone(),
+                    state: state.name.clone(),
+                    owner: owner.name(),
+                    exception: spec
+                        .full_name(exception)
+                        .map_or_else(|| state.name.clone(), Into::into),
+                };
+                Finding::new(kind, state.src).related(owner.src, Role::Owner(owner.what))
+            }
+            None => undefined(owner, machine, codel, state),
+        });
+    }
+}
+
+/// The finding for a yielded state without codel, with the state of the most similar name.
+fn undefined(owner: &Owner<'_>, machine: &Machine<'_>, codel: &Codel, state: &State) -> Finding {
+    let states = machine.states().map(|state| state.as_str());
+    let near = dotgen_syntax::suggestion::nearest(&state.name, states.chain(["ether"]));
+    let near = near.map(|name| {
+        let pause = if state.paused { "pause::" } else { "" };
+        Near {
+            at: state.src,
+            name: name.into(),
+            text: format_smolstr!("{pause}{name}"),
+            plain: false,
+        }
+    });
+    let kind = CodelProblem::Undefined {
+        codel: codel.name.clone(),
+        state: state.name.clone(),
+        owner: owner.name(),
+    };
+    Finding::new(kind, state.src)
+        .related(codel.src, Role::Codel)
+        .compiler_at(codel.src)
+        .near(near)
+}
+
 /// States of unreachable codels, each with a similarly named state that several transitions lead to and that
 /// has no codel: the name of the former is misspelt.
-fn misnamed<'m>(machine: &Machine<'m>) -> BTreeMap<(&'m Name, Src), &'m Name> {
+type Misnamed<'m> = BTreeMap<(&'m Name, Src), &'m Name>;
+
+fn misnamed<'m>(machine: &Machine<'m>) -> Misnamed<'m> {
     let used: Vec<&Name> = machine
         .codels
         .iter()

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use camino::{Utf8Path, Utf8PathBuf};
 
-use super::{Dependencies, Include};
+use super::{Dependencies, Include, UnknownName};
 use crate::model::{
     Gap, Missing, Name, Param, ParamDir, PathElement, Service, ServiceKind, SourceKind, Spec,
     TypeKind,
@@ -44,105 +44,33 @@ pub fn folder(specification: &Utf8Path) -> Utf8PathBuf {
 /// Stand-ins for all included files that are not found. Each name goes to the file with the most similar
 /// path, the others to the first one.
 pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<StandIn> {
-    let missing: Vec<&Include> = needs
+    let missing = needs
         .includes
         .iter()
-        .filter(|include| include.found.is_none())
-        .collect();
-    let mut trees: Vec<Module> = missing.iter().map(|_| Module::default()).collect();
-    if trees.is_empty() {
+        .filter(|include| include.found.is_none());
+    let mut trees = Trees(
+        missing
+            .map(|include| (include, Module::default()))
+            .collect(),
+    );
+    if trees.0.is_empty() {
         return Vec::new();
     }
-    let home = |name: &str| {
-        let best = (0..missing.len())
-            .filter_map(|include| Some((likeness(name, &missing[include].path)?, include)));
-        best.max_by_key(|(likeness, index)| (*likeness, usize::MAX - index))
-            .map_or(0, |(_, index)| index)
-    };
     for interface in needs
         .interfaces
         .iter()
         .filter(|interface| interface.found.is_none())
     {
-        trees[home(&interface.name)].interface(&interface.name);
+        trees.interface(&interface.name);
     }
     for name in &needs.unknown {
-        let path: Vec<&str> = name
-            .name
-            .split("::")
-            .filter(|part| !part.is_empty())
-            .collect();
-        let Some((last, scopes)) = path.split_last() else {
-            continue;
-        };
-        let declared = match name.used_as {
-            "constant" => StandInDeclaration::Constant,
-            "exception" => StandInDeclaration::Exception,
-            _ => StandInDeclaration::Type(Vec::new()),
-        };
-        trees[home(&name.name)]
-            .within(scopes)
-            .declare(last, declared);
+        trees.declare(name);
     }
     for gap in &spec.gaps {
-        match &gap.missing {
-            Missing::Member { of, path } => {
-                let names: Vec<&str> = of.split("::").filter(|part| !part.is_empty()).collect();
-                if let Some((last, scopes)) = names.split_last() {
-                    trees[home(of)].within(scopes).member(last, path);
-                }
-            }
-            Missing::Source {
-                name,
-                kind: Some(SourceKind::Local),
-                service: Some(service),
-                ..
-            } => {
-                let service = gap.component.and_then(|component| {
-                    let services = &spec.components[component as usize].services;
-                    services.get(*service as usize)
-                });
-                let params = service.and_then(|service| params(spec, service));
-                if let (Some(service), Some(params), Some(interface)) =
-                    (service, params, unknown_interface(spec, gap, false))
-                {
-                    let module = trees[home(interface)].interface(interface);
-                    module.local(service, params, name);
-                }
-            }
-            Missing::Source {
-                name, kind, dir, ..
-            } => {
-                let provided =
-                    unknown_interface(spec, gap, false).map(|interface| (interface, false));
-                let used = unknown_interface(spec, gap, true).map(|interface| (interface, true));
-                // Remote services are derived from the used interfaces.
-                let from = match kind {
-                    Some(SourceKind::Remote) => used.or(provided),
-                    _ => first_of(spec, gap),
-                };
-                if let Some((interface, used)) = from {
-                    let module = trees[home(interface)].interface(interface);
-                    module.source(name, *kind, *dir, used);
-                }
-            }
-            Missing::Task { name } | Missing::Service { name } => {
-                if let Some(interface) = unknown_interface(spec, gap, false) {
-                    let module = trees[home(interface)].interface(interface);
-                    let list = match gap.missing {
-                        Missing::Task { .. } => &mut module.tasks,
-                        _ => &mut module.services,
-                    };
-                    if !list.contains(name) {
-                        list.push(name.clone());
-                    }
-                }
-            }
-            _ => {}
-        }
+        trees.fill(spec, gap);
     }
     let folder = folder(root);
-    let files = missing.iter().zip(&trees).filter_map(|(include, tree)| {
+    let files = trees.0.iter().filter_map(|(include, tree)| {
         let below = Utf8Path::new(&include.path);
         let climbs = below.components().any(|component| {
             !matches!(
@@ -159,6 +87,100 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
         })
     });
     files.collect()
+}
+
+/// The declarations of each file that is not found; there is at least one.
+struct Trees<'n>(Vec<(&'n Include, Module)>);
+
+impl Trees<'_> {
+    /// The file of a name.
+    fn home(&mut self, name: &str) -> &mut Module {
+        let likely = self.0.iter().enumerate();
+        let best = likely
+            .filter_map(|(index, (include, _))| Some((likeness(name, &include.path)?, index)))
+            .max_by_key(|(likeness, index)| (*likeness, usize::MAX - index));
+        &mut self.0[best.map_or(0, |(_, index)| index)].1
+    }
+
+    /// The interface of a name, in its file.
+    fn interface(&mut self, name: &str) -> &mut Module {
+        self.home(name).interface(name)
+    }
+
+    /// Declares a name in its file, as what it is used as.
+    fn declare(&mut self, name: &UnknownName) {
+        let path: Vec<&str> = name
+            .name
+            .split("::")
+            .filter(|part| !part.is_empty())
+            .collect();
+        let Some((last, scopes)) = path.split_last() else {
+            return;
+        };
+        let declared = match name.used_as {
+            "constant" => StandInDeclaration::Constant,
+            "exception" => StandInDeclaration::Exception,
+            _ => StandInDeclaration::Type(Vec::new()),
+        };
+        self.home(&name.name).within(scopes).declare(last, declared);
+    }
+
+    /// Declares what a gap of the model lacks.
+    fn fill(&mut self, spec: &Spec, gap: &Gap) {
+        match &gap.missing {
+            Missing::Member { of, path } => {
+                let names: Vec<&str> = of.split("::").filter(|part| !part.is_empty()).collect();
+                if let Some((last, scopes)) = names.split_last() {
+                    self.home(of).within(scopes).member(last, path);
+                }
+            }
+            Missing::Source {
+                name,
+                kind: Some(SourceKind::Local),
+                service: Some(service),
+                ..
+            } => {
+                let service = gap.component.and_then(|component| {
+                    let services = &spec.components[component as usize].services;
+                    services.get(*service as usize)
+                });
+                let params = service.and_then(|service| params(spec, service));
+                if let (Some(service), Some(params), Some(interface)) =
+                    (service, params, unknown_interface(spec, gap, false))
+                {
+                    self.interface(interface).local(service, params, name);
+                }
+            }
+            Missing::Source {
+                name, kind, dir, ..
+            } => {
+                let provided =
+                    unknown_interface(spec, gap, false).map(|interface| (interface, false));
+                let used = unknown_interface(spec, gap, true).map(|interface| (interface, true));
+                // Remote services are derived from the used interfaces.
+                let from = match kind {
+                    Some(SourceKind::Remote) => used.or(provided),
+                    _ => first_of(spec, gap),
+                };
+                if let Some((interface, used)) = from {
+                    self.interface(interface).source(name, *kind, *dir, used);
+                }
+            }
+            Missing::Task { name } | Missing::Service { name } => {
+                if let Some(interface) = unknown_interface(spec, gap, false) {
+                    let module = self.interface(interface);
+                    let list = match gap.missing {
+                        Missing::Task { .. } => &mut module.tasks,
+                        _ => &mut module.services,
+                    };
+                    if !list.contains(name) {
+                        list.push(name.clone());
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
 }
 
 /// The first unknown interface among those that a component imports, and true if the component only uses it.

@@ -116,18 +116,7 @@ impl<'a> Elaborator<'a> {
         {
             self.report_clash(scope, &ids, at, clash);
         }
-        let pause_name = Text::new_static("pause");
-        let pause = match self.scopes.get(scope).children.get(&pause_name) {
-            Some(&pause) => pause,
-            None => {
-                if let Some(clash) = self.scopes.clash(scope, &pause_name, true) {
-                    // The component is called `pause`, or its module has a member of that name.
-                    self.report_clash(scope, &pause_name, at, clash);
-                }
-                self.scopes
-                    .open(scope, &pause_name, ScopeKind::Module, None, false)
-            }
-        };
+        let pause = self.pause_scope(scope, at);
         self.spec.components.push(Component {
             name: name.text.clone(),
             kind,
@@ -181,6 +170,22 @@ impl<'a> Elaborator<'a> {
             self.component = outer;
         }
         index
+    }
+
+    /// The scope `pause` of a component.
+    fn pause_scope(&mut self, scope: ScopeId, at: Src) -> ScopeId {
+        let pause_name = Text::new_static("pause");
+        match self.scopes.get(scope).children.get(&pause_name) {
+            Some(&pause) => pause,
+            None => {
+                if let Some(clash) = self.scopes.clash(scope, &pause_name, true) {
+                    // The component is called `pause`, or its module has a member of that name.
+                    self.report_clash(scope, &pause_name, at, clash);
+                }
+                self.scopes
+                    .open(scope, &pause_name, ScopeKind::Module, None, false)
+            }
+        }
     }
 
     /// One item of a body.

@@ -10,8 +10,8 @@ use super::{
 };
 use crate::{
     finding::{Finding, values::ValueProblem},
-    item_tree::{Expr, ExprKind},
-    model::{TypeKind, Value},
+    item_tree::{Expr, ExprKind, Path},
+    model::{Name, Src, TypeKind, Value},
 };
 
 /// The content of a string literal: `\"` stands for a quote, other backslashes are kept.
@@ -43,24 +43,7 @@ impl<'a> Elaborator<'a> {
         let at = self.src(expr.ptr);
         match &expr.kind {
             ExprKind::Bool(value) => Const::Bool(*value),
-            ExprKind::Int(text) => match parse_integer(text) {
-                Some((value, odd)) => {
-                    if odd {
-                        self.error(
-                            at,
-                            ValueProblem::OctalDigit {
-                                text: text.clone(),
-                                value,
-                            },
-                        );
-                    }
-                    Const::unsigned(value)
-                }
-                None => {
-                    self.error(at, ValueProblem::TooLong { text: text.clone() });
-                    Const::Unknown
-                }
-            },
+            ExprKind::Int(text) => self.integer(text, at),
             ExprKind::Float(text) => {
                 let digits = text.trim_end_matches(['f', 'F', 'l', 'L']);
                 digits.parse().map_or(Const::Unknown, Const::Float)
@@ -81,36 +64,7 @@ impl<'a> Elaborator<'a> {
             ExprKind::Str(parts) => {
                 Const::Str(parts.iter().map(|(text, _)| string_content(text)).collect())
             }
-            ExprKind::Path(path) => {
-                let Some(ty) = self.resolve_path(path) else {
-                    self.report_unresolved(path, false);
-                    self.record_unresolved(crate::model::Missing::Name {
-                        name: words::path_text(path).into(),
-                        constant: true,
-                    });
-                    return Const::Unknown;
-                };
-                match &self.spec.ty(ty).kind {
-                    TypeKind::Const { value, .. } => from_value(value),
-                    TypeKind::Enumerator { .. } => Const::Enum(ty),
-                    TypeKind::Unknown => Const::Unknown,
-                    _ => {
-                        let what = words::describe(&self.spec, ty);
-                        let mut diagnostic = Finding::new(
-                            ValueProblem::HasNoValue {
-                                path: words::path_text(path).into(),
-                                what,
-                            },
-                            at,
-                        );
-                        if let Some(place) = self.type_place(ty) {
-                            diagnostic = diagnostic.related(place, Role::Declared);
-                        }
-                        self.report(diagnostic);
-                        Const::Unknown
-                    }
-                }
-            }
+            ExprKind::Path(path) => self.named_value(path, at),
             ExprKind::Paren(inner) => self.eval(inner),
             ExprKind::Unary {
                 op,
@@ -153,6 +107,60 @@ impl<'a> Elaborator<'a> {
                 }
             }
             ExprKind::Missing => Const::Unknown,
+        }
+    }
+
+    /// The value of an integer literal.
+    fn integer(&mut self, text: &Name, at: Src) -> Const {
+        match parse_integer(text) {
+            Some((value, odd)) => {
+                if odd {
+                    self.error(
+                        at,
+                        ValueProblem::OctalDigit {
+                            text: text.clone(),
+                            value,
+                        },
+                    );
+                }
+                Const::unsigned(value)
+            }
+            None => {
+                self.error(at, ValueProblem::TooLong { text: text.clone() });
+                Const::Unknown
+            }
+        }
+    }
+
+    /// The value of a constant or enumerator.
+    fn named_value(&mut self, path: &'a Path, at: Src) -> Const {
+        let Some(ty) = self.resolve_path(path) else {
+            self.report_unresolved(path, false);
+            self.record_unresolved(crate::model::Missing::Name {
+                name: words::path_text(path).into(),
+                constant: true,
+            });
+            return Const::Unknown;
+        };
+        match &self.spec.ty(ty).kind {
+            TypeKind::Const { value, .. } => from_value(value),
+            TypeKind::Enumerator { .. } => Const::Enum(ty),
+            TypeKind::Unknown => Const::Unknown,
+            _ => {
+                let what = words::describe(&self.spec, ty);
+                let mut diagnostic = Finding::new(
+                    ValueProblem::HasNoValue {
+                        path: words::path_text(path).into(),
+                        what,
+                    },
+                    at,
+                );
+                if let Some(place) = self.type_place(ty) {
+                    diagnostic = diagnostic.related(place, Role::Declared);
+                }
+                self.report(diagnostic);
+                Const::Unknown
+            }
         }
     }
 

@@ -119,25 +119,7 @@ impl<'a> Elaborator<'a> {
                 union(&mut self.spec.components[index as usize].requires, added);
                 self.note_requirements(list);
             }
-            PropertyKind::CodelsRequires(list) => {
-                let added = self.string_list(list, word);
-                let given = &mut self.components[index as usize].given;
-                if let Some(&first) = given.get(word) {
-                    self.newer_or(
-                        Change::MergedProperties,
-                        "a second `codels-requires`",
-                        at,
-                        Finding::new(DeclarationProblem::RequiresTwice, at)
-                            .related(first, Role::First),
-                    );
-                } else {
-                    given.insert(word, at);
-                }
-                union(
-                    &mut self.spec.components[index as usize].codels_requires,
-                    added,
-                );
-            }
+            PropertyKind::CodelsRequires(list) => self.codels_requires(index, list, word, at),
             PropertyKind::ClockRate(duration) => {
                 let value = self.time(duration, word, at);
                 if self.once_in_component(index, word, at) {
@@ -178,6 +160,26 @@ impl<'a> Elaborator<'a> {
                 self.error(at, finding);
             }
         }
+    }
+
+    /// The packages that codels require.
+    fn codels_requires(&mut self, index: u32, list: &'a [Expr], word: &'static str, at: Src) {
+        let added = self.string_list(list, word);
+        let given = &mut self.components[index as usize].given;
+        if let Some(&first) = given.get(word) {
+            self.newer_or(
+                Change::MergedProperties,
+                "a second `codels-requires`",
+                at,
+                Finding::new(DeclarationProblem::RequiresTwice, at).related(first, Role::First),
+            );
+        } else {
+            given.insert(word, at);
+        }
+        union(
+            &mut self.spec.components[index as usize].codels_requires,
+            added,
+        );
     }
 
     pub(super) fn local_outside(&mut self, at: Src, place: &'static str) {

@@ -239,59 +239,31 @@ impl<'a> Elaborator<'a> {
             }
             PropertyKind::Interrupts(list) => {
                 let names = self.name_list(list, word);
-                let known = &mut self.components[c].services[s].lists[INTERRUPTS];
+                let known = &mut self.components[c].services[s].lists[INTERRUPTS].names;
                 for (name, src) in names {
-                    if !known.names.iter().any(|(text, _)| *text == name) {
-                        known.names.push((name, src));
+                    if !known.iter().any(|(text, _)| *text == name) {
+                        known.push((name, src));
                     }
                 }
             }
             PropertyKind::Before(list) | PropertyKind::After(list) => {
-                let names = self.name_list(list, word);
-                if self.once_in_service(index, service, word, at) {
-                    let which = if word == "before" { BEFORE } else { AFTER };
-                    for (text, src) in &names {
-                        if *text == name.text {
-                            self.error(
-                                *src,
-                                DeclarationProblem::ListsItself {
-                                    name: text.clone(),
-                                    word,
-                                },
-                            );
-                        }
-                    }
-                    self.components[c].services[s].lists[which] = NameList { names };
-                }
+                self.order(index, service, name, list, word, at)
             }
             PropertyKind::Task(task) => {
                 if kind != ServiceKind::Activity {
-                    let service = self.src(name.ptr);
+                    let place = self.src(name.ptr);
                     self.report(
                         Finding::new(
                             DeclarationProblem::NoTask {
                                 name: name.text.clone(),
                                 kind: kind_text(kind),
                             },
-                            service,
+                            place,
                         )
                         .related(at, Role::ThisProperty),
                     );
                 } else if let Some(task) = task {
-                    let again = self.components[c].services[s].given.contains_key(word);
-                    if again && self.spec.release.has(Change::MergedProperties) {
-                        // The first one counts.
-                        self.task_named(index, task, at);
-                        self.newer(
-                            Change::MergedProperties,
-                            "a second `task` of an activity",
-                            at,
-                        );
-                    } else if self.once_in_service(index, service, word, at)
-                        && let Some(task) = self.task_named(index, task, at)
-                    {
-                        self.spec.components[c].services[s].task = Some(task);
-                    }
+                    self.activity_task(index, service, task, word, at);
                 }
             }
             PropertyKind::Local { ty, declarators } => {
@@ -305,49 +277,7 @@ impl<'a> Elaborator<'a> {
             PropertyKind::Validate(codel) => {
                 self.codel_here(index, Owner::Service(service), codel, CodelKind::Validate);
             }
-            PropertyKind::Codel(codel) => {
-                let stateful = codel.triggers.is_some();
-                match (kind, stateful) {
-                    (ServiceKind::Activity, false) => {
-                        self.misplaced_codel(
-                            name,
-                            codel,
-                            at,
-                            DeclarationProblem::CodelWithoutState,
-                        );
-                        let owner = Owner::Service(service);
-                        self.misplaced_params(index, owner, codel, CodelKind::Fsm);
-                        return;
-                    }
-                    (ServiceKind::Attribute | ServiceKind::Function, true) => {
-                        let kind = kind_text(kind);
-                        self.misplaced_codel(
-                            name,
-                            codel,
-                            at,
-                            DeclarationProblem::CodelWithState { kind },
-                        );
-                        let owner = Owner::Service(service);
-                        self.misplaced_params(index, owner, codel, CodelKind::Fsm);
-                        return;
-                    }
-                    (ServiceKind::Attribute, false) => {
-                        self.newer_or(
-                            Change::AttributeCodels,
-                            "a codel of an attribute",
-                            at,
-                            Finding::new(DeclarationProblem::AttributeCodel, at),
-                        );
-                    }
-                    _ => {}
-                }
-                let kind = if stateful {
-                    CodelKind::Fsm
-                } else {
-                    CodelKind::Simple
-                };
-                self.codel_here(index, Owner::Service(service), codel, kind);
-            }
+            PropertyKind::Codel(codel) => self.service_codel(index, service, kind, name, codel, at),
             other => {
                 self.error(
                     at,
@@ -359,6 +289,105 @@ impl<'a> Elaborator<'a> {
                 );
             }
         }
+    }
+
+    /// The services that a service must run before or after.
+    fn order(
+        &mut self,
+        index: u32,
+        service: u32,
+        name: &Name,
+        list: &'a [Name],
+        word: &'static str,
+        at: Src,
+    ) {
+        let names = self.name_list(list, word);
+        if self.once_in_service(index, service, word, at) {
+            let which = if word == "before" { BEFORE } else { AFTER };
+            for (text, src) in &names {
+                if *text == name.text {
+                    self.error(
+                        *src,
+                        DeclarationProblem::ListsItself {
+                            name: text.clone(),
+                            word,
+                        },
+                    );
+                }
+            }
+            self.components[index as usize].services[service as usize].lists[which] =
+                NameList { names };
+        }
+    }
+
+    /// The task that runs an activity.
+    fn activity_task(
+        &mut self,
+        index: u32,
+        service: u32,
+        task: &Name,
+        word: &'static str,
+        at: Src,
+    ) {
+        let again = self.components[index as usize].services[service as usize]
+            .given
+            .contains_key(word);
+        if again && self.spec.release.has(Change::MergedProperties) {
+            // The first one counts.
+            self.task_named(index, task, at);
+            self.newer(
+                Change::MergedProperties,
+                "a second `task` of an activity",
+                at,
+            );
+        } else if self.once_in_service(index, service, word, at)
+            && let Some(task) = self.task_named(index, task, at)
+        {
+            self.spec.components[index as usize].services[service as usize].task = Some(task);
+        }
+    }
+
+    /// A codel other than `validate`, in its place for the kind of service.
+    fn service_codel(
+        &mut self,
+        index: u32,
+        service: u32,
+        kind: ServiceKind,
+        name: &Name,
+        codel: &'a CodelDecl,
+        at: Src,
+    ) {
+        let stateful = codel.triggers.is_some();
+        match (kind, stateful) {
+            (ServiceKind::Activity, false) => {
+                self.misplaced_codel(name, codel, at, DeclarationProblem::CodelWithoutState);
+                let owner = Owner::Service(service);
+                self.misplaced_params(index, owner, codel, CodelKind::Fsm);
+                return;
+            }
+            (ServiceKind::Attribute | ServiceKind::Function, true) => {
+                let kind = kind_text(kind);
+                self.misplaced_codel(name, codel, at, DeclarationProblem::CodelWithState { kind });
+                let owner = Owner::Service(service);
+                self.misplaced_params(index, owner, codel, CodelKind::Fsm);
+                return;
+            }
+            (ServiceKind::Attribute, false) => {
+                self.newer_or(
+                    Change::AttributeCodels,
+                    "a codel of an attribute",
+                    at,
+                    Finding::new(DeclarationProblem::AttributeCodel, at),
+                );
+            }
+            _ => {}
+        }
+        let kind = if stateful {
+            CodelKind::Fsm
+        } else {
+            CodelKind::Simple
+        };
+        self.codel_here(index, Owner::Service(service), codel, kind);
     }
 
     fn misplaced_codel(

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     finding::{Finding, services::DeclarationProblem, values::ValueProblem},
-    item_tree::{Item, Name, PropertyKind, Ptr},
+    item_tree::{CodelDecl, Item, Name, PropertyKind, Ptr},
     model::{CodelKind, Name as Text, Owner, OwnerBody, Src, Task},
     release::Change,
 };
@@ -143,21 +143,7 @@ impl<'a> Elaborator<'a> {
             PropertyKind::Codel(decl) if decl.triggers.is_some() => {
                 self.codel_here(index, Owner::Task(task), decl, CodelKind::Fsm);
             }
-            PropertyKind::Codel(decl) => {
-                self.components[c].tasks[t].incomplete = true;
-                let compiler_at = self.src(name.ptr);
-                let (at, codel) = match &decl.name {
-                    Some(name) => (self.src(name.ptr), name.text.clone()),
-                    None => (self.src(decl.ptr), Text::default()),
-                };
-                let kind = DeclarationProblem::TaskCodelWithoutState {
-                    codel,
-                    task: name.text.clone(),
-                };
-                // The reference compiler reports it at the task.
-                self.report(Finding::new(kind, compiler_at).related(at, Role::ThisCodel));
-                self.misplaced_params(index, Owner::Task(task), decl, CodelKind::Fsm);
-            }
+            PropertyKind::Codel(decl) => self.stateless_codel(index, task, name, decl),
             PropertyKind::Local { ty, .. } => {
                 let at = self.src(ty.ptr);
                 self.local_outside(at, "a task");
@@ -172,6 +158,23 @@ impl<'a> Elaborator<'a> {
                 );
             }
         }
+    }
+
+    /// Reports a codel without states, which a task cannot have.
+    fn stateless_codel(&mut self, index: u32, task: u32, name: &Name, decl: &'a CodelDecl) {
+        self.components[index as usize].tasks[task as usize].incomplete = true;
+        let compiler_at = self.src(name.ptr);
+        let (at, codel) = match &decl.name {
+            Some(name) => (self.src(name.ptr), name.text.clone()),
+            None => (self.src(decl.ptr), Text::default()),
+        };
+        let kind = DeclarationProblem::TaskCodelWithoutState {
+            codel,
+            task: name.text.clone(),
+        };
+        // The reference compiler reports it at the task.
+        self.report(Finding::new(kind, compiler_at).related(at, Role::ThisCodel));
+        self.misplaced_params(index, Owner::Task(task), decl, CodelKind::Fsm);
     }
 
     pub(super) fn once_in_task(

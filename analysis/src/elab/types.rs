@@ -10,7 +10,7 @@ use crate::{
         names::{NameProblem, Noun, SearchedScope},
         values::ValueProblem,
     },
-    item_tree::{BaseType, Declarator, Expr, Path, TypeRef, TypeRefKind},
+    item_tree::{BaseType, Declarator, Expr, Name, Path, TypeRef, TypeRefKind},
     model::{Missing, Spec, Src, TypeId, TypeKind},
 };
 
@@ -198,32 +198,42 @@ impl<'a> Elaborator<'a> {
             let path = words::path_text(path).into();
             (NameProblem::UnknownPath { noun, path }, near)
         } else {
-            let candidates = self
-                .scopes
-                .visible(self.scope)
-                .filter(|(_, ty)| wanted(&self.spec.ty(*ty).kind))
-                .map(|(name, _)| name.as_str());
-            let at = self.src(last.ptr);
-            let foreign = match noun {
-                Noun::Type => foreign::type_of(&last.text),
-                _ => foreign::constant_of(&last.text),
-            };
-            let basic: &[&str] = if types { &foreign::TYPES } else { &[] };
-            let near = match foreign {
-                Some(name) => Some(Near {
-                    plain: true,
-                    ..Near::new(at, name)
-                }),
-                None => {
-                    let candidates = candidates.chain(basic.iter().copied());
-                    self.near(at, &last.text, candidates)
-                }
-            };
+            let near = self.near_visible(last, types, wanted);
             let name = last.text.clone();
             (NameProblem::Unknown { noun, name }, near)
         };
         let at = self.src(path.ptr);
         self.unresolved(at, kind, near);
+    }
+
+    /// The visible name that an unknown one means, or ours for a type or constant of another language.
+    fn near_visible(
+        &self,
+        last: &Name,
+        types: bool,
+        wanted: impl Fn(&TypeKind) -> bool,
+    ) -> Option<Near> {
+        let candidates = self
+            .scopes
+            .visible(self.scope)
+            .filter(|(_, ty)| wanted(&self.spec.ty(*ty).kind))
+            .map(|(name, _)| name.as_str());
+        let at = self.src(last.ptr);
+        let foreign = match types {
+            true => foreign::type_of(&last.text),
+            false => foreign::constant_of(&last.text),
+        };
+        let basic: &[&str] = if types { &foreign::TYPES } else { &[] };
+        match foreign {
+            Some(name) => Some(Near {
+                plain: true,
+                ..Near::new(at, name)
+            }),
+            None => {
+                let candidates = candidates.chain(basic.iter().copied());
+                self.near(at, &last.text, candidates)
+            }
+        }
     }
 
     /// Wraps a type into the arrays of a declarator, the innermost dimension first.
@@ -351,26 +361,12 @@ fn equal_parts(spec: &Spec, a: TypeId, b: TypeId, seen: &mut ComparedPairs) -> b
     match (&spec.ty(a).kind, &spec.ty(b).kind) {
         (K::Unknown, _) | (_, K::Unknown) => true,
         (K::String { bound: a }, K::String { bound: b }) => a == b,
-        (
-            K::Array {
-                element: a,
-                length: m,
-            },
-            K::Array {
-                element: b,
-                length: n,
-            },
-        ) => m == n && equal_element(spec, *a, *b, seen),
-        (
-            K::Sequence {
-                element: a,
-                bound: m,
-            },
-            K::Sequence {
-                element: b,
-                bound: n,
-            },
-        ) => m == n && equal_element(spec, *a, *b, seen),
+        (K::Array { .. }, K::Array { .. }) | (K::Sequence { .. }, K::Sequence { .. }) => {
+            match (elements(spec, a), elements(spec, b)) {
+                (Some((a, m)), Some((b, n))) => m == n && equal_element(spec, a, b, seen),
+                _ => false,
+            }
+        }
         (K::Optional { element: a }, K::Optional { element: b }) => {
             equal_element(spec, *a, *b, seen)
         }

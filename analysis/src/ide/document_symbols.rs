@@ -27,20 +27,7 @@ fn items(
 fn item_symbols(view: &FileView<'_>, item: &ast::Item, out: &mut Vec<DocumentSymbol>) {
     let node = item.syntax();
     match item {
-        ast::Item::Directive(directive) => {
-            if directive.kind() == ast::DirectiveKind::Define {
-                let params = directive
-                    .params()
-                    .map(|param| param.syntax().text().to_string());
-                out.extend(symbol(
-                    view,
-                    node,
-                    directive.name(),
-                    SymbolKind::Macro,
-                    params,
-                ));
-            }
-        }
+        ast::Item::Directive(directive) => out.extend(macro_symbol(view, directive)),
         ast::Item::Module(module) => {
             out.extend(with_body(view, module, module.name(), SymbolKind::Module))
         }
@@ -56,18 +43,15 @@ fn item_symbols(view: &FileView<'_>, item: &ast::Item, out: &mut Vec<DocumentSym
             out.extend(symbol(view, node, constant.name(), SymbolKind::Const, ty));
         }
         ast::Item::TypedefDecl(typedef) => {
-            let nested = type_symbols(view, typedef.type_spec());
-            let detail = type_detail(view, typedef.type_spec());
-            out.extend(nested);
-            for declared in typedef.declarators() {
-                out.extend(declarator(
-                    view,
-                    node,
-                    &declared,
-                    SymbolKind::Typedef,
-                    &detail,
-                ));
-            }
+            let ty = typedef.type_spec();
+            declarators(
+                view,
+                node,
+                ty,
+                typedef.declarators(),
+                SymbolKind::Typedef,
+                out,
+            );
         }
         ast::Item::NativeDecl(native) => {
             out.extend(symbol(view, node, native.name(), SymbolKind::Native, None));
@@ -78,29 +62,8 @@ fn item_symbols(view: &FileView<'_>, item: &ast::Item, out: &mut Vec<DocumentSym
             }
         }
         ast::Item::TypeDecl(ty) => out.extend(type_symbols(view, ty.type_spec())),
-        ast::Item::ForwardDecl(declaration) => {
-            let kind = match declaration.union_token() {
-                Some(_) => SymbolKind::Union,
-                None => SymbolKind::Struct,
-            };
-            let detail = Some("forward declaration".to_owned());
-            out.extend(symbol(view, node, declaration.name(), kind, detail));
-        }
-        ast::Item::Ids(id) => {
-            let range = bytes(view.node_range(node));
-            let keyword = id.ids_token().map(|token| bytes(view.token_range(&token)));
-            let selection_range = keyword.unwrap_or(range.clone());
-            let mut children = Vec::new();
-            items(view, id.items(), &mut children);
-            out.push(DocumentSymbol {
-                name: "ids".into(),
-                detail: None,
-                kind: SymbolKind::Ids,
-                range: cover(&range, &selection_range),
-                selection_range,
-                children,
-            });
-        }
+        ast::Item::ForwardDecl(declaration) => out.extend(forward_symbol(view, declaration)),
+        ast::Item::Ids(ids) => out.push(ids_symbol(view, ids)),
         ast::Item::Task(task) => {
             let mut found = with_body(view, task, task.name(), SymbolKind::Task);
             if let Some(found) = &mut found {
@@ -108,66 +71,125 @@ fn item_symbols(view: &FileView<'_>, item: &ast::Item, out: &mut Vec<DocumentSym
             }
             out.extend(found);
         }
-        ast::Item::Port(port) => {
-            out.extend(type_symbols(view, port.type_spec()));
-            let dir = match (port.in_token(), port.out_token()) {
-                (Some(_), _) => "in ",
-                (_, Some(_)) => "out ",
-                _ => "",
-            };
-            let multiple = if port.multiple_token().is_some() {
-                "multiple "
-            } else {
-                ""
-            };
-            let ty = type_detail(view, port.type_spec()).unwrap_or_default();
-            let detail = Some(format!("{multiple}{dir}{ty}"));
-            out.extend(symbol(view, node, port.name(), SymbolKind::Port, detail));
-        }
-        ast::Item::Service(service) => {
-            let kind = if service.attribute_token().is_some() {
-                SymbolKind::Attribute
-            } else if service.function_token().is_some() {
-                SymbolKind::Function
-            } else {
-                SymbolKind::Activity
-            };
-            let mut found = with_body(view, service, service.name(), kind);
-            if let Some(found) = &mut found {
-                found.detail = service
-                    .param_list()
-                    .map(|param| one_line(view, param.syntax()));
-            }
-            out.extend(found);
-        }
+        ast::Item::Port(port) => port_symbols(view, port, out),
+        ast::Item::Service(service) => out.extend(service_symbol(view, service)),
         ast::Item::Member(member) => {
-            out.extend(type_symbols(view, member.type_spec()));
-            let detail = type_detail(view, member.type_spec());
-            for declared in member.declarators() {
-                out.extend(declarator(
-                    view,
-                    node,
-                    &declared,
-                    SymbolKind::Member,
-                    &detail,
-                ));
-            }
+            let ty = member.type_spec();
+            declarators(
+                view,
+                node,
+                ty,
+                member.declarators(),
+                SymbolKind::Member,
+                out,
+            );
         }
         ast::Item::Case(case) => {
-            out.extend(type_symbols(view, case.type_spec()));
-            let detail = type_detail(view, case.type_spec());
-            if let Some(declared) = case.declarator() {
-                out.extend(declarator(
-                    view,
-                    node,
-                    &declared,
-                    SymbolKind::Member,
-                    &detail,
-                ));
-            }
+            let declared = case.declarator().into_iter();
+            declarators(
+                view,
+                node,
+                case.type_spec(),
+                declared,
+                SymbolKind::Member,
+                out,
+            );
         }
         ast::Item::Property(node) => property(view, node, out),
     }
+}
+
+/// The forward declaration of a struct or union.
+fn forward_symbol(view: &FileView<'_>, declaration: &ast::ForwardDecl) -> Option<DocumentSymbol> {
+    let kind = match declaration.union_token() {
+        Some(_) => SymbolKind::Union,
+        None => SymbolKind::Struct,
+    };
+    let detail = Some("forward declaration".to_owned());
+    symbol(view, declaration.syntax(), declaration.name(), kind, detail)
+}
+
+/// The macro that a directive defines.
+fn macro_symbol(view: &FileView<'_>, directive: &ast::Directive) -> Option<DocumentSymbol> {
+    if directive.kind() != ast::DirectiveKind::Define {
+        return None;
+    }
+    let params = directive
+        .params()
+        .map(|param| param.syntax().text().to_string());
+    let node = directive.syntax();
+    symbol(view, node, directive.name(), SymbolKind::Macro, params)
+}
+
+/// The ids with their members.
+fn ids_symbol(view: &FileView<'_>, ids: &ast::Ids) -> DocumentSymbol {
+    let range = bytes(view.node_range(ids.syntax()));
+    let keyword = ids.ids_token().map(|token| bytes(view.token_range(&token)));
+    let selection_range = keyword.unwrap_or(range.clone());
+    let mut children = Vec::new();
+    items(view, ids.items(), &mut children);
+    DocumentSymbol {
+        name: "ids".into(),
+        detail: None,
+        kind: SymbolKind::Ids,
+        range: cover(&range, &selection_range),
+        selection_range,
+        children,
+    }
+}
+
+/// A port, and the types declared in the place of its type.
+fn port_symbols(view: &FileView<'_>, port: &ast::Port, out: &mut Vec<DocumentSymbol>) {
+    out.extend(type_symbols(view, port.type_spec()));
+    let dir = match (port.in_token(), port.out_token()) {
+        (Some(_), _) => "in ",
+        (_, Some(_)) => "out ",
+        _ => "",
+    };
+    let multiple = if port.multiple_token().is_some() {
+        "multiple "
+    } else {
+        ""
+    };
+    let ty = type_detail(view, port.type_spec()).unwrap_or_default();
+    let detail = Some(format!("{multiple}{dir}{ty}"));
+    out.extend(symbol(
+        view,
+        port.syntax(),
+        port.name(),
+        SymbolKind::Port,
+        detail,
+    ));
+}
+
+/// A service with its parameters as written.
+fn service_symbol(view: &FileView<'_>, service: &ast::Service) -> Option<DocumentSymbol> {
+    let kind = if service.attribute_token().is_some() {
+        SymbolKind::Attribute
+    } else if service.function_token().is_some() {
+        SymbolKind::Function
+    } else {
+        SymbolKind::Activity
+    };
+    let mut found = with_body(view, service, service.name(), kind)?;
+    found.detail = service
+        .param_list()
+        .map(|param| one_line(view, param.syntax()));
+    Some(found)
+}
+
+/// The declarators of an item, and the types declared in the place of its type.
+fn declarators(
+    view: &FileView<'_>,
+    owner: &SyntaxNode,
+    ty: Option<ast::TypeSpec>,
+    declared: impl Iterator<Item = ast::Declarator>,
+    kind: SymbolKind,
+    out: &mut Vec<DocumentSymbol>,
+) {
+    out.extend(type_symbols(view, ty.clone()));
+    let detail = type_detail(view, ty);
+    out.extend(declared.filter_map(|one| declarator(view, owner, &one, kind, &detail)));
 }
 
 fn property(view: &FileView<'_>, property: &ast::Property, out: &mut Vec<DocumentSymbol>) {

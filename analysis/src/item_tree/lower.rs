@@ -352,44 +352,54 @@ impl Lowering<'_> {
                 name: self.name(task.name()),
                 properties: self.body(&task),
             },
-            ast::Item::Port(port) => Item::Port(PortDecl {
-                ptr: self.node(&node),
-                keyword: self.keyword(port.port_token(), &node),
-                multiple: port.multiple_token().is_some(),
-                out: match (port.in_token(), port.out_token()) {
-                    (Some(_), _) => Some(false),
-                    (_, Some(_)) => Some(true),
-                    _ => None,
-                },
-                ty: self.type_ref(port.type_spec(), &node),
-                name: self.name(port.name()),
-                properties: self.body(&port),
-            }),
+            ast::Item::Port(port) => Item::Port(self.port(&port)),
             ast::Item::Service(service) => Item::Service(self.service(&service)),
             ast::Item::Member(member) => Item::Member {
                 ptr: self.node(&node),
                 ty: self.type_ref(member.type_spec(), &node),
                 declarators: self.declarators(member.declarators()),
             },
-            ast::Item::Case(case) => Item::Case {
-                ptr: self.node(&node),
-                labels: case
-                    .case_labels()
-                    .map(|label| CaseLabel {
-                        ptr: self.node(label.syntax()),
-                        value: label
-                            .default_token()
-                            .is_none()
-                            .then(|| self.expr(label.expr(), label.syntax())),
-                    })
-                    .collect_exact(),
-                ty: self.type_ref(case.type_spec(), &node),
-                declarator: case
-                    .declarator()
-                    .and_then(|declarator| self.declarator(&declarator)),
-            },
+            ast::Item::Case(case) => self.case(&case),
             ast::Item::Property(property) => Item::Property(self.property(&property)?),
         })
+    }
+
+    /// Lowers a port.
+    fn port(&mut self, port: &ast::Port) -> PortDecl {
+        PortDecl {
+            ptr: self.node(port.syntax()),
+            keyword: self.keyword(port.port_token(), port.syntax()),
+            multiple: port.multiple_token().is_some(),
+            out: match (port.in_token(), port.out_token()) {
+                (Some(_), _) => Some(false),
+                (_, Some(_)) => Some(true),
+                _ => None,
+            },
+            ty: self.type_ref(port.type_spec(), port.syntax()),
+            name: self.name(port.name()),
+            properties: self.body(port),
+        }
+    }
+
+    /// Lowers a case of a union.
+    fn case(&mut self, case: &ast::Case) -> Item {
+        Item::Case {
+            ptr: self.node(case.syntax()),
+            labels: case
+                .case_labels()
+                .map(|label| CaseLabel {
+                    ptr: self.node(label.syntax()),
+                    value: label
+                        .default_token()
+                        .is_none()
+                        .then(|| self.expr(label.expr(), label.syntax())),
+                })
+                .collect_exact(),
+            ty: self.type_ref(case.type_spec(), case.syntax()),
+            declarator: case
+                .declarator()
+                .and_then(|declarator| self.declarator(&declarator)),
+        }
     }
 
     fn exception(&mut self, exception: &ast::Exception) -> Option<ExceptionDecl> {

@@ -144,31 +144,8 @@ fn states(
         all.any(|part| elements(state, paused, part))
     };
     let machine = Machine::around(names, context);
-    let wanted: Vec<&SmolStr> = machine.missing().collect();
-    let mut known: Vec<&str> = Vec::new();
-    let here = machine.here.iter().map(SmolStr::as_str);
-    if yields {
-        known.extend(machine.states.iter().map(SmolStr::as_str));
-        known.extend(here);
-        if machine.open {
-            known.extend(["start", "stop"]);
-        }
-    } else {
-        known.extend(wanted.iter().map(|text| text.as_str()));
-        known.extend(["start", "stop"]);
-        // `stop` must lead to the end.
-        let yields = context
-            .after
-            .rest
-            .iter()
-            .position(|word| word.is_any(&["yield", "yields"]));
-        let ends =
-            yields.is_none_or(|at| context.after.rest[at..].iter().any(|word| word.is("ether")));
-        known.retain(|text| *text != "stop" || ends);
-        known.retain(|text| machine.open || !machine.implemented.iter().any(|other| other == text));
-    }
     let mut seen = FxHashSet::default();
-    for state in known {
+    for state in machine.allowed(context, yields) {
         if state == "ether" || !seen.insert(state) {
             continue;
         }
@@ -314,6 +291,33 @@ impl Machine {
             self.implemented.extend(triggers);
         }
         self.targets.extend(yields);
+    }
+
+    /// The states allowed at the cursor, after `yield` or after `<`.
+    fn allowed(&self, context: &Context, yields: bool) -> Vec<&str> {
+        let wanted: Vec<&SmolStr> = self.missing().collect();
+        let mut known: Vec<&str> = Vec::new();
+        if yields {
+            known.extend(self.states.iter().map(SmolStr::as_str));
+            known.extend(self.here.iter().map(SmolStr::as_str));
+            if self.open {
+                known.extend(["start", "stop"]);
+            }
+        } else {
+            known.extend(wanted.iter().map(|text| text.as_str()));
+            known.extend(["start", "stop"]);
+            // `stop` must lead to the end.
+            let yields = context
+                .after
+                .rest
+                .iter()
+                .position(|word| word.is_any(&["yield", "yields"]));
+            let ends = yields
+                .is_none_or(|at| context.after.rest[at..].iter().any(|word| word.is("ether")));
+            known.retain(|text| *text != "stop" || ends);
+            known.retain(|text| self.open || !self.implemented.iter().any(|other| other == text));
+        }
+        known
     }
 
     /// States that need a codel and have none.

@@ -322,39 +322,7 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
     let rest = view.text().get(at..).unwrap_or_default();
     let end = rest.find(['"', '>', '\n', '\r', '/']).unwrap_or(rest.len());
     out.replace = at - name.len()..at + end;
-    let mut dirs: Vec<Utf8PathBuf> = Vec::new();
-    if delimiter == '"' {
-        dirs.extend(view.file.path(view.db).parent().map(ToOwned::to_owned));
-    }
-    let root = view.unit.inputs(view.db).first().unwrap_or(&view.file);
-    let (searched, _) = view.db.workspace().reading(view.db, root.path(view.db));
-    dirs.extend(searched.iter().cloned());
-    // Directories of packages: the directories of other includes, without the path as written.
-    let walked = walk_unit(view.db, view.unit);
-    let mut open: Vec<Utf8PathBuf> = Vec::new();
-    for visit in &walked.visits {
-        let Some((by, _)) = visit.includer else {
-            continue;
-        };
-        let Some(by) = walked.visits.get(by as usize) else {
-            continue;
-        };
-        let (found, own) = (visit.file.path(view.db), by.file.path(view.db).parent());
-        if visit.file == view.file {
-            open.push(by.file.path(view.db).clone());
-        }
-        for written in crate::unit::walk::skeleton(view.db, by.file).lines() {
-            let written = written.split(['"', '<', '>']).nth(1).unwrap_or_default();
-            let root = found.as_str().strip_suffix(written);
-            let root = root
-                .and_then(|root| root.strip_suffix('/'))
-                .filter(|_| !written.is_empty());
-            dirs.extend(
-                root.map(Utf8PathBuf::from)
-                    .filter(|path| Some(path.as_path()) != own),
-            );
-        }
-    }
+    let (dirs, including) = searched(view, delimiter == '"');
     let mut seen = FxHashSet::default();
     for dir in dirs {
         let dir = normalize(&dir.join(folder));
@@ -369,7 +337,7 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
             }
             let path = dir.join(&entry.name);
             // A file that includes this one would include itself.
-            let own = path == *view.file.path(view.db) || open.contains(&path);
+            let own = path == *view.file.path(view.db) || including.contains(&path);
             let specification = ["gen", "idl"]
                 .iter()
                 .any(|text| entry.name.ends_with(&format!(".{text}")));
@@ -386,4 +354,43 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
             }
         }
     }
+}
+
+/// The directories that an `#include` searches, and the files that include this one. With `quoted`, the
+/// directory of the file comes first.
+fn searched(view: &FileView<'_>, quoted: bool) -> (Vec<Utf8PathBuf>, Vec<Utf8PathBuf>) {
+    let mut dirs: Vec<Utf8PathBuf> = Vec::new();
+    if quoted {
+        dirs.extend(view.file.path(view.db).parent().map(ToOwned::to_owned));
+    }
+    let root = view.unit.inputs(view.db).first().unwrap_or(&view.file);
+    let (searched, _) = view.db.workspace().reading(view.db, root.path(view.db));
+    dirs.extend(searched.iter().cloned());
+    // Directories of packages: the directories of other includes, without the path as written.
+    let walked = walk_unit(view.db, view.unit);
+    let mut including: Vec<Utf8PathBuf> = Vec::new();
+    for visit in &walked.visits {
+        let Some((by, _)) = visit.includer else {
+            continue;
+        };
+        let Some(by) = walked.visits.get(by as usize) else {
+            continue;
+        };
+        let (found, own) = (visit.file.path(view.db), by.file.path(view.db).parent());
+        if visit.file == view.file {
+            including.push(by.file.path(view.db).clone());
+        }
+        for written in crate::unit::walk::skeleton(view.db, by.file).lines() {
+            let written = written.split(['"', '<', '>']).nth(1).unwrap_or_default();
+            let root = found.as_str().strip_suffix(written);
+            let root = root
+                .and_then(|root| root.strip_suffix('/'))
+                .filter(|_| !written.is_empty());
+            dirs.extend(
+                root.map(Utf8PathBuf::from)
+                    .filter(|path| Some(path.as_path()) != own),
+            );
+        }
+    }
+    (dirs, including)
 }

@@ -94,26 +94,7 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
     let Some(component) = names.component() else {
         return out;
     };
-    if let Some((index, service)) = service_around(names, context) {
-        for (i, param) in service.params.iter().enumerate() {
-            out.push(Source {
-                name: param.name.clone(),
-                source: "local",
-                directions: match param.dir {
-                    ParamDir::In => &["in"],
-                    ParamDir::Out => &["out"],
-                    _ => &["in", "out", "inout"],
-                },
-                ty: param.ty,
-                kind: match param.dir {
-                    ParamDir::Local => SymbolKind::Local,
-                    _ => SymbolKind::Parameter,
-                },
-                definition: names.part(|c| Entity::Param(c, index, i as u32)),
-                ambiguous: false,
-            });
-        }
-    }
+    locals(names, context, &mut out);
     for (name, ty) in names
         .ids()
         .map(|ids| names.members(ids))
@@ -171,6 +152,151 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
     out
 }
 
+/// Adds the parameters and local variables of the service at the cursor.
+fn locals(names: &Names<'_, '_>, context: &Context, out: &mut Vec<Source>) {
+    if let Some((index, service)) = service_around(names, context) {
+        for (i, param) in service.params.iter().enumerate() {
+            out.push(Source {
+                name: param.name.clone(),
+                source: "local",
+                directions: match param.dir {
+                    ParamDir::In => &["in"],
+                    ParamDir::Out => &["out"],
+                    _ => &["in", "out", "inout"],
+                },
+                ty: param.ty,
+                kind: match param.dir {
+                    ParamDir::Local => SymbolKind::Local,
+                    _ => SymbolKind::Parameter,
+                },
+                definition: names.part(|c| Entity::Param(c, index, i as u32)),
+                ambiguous: false,
+            });
+        }
+    }
+}
+
+/// The sources that a codel parameter at the cursor may name.
+struct Choices<'w> {
+    all: Vec<Source>,
+    whole_ids: bool,
+    /// The keyword of the source, if it is written.
+    written: Option<&'w Word>,
+}
+
+impl<'w> Choices<'w> {
+    /// The sources that are not used yet and that the other codels of the component allow.
+    fn around(
+        names: &Names<'_, '_>,
+        context: &Context,
+        words: &'w [Word],
+        simple: bool,
+    ) -> Choices<'w> {
+        let mut all = sources(names, context, simple);
+        let used = used_names(names, context);
+        let whole_ids = all.iter().any(|source| source.source == "ids")
+            && !used.iter().any(|name| name == "ids");
+        let shared = Shared::around(names, context);
+        all.retain(|source| {
+            !used.contains(&source.name) && !shared.forbids(source.source, &source.name)
+        });
+        let mut whole_ids = whole_ids && !shared.any;
+        // A codel that is used elsewhere has the same parameters everywhere.
+        if let Some(other) = other_use_of_codel(names, context) {
+            all.retain_mut(|source| {
+                let same = other.params.iter().find(|param| param.name == source.name);
+                source.directions = match same.map(|param| param.dir) {
+                    Some(ParamDir::In) => &["in"],
+                    Some(ParamDir::Out) => &["out"],
+                    Some(ParamDir::Inout) => &["inout"],
+                    _ => &[],
+                };
+                !source.directions.is_empty()
+            });
+            whole_ids &= other
+                .params
+                .iter()
+                .any(|param| param.path.is_empty() && param.name == "ids");
+        }
+        let written = words.first().filter(|word| word.is_any(SOURCES));
+        Choices {
+            all,
+            whole_ids,
+            written,
+        }
+    }
+
+    /// The sources of the kind that is written, or all.
+    fn matching(&self) -> impl Iterator<Item = &Source> {
+        self.all
+            .iter()
+            .filter(|source| self.written.is_none_or(|word| word.is(source.source)))
+    }
+
+    /// Returns true if the parameter may be the whole ids.
+    fn offers_ids(&self) -> bool {
+        self.written.is_none_or(|word| word.is("ids")) && self.whole_ids
+    }
+
+    /// Completion before the direction: sources with a direction, and the keywords of both.
+    fn before_direction(&self, names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
+        if complete_before_parameter(context) {
+            out.keywords(DIRECTIONS, 0);
+            return;
+        }
+        // Nothing is missing between a source and its direction.
+        let next = context.after.next();
+        let complete = self.written.is_some() && next.is_some_and(|word| word.is_any(DIRECTIONS));
+        if complete && context.word.is_empty() {
+            return;
+        }
+        for node in self.matching() {
+            // Ports are usually written with `port`.
+            let is_object = matches!(node.source, "port" | "remote");
+            let prefix = match self.written.is_none() && (node.ambiguous || is_object) {
+                true => format!("{} ", node.source),
+                false => String::new(),
+            };
+            for (rank, dir) in (0..).zip(node.directions) {
+                let label = format!("{prefix}{dir} {}", node.name);
+                push(names, node, label, rank, out);
+            }
+        }
+        if self.offers_ids() {
+            for (rank, dir) in (3..).zip(DIRECTIONS) {
+                push_ids(format!("{dir} ::ids"), rank, out);
+            }
+        }
+        let directed = |dir: &&str| {
+            self.matching()
+                .any(|source| source.directions.contains(dir))
+        };
+        let directions: Vec<&str> = DIRECTIONS.iter().copied().filter(directed).collect();
+        out.keywords(&directions, 4);
+        if self.written.is_none() {
+            let there = |name: &&str| self.all.iter().any(|source| source.source == *name);
+            let there: Vec<&str> = SOURCES.iter().copied().filter(there).collect();
+            out.keywords(&there, 6);
+        }
+        whole_path(context, out);
+    }
+
+    /// Completion after a direction: sources, those that allow the direction first.
+    fn after_direction(&self, names: &Names<'_, '_>, dir: &Word, out: &mut Completions) {
+        for node in self.matching() {
+            let fits = node.directions.contains(&dir.text.as_str());
+            let rank = u8::from(!fits) * 2;
+            let ambiguous = self.written.is_none() && node.ambiguous;
+            if !(ambiguous || matches!(node.source, "port" | "remote") && !fits) {
+                push(names, node, node.name.to_string(), rank, out);
+            }
+        }
+        if self.offers_ids() {
+            push_ids("::ids".into(), 3, out);
+        }
+    }
+}
+
 fn codel_param(
     names: &Names<'_, '_>,
     context: &Context,
@@ -178,92 +304,12 @@ fn codel_param(
     simple: bool,
     out: &mut Completions,
 ) {
-    let mut all = sources(names, context, simple);
-    let used = used_names(names, context);
-    let whole_ids =
-        all.iter().any(|source| source.source == "ids") && !used.iter().any(|name| name == "ids");
-    let shared = Shared::around(names, context);
-    all.retain(|source| {
-        !used.contains(&source.name) && !shared.forbids(source.source, &source.name)
-    });
-    let mut whole_ids = whole_ids && !shared.any;
-    // A codel that is used elsewhere has the same parameters everywhere.
-    if let Some(other) = other_use_of_codel(names, context) {
-        all.retain_mut(|source| {
-            let same = other.params.iter().find(|param| param.name == source.name);
-            source.directions = match same.map(|param| param.dir) {
-                Some(ParamDir::In) => &["in"],
-                Some(ParamDir::Out) => &["out"],
-                Some(ParamDir::Inout) => &["inout"],
-                _ => &[],
-            };
-            !source.directions.is_empty()
-        });
-        whole_ids &= other
-            .params
-            .iter()
-            .any(|param| param.path.is_empty() && param.name == "ids");
-    }
-    let source = words.first().filter(|word| word.is_any(SOURCES));
-    let rest = &words[usize::from(source.is_some())..];
-    let matching = |node: &&Source| source.is_none_or(|source| source.is(node.source));
+    let choices = Choices::around(names, context, words, simple);
+    let rest = &words[usize::from(choices.written.is_some())..];
     let Some((dir, path)) = rest.split_first().filter(|(dir, _)| dir.is_any(DIRECTIONS)) else {
-        if !rest.is_empty() {
-            return;
+        if rest.is_empty() {
+            choices.before_direction(names, context, out);
         }
-        if complete_before_parameter(context) {
-            out.keywords(DIRECTIONS, 0);
-            return;
-        }
-        // Nothing is missing between a source and its direction.
-        let next = context.after.next();
-        let complete = source.is_some() && next.is_some_and(|word| word.is_any(DIRECTIONS));
-        if complete && context.word.is_empty() {
-            return;
-        }
-        for node in all.iter().filter(matching) {
-            // Ports are usually written with `port`.
-            let explicit =
-                source.is_none() && (node.ambiguous || matches!(node.source, "port" | "remote"));
-            for (i, dir) in node.directions.iter().enumerate() {
-                let prefix = if explicit {
-                    format!("{} ", node.source)
-                } else {
-                    String::new()
-                };
-                let rank = i as u8;
-                push(
-                    names,
-                    node,
-                    format!("{prefix}{dir} {}", node.name),
-                    rank,
-                    out,
-                );
-            }
-        }
-        if source.is_none_or(|source| source.is("ids")) && whole_ids {
-            for (i, dir) in DIRECTIONS.iter().enumerate() {
-                let item = out.add(
-                    format!("{dir} ::ids"),
-                    CompletionKind::Symbol(SymbolKind::Ids),
-                    3 + i as u8,
-                );
-                item.detail = Some("the whole ids".into());
-            }
-        }
-        let directed = |dir: &&str| {
-            all.iter()
-                .filter(matching)
-                .any(|source| source.directions.contains(dir))
-        };
-        let directions: Vec<&str> = DIRECTIONS.iter().copied().filter(directed).collect();
-        out.keywords(&directions, 4);
-        if source.is_none() {
-            let there = |name: &&str| all.iter().any(|source| source.source == *name);
-            let there: Vec<&str> = SOURCES.iter().copied().filter(there).collect();
-            out.keywords(&there, 6);
-        }
-        whole_path(context, out);
         return;
     };
     match path {
@@ -272,34 +318,24 @@ fn codel_param(
             .next()
             .is_some_and(|word| word.kind == dotgen_syntax::SyntaxKind::IDENT) => {}
         [] => {
-            for node in all.iter().filter(matching) {
-                let fits = node.directions.contains(&dir.text.as_str());
-                let rank = u8::from(!fits) * 2;
-                let ambiguous = source.is_none() && node.ambiguous;
-                if !(ambiguous || matches!(node.source, "port" | "remote") && !fits) {
-                    push(names, node, node.name.to_string(), rank, out);
-                }
-            }
-            if source.is_none_or(|source| source.is("ids")) && whole_ids {
-                out.add("::ids", CompletionKind::Symbol(SymbolKind::Ids), 3)
-                    .detail = Some("the whole ids".into());
-            }
+            choices.after_direction(names, dir, out);
             whole_path(context, out);
         }
-        [colons] if colons.is("::") && whole_ids => {
-            out.add("ids", CompletionKind::Symbol(SymbolKind::Ids), 0)
-                .detail = Some("the whole ids".into());
-        }
+        [colons] if colons.is("::") && choices.whole_ids => push_ids("ids".into(), 0, out),
         [first, steps @ .., dot] if dot.is(".") => {
-            let start = all
-                .iter()
-                .filter(matching)
-                .find(|source| source.name == first.text);
+            let mut matching = choices.matching();
+            let start = matching.find(|source| source.name == first.text);
             let ty = start.and_then(|start| walk(names, start.ty, steps));
             members(names, ty, out);
         }
         _ => {}
     }
+}
+
+/// Adds the whole ids.
+fn push_ids(label: String, rank: u8, out: &mut Completions) {
+    out.add(label, CompletionKind::Symbol(SymbolKind::Ids), rank)
+        .detail = Some("the whole ids".into());
 }
 
 /// The same codel at another place of the component.
@@ -418,7 +454,6 @@ fn members(names: &Names<'_, '_>, ty: Option<TypeId>, out: &mut Completions) {
     }
 }
 
-/// Follows `.a [ 0 ] .b`.
 /// Names of the other parameters of the list at the cursor.
 fn used_names(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
     let frame = context.top();

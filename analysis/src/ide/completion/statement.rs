@@ -23,29 +23,7 @@ pub(super) fn complete(
 ) {
     let words = context.current();
     let Some(first) = words.first() else {
-        // Between `}` and its `;`.
-        if context.after.ends {
-            return;
-        }
-        keywords::statements(names, context, body, out);
-        match body {
-            BodyKind::Members | BodyKind::Ids => {
-                type_or_nothing(names, context, words, NameCategory::Types, out);
-            }
-            BodyKind::Task | BodyKind::Activity => codel::machine_snippets(names, context, out),
-            _ => {}
-        }
-        if !matches!(body, BodyKind::Enum | BodyKind::Port) {
-            // The code that an item inserts begins with its keyword.
-            let no_letter = |character: char| !(character.is_alphanumeric() || character == '-');
-            let codes = out.items.iter().map(|item| item.insert.as_str());
-            let known: Vec<String> = codes
-                .map(|code| code.split(no_letter).next().unwrap_or_default().to_owned())
-                .collect();
-            let begins = |word: &str| known.iter().any(|keyword| keyword == word);
-            super::directive::beginning(names.view, context.word.start, 8, &begins, out);
-        }
-        return;
+        return beginning(names, context, body, out);
     };
     let rest = &words[1..];
     match first.text.as_str() {
@@ -75,41 +53,22 @@ pub(super) fn complete(
         "port" => port(names, context, rest, out),
         "local" => {
             // As in the list of parameters.
-            let last = rest
-                .split(|word| word.is(","))
-                .next_back()
-                .unwrap_or_default();
-            type_or_nothing(names, context, last, NameCategory::Types, out);
+            let last = rest.split(|word| word.is(",")).next_back();
+            type_or_nothing(
+                names,
+                context,
+                last.unwrap_or_default(),
+                NameCategory::Types,
+                out,
+            );
         }
-        "task" if in_service(body) && rest.is_empty() => {
-            tasks(names, out);
-        }
+        "task" if in_service(body) && rest.is_empty() => tasks(names, out),
         "provides" | "provide" | "uses" | "use" | "extends" | "extend" if expects_name(rest) => {
             names.interfaces(rest, 0, out);
             in_list(context, out);
         }
         "throws" | "throw" if rest.last().is_none_or(|word| word.is(",") || word.is("::")) => {
-            names.scoped(rest, NameCategory::Exceptions, 0, out);
-            let same = |words: &[Word], label: &str| {
-                words
-                    .iter()
-                    .map(|word| word.text.as_str())
-                    .collect::<String>()
-                    == label
-            };
-            let before: Vec<&[Word]> = rest.split(|word| word.is(",")).collect();
-            let qualifier: String = match before.last() {
-                Some(part) => part.iter().map(|word| word.text.as_str()).collect(),
-                None => String::new(),
-            };
-            out.items.retain(|item| {
-                let label = format!("{qualifier}{}", item.label);
-                !before.iter().any(|part| same(part, &label))
-                    && !context
-                        .elements_behind()
-                        .any(|element| same(element, &label))
-            });
-            in_list(context, out);
+            exceptions(names, context, rest, out)
         }
         "interrupts" | "interrupt" | "before" | "after" if expects_name(rest) => {
             services(names, rest, context, out);
@@ -134,6 +93,57 @@ pub(super) fn complete(
         }
         _ => {}
     }
+}
+
+/// Completion at the beginning of a statement.
+fn beginning(names: &Names<'_, '_>, context: &Context, body: BodyKind, out: &mut Completions) {
+    // Between `}` and its `;`.
+    if context.after.ends {
+        return;
+    }
+    keywords::statements(names, context, body, out);
+    match body {
+        BodyKind::Members | BodyKind::Ids => {
+            type_or_nothing(names, context, &[], NameCategory::Types, out);
+        }
+        BodyKind::Task | BodyKind::Activity => codel::machine_snippets(names, context, out),
+        _ => {}
+    }
+    if !matches!(body, BodyKind::Enum | BodyKind::Port) {
+        // The code that an item inserts begins with its keyword.
+        let no_letter = |character: char| !(character.is_alphanumeric() || character == '-');
+        let codes = out.items.iter().map(|item| item.insert.as_str());
+        let known: Vec<String> = codes
+            .map(|code| code.split(no_letter).next().unwrap_or_default().to_owned())
+            .collect();
+        let begins = |word: &str| known.iter().any(|keyword| keyword == word);
+        super::directive::beginning(names.view, context.word.start, 8, &begins, out);
+    }
+}
+
+/// Exceptions that the list at the cursor does not name yet.
+fn exceptions(names: &Names<'_, '_>, context: &Context, rest: &[Word], out: &mut Completions) {
+    names.scoped(rest, NameCategory::Exceptions, 0, out);
+    let same = |words: &[Word], label: &str| {
+        words
+            .iter()
+            .map(|word| word.text.as_str())
+            .collect::<String>()
+            == label
+    };
+    let before: Vec<&[Word]> = rest.split(|word| word.is(",")).collect();
+    let qualifier: String = match before.last() {
+        Some(part) => part.iter().map(|word| word.text.as_str()).collect(),
+        None => String::new(),
+    };
+    out.items.retain(|item| {
+        let label = format!("{qualifier}{}", item.label);
+        !before.iter().any(|part| same(part, &label))
+            && !context
+                .elements_behind()
+                .any(|element| same(element, &label))
+    });
+    in_list(context, out);
 }
 
 /// Returns true if the cursor is in a string of a `requires` property.

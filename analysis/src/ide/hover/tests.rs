@@ -115,9 +115,9 @@ fn constants_have_values() {
     );
 }
 
-#[test]
-fn declarations_of_components() {
-    let text = r#"
+/// A component with the cursor at a mark.
+fn component_at(mark: &str) -> String {
+    r#"
 struct st { long a, b; };
 component c {
   doc "What it is.";
@@ -132,10 +132,14 @@ component c {
     codel<start> begin(local in speed, ids out v.b, port out p) yield pause::start, ether;
   };
 };
-"#;
-    let at = |mark: &str| text.replacen(&mark.replace("$0", ""), mark, 1);
+"#
+    .replacen(&mark.replace("$0", ""), mark, 1)
+}
+
+#[test]
+fn components_and_their_data() {
     check(
-        &at("component c$0"),
+        &component_at("component c$0"),
         expect![[r#"
             [c]
             ```genom
@@ -146,7 +150,7 @@ component c {
         "#]],
     );
     check(
-        &at("task t$0 {"),
+        &component_at("task t$0 {"),
         expect![[r#"
                 [t]
                 ```genom
@@ -164,7 +168,7 @@ component c {
             "#]],
     );
     check(
-        &at("port out st p$0"),
+        &component_at("port out st p$0"),
         expect![[r#"
             [p]
             ```genom
@@ -179,7 +183,35 @@ component c {
         "#]],
     );
     check(
-        &at("attribute set$0"),
+        &component_at("ids out v$0"),
+        expect![[r#"
+            [v]
+            ```genom
+            st v;
+            ```
+
+            in `ids` · type `struct st (2 members)` · 8 bytes packed
+        "#]],
+    );
+    check(
+        &component_at("ids$0 {"),
+        expect![[r#"
+            [ids]
+            ```genom
+            ids {
+              st v;
+            };
+            ```
+
+            in `c`
+        "#]],
+    );
+}
+
+#[test]
+fn services_and_their_parameters() {
+    check(
+        &component_at("attribute set$0"),
         expect![[r#"
                 [set]
                 ```genom
@@ -190,7 +222,7 @@ component c {
             "#]],
     );
     check(
-        &at("activity go$0"),
+        &component_at("activity go$0"),
         expect![[r#"
                 [go]
                 ```genom
@@ -208,7 +240,7 @@ component c {
             "#]],
     );
     check(
-        &at("local in speed$0"),
+        &component_at("local in speed$0"),
         expect![[r#"
             [speed]
             ```genom
@@ -221,7 +253,7 @@ component c {
         "#]],
     );
     check(
-        &at(", after$0"),
+        &component_at(", after$0"),
         expect![[r#"
             [after]
             ```genom
@@ -231,19 +263,12 @@ component c {
             in `go` · type `struct st (2 members)` · 8 bytes packed
         "#]],
     );
-    check(
-        &at("ids out v$0"),
-        expect![[r#"
-            [v]
-            ```genom
-            st v;
-            ```
+}
 
-            in `ids` · type `struct st (2 members)` · 8 bytes packed
-        "#]],
-    );
+#[test]
+fn codels_and_states() {
     check(
-        &at("begin$0"),
+        &component_at("begin$0"),
         expect![[r#"
                 [begin]
                 ```genom
@@ -254,7 +279,7 @@ component c {
             "#]],
     );
     check(
-        &at("<start$0"),
+        &component_at("<start$0"),
         expect![[r#"
                 [start]
                 ```genom
@@ -265,19 +290,6 @@ component c {
 
                 * activity `go`: from `begin` → `begin` → `pause::start`, `ether`
             "#]],
-    );
-    check(
-        &at("ids$0 {"),
-        expect![[r#"
-            [ids]
-            ```genom
-            ids {
-              st v;
-            };
-            ```
-
-            in `c`
-        "#]],
     );
 }
 
@@ -370,9 +382,9 @@ fn values_stay_on_their_line() {
     );
 }
 
-#[test]
-fn what_completes_an_interface_shows_itself() {
-    let text = r#"
+/// An interface that a component completes, with the cursor at a mark.
+fn completed_at(mark: &str) -> String {
+    r#"
 //- /i.gen
 interface i {
   function halt() { doc "Stops."; };
@@ -389,10 +401,14 @@ component c {
   activity go(in long x) { task main; codel<start> g(in x) yield ether; };
 };
 component d { provides i; function other() { interrupts halt; }; };
-"#;
-    let at = |mark: &str| text.replacen(&mark.replace("$0", ""), mark, 1);
+"#
+    .replacen(&mark.replace("$0", ""), mark, 1)
+}
+
+#[test]
+fn what_completes_an_interface_shows_itself() {
     check(
-        &at("function halt$0() { doc \"At"),
+        &completed_at("function halt$0() { doc \"At"),
         expect![[r#"
             [halt]
             ```genom
@@ -411,7 +427,7 @@ component d { provides i; function other() { interrupts halt; }; };
     );
     // Also where the component uses it.
     check(
-        &at("interrupts go$0"),
+        &completed_at("interrupts go$0"),
         expect![[r#"
             [go]
             ```genom
@@ -426,9 +442,13 @@ component d { provides i; function other() { interrupts halt; }; };
             * interrupted by `halt`
         "#]],
     );
-    // A component without a declaration of its own shows the interface's.
+}
+
+/// A component without a declaration of its own shows that of the interface.
+#[test]
+fn what_an_interface_declares_shows_the_interface() {
     check(
-        &at("interrupts halt$0"),
+        &completed_at("interrupts halt$0"),
         expect![[r#"
             [halt]
             ```genom
@@ -443,7 +463,7 @@ component d { provides i; function other() { interrupts halt; }; };
         "#]],
     );
     check(
-        &at("function halt$0() { doc \"Stops"),
+        &completed_at("function halt$0() { doc \"Stops"),
         expect![[r#"
             [halt]
             ```genom
