@@ -105,38 +105,32 @@ fn shared(name: &str) -> Option<Utf8PathBuf> {
     Utf8PathBuf::from_path_buf(crate::shared::shared(name)?).ok()
 }
 
-#[test]
-fn conformance() {
-    let Some(dir) = shared("conformance") else {
-        return;
-    };
-    let expected = fs::read_to_string(dir.join("expected.json")).unwrap();
-    let expected: Value = serde_json::from_str(&expected).unwrap();
-    let mut judged = 0;
-    let mut failures = Vec::new();
-    for (name, case) in expected.as_object().unwrap() {
-        if !case["needs"].is_null() {
-            continue;
+/// Runs the preprocessor on a case of the conformance suite.
+fn case_on_disk(dir: &Utf8Path, case: &Value) -> Disk {
+    let file = dir.join(case["file"].as_str().unwrap());
+    let folder = file.parent().unwrap();
+    let mut disk = Disk::new(Vec::new());
+    let mut env = MacroEnv::predefined();
+    for arg in case["args"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_str)
+    {
+        let arg = arg.replace("{case}", folder.as_str());
+        if let Some(dir) = arg.strip_prefix("-I") {
+            disk.include_dirs.push(dir.into());
+        } else if let Some(definition) = arg.strip_prefix("-D") {
+            env.define_option(definition).unwrap();
         }
-        let file = dir.join(case["file"].as_str().unwrap());
-        let folder = file.parent().unwrap();
-        let mut disk = Disk::new(Vec::new());
-        let mut env = MacroEnv::predefined();
-        for arg in case["args"]
-            .as_array()
-            .into_iter()
-            .flatten()
-            .filter_map(Value::as_str)
-        {
-            let arg = arg.replace("{case}", folder.as_str());
-            if let Some(dir) = arg.strip_prefix("-I") {
-                disk.include_dirs.push(dir.into());
-            } else if let Some(definition) = arg.strip_prefix("-D") {
-                env.define_option(definition).unwrap();
-            }
-        }
-        disk.run(&file, env);
+    }
+    disk.run(&file, env);
+    disk
+}
 
+impl Disk {
+    /// Compares the reports with those that a case expects. Returns false for a case of another layer.
+    fn judge(&self, name: &str, case: &Value, failures: &mut Vec<String>) -> bool {
         let ours = if case["ours"].is_null() {
             case
         } else {
@@ -150,7 +144,7 @@ fn conformance() {
                 .is_some_and(|check| check.starts_with("pp-") || check.starts_with("lex-"))
         };
         let close = |wanted: &Value, severity: Severity| {
-            disk.reports.iter().any(|(file, line, report)| {
+            self.reports.iter().any(|(file, line, report)| {
                 let mut lines = wanted["also"]
                     .as_array()
                     .into_iter()
@@ -165,38 +159,56 @@ fn conformance() {
                     })
             })
         };
-        let reported = disk
+        let reported = self
             .reports
             .iter()
             .filter(|report| report.2.severity == Severity::Error);
         if ours["verdict"] == "accept" {
-            judged += 1;
             if reported.count() > 0 {
-                failures.push(format!("{name}: accepted, but {:?}", disk.reports));
+                failures.push(format!("{name}: accepted, but {:?}", self.reports));
             }
             for warning in case["warnings"].as_array().into_iter().flatten() {
                 if of_this_layer(&warning["check"]) && !close(warning, Severity::Warning) {
-                    failures.push(format!("{name}: no {warning} in {:?}", disk.reports));
+                    failures.push(format!("{name}: no {warning} in {:?}", self.reports));
                 }
             }
         } else if required().all(|json| of_this_layer(&json["check"])) {
-            judged += 1;
             for error in required() {
                 if !close(error, Severity::Error) {
-                    failures.push(format!("{name}: no {error} in {:?}", disk.reports));
+                    failures.push(format!("{name}: no {error} in {:?}", self.reports));
                 }
             }
         } else if !required().any(|json| of_this_layer(&json["check"]))
             && name.starts_with("preproc/")
         {
-            judged += 1;
             if reported.count() > 0 {
                 failures.push(format!(
                     "{name}: wrong for another reason, but {:?}",
-                    disk.reports
+                    self.reports
                 ));
             }
+        } else {
+            return false;
         }
+        true
+    }
+}
+
+#[test]
+fn conformance() {
+    let Some(dir) = shared("conformance") else {
+        return;
+    };
+    let expected = fs::read_to_string(dir.join("expected.json")).unwrap();
+    let expected: Value = serde_json::from_str(&expected).unwrap();
+    let mut judged = 0;
+    let mut failures = Vec::new();
+    for (name, case) in expected.as_object().unwrap() {
+        if !case["needs"].is_null() {
+            continue;
+        }
+        let disk = case_on_disk(&dir, case);
+        judged += usize::from(disk.judge(name, case, &mut failures));
     }
     assert!(
         failures.is_empty(),

@@ -130,31 +130,7 @@ fn lower_body(
     }
 
     if params.is_some() {
-        let mut lowered: Vec<BodyToken> = Vec::with_capacity(body.len());
-        let mut hash: Option<BodyToken> = None;
-        for mut token in body {
-            if let Some(hash) = hash.take() {
-                if let Role::Param(param) = token.role {
-                    token.role = Role::Stringize(param);
-                    token.spaced = hash.spaced;
-                } else if problems.is_empty() {
-                    problems.push(Preprocessing::Stringize {
-                        name: name.text.clone(),
-                    });
-                }
-            }
-            if token.kind == HASH && token.role == Role::Plain {
-                hash = Some(token);
-            } else {
-                lowered.push(token);
-            }
-        }
-        if hash.is_some() && problems.is_empty() {
-            problems.push(Preprocessing::Stringize {
-                name: name.text.clone(),
-            });
-        }
-        body = lowered;
+        body = stringized(body, name, problems);
     }
 
     let edge = |token: Option<&BodyToken>| token.is_some_and(BodyToken::is_paste);
@@ -172,4 +148,37 @@ fn lower_body(
         }
     }
     body
+}
+
+/// The body with each `#` and its parameter as one token.
+fn stringized(
+    body: Vec<BodyToken>,
+    name: &Name,
+    problems: &mut Vec<Preprocessing>,
+) -> Vec<BodyToken> {
+    let mut lowered: Vec<BodyToken> = Vec::with_capacity(body.len());
+    let mut hash: Option<BodyToken> = None;
+    for mut token in body {
+        if let Some(hash) = hash.take() {
+            if let Role::Param(param) = token.role {
+                token.role = Role::Stringize(param);
+                token.spaced = hash.spaced;
+            } else if problems.is_empty() {
+                problems.push(Preprocessing::Stringize {
+                    name: name.text.clone(),
+                });
+            }
+        }
+        if token.kind == HASH && token.role == Role::Plain {
+            hash = Some(token);
+        } else {
+            lowered.push(token);
+        }
+    }
+    if hash.is_some() && problems.is_empty() {
+        problems.push(Preprocessing::Stringize {
+            name: name.text.clone(),
+        });
+    }
+    lowered
 }

@@ -5,9 +5,13 @@
 //! permanently. Arguments may extend from the lists into the text of the file, which the source at the bottom
 //! of the stack provides.
 
+mod arguments;
+
 use rowan::TextRange;
 use rustc_hash::FxHashMap;
 use smol_str::SmolStr;
+
+use arguments::Args;
 
 use super::{
     MacroSite, MacroUse, Origin,
@@ -18,7 +22,7 @@ use super::{
 use crate::{
     SyntaxKind,
     directive::text_range,
-    finding::preprocessing::{Arguments, Preprocessing},
+    finding::preprocessing::Preprocessing,
     kind::SyntaxKind::*,
     lexer::{RawTokens, is_trivia, is_word},
     line_index::LineIndex,
@@ -334,132 +338,6 @@ impl<'a> Expander<'a> {
         (source.next..source.end).find(|&i| !is_blank(self.raw.kind(i as usize)))
     }
 
-    /// Reads the next token for the arguments of a call, from the lists or the text.
-    fn next_in_call(
-        &self,
-        run: &mut Expansion<'_>,
-        disabled: &mut Disabled,
-    ) -> Result<Token, ArgumentsEnd> {
-        if let Some(token) = run.next(disabled) {
-            return Ok(token);
-        }
-        let Some(source) = run.source.as_deref_mut() else {
-            return Err(ArgumentsEnd::End);
-        };
-        let mut line_start = false;
-        while source.next < source.end {
-            let i = source.next;
-            let kind = self.raw.kind(i as usize);
-            if kind == HASH && line_start {
-                return Err(ArgumentsEnd::Directive);
-            }
-            source.next += 1;
-            if !is_trivia(kind) {
-                return Ok(self.token(i));
-            }
-            line_start |= kind == NEWLINE;
-        }
-        Err(ArgumentsEnd::End)
-    }
-
-    /// Reads the arguments of a call, parentheses included. On failure, puts the tokens read from the lists
-    /// back and leaves the position in the text unchanged.
-    fn arguments(
-        &mut self,
-        run: &mut Expansion<'_>,
-        disabled: &mut Disabled,
-        definition: &Macro,
-        named: usize,
-        variadic: bool,
-    ) -> Result<Args, Vec<Token>> {
-        let start = run.source.as_deref().copied();
-        let mut args: Vec<Vec<Token>> = vec![Vec::new()];
-        let mut parens = 0usize;
-        let mut opening = None;
-        let stop = loop {
-            let token = match self.next_in_call(run, disabled) {
-                Ok(token) => token,
-                Err(stop) => break stop,
-            };
-            if self.budget == 0 {
-                self.take_from_budget(1, definition);
-                break ArgumentsEnd::Limit;
-            }
-            self.budget -= 1;
-            match token.kind {
-                L_PAREN if opening.is_none() => {
-                    opening = Some(token);
-                    continue;
-                }
-                L_PAREN => parens += 1,
-                R_PAREN if parens == 0 => break ArgumentsEnd::Closed,
-                R_PAREN => parens -= 1,
-                COMMA if parens == 0 && !(variadic && args.len() > named) => {
-                    args.push(Vec::new());
-                    continue;
-                }
-                _ => {}
-            }
-            if let Some(last) = args.last_mut() {
-                last.push(token);
-            }
-        };
-        let end = run.source.as_deref().map(|source| source.next);
-        match stop {
-            ArgumentsEnd::Closed => {}
-            ArgumentsEnd::End | ArgumentsEnd::Directive | ArgumentsEnd::Limit => {
-                if let (Some(source), Some(start)) = (run.source.as_deref_mut(), start) {
-                    *source = start;
-                }
-                let name = definition.name.clone();
-                let kind = match stop {
-                    ArgumentsEnd::Directive => Preprocessing::DirectiveInCall { name },
-                    _ => Preprocessing::OpenCall { name },
-                };
-                if stop != ArgumentsEnd::Limit && !self.open_call {
-                    self.open_call = true;
-                    self.problems.push(CallProblem { kind, end: None });
-                }
-                // Tokens of the text are read again.
-                let from = start.map_or(u32::MAX, |start| start.next);
-                let read = opening.into_iter().chain(args.into_iter().flatten());
-                return Err(read
-                    .filter(|argument| !matches!(argument.origin, Origin::Argument(i) if i >= from))
-                    .collect());
-            }
-        }
-
-        if named == 0 && !variadic && args.len() == 1 && args.iter().all(Vec::is_empty) {
-            args.clear();
-        }
-        let complete =
-            args.len() == named || variadic && (args.len() == named + 1 || args.len() > named);
-        if !complete {
-            let given = if args.len() == 1 && args.iter().all(Vec::is_empty) {
-                0
-            } else {
-                args.len()
-            };
-            let takes = Arguments {
-                count: named,
-                open: variadic,
-            };
-            self.problems.push(CallProblem {
-                kind: Preprocessing::WrongArguments {
-                    name: definition.name.clone(),
-                    takes,
-                    given,
-                },
-                end,
-            });
-        }
-        args.resize(named + usize::from(variadic), Vec::new());
-        Ok(Args {
-            expanded: vec![None; args.len()],
-            spelled: args,
-        })
-    }
-
     /// The body of a macro with its parameters replaced.
     fn substitute(
         &mut self,
@@ -568,22 +446,6 @@ impl<'a> Expander<'a> {
         *expanded = Some(tokens.clone());
         tokens
     }
-}
-
-/// The reasons for which reading arguments ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum ArgumentsEnd {
-    Closed,
-    End,
-    Directive,
-    Limit,
-}
-
-/// The arguments of a call, `__VA_ARGS__` last.
-#[derive(Default)]
-struct Args {
-    spelled: Vec<Vec<Token>>,
-    expanded: Vec<Option<Vec<Token>>>,
 }
 
 impl Expansion<'_> {

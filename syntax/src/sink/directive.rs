@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    directive::{DirectiveKind, IncludeForm, Name},
+    directive::{Define, DirectiveKind, IncludeForm, Name},
     parser::parse_wcet_pragma,
 };
 
@@ -45,14 +45,7 @@ impl Sink<'_> {
         let Some(directive) = self.pre.directives.get(index as usize) else {
             return Vec::new();
         };
-        let of_range = |range: TextRange, kind| DirectiveNode {
-            first: self.raw.token_at(range.start().into()) as u32,
-            end: self
-                .raw
-                .token_at(usize::from(range.end()).saturating_sub(1)) as u32
-                + 1,
-            kind,
-        };
+        let of_range = |range, kind| self.node_of(range, kind);
         let of_name = |name: &Option<Name>, kind| {
             name.iter().map(|name| of_range(name.range, kind)).collect()
         };
@@ -70,23 +63,7 @@ impl Sink<'_> {
                 }
                 IncludeForm::Macro(tokens) => of_tokens(tokens, INCLUDE_PATH),
             },
-            DirectiveKind::Define(define) => {
-                let mut parts: Vec<DirectiveNode> = of_name(&define.name, NAME);
-                if define.params.is_some()
-                    && let Some(name) = parts.last()
-                {
-                    let last = (name.end..define.body.start)
-                        .rev()
-                        .find(|&i| self.raw.kind(i as usize) == R_PAREN);
-                    parts.push(DirectiveNode {
-                        first: name.end,
-                        end: last.map_or(name.end, |index| index + 1),
-                        kind: MACRO_PARAMS,
-                    });
-                }
-                parts.extend(of_tokens(&define.body, MACRO_BODY));
-                parts
-            }
+            DirectiveKind::Define(define) => self.define_parts(define),
             DirectiveKind::Undef(undef)
             | DirectiveKind::Ifdef(undef)
             | DirectiveKind::Ifndef(undef) => {
@@ -121,6 +98,38 @@ impl Sink<'_> {
                 }
             }
             DirectiveKind::Empty => Vec::new(),
+        }
+    }
+
+    fn define_parts(&self, define: &Define) -> Vec<DirectiveNode> {
+        let name = define.name.iter();
+        let mut parts: Vec<_> = name.map(|name| self.node_of(name.range, NAME)).collect();
+        if define.params.is_some()
+            && let Some(name) = parts.last()
+        {
+            let last = (name.end..define.body.start)
+                .rev()
+                .find(|&i| self.raw.kind(i as usize) == R_PAREN);
+            parts.push(DirectiveNode {
+                first: name.end,
+                end: last.map_or(name.end, |index| index + 1),
+                kind: MACRO_PARAMS,
+            });
+        }
+        parts.push(DirectiveNode {
+            first: define.body.start,
+            end: define.body.end,
+            kind: MACRO_BODY,
+        });
+        parts
+    }
+
+    fn node_of(&self, range: TextRange, kind: SyntaxKind) -> DirectiveNode {
+        let last = usize::from(range.end()).saturating_sub(1);
+        DirectiveNode {
+            first: self.raw.token_at(range.start().into()) as u32,
+            end: self.raw.token_at(last) as u32 + 1,
+            kind,
         }
     }
 

@@ -117,14 +117,7 @@ pub(super) fn property(p: &mut Parser<'_>) -> bool {
     let mut others = "";
     let keyword = p.current_contextual();
     if keyword == ASYNC_KW {
-        p.bump(ASYNC_KW);
-        if p.eat(CODEL_KW) {
-            others = codel::codel(p, codel::Form::Any);
-        } else {
-            p.expected_because("`codel`", "only codels are asynchronous");
-        }
-        semicolon_or(p, "this codel", others);
-        m.complete(p, CODEL_PROPERTY);
+        async_codel(p, m);
         return true;
     }
     p.bump(keyword);
@@ -193,6 +186,18 @@ pub(super) fn property(p: &mut Parser<'_>) -> bool {
     semicolon_or(p, &what, others);
     m.complete(p, kind);
     true
+}
+
+fn async_codel(p: &mut Parser<'_>, m: Marker) {
+    p.bump(ASYNC_KW);
+    let mut others = "";
+    if p.eat(CODEL_KW) {
+        others = codel::codel(p, codel::Form::Any);
+    } else {
+        p.expected_because("`codel`", "only codels are asynchronous");
+    }
+    semicolon_or(p, "this codel", others);
+    m.complete(p, CODEL_PROPERTY);
 }
 
 /// A number with an optional unit. Returns true if it has a unit.
