@@ -159,31 +159,22 @@ impl Machine<'_> {
             description.push_str(", asynchronous");
         }
         if let Some(wcet) = &codel.wcet {
-            let mut parts: Vec<String> = Vec::new();
+            let (parts, heat) = self.times(wcet.value);
+            classes.extend(heat);
             if self.options.wcet {
-                let shown = quantity::time(wcet.value);
-                description.push_str(&format!(", at most {shown}"));
-                parts.push(format!("≤ {shown}"));
-            }
-            if let Some(period) = self.period.filter(|p| self.options.load && p.numer() > &0) {
-                let share = wcet.value / period;
-                classes.extend(heat(share));
-                parts.push(load(share));
+                description.push_str(&format!(", at most {}", quantity::time(wcet.value)));
             }
             if !parts.is_empty() {
                 lines.push(Line::new(LineStyle::Detail, parts.join(" · ")));
             }
         }
-        if self.options.paths {
-            let several = states.len() > 1;
-            // The transitions of a codel do not depend on the state that triggered it.
-            for state in states.iter().take(1) {
-                let of = if several { "each " } else { "" };
-                if let Some(text) = self.turn(state) {
-                    description.push_str(&format!(", {text}"));
-                    lines.push(Line::new(LineStyle::Detail, format!("{of}{text}")));
-                }
-            }
+        // The transitions of a codel do not depend on the state that triggered it.
+        if self.options.paths
+            && let Some(text) = states.first().and_then(|state| self.turn(state))
+        {
+            let of = if states.len() > 1 { "each " } else { "" };
+            description.push_str(&format!(", {text}"));
+            lines.push(Line::new(LineStyle::Detail, format!("{of}{text}")));
         }
         if self.options.locks {
             let excluded = self.locks.of(index);
@@ -217,6 +208,18 @@ impl Machine<'_> {
             names: states,
             ..Node::default()
         });
+    }
+
+    /// The texts about an execution time, and the class of its share of the period.
+    fn times(&self, wcet: Seconds) -> (Vec<String>, Option<String>) {
+        let mut parts = Vec::new();
+        if self.options.wcet {
+            parts.push(format!("≤ {}", quantity::time(wcet)));
+        }
+        let period = self.period.filter(|p| self.options.load && p.numer() > &0);
+        let share = period.map(|period| wcet / period);
+        parts.extend(share.map(load));
+        (parts, share.and_then(heat))
     }
 
     fn yields(&mut self, codel: &Codel) {

@@ -304,10 +304,11 @@ fn frames(graph: &Graph, nodes: &[Rect]) -> Vec<Frame> {
     frames
 }
 
-/// Draws the frames, moves everything to positive coordinates, measures the picture, and adds the notes.
-fn finish(graph: &Graph, mut layout: Layout) -> Layout {
-    layout.frames = frames(graph, &layout.nodes);
-    layout.notes.clear();
+/// The corners of the smallest rectangle around everything that is drawn.
+fn bounds(layout: &Layout) -> (Point, Point) {
+    if layout.nodes.is_empty() {
+        return (Point::default(), Point::default());
+    }
     let mut low = Point {
         x: f64::MAX,
         y: f64::MAX,
@@ -348,9 +349,14 @@ fn finish(graph: &Graph, mut layout: Layout) -> Layout {
         .flat_map(|e| &e.points)
         .copied()
         .for_each(&mut see);
-    if layout.nodes.is_empty() {
-        (low, high) = (Point::default(), Point::default());
-    }
+    (low, high)
+}
+
+/// Draws the frames, moves everything to positive coordinates, measures the picture, and adds the notes.
+fn finish(graph: &Graph, mut layout: Layout) -> Layout {
+    layout.frames = frames(graph, &layout.nodes);
+    layout.notes.clear();
+    let (low, high) = bounds(&layout);
     let (dx, dy) = (MARGIN - low.x, MARGIN - low.y);
     let round = |v: f64| (v * 10.0).round() / 10.0;
     for rect in layout

@@ -101,43 +101,8 @@ pub fn graph(parts: &[Part], options: &Options) -> Graph {
             ));
         }
     }
-    for (number, part) in parts.iter().enumerate() {
-        let name = &part.component.name;
-        let inputs = (0..).zip(&part.component.ports);
-        for (index, port) in inputs.filter(|input| input.1.dir == PortDir::In) {
-            let sources = system.sources((number, index));
-            if sources.is_empty() {
-                let id = format!("{name}.{}", port.name);
-                let link = origin(part, port.src);
-                graph.nodes.push(octagon(
-                    &id,
-                    &port.name,
-                    type_name(part.spec, port.data),
-                    true,
-                    link,
-                ));
-                graph.edges.push(flow(
-                    &id,
-                    name,
-                    format!("{name} reads {}, which nothing feeds", port.name),
-                ));
-            }
-            for (component, source) in sources {
-                let component = parts[component].component;
-                let source = &component.ports[source as usize].name;
-                let component = &component.name;
-                let id = format!("{component}.{source}");
-                let mut edge = flow(
-                    &id,
-                    name,
-                    format!("{name} reads {component}.{source} as {}", port.name),
-                );
-                if *source != port.name {
-                    edge.label = port.name.to_string();
-                }
-                graph.edges.push(edge);
-            }
-        }
+    for number in 0..parts.len() {
+        inputs(&system, number, &mut graph);
     }
     if options.locks {
         locks(&system, &mut graph);
@@ -151,6 +116,47 @@ pub fn graph(parts: &[Part], options: &Options) -> Graph {
         graph.notes.push(note.to_owned());
     }
     graph
+}
+
+/// Adds the input ports of a component that nothing feeds, and the flows into the others.
+fn inputs(system: &System<'_>, number: usize, graph: &mut Graph) {
+    let part = &system.parts[number];
+    let name = &part.component.name;
+    let ports = (0..).zip(&part.component.ports);
+    for (index, port) in ports.filter(|port| port.1.dir == PortDir::In) {
+        let sources = system.sources((number, index));
+        if sources.is_empty() {
+            let id = format!("{name}.{}", port.name);
+            let link = origin(part, port.src);
+            graph.nodes.push(octagon(
+                &id,
+                &port.name,
+                type_name(part.spec, port.data),
+                true,
+                link,
+            ));
+            graph.edges.push(flow(
+                &id,
+                name,
+                format!("{name} reads {}, which nothing feeds", port.name),
+            ));
+        }
+        for (component, source) in sources {
+            let component = system.parts[component].component;
+            let source = &component.ports[source as usize].name;
+            let component = &component.name;
+            let id = format!("{component}.{source}");
+            let mut edge = flow(
+                &id,
+                name,
+                format!("{name} reads {component}.{source} as {}", port.name),
+            );
+            if *source != port.name {
+                edge.label = port.name.to_string();
+            }
+            graph.edges.push(edge);
+        }
+    }
 }
 
 fn origin(part: &Part, src: Src) -> Option<Origin> {

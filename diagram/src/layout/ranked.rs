@@ -106,37 +106,39 @@ impl RankedGraph {
             let Some((upper, lower)) = upper_lower(i) else {
                 continue;
             };
-            let (first, last) = (graph.rank[upper], graph.rank[lower]);
-            // The label is in the middle, on one of the ranks between nodes.
-            let middle = first + ((last - first) / 2) / EDGE_LENGTH * EDGE_LENGTH;
-            let label_rank = if (middle - first).is_multiple_of(EDGE_LENGTH) {
-                middle + 1
-            } else {
-                middle
-            };
-            let label_rank = label_rank.min(last - 1);
-            let mut chain = vec![upper];
-            for rank in first + 1..last {
-                let vertex = graph.rank.len();
-                graph.rank.push(rank);
-                if rank == label_rank && label.0 > 0.0 {
-                    graph.extent.push((
-                        labels[i].0 / 2.0 + 2.0,
-                        labels[i].0 / 2.0 + 2.0,
-                        labels[i].1,
-                    ));
-                    graph.label_at[i] = Some(vertex);
-                } else {
-                    graph.extent.push((1.0, 1.0, 0.0));
-                }
-                chain.push(vertex);
-            }
-            chain.push(lower);
-            graph.chains[i] = chain;
+            graph.add_chain(i, upper, lower, label);
         }
         graph.reversed = reversed;
         graph.connect();
         graph
+    }
+
+    /// Adds the vertices of an edge between its ends. One of them holds the label.
+    fn add_chain(&mut self, i: usize, upper: usize, lower: usize, label: (f64, f64)) {
+        let (first, last) = (self.rank[upper], self.rank[lower]);
+        // The label is in the middle, on one of the ranks between nodes.
+        let middle = first + ((last - first) / 2) / EDGE_LENGTH * EDGE_LENGTH;
+        let label_rank = if (middle - first).is_multiple_of(EDGE_LENGTH) {
+            middle + 1
+        } else {
+            middle
+        };
+        let label_rank = label_rank.min(last - 1);
+        let mut chain = vec![upper];
+        for rank in first + 1..last {
+            let vertex = self.rank.len();
+            self.rank.push(rank);
+            if rank == label_rank && label.0 > 0.0 {
+                self.extent
+                    .push((label.0 / 2.0 + 2.0, label.0 / 2.0 + 2.0, label.1));
+                self.label_at[i] = Some(vertex);
+            } else {
+                self.extent.push((1.0, 1.0, 0.0));
+            }
+            chain.push(vertex);
+        }
+        chain.push(lower);
+        self.chains[i] = chain;
     }
 
     fn connect(&mut self) {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::graph::{Direction, Graph, Shape};
+use crate::graph::{Direction, Edge, Graph, Node, Shape};
 
 /// Writes a graph as DOT.
 pub fn dot(graph: &Graph) -> String {
@@ -31,65 +31,73 @@ pub fn dot(graph: &Graph) -> String {
         );
     }
     for node in &graph.nodes {
-        let shape = match node.shape {
-            Shape::Box | Shape::Card => "box",
-            Shape::Final => "doublecircle",
-            Shape::Initial => "point",
-            Shape::Interrupt => "circle",
-            Shape::Octagon => "octagon",
-            Shape::Pill => "ellipse",
-        };
-        let text: Vec<&str> = node.lines.iter().map(|l| l.text.as_str()).collect();
-        let mut style = Vec::new();
-        let has = |class: &str| node.classes.iter().any(|c| c == class);
-        if node.shape == Shape::Box {
-            style.push("rounded");
-        }
-        if has("unreachable") || has("undefined") || has("async") || has("unconnected") {
-            style.push("dashed");
-        }
-        let _ = write!(
-            out,
-            "  {} [shape={shape} label={}",
-            quote(&node.id),
-            quote(&text.join("\n"))
-        );
-        if !style.is_empty() {
-            let _ = write!(out, " style={}", quote(&style.join(",")));
-        }
-        if has("unreachable") {
-            out.push_str(" color=gray fontcolor=gray");
-        }
-        if has("undefined") {
-            out.push_str(" color=red fontcolor=red");
-        }
-        out.push_str("];\n");
+        write_node(node, &mut out);
     }
     for edge in &graph.edges {
-        let _ = write!(out, "  {} -> {}", quote(&edge.from), quote(&edge.to));
-        let mut attributes = Vec::new();
-        if !edge.label.is_empty() {
-            attributes.push(format!("label={}", quote(&edge.label)));
-        }
-        if edge.classes.iter().any(|c| c == "paused") {
-            attributes.push("style=dashed".to_owned());
-        } else if edge
-            .classes
-            .iter()
-            .any(|c| c == "interrupt" || c == "throw")
-        {
-            attributes.push("style=dotted".to_owned());
-        }
-        if edge.both_ways {
-            attributes.push("dir=both".to_owned());
-        }
-        if !attributes.is_empty() {
-            let _ = write!(out, " [{}]", attributes.join(" "));
-        }
-        out.push_str(";\n");
+        write_edge(edge, &mut out);
     }
     out.push_str("}\n");
     out
+}
+
+fn write_node(node: &Node, out: &mut String) {
+    let shape = match node.shape {
+        Shape::Box | Shape::Card => "box",
+        Shape::Final => "doublecircle",
+        Shape::Initial => "point",
+        Shape::Interrupt => "circle",
+        Shape::Octagon => "octagon",
+        Shape::Pill => "ellipse",
+    };
+    let text: Vec<&str> = node.lines.iter().map(|l| l.text.as_str()).collect();
+    let mut style = Vec::new();
+    let has = |class: &str| node.classes.iter().any(|c| c == class);
+    if node.shape == Shape::Box {
+        style.push("rounded");
+    }
+    if has("unreachable") || has("undefined") || has("async") || has("unconnected") {
+        style.push("dashed");
+    }
+    let _ = write!(
+        out,
+        "  {} [shape={shape} label={}",
+        quote(&node.id),
+        quote(&text.join("\n"))
+    );
+    if !style.is_empty() {
+        let _ = write!(out, " style={}", quote(&style.join(",")));
+    }
+    if has("unreachable") {
+        out.push_str(" color=gray fontcolor=gray");
+    }
+    if has("undefined") {
+        out.push_str(" color=red fontcolor=red");
+    }
+    out.push_str("];\n");
+}
+
+fn write_edge(edge: &Edge, out: &mut String) {
+    let _ = write!(out, "  {} -> {}", quote(&edge.from), quote(&edge.to));
+    let mut attributes = Vec::new();
+    if !edge.label.is_empty() {
+        attributes.push(format!("label={}", quote(&edge.label)));
+    }
+    if edge.classes.iter().any(|c| c == "paused") {
+        attributes.push("style=dashed".to_owned());
+    } else if edge
+        .classes
+        .iter()
+        .any(|c| c == "interrupt" || c == "throw")
+    {
+        attributes.push("style=dotted".to_owned());
+    }
+    if edge.both_ways {
+        attributes.push("dir=both".to_owned());
+    }
+    if !attributes.is_empty() {
+        let _ = write!(out, " [{}]", attributes.join(" "));
+    }
+    out.push_str(";\n");
 }
 
 /// A quoted string.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use rustc_hash::FxHashMap;
 
-use crate::graph::{Direction, Graph, LineStyle, Shape};
+use crate::graph::{Direction, Edge, Graph, LineStyle, Node, Shape};
 
 /// Writes a graph as a Mermaid flow chart.
 pub fn mermaid(graph: &Graph) -> String {
@@ -45,28 +45,7 @@ pub fn mermaid(graph: &Graph) -> String {
                 );
             }
         }
-        let text: Vec<String> = node
-            .lines
-            .iter()
-            .map(|line| match line.style {
-                LineStyle::Title => format!("<b>{}</b>", escape(&line.text)),
-                LineStyle::Code | LineStyle::Detail => escape(&line.text),
-            })
-            .collect();
-        let text = text.join("<br>");
-        let (open, close) = match node.shape {
-            Shape::Box => ("(", ")"),
-            Shape::Card => ("[", "]"),
-            Shape::Final | Shape::Pill => ("([", "])"),
-            Shape::Initial | Shape::Interrupt => ("((", "))"),
-            Shape::Octagon => ("{{", "}}"),
-        };
-        let text = if text.is_empty() {
-            " ".to_owned()
-        } else {
-            text
-        };
-        let _ = writeln!(out, "  {}{open}\"{text}\"{close}", ids[node.id.as_str()]);
+        write_node(node, &ids[node.id.as_str()], &mut out);
     }
     if open_group.is_some() {
         out.push_str("  end\n");
@@ -76,22 +55,51 @@ pub fn mermaid(graph: &Graph) -> String {
         else {
             continue;
         };
-        let dashed = edge
-            .classes
-            .iter()
-            .any(|c| c == "paused" || c == "interrupt" || c == "throw");
-        let arrow = match (edge.both_ways, dashed) {
-            (true, _) => "<-->",
-            (false, true) => "-.->",
-            (false, false) => "-->",
-        };
-        if edge.label.is_empty() {
-            let _ = writeln!(out, "  {from} {arrow} {to}");
-        } else {
-            let _ = writeln!(out, "  {from} {arrow}|\"{}\"| {to}", escape(&edge.label));
-        }
+        write_edge(edge, from, to, &mut out);
     }
     out
+}
+
+fn write_node(node: &Node, id: &str, out: &mut String) {
+    let text: Vec<String> = node
+        .lines
+        .iter()
+        .map(|line| match line.style {
+            LineStyle::Title => format!("<b>{}</b>", escape(&line.text)),
+            LineStyle::Code | LineStyle::Detail => escape(&line.text),
+        })
+        .collect();
+    let text = text.join("<br>");
+    let (open, close) = match node.shape {
+        Shape::Box => ("(", ")"),
+        Shape::Card => ("[", "]"),
+        Shape::Final | Shape::Pill => ("([", "])"),
+        Shape::Initial | Shape::Interrupt => ("((", "))"),
+        Shape::Octagon => ("{{", "}}"),
+    };
+    let text = if text.is_empty() {
+        " ".to_owned()
+    } else {
+        text
+    };
+    let _ = writeln!(out, "  {}{open}\"{text}\"{close}", id);
+}
+
+fn write_edge(edge: &Edge, from: &str, to: &str, out: &mut String) {
+    let dashed = edge
+        .classes
+        .iter()
+        .any(|c| c == "paused" || c == "interrupt" || c == "throw");
+    let arrow = match (edge.both_ways, dashed) {
+        (true, _) => "<-->",
+        (false, true) => "-.->",
+        (false, false) => "-->",
+    };
+    if edge.label.is_empty() {
+        let _ = writeln!(out, "  {from} {arrow} {to}");
+    } else {
+        let _ = writeln!(out, "  {from} {arrow}|\"{}\"| {to}", escape(&edge.label));
+    }
 }
 
 /// Text for a quoted label. Mermaid has entities of its own (`#35;`), and takes backticks for Markdown.

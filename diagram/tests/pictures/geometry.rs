@@ -19,6 +19,21 @@ pub(crate) fn problems(graph: &Graph, placed: &Layout) -> Vec<String> {
         .enumerate()
         .filter_map(|(i, e)| Some((i, e.label?)))
         .collect();
+    overlaps(graph, placed, &labels, &mut out);
+    wrong_frames(graph, placed, &mut out);
+    let frames = placed.frames.iter().map(|frame| &frame.rect);
+    let inside = placed.nodes.iter().chain(labels.iter().map(|(_, r)| r));
+    for rect in inside.chain(frames) {
+        if !rect.inside(view) {
+            out.push(format!("{rect:?} is outside the picture"));
+        }
+    }
+    wrong_edges(graph, placed, &mut out);
+    out
+}
+
+/// Labels and nodes over others.
+fn overlaps(graph: &Graph, placed: &Layout, labels: &[(usize, Rect)], out: &mut Vec<String>) {
     for (n, (i, a)) in labels.iter().enumerate() {
         for (j, b) in &labels[n + 1..] {
             if a.overlaps(*b) {
@@ -44,6 +59,10 @@ pub(crate) fn problems(graph: &Graph, placed: &Layout) -> Vec<String> {
             }
         }
     }
+}
+
+/// Frames that do not hold exactly their group, or are over others.
+fn wrong_frames(graph: &Graph, placed: &Layout, out: &mut Vec<String>) {
     for (n, frame) in placed.frames.iter().enumerate() {
         for (node, rect) in graph.nodes.iter().zip(&placed.nodes) {
             let member = node.group.as_ref() == Some(&frame.name);
@@ -63,13 +82,10 @@ pub(crate) fn problems(graph: &Graph, placed: &Layout) -> Vec<String> {
             }
         }
     }
-    let frames = placed.frames.iter().map(|frame| &frame.rect);
-    let inside = placed.nodes.iter().chain(labels.iter().map(|(_, r)| r));
-    for rect in inside.chain(frames) {
-        if !rect.inside(view) {
-            out.push(format!("{rect:?} is outside the picture"));
-        }
-    }
+}
+
+/// Edges that do not end on their nodes, or run through others.
+fn wrong_edges(graph: &Graph, placed: &Layout, out: &mut Vec<String>) {
     let near = |p: Point, r: Rect| {
         p.x >= r.x - 0.6
             && p.x <= r.x + r.width + 0.6
@@ -103,7 +119,6 @@ pub(crate) fn problems(graph: &Graph, placed: &Layout) -> Vec<String> {
             }
         }
     }
-    out
 }
 
 /// Points along a chain of Bézier curves.
