@@ -236,6 +236,11 @@ impl Options {
             'V' => Mode::Version,
             _ => Mode::Help,
         };
+        self.select(mode, word)
+    }
+
+    /// Selects what to do, which must agree with earlier options.
+    fn select(&mut self, mode: Mode, word: &str) -> Result<(), OptionError> {
         let exclusive = |mode| {
             matches!(
                 mode,

@@ -244,6 +244,23 @@ fn ours_writes_what_tcl_writes(release: Release, variable: &str) {
     assert!(without > 100, "{without} runs without Tcl");
 }
 
+/// A component whose task yields these states.
+fn lamp(states: &str) -> String {
+    format!(
+        "/*/ A lamp. */
+component lamp {{
+  version \"1.2\"; lang \"c\"; doc \"Gives light.\"; require \"genom3 >= 2.99.26\";
+  codels-require \"libm\", \"liblamp >= 2\";
+  ids {{ boolean on; }};
+  struct glow {{ double power; }};
+  port out glow light {{ doc \"How much.\"; }};
+  task blink {{ period 5 ms; codel<start> lampStart(out on, port out light) yield {states}; }};
+  function reset(in long level = 3: \"How bright\") {{ codel lampReset(in level); }};
+}};
+"
+    )
+}
+
 #[test]
 fn ours_merges_as_tcl_merges() {
     for (release, variable) in [
@@ -262,19 +279,7 @@ fn ours_merges_as_tcl_merges() {
             found
         };
         let specification = |states: &str| {
-            let text = format!(
-                "/*/ A lamp. */
-component lamp {{
-  version \"1.2\"; lang \"c\"; doc \"Gives light.\"; require \"genom3 >= 2.99.26\";
-  codels-require \"libm\", \"liblamp >= 2\";
-  ids {{ boolean on; }};
-  struct glow {{ double power; }};
-  port out glow light {{ doc \"How much.\"; }};
-  task blink {{ period 5 ms; codel<start> lampStart(out on, port out light) yield {states}; }};
-  function reset(in long level = 3: \"How bright\") {{ codel lampReset(in level); }};
-}};
-"
-            );
+            let text = lamp(states);
             for place in &places {
                 std::fs::write(place.folder.path().join("lamp.gen"), &text).expect("a file");
             }

@@ -58,6 +58,43 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
+/// The files with an extension.
+fn sources(out: &Path, extension: &str) -> Vec<PathBuf> {
+    let all = walkdir::WalkDir::new(out)
+        .into_iter()
+        .map(|directory| directory.expect("a folder").into_path());
+    let of_kind = |path: &PathBuf| path.extension().is_some_and(|name| name == extension);
+    all.filter(of_kind).collect()
+}
+
+/// Writes the digests of the messages of all services and actions.
+fn write_digests(out: &Path) {
+    let mut messages = [sources(out, "msg"), sources(out, "srv")].concat();
+    for action in sources(out, "action") {
+        let name = action
+            .file_stem()
+            .expect("a name")
+            .to_string_lossy()
+            .into_owned();
+        for part in [
+            "Action",
+            "ActionFeedback",
+            "ActionGoal",
+            "ActionResult",
+            "Feedback",
+            "Goal",
+            "Result",
+        ] {
+            messages.push(out.join(format!("lamp/msg/{name}{part}.msg")));
+        }
+    }
+    for message in messages {
+        let name = message.file_stem().expect("a name").to_string_lossy();
+        let digest = format!("#define genom_md5_{name} \"0123456789abcdef0123456789abcdef\"\n");
+        std::fs::write(format!("{}.md5", message.display()), digest).expect("a file");
+    }
+}
+
 #[test]
 fn a_ros_server_compiles_without_genom() {
     let folder = std::env::var_os("DOTGEN_TEST_ROS_TEMPLATES").map(PathBuf::from);
@@ -112,38 +149,8 @@ fn a_ros_server_compiles_without_genom() {
         "#define PACKAGE_NAME \"lamp\"\n#define PACKAGE_VERSION \"1.0\"\n",
     )
     .expect("a file");
-    let sources = |extension: &str| {
-        let all = walkdir::WalkDir::new(&out)
-            .into_iter()
-            .map(|directory| directory.expect("a folder").into_path());
-        let of_kind = |path: &PathBuf| path.extension().is_some_and(|name| name == extension);
-        all.filter(of_kind).collect::<Vec<_>>()
-    };
-    let mut messages = [sources("msg"), sources("srv")].concat();
-    for action in sources("action") {
-        let name = action
-            .file_stem()
-            .expect("a name")
-            .to_string_lossy()
-            .into_owned();
-        for part in [
-            "Action",
-            "ActionFeedback",
-            "ActionGoal",
-            "ActionResult",
-            "Feedback",
-            "Goal",
-            "Result",
-        ] {
-            messages.push(out.join(format!("lamp/msg/{name}{part}.msg")));
-        }
-    }
-    for message in messages {
-        let name = message.file_stem().expect("a name").to_string_lossy();
-        let digest = format!("#define genom_md5_{name} \"0123456789abcdef0123456789abcdef\"\n");
-        std::fs::write(format!("{}.md5", message.display()), digest).expect("a file");
-    }
-    let sources = sources("cc");
+    write_digests(&out);
+    let sources = sources(&out, "cc");
     assert!(sources.len() >= 8, "{sources:?}");
     let compiled = Command::new("c++")
         .current_dir(&out)

@@ -124,24 +124,34 @@ pub(super) fn run(
     header += &notice_of(&*env.disk, &folder, &options.inputs).unwrap_or_default();
     let out = format!("{}\n{mapping}", text::c_comment(&header));
     if options.dependencies {
-        let target = options.target.unwrap_or_else(|| "out".into());
-        let rules: String = compiled
-            .deps
-            .iter()
-            .map(|dependency| format!("{target}: {dependency}\n{dependency}:\n"))
-            .collect();
-        let file = options.file.unwrap_or_else(|| "out.d".into());
-        let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
-        let mut files = StagedFiles::new(sink);
-        let staged = files.write(&*env.disk, &env.base.join(&file), rules.as_bytes());
-        let (sink, written) = files.finish(&*env.disk, staged.is_err());
-        env.sink = sink;
-        staged.map_err(|error| format!("cannot write {file}: {error}"))?;
-        written.map_err(|error| error.to_string())?;
+        write_dependencies(&compiled.deps, options.target, options.file, env)?;
     }
     env.console.out(encoding::latin1(&out).as_bytes());
     env.console.out(b"\n");
     Ok(0)
+}
+
+/// Writes rules for make.
+fn write_dependencies(
+    deps: &[String],
+    target: Option<String>,
+    file: Option<String>,
+    env: &mut Environment<'_>,
+) -> Result<(), String> {
+    let target = target.unwrap_or_else(|| "out".into());
+    let rules: String = deps
+        .iter()
+        .map(|dependency| format!("{target}: {dependency}\n{dependency}:\n"))
+        .collect();
+    let file = file.unwrap_or_else(|| "out.d".into());
+    let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
+    let mut files = StagedFiles::new(sink);
+    let staged = files.write(&*env.disk, &env.base.join(&file), rules.as_bytes());
+    let (sink, written) = files.finish(&*env.disk, staged.is_err());
+    env.sink = sink;
+    staged.map_err(|error| format!("cannot write {file}: {error}"))?;
+    written.map_err(|error| error.to_string())?;
+    Ok(())
 }
 
 /// The codels whose prototypes are printed: those of components and of the interfaces they import. Newer

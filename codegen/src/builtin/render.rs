@@ -281,6 +281,69 @@ fn options(
 /// The requirement on GenoM3 in build files if the specification has none; GenoM3 writes the same.
 const LEAST_GENOM: &str = "genom3 >= 2.99.4";
 
+/// A component that is not an interface.
+type Regular = dotgen_analysis::model::Component;
+
+/// The texts without repetitions.
+fn unique<'t>(all: impl Iterator<Item = &'t String>) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    for text in all {
+        if !out.contains(text) {
+            out.push(text.clone());
+        }
+    }
+    out
+}
+
+/// The packages that components require, GenoM3 among them.
+fn requirements(regular: &[(u32, &Regular)]) -> Vec<String> {
+    let mut requires = unique(
+        regular
+            .iter()
+            .flat_map(|(_, component)| &component.requires),
+    );
+    let is_genom = |requirement: &String| requirement.starts_with("genom3 ");
+    if !requires.iter().any(is_genom) {
+        requires.insert(0, LEAST_GENOM.to_owned());
+    }
+    requires
+}
+
+/// The files of codels, each with the value of its component, and the names of the files of each component.
+fn codel_files(
+    spec: &Spec,
+    regular: &[(u32, &Regular)],
+    values: &[Value],
+    options: &Options,
+    notice: &str,
+) -> Result<(Vec<Value>, serde_json::Map<String, Json>), String> {
+    let stub_options = StubOptions {
+        compile_as_cxx: options.language.as_deref() == Some("c++"),
+        notice: Some(notice.to_owned()).filter(|notice| !notice.is_empty()),
+        ..StubOptions::default()
+    };
+    let mut codel_files = Vec::new();
+    let mut names = serde_json::Map::new();
+    for ((index, component), value) in std::iter::zip(regular, values) {
+        let expected = Expected::new(spec, *index);
+        let files = Stubs::new(&expected, &stub_options)
+            .all_files()
+            .map_err(|error| error.message)?;
+        let own: Vec<Json> = files
+            .iter()
+            .filter_map(|file| file.path.file_name().map(Json::from))
+            .collect();
+        names.insert(component.name.to_string(), own.into());
+        for file in files {
+            codel_files.push(context! {
+                component => value.clone(),
+                file => context! { path => file.path.to_string(), text => file.text },
+            });
+        }
+    }
+    Ok((codel_files, names))
+}
+
 /// The data of the texts.
 struct Data {
     /// The shared data.
@@ -309,59 +372,15 @@ impl Data {
             let found = components.and_then(|all| all.iter().find(|json| json["name"] == name));
             found.cloned().unwrap_or_default()
         };
-        let regular: Vec<(u32, &dotgen_analysis::model::Component)> = (0..)
+        let regular: Vec<(u32, &Regular)> = (0..)
             .zip(&spec.components)
             .filter(|(_, number)| number.kind == ComponentKind::Component)
             .collect();
-        let stub_options = StubOptions {
-            compile_as_cxx: options.language.as_deref() == Some("c++"),
-            notice: Some(notice.clone()).filter(|notice| !notice.is_empty()),
-            ..StubOptions::default()
-        };
-        let mut codel_files = Vec::new();
-        let mut values = Vec::new();
-        let mut names = serde_json::Map::new();
-        for (index, component) in &regular {
-            let expected = Expected::new(spec, *index);
-            let files = Stubs::new(&expected, &stub_options)
-                .all_files()
-                .map_err(|error| error.message)?;
-            let own: Vec<Json> = files
-                .iter()
-                .filter_map(|file| file.path.file_name().map(Json::from))
-                .collect();
-            names.insert(component.name.to_string(), own.into());
-            // Shared by all texts about the component.
-            let value = Value::from_serialize(json(&component.name));
-            for file in files {
-                codel_files.push(context! {
-                    component => value.clone(),
-                    file => context! { path => file.path.to_string(), text => file.text },
-                });
-            }
-            values.push(value);
-        }
-        let unique = |lists: Vec<&Vec<String>>| -> Vec<String> {
-            let mut out: Vec<String> = Vec::new();
-            for text in lists.into_iter().flatten() {
-                if !out.contains(text) {
-                    out.push(text.clone());
-                }
-            }
-            out
-        };
-        let mut requires = unique(
-            regular
-                .iter()
-                .map(|(_, component)| &component.requires)
-                .collect(),
-        );
-        if !requires
+        let values: Vec<Value> = regular
             .iter()
-            .any(|requirement| requirement.starts_with("genom3 "))
-        {
-            requires.insert(0, LEAST_GENOM.to_owned());
-        }
+            .map(|(_, component)| Value::from_serialize(json(&component.name)))
+            .collect();
+        let (codel_files, names) = codel_files(spec, &regular, &values, options, &notice)?;
         let first = regular.first().map(|(_, component)| *component);
         let input = Path::new(&options.inputs[0])
             .file_name()
@@ -380,8 +399,8 @@ impl Data {
             name => first.map(|component| component.name.to_string()),
             release => first.and_then(|component| component.version.clone()),
             email => first.and_then(|component| component.email.clone()),
-            requires,
-            codels_requires => unique(regular.iter().map(|(_, component)| &component.codels_requires).collect()),
+            requires => requirements(&regular),
+            codels_requires => unique(regular.iter().flat_map(|(_, component)| &component.codels_requires)),
             input => input.to_string_lossy(),
             inputs,
             notice => notice,
@@ -391,22 +410,22 @@ impl Data {
             package_variables => spec.release.has(Change::PackageVariables),
             codel_files => Value::from_serialize(&names),
         };
-        let mut components = Vec::new();
-        let mut machines = Vec::new();
-        for ((_, component), value) in std::iter::zip(&regular, &values) {
-            components.push(context! { component => value.clone() });
-            for owner in component.machines() {
-                machines.push(context! {
+        let components = values
+            .iter()
+            .map(|value| context! { component => value.clone() });
+        let machines = std::iter::zip(&regular, &values).flat_map(|((_, component), value)| {
+            component.machines().map(move |owner| {
+                context! {
                     component => value.clone(),
                     owner => component.owner_name(owner).as_str(),
-                });
-            }
-        }
+                }
+            })
+        });
         Ok(Data {
             shared: base,
-            components,
+            components: components.collect(),
             codel_files,
-            machines,
+            machines: machines.collect(),
             spec: Arc::clone(&compiled.spec),
         })
     }

@@ -222,57 +222,24 @@ fn make(
     };
     let walk = |file: &str| TemplateWriter::read(&*env.disk, &dir.join(file));
     let mut made = Vec::new();
-    let mut add = |path: String, text: String| {
-        made.push(ResultFile {
-            path,
-            permissions: "",
-            text,
-        });
-    };
     let options = StubOptions {
         compile_as_cxx: job.language == "c++",
         notice: notice.clone(),
         ..StubOptions::default()
     };
-    // A function is written once, even if several components use it.
-    let mut written = FxHashMap::default();
-    for expected in &expected {
-        let component = expected.component;
-        if lacks_yields(expected) {
-            return None;
-        }
-        let stubs = Stubs::new(expected, &options);
-        for NewFile { path, text } in stubs.files(&mut written).ok()? {
-            add(path.into_string(), text);
-        }
-        let package = &compiled.spec.components[component as usize].name;
-        let file = walk("component.pc.in")?;
-        add(
-            format!("{package}-genom3.pc.in"),
-            job.package(file, component)?,
-        );
-        let file = walk("component-uninstalled.pc.in")?;
-        let path = format!("{package}-genom3-uninstalled.pc.in");
-        add(path, job.package(file, component)?);
-    }
+    add_component_files(&job, &options, &walk, &mut made)?;
     if !call.terse {
-        add(
-            "README.adoc".into(),
+        made.push(plain(
+            "README.adoc",
             readme::write(&job, walk("readme.adoc")?)?,
-        );
+        ));
     }
     made.push(ResultFile {
         path: "bootstrap.sh".into(),
         permissions: "a+x",
         text: "#!/bin/sh\nautoreconf -vi\n".into(),
     });
-    let mut add = |path: &str, text: String| {
-        made.push(ResultFile {
-            path: path.to_owned(),
-            permissions: "",
-            text,
-        });
-    };
+    let mut add = |path: &str, text: String| made.push(plain(path, text));
     if !job.newer || job.has_component() {
         add(
             "autoconf/ag_templates.m4",
@@ -288,6 +255,44 @@ fn make(
     let makefile = job.makefile_of_codels(walk("codels.Makefile.am")?)?;
     add("codels/Makefile.am", makefile);
     Some(made)
+}
+
+/// Adds the stubs and packages of each component. A function is written once, even if several components use
+/// it.
+fn add_component_files(
+    job: &build::Job<'_>,
+    options: &StubOptions,
+    walk: &dyn Fn(&str) -> Option<TemplateWriter>,
+    made: &mut Vec<ResultFile>,
+) -> Option<()> {
+    let mut written = FxHashMap::default();
+    for expected in job.expected {
+        let component = expected.component;
+        if lacks_yields(expected) {
+            return None;
+        }
+        let stubs = Stubs::new(expected, options);
+        for NewFile { path, text } in stubs.files(&mut written).ok()? {
+            made.push(plain(path.into_string(), text));
+        }
+        let package = &expected.spec.components[component as usize].name;
+        let file = walk("component.pc.in")?;
+        let path = format!("{package}-genom3.pc.in");
+        made.push(plain(path, job.package(file, component)?));
+        let file = walk("component-uninstalled.pc.in")?;
+        let path = format!("{package}-genom3-uninstalled.pc.in");
+        made.push(plain(path, job.package(file, component)?));
+    }
+    Some(())
+}
+
+/// A file with the usual permissions.
+fn plain(path: impl Into<String>, text: String) -> ResultFile {
+    ResultFile {
+        path: path.into(),
+        permissions: "",
+        text,
+    }
 }
 
 /// The components for which files are written: all, or those that the inputs themselves define, with

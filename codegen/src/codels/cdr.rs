@@ -343,7 +343,81 @@ fn recode(
     let Some(depth) = depth.checked_sub(1) else {
         return wrong("", "a value that is less deep");
     };
-    let number = match values.kind(ty) {
+    let kind = values.kind(ty);
+    if let Some(number) = recode_integer(kind, from, to)? {
+        return Ok(Some(number));
+    }
+    match kind {
+        TypeKind::Float => {
+            copy::<4>(from, to)?;
+        }
+        TypeKind::Double => {
+            copy::<8>(from, to)?;
+        }
+        TypeKind::String { bound } => {
+            let text = from.text()?;
+            if bound.is_some_and(|bound| text.len() as u64 > bound) {
+                return wrong("", "a string that fits its bound");
+            }
+            to.text(text);
+        }
+        TypeKind::Array { element, length } => {
+            for _ in 0..*length {
+                recode(values, *element, from, to, depth)?;
+            }
+        }
+        TypeKind::Sequence { element, bound } => {
+            let count = u32::from_ne_bytes(copy(from, to)?);
+            // Each element needs at least one byte, so a larger count is invalid.
+            if bound.is_some_and(|bound| u64::from(count) > bound) || count as usize > from.left() {
+                return wrong("", "a list that fits its bound");
+            }
+            for _ in 0..count {
+                recode(values, *element, from, to, depth)?;
+            }
+        }
+        TypeKind::Optional { element } => {
+            let is_there = from.presence()?;
+            to.presence(is_there);
+            if is_there {
+                recode(values, *element, from, to, depth)?;
+            }
+        }
+        TypeKind::Struct { members } | TypeKind::Exception { members } => {
+            for &member in members {
+                recode(values, member, from, to, depth)?;
+            }
+            if members.is_empty() {
+                from.nothing()?;
+                to.nothing();
+            }
+        }
+        TypeKind::Union { switch, members } => {
+            let number = recode(values, *switch, from, to, depth)?.unwrap_or(0);
+            let selected = values.chosen(members, number);
+            for &member in members {
+                let is_selected = selected == Some(member);
+                from.branch(is_selected)?;
+                to.branch(is_selected);
+                if is_selected {
+                    recode(values, member, from, to, depth)?;
+                }
+            }
+        }
+        _ => {
+            copy::<1>(from, to)?;
+        }
+    }
+    Ok(None)
+}
+
+/// Copies an integer, boolean or enumerator; `None` for a value of another type.
+fn recode_integer(
+    kind: &TypeKind,
+    from: &mut impl ValueReader,
+    to: &mut impl ValueWriter,
+) -> Result<Option<i64>, ValueError> {
+    Ok(Some(match kind {
         TypeKind::Boolean => {
             let byte = u8::from(from.number::<1>()? != [0]);
             to.number([byte]);
@@ -366,76 +440,8 @@ fn recode(
             }
             i64::from(byte)
         }
-        TypeKind::Float => {
-            copy::<4>(from, to)?;
-            return Ok(None);
-        }
-        TypeKind::Double => {
-            copy::<8>(from, to)?;
-            return Ok(None);
-        }
-        TypeKind::String { bound } => {
-            let text = from.text()?;
-            if bound.is_some_and(|bound| text.len() as u64 > bound) {
-                return wrong("", "a string that fits its bound");
-            }
-            to.text(text);
-            return Ok(None);
-        }
-        TypeKind::Array { element, length } => {
-            for _ in 0..*length {
-                recode(values, *element, from, to, depth)?;
-            }
-            return Ok(None);
-        }
-        TypeKind::Sequence { element, bound } => {
-            let count = u32::from_ne_bytes(copy(from, to)?);
-            // Each element needs at least one byte, so a larger count is invalid.
-            if bound.is_some_and(|bound| u64::from(count) > bound) || count as usize > from.left() {
-                return wrong("", "a list that fits its bound");
-            }
-            for _ in 0..count {
-                recode(values, *element, from, to, depth)?;
-            }
-            return Ok(None);
-        }
-        TypeKind::Optional { element } => {
-            let is_there = from.presence()?;
-            to.presence(is_there);
-            if is_there {
-                recode(values, *element, from, to, depth)?;
-            }
-            return Ok(None);
-        }
-        TypeKind::Struct { members } | TypeKind::Exception { members } => {
-            for &member in members {
-                recode(values, member, from, to, depth)?;
-            }
-            if members.is_empty() {
-                from.nothing()?;
-                to.nothing();
-            }
-            return Ok(None);
-        }
-        TypeKind::Union { switch, members } => {
-            let number = recode(values, *switch, from, to, depth)?.unwrap_or(0);
-            let selected = values.chosen(members, number);
-            for &member in members {
-                let is_selected = selected == Some(member);
-                from.branch(is_selected)?;
-                to.branch(is_selected);
-                if is_selected {
-                    recode(values, member, from, to, depth)?;
-                }
-            }
-            return Ok(None);
-        }
-        _ => {
-            copy::<1>(from, to)?;
-            return Ok(None);
-        }
-    };
-    Ok(Some(number))
+        _ => return Ok(None),
+    }))
 }
 
 #[cfg(test)]

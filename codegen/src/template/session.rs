@@ -117,54 +117,66 @@ pub(super) fn run(
         files: 0,
     };
     let ended = session.serve();
-    // Output of a template that failed stays, as with GenoM3. If dotgen ended the template, nothing is
-    // written.
-    let ended_by_us = ended.is_err();
-    let mut place = None;
-    let (status, error) = match ended {
-        Ok(done) => {
-            session.host.finish();
-            if done.failed {
-                place = error_location::place(&*run.disk, &run.dir, &done.message, &done.trace);
-            }
-            let shown = if run.verbose {
-                &done.trace
-            } else {
-                &done.message
-            };
-            let error = done.failed.then(|| shown.clone());
-            (done.status, error)
-        }
-        Err(message) => (2, Some(message)),
-    };
-    let captured = session.host.take_errors();
-    for line in String::from_utf8_lossy(&captured).lines() {
-        session.console.err(line);
-    }
-    if let Some(error) = &error {
-        session.console.err(&format!("{name}: {error}"));
-    }
-    let unwritten = session.output.files.changed();
-    let (sink, written) = session.output.finish(ended_by_us);
-    let mut outcome = Outcome {
-        status,
-        sink,
-        error,
-        place,
-    };
-    if let Err(problem) = written {
-        let message = problem.to_string();
-        session.console.err(&format!("{name}: {message}"));
-        outcome.status = 2;
-        outcome.error = Some(message);
-    } else if ended_by_us && unwritten > 0 && matches!(outcome.sink, super::OutputSink::Direct) {
-        let message = format!("{name}: nothing was written, since the template did not end");
-        session.console.err(&message);
-    }
-    outcome
+    session.conclude(ended)
 }
 
 impl Session<'_> {
+    /// Reports the end of the template and writes the output.
+    fn conclude(mut self, ended: Result<ScriptEnd, String>) -> Outcome {
+        let name = self.run.name();
+        // Output of a template that failed stays, as with GenoM3. If dotgen ended the template, nothing is
+        // written.
+        let ended_by_us = ended.is_err();
+        let mut place = None;
+        let (status, error) = match ended {
+            Ok(done) => {
+                self.host.finish();
+                if done.failed {
+                    place = error_location::place(
+                        &*self.run.disk,
+                        &self.run.dir,
+                        &done.message,
+                        &done.trace,
+                    );
+                }
+                let shown = if self.run.verbose {
+                    &done.trace
+                } else {
+                    &done.message
+                };
+                let error = done.failed.then(|| shown.clone());
+                (done.status, error)
+            }
+            Err(message) => (2, Some(message)),
+        };
+        let captured = self.host.take_errors();
+        for line in String::from_utf8_lossy(&captured).lines() {
+            self.console.err(line);
+        }
+        if let Some(error) = &error {
+            self.console.err(&format!("{name}: {error}"));
+        }
+        let unwritten = self.output.files.changed();
+        let (sink, written) = self.output.finish(ended_by_us);
+        let mut outcome = Outcome {
+            status,
+            sink,
+            error,
+            place,
+        };
+        if let Err(problem) = written {
+            let message = problem.to_string();
+            self.console.err(&format!("{name}: {message}"));
+            outcome.status = 2;
+            outcome.error = Some(message);
+        } else if ended_by_us && unwritten > 0 && matches!(outcome.sink, super::OutputSink::Direct)
+        {
+            let message = format!("{name}: nothing was written, since the template did not end");
+            self.console.err(&message);
+        }
+        outcome
+    }
+
     /// Answers messages until the template has ended.
     ///
     /// # Errors

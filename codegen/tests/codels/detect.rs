@@ -177,54 +177,51 @@ fn missing_functions() {
     assert!(Fixture::new(&spec, &files).report().is_empty());
 }
 
+/// Checks the finding for a codel without parameters.
+#[track_caller]
+fn finds(yields: &str, f: &str, wanted: &str) {
+    one("", "", yields, f, wanted);
+}
+
+#[track_caller]
+fn finds_nothing(yields: &str, f: &str) {
+    silent("", "", yields, f);
+}
+
 #[test]
 fn returned_events() {
     let f = |body: &str| format!("genom_event f(const genom_context self) {{ {body} }}");
-    one(
-        "",
-        "",
+    finds(
         "main",
         &f("if (g) return c_ether; return c_main;"),
         "returns `c_ether`, which its codel does not yield",
     );
-    one(
-        "",
-        "",
+    finds(
         "main",
         &f("if (g) return c_pause_main; return c_main;"),
         "`c_pause_main`",
     );
-    one(
-        "",
-        "",
+    finds(
         "main",
         &f("if (g) return c_sleep; return c_main;"),
         "`c_sleep`",
     );
-    one(
-        "",
-        "",
+    finds(
         "main",
         &f("if (g) return genom_ok; return c_main;"),
         "returns `genom_ok`, but its codel has states",
     );
-    one(
-        "",
-        "",
+    finds(
         "main",
         &f("genom_event e = c_sleep; if (g) e = c_main; return e;"),
         "`c_sleep`",
     );
-    one(
-        "",
-        "",
+    finds(
         "main, ether",
         &f("return c_main;"),
         "never-yielded: codel `f` may yield `ether`",
     );
-    one(
-        "",
-        "",
+    finds(
         "pause::main, main",
         &f("return c_main;"),
         "never returns `c_pause_main`",
@@ -240,35 +237,27 @@ fn returned_events() {
         "/* skeleton sample: insert your code */ return c_main;",
         "if (last == c_ether) return c_main; return c_main;",
     ] {
-        silent("", "", "main, ether", &f(body));
+        finds_nothing("main, ether", &f(body));
     }
     // A variable is often set to it before it gets its value.
-    silent(
-        "",
-        "",
+    finds_nothing(
         "main",
         &f("genom_event e = genom_ok; e = c_main; return e;"),
     );
     // Helpers of the sources are followed.
     let helper = "static genom_event h(const genom_context self) { return c_e_one(self); }\n";
-    one(
-        "",
-        "",
+    finds(
         "main, ether",
         &(helper.to_owned() + &f("if (g) return h(self); return c_main;")),
         "never-yielded",
     );
     let helper = "static genom_event h(void) { return c_ether; }\n";
-    silent(
-        "",
-        "",
+    finds_nothing(
         "main, ether",
         &(helper.to_owned() + &f("if (g) return h(); return c_main;")),
     );
     // A name that the sources declare is their own business.
-    silent(
-        "",
-        "",
+    finds_nothing(
         "main",
         &format!(
             "static genom_event c_last;\n{}",

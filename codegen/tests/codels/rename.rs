@@ -326,12 +326,8 @@ fn exercised(expected: &Expected<'_>) -> BTreeMap<Utf8PathBuf, String> {
     crate::codels::project::codels(expected)
 }
 
-#[test]
-fn random_renames_leave_nothing_worse() {
-    let count = std::env::var("RENAMES")
-        .ok()
-        .and_then(|variable| variable.parse().ok());
-    let count: usize = count.unwrap_or(120);
+/// The accepted examples and published specifications, those without sources with generated ones.
+fn projects() -> Vec<Before> {
     let mut all = Vec::new();
     for (root, includes) in examples().into_iter().chain(published()) {
         let host = host_over(Arc::new(Overlay::default()), includes.clone());
@@ -357,6 +353,16 @@ fn random_renames_leave_nothing_worse() {
             includes,
         });
     }
+    all
+}
+
+#[test]
+fn random_renames_leave_nothing_worse() {
+    let count = std::env::var("RENAMES")
+        .ok()
+        .and_then(|variable| variable.parse().ok());
+    let count: usize = count.unwrap_or(120);
+    let all = projects();
     assert!(all.len() > 5, "{} components", all.len());
     let before: Vec<_> = all.iter().map(Before::diagnostics).collect();
     let compiled: Vec<bool> = all.iter().map(|before| broken(before).is_none()).collect();

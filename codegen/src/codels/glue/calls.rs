@@ -181,55 +181,13 @@ impl Glue<'_, '_> {
                     _ = writeln!(events, "  {{ {name}, \"{full}\" }},");
                 }
                 TypeKind::Exception { members } if !self.is_cxx() => {
-                    let mut save = String::new();
-                    for &member in members {
-                        let of = self.known(member)?;
-                        let member = self.mapper.short_name(member)?;
-                        _ = writeln!(save, "      glue_save_{of}(out, &d->{member});");
-                    }
-                    let detail = match members.is_empty() {
-                        true => String::new(),
-                        false => format!(
-                            "    if (glue_raised_detail != NULL && glue_raised_id == event) {{\n\
-                             \x20     {name}_detail *d = ({name}_detail *)glue_raised_detail;\n{save}    }}\n"
-                        ),
-                    };
-                    _ = write!(
-                        exceptions,
-                        "  if (event == {name}_id) {{\n\
-                         \x20   glue_put_number(out, GLUE_EXCEPTION);\n\
-                         \x20   glue_put_text(out, event, strlen(event));\n\
-                         \x20   from = glue_begin_block(out);\n{detail}\
-                         \x20   glue_end_block(out, from);\n    return;\n  }}\n"
-                    );
+                    self.exception(&name, members, &mut exceptions)?
                 }
                 _ => {}
             }
         }
         if !self.is_cxx() {
-            for (name, detail) in [
-                ("genom_syserr", true),
-                ("genom_unkex", true),
-                ("genom_fatal", false),
-            ] {
-                let (id, detail) = match detail {
-                    true => (
-                        format!("{name}_id"),
-                        format!(
-                            "    if (glue_raised_detail != NULL && glue_raised_id == event)\n\
-                             \x20     glue_put(out, glue_raised_detail, sizeof({name}_detail));\n"
-                        ),
-                    ),
-                    false => (name.to_owned(), String::new()),
-                };
-                _ = write!(
-                    exceptions,
-                    "  if (event == {id}) {{\n    glue_put_number(out, GLUE_EXCEPTION);\n\
-                     \x20   glue_put_text(out, event, strlen(event));\n\
-                     \x20   from = glue_begin_block(out);\n{detail}    glue_end_block(out, from);\n\
-                     \x20   return;\n  }}\n"
-                );
-            }
+            system_exceptions(&mut exceptions);
         }
         let event = match self.is_cxx() {
             true => "genom::event",
@@ -251,6 +209,30 @@ impl Glue<'_, '_> {
              \x20 glue_put_number(out, GLUE_OTHER);\n  glue_put_text(out, \"\", 0);\n\
              \x20 glue_put_number(out, 0);\n}}\n"
         ))
+    }
+
+    /// Writes the code that passes an exception on, with its detail.
+    fn exception(
+        &self,
+        name: &str,
+        members: &[TypeId],
+        exceptions: &mut String,
+    ) -> Result<(), crate::lang::LangError> {
+        let mut save = String::new();
+        for &member in members {
+            let of = self.known(member)?;
+            let member = self.mapper.short_name(member)?;
+            _ = writeln!(save, "      glue_save_{of}(out, &d->{member});");
+        }
+        let detail = match members.is_empty() {
+            true => String::new(),
+            false => format!(
+                "    if (glue_raised_detail != NULL && glue_raised_id == event) {{\n\
+                 \x20     {name}_detail *d = ({name}_detail *)glue_raised_detail;\n{save}    }}\n"
+            ),
+        };
+        *exceptions += &passing_on(&format!("{name}_id"), &detail);
+        Ok(())
     }
 
     fn codel(&self, number: usize, at: CodelRef, codel: &Codel) -> LangResult {
@@ -341,4 +323,35 @@ impl Glue<'_, '_> {
          \x20 glue_asks = asks;\n}\n"
             .to_owned()
     }
+}
+
+/// Writes the code that passes the exceptions of GenoM3 itself on.
+fn system_exceptions(exceptions: &mut String) {
+    for (name, detail) in [
+        ("genom_syserr", true),
+        ("genom_unkex", true),
+        ("genom_fatal", false),
+    ] {
+        let (id, detail) = match detail {
+            true => (
+                format!("{name}_id"),
+                format!(
+                    "    if (glue_raised_detail != NULL && glue_raised_id == event)\n\
+                     \x20     glue_put(out, glue_raised_detail, sizeof({name}_detail));\n"
+                ),
+            ),
+            false => (name.to_owned(), String::new()),
+        };
+        *exceptions += &passing_on(&id, &detail);
+    }
+}
+
+/// The code that passes an exception on.
+fn passing_on(id: &str, detail: &str) -> String {
+    format!(
+        "  if (event == {id}) {{\n    glue_put_number(out, GLUE_EXCEPTION);\n\
+         \x20   glue_put_text(out, event, strlen(event));\n\
+         \x20   from = glue_begin_block(out);\n{detail}    glue_end_block(out, from);\n\
+         \x20   return;\n  }}\n"
+    )
 }

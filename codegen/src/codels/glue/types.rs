@@ -39,7 +39,6 @@ impl Glue<'_, '_> {
 
     /// The bodies of the functions that save and load a type.
     fn copying(&self, ty: TypeId) -> Result<(String, String), crate::lang::LangError> {
-        let cxx = self.is_cxx();
         Ok(match self.kind(ty) {
             TypeKind::Boolean => (
                 "  uint8_t v = *x ? 1 : 0;\n  glue_put(b, &v, 1);\n".into(),
@@ -67,28 +66,7 @@ impl Glue<'_, '_> {
                     ),
                 )
             }
-            TypeKind::String { bound: Some(_) } => (
-                "  glue_put_text(b, *x, strnlen(*x, sizeof(*x)));\n".into(),
-                "  uint32_t n = glue_get_length(r);\n\
-                 \x20 memset(*x, 0, sizeof(*x));\n\
-                 \x20 if (n > sizeof(*x)) { r->bad = 1; return; }\n\
-                 \x20 glue_get(r, *x, n);\n"
-                    .into(),
-            ),
-            TypeKind::String { bound: None } if cxx => (
-                "  glue_put_text(b, x->data(), x->size());\n".into(),
-                "  uint32_t n = glue_get_length(r);\n\
-                 \x20 x->resize(n);\n\
-                 \x20 if (n > 0) glue_get(r, &(*x)[0], n);\n"
-                    .into(),
-            ),
-            TypeKind::String { bound: None } => (
-                "  glue_put_text(b, *x != NULL ? *x : \"\", *x != NULL ? strlen(*x) : 0);\n".into(),
-                "  char *old = *x;\n\
-                 \x20 *x = glue_string_make(r);\n\
-                 \x20 if (old != NULL) glue_free(old);\n"
-                    .into(),
-            ),
+            TypeKind::String { bound } => copying_text(bound.is_some(), self.is_cxx()),
             TypeKind::Array { element, length } => {
                 let element = self.known(*element)?;
                 let text = |text: &str, verb: &str| {
@@ -258,5 +236,35 @@ impl Glue<'_, '_> {
             Value::Char(_) => format!("'{text}'"),
             _ => text,
         })
+    }
+}
+
+/// The bodies of the functions that save and load a string.
+fn copying_text(bounded: bool, cxx: bool) -> (String, String) {
+    if bounded {
+        (
+            "  glue_put_text(b, *x, strnlen(*x, sizeof(*x)));\n".into(),
+            "  uint32_t n = glue_get_length(r);\n\
+             \x20 memset(*x, 0, sizeof(*x));\n\
+             \x20 if (n > sizeof(*x)) { r->bad = 1; return; }\n\
+             \x20 glue_get(r, *x, n);\n"
+                .into(),
+        )
+    } else if cxx {
+        (
+            "  glue_put_text(b, x->data(), x->size());\n".into(),
+            "  uint32_t n = glue_get_length(r);\n\
+             \x20 x->resize(n);\n\
+             \x20 if (n > 0) glue_get(r, &(*x)[0], n);\n"
+                .into(),
+        )
+    } else {
+        (
+            "  glue_put_text(b, *x != NULL ? *x : \"\", *x != NULL ? strlen(*x) : 0);\n".into(),
+            "  char *old = *x;\n\
+             \x20 *x = glue_string_make(r);\n\
+             \x20 if (old != NULL) glue_free(old);\n"
+                .into(),
+        )
     }
 }

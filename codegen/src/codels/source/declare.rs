@@ -63,16 +63,7 @@ fn declaration(
             None
         }
         "preproc_def" | "preproc_function_def" => {
-            let name = node.child_by_field_name("name")?;
-            let value = node.child_by_field_name("value");
-            let value = value.map_or("", |child| source(child, text));
-            index.macros.push(Macro {
-                name: source(name, text).into(),
-                returns: ["return", "goto", "throw"]
-                    .iter()
-                    .any(|text| value.contains(text)),
-                pastes: value.contains("##"),
-            });
+            index.macros.extend(macro_of(node, text));
             None
         }
         "preproc_include" => {
@@ -93,19 +84,7 @@ fn declaration(
                 ..context.clone()
             })
         }
-        "namespace_definition" => {
-            let mut context = context.clone();
-            match node.child_by_field_name("name") {
-                Some(name) => {
-                    let name = source(name, text);
-                    context
-                        .scope
-                        .extend(name.split("::").map(|part| part.trim().into()));
-                }
-                None => context.scope.push(SmolStr::default()),
-            }
-            Some(context)
-        }
+        "namespace_definition" => Some(inside_namespace(node, context, text)),
         "declaration_list" | "template_declaration" => Some(context.clone()),
         "expression_statement" => {
             loose(node, text, index);
@@ -124,6 +103,35 @@ fn declaration(
             None
         }
     }
+}
+
+/// A macro; `None` without a name.
+fn macro_of(node: Node<'_>, text: &str) -> Option<Macro> {
+    let name = node.child_by_field_name("name")?;
+    let value = node.child_by_field_name("value");
+    let value = value.map_or("", |child| source(child, text));
+    Some(Macro {
+        name: source(name, text).into(),
+        returns: ["return", "goto", "throw"]
+            .iter()
+            .any(|text| value.contains(text)),
+        pastes: value.contains("##"),
+    })
+}
+
+/// The context of the declarations of a namespace.
+fn inside_namespace(node: Node<'_>, context: &Context, text: &str) -> Context {
+    let mut context = context.clone();
+    match node.child_by_field_name("name") {
+        Some(name) => {
+            let name = source(name, text);
+            context
+                .scope
+                .extend(name.split("::").map(|part| part.trim().into()));
+        }
+        None => context.scope.push(SmolStr::default()),
+    }
+    context
 }
 
 fn loose(node: Node<'_>, text: &str, index: &mut SourceIndex) {
@@ -258,27 +266,7 @@ fn signature(
             _ => start = start.or(Some(child.start_byte())),
         }
     }
-    let mut known = !list.has_error();
-    let mut parameters = Vec::new();
-    let mut variadic = false;
-    let mut cursor = list.walk();
-    for child in list.named_children(&mut cursor) {
-        match child.kind() {
-            "parameter_declaration" | "optional_parameter_declaration" => {
-                parameters.push(parameter(child, text));
-            }
-            "variadic_parameter" | "variadic_parameter_declaration" => variadic = true,
-            "comment" => {}
-            _ => known = false,
-        }
-    }
-    let void = CType::plain("void");
-    if let [only] = parameters.as_slice()
-        && only.name.is_none()
-        && only.ty == void
-    {
-        parameters.clear();
-    }
+    let (parameters, variadic, known) = parameters(list, text);
     let mut result = ctype::of_declaration(node, Some(declarator), text);
     if let Some(at) = result
         .layers
@@ -302,6 +290,32 @@ fn signature(
         body: None,
         comments: Vec::new(),
     })
+}
+
+/// The parameters of a list. The flags are true for a list that ends with `...`, and for one of which all is
+/// understood.
+fn parameters(list: Node<'_>, text: &str) -> (Vec<Parameter>, bool, bool) {
+    let mut known = !list.has_error();
+    let mut parameters = Vec::new();
+    let mut variadic = false;
+    let mut cursor = list.walk();
+    for child in list.named_children(&mut cursor) {
+        match child.kind() {
+            "parameter_declaration" | "optional_parameter_declaration" => {
+                parameters.push(parameter(child, text));
+            }
+            "variadic_parameter" | "variadic_parameter_declaration" => variadic = true,
+            "comment" => {}
+            _ => known = false,
+        }
+    }
+    if let [only] = parameters.as_slice()
+        && only.name.is_none()
+        && only.ty == CType::plain("void")
+    {
+        parameters.clear();
+    }
+    (parameters, variadic, known)
 }
 
 fn parameter(node: Node<'_>, text: &str) -> Parameter {

@@ -77,24 +77,7 @@ pub(super) fn param(
             },
             _ => None,
         },
-        "initializer" => match (arguments.first(), &declaration.init) {
-            (None, Some(_)) => Some(model.handle(Object::Initializer(component, at, Vec::new()))),
-            (None, None) => None,
-            (Some(handle), init) => {
-                let Some(Object::Type(ty)) = model.registry.object(handle) else {
-                    return Err(Failure::Error(format!("no such type \"{handle}\"")));
-                };
-                let mut path = Vec::new();
-                let steps = 2 * model.spec.types.len();
-                let found = init.as_ref().is_some_and(|init| {
-                    find_part(model, init, declaration.ty, *ty, &mut path, steps)
-                });
-                if !found {
-                    return Err(Failure::Error("no initializer for type".into()));
-                }
-                Some(model.handle(Object::Initializer(component, at, path)))
-            }
-        },
+        "initializer" => initializer_of(model, component, at, arguments)?,
         "loc" => {
             let declared = matches!(at, ParamRef::Service(..) | ParamRef::Remote(..))
                 && matches!(declaration.source, ParamSource::Local(_));
@@ -108,6 +91,34 @@ pub(super) fn param(
         _ => Some(Answer::pure("parameter".into())),
     };
     answer.ok_or_else(|| undefined(method))
+}
+
+/// The default value of a parameter, or the part of it for a type.
+fn initializer_of(
+    model: &Model<'_>,
+    component: u32,
+    at: ParamRef,
+    arguments: &[String],
+) -> Result<Option<Answer>, Failure> {
+    let declaration = model.spec.param(component, at);
+    Ok(match (arguments.first(), &declaration.init) {
+        (None, Some(_)) => Some(model.handle(Object::Initializer(component, at, Vec::new()))),
+        (None, None) => None,
+        (Some(handle), init) => {
+            let Some(Object::Type(ty)) = model.registry.object(handle) else {
+                return Err(Failure::Error(format!("no such type \"{handle}\"")));
+            };
+            let mut path = Vec::new();
+            let steps = 2 * model.spec.types.len();
+            let found = init
+                .as_ref()
+                .is_some_and(|init| find_part(model, init, declaration.ty, *ty, &mut path, steps));
+            if !found {
+                return Err(Failure::Error("no initializer for type".into()));
+            }
+            Some(model.handle(Object::Initializer(component, at, path)))
+        }
+    })
 }
 
 /// Finds the part of a default value for a type inside the whole type.

@@ -59,7 +59,6 @@ pub(super) fn call(
     let known_type = spec.ty(ty);
     let mapper = model.mapper();
     let pure = |text: String| Some(Answer::pure(text));
-    let argument = |index: usize| arguments.get(index).map_or("", String::as_str);
     let answer = match method {
         "kind" => pure(known_type.kind.word().into()),
         "name" => known_type
@@ -84,28 +83,12 @@ pub(super) fn call(
         }
         "type" => mapper.inner(ty).map(|inner| model.type_handle(inner)),
         "length" => length_of(&known_type.kind).and_then(|length| pure(length.to_string())),
-        "value" => match &known_type.kind {
-            TypeKind::Const { value, .. } => pure(value_text(spec, value)),
-            TypeKind::UnionMember { labels, .. } => pure(tcl::list(
-                labels.iter().map(|label| label_text(spec, label)),
-            )),
-            _ => None,
-        },
+        "value" => value_of(model, ty).and_then(pure),
         "valuekind" => match &known_type.kind {
             TypeKind::Const { value, .. } => pure(value.word().into()),
             _ => None,
         },
-        "members" => {
-            let matches = |member: &TypeId| {
-                let name = spec.ty(*member).name.as_deref();
-                arguments
-                    .first()
-                    .zip(name)
-                    .is_none_or(|(glob, name)| tcl::glob_match(glob, name))
-            };
-            let members = mapper.members(spec.resolve_alias(ty)).iter().copied();
-            Some(model.type_list(members.filter(matches)))
-        }
+        "members" => Some(members_of(model, ty, arguments)),
         "discriminator" => match known_type.kind {
             TypeKind::Union { switch, .. } => Some(model.type_handle(switch)),
             _ => None,
@@ -120,37 +103,8 @@ pub(super) fn call(
             }
             _ => None,
         },
-        "cname" => pure(mapper.type_cname(ty)?),
-        "mangle" => pure(mapper.mangle(ty)?),
-        "mapping" => {
-            let object = [crate::lang::MapObject::Type(ty)];
-            pure(mapper.mapping(&object, true)?)
-        }
-        "declarator" => pure(mapper.declarator(ty, argument(0))?),
-        "address" => pure(mapper.address(ty, argument(0))?),
-        "dereference" => {
-            let passing = PassingMode::from_name(argument(0));
-            // C++ passes by reference for every kind.
-            let passing = match (model.language, passing) {
-                (crate::lang::Language::Cxx, Err(_)) => PassingMode::Value,
-                (_, passing) => passing?,
-            };
-            pure(mapper.dereference(ty, passing, argument(1))?)
-        }
-        "argument" => {
-            let passing = PassingMode::from_name(argument(0))?;
-            pure(mapper.argument(ty, passing, argument(1))?)
-        }
-        "return-value" => {
-            if arguments.len() > 1 && !spec.release.has(Change::ReturnValueVariables) {
-                return Err(wrong_args("language::return-value type kind"));
-            }
-            pure(mapper.return_value_by_name(ty, argument(0), argument(1))?)
-        }
-        "pass" => {
-            let passing = PassingMode::from_name(argument(0))?;
-            pure(mapper.pass(ty, passing, argument(1))?)
-        }
+        "cname" | "mangle" | "mapping" | "declarator" | "address" | "dereference" | "argument"
+        | "return-value" | "pass" => return mapped(model, ty, method, arguments),
         "digest" => return digest(model, &Object::Type(ty), &[], lambda),
         "masquerade" => {
             let template = arguments.first().map_or(model.template, String::as_str);
@@ -167,6 +121,71 @@ pub(super) fn call(
         _ => pure("type".into()),
     };
     answer.ok_or_else(|| Failure::Error(format!("no such member \"{method}\"")))
+}
+
+/// The members of a type, those that match a pattern if one is given.
+fn members_of(model: &Model<'_>, ty: TypeId, arguments: &[String]) -> Answer {
+    let matches = |member: &TypeId| {
+        let name = model.spec.ty(*member).name.as_deref();
+        arguments
+            .first()
+            .zip(name)
+            .is_none_or(|(glob, name)| tcl::glob_match(glob, name))
+    };
+    let mapper = model.mapper();
+    let members = mapper.members(model.spec.resolve_alias(ty)).iter().copied();
+    model.type_list(members.filter(matches))
+}
+
+/// The value of a constant, or the labels of a member of a union.
+fn value_of(model: &Model<'_>, ty: TypeId) -> Option<String> {
+    match &model.spec.ty(ty).kind {
+        TypeKind::Const { value, .. } => Some(value_text(model.spec, value)),
+        TypeKind::UnionMember { labels, .. } => Some(tcl::list(
+            labels.iter().map(|label| label_text(model.spec, label)),
+        )),
+        _ => None,
+    }
+}
+
+/// Methods that print a type in the language of the template.
+fn mapped(model: &Model<'_>, ty: TypeId, method: &str, arguments: &[String]) -> AnswerResult {
+    let mapper = model.mapper();
+    let argument = |index: usize| arguments.get(index).map_or("", String::as_str);
+    let text = match method {
+        "cname" => mapper.type_cname(ty)?,
+        "mangle" => mapper.mangle(ty)?,
+        "mapping" => {
+            let object = [crate::lang::MapObject::Type(ty)];
+            mapper.mapping(&object, true)?
+        }
+        "declarator" => mapper.declarator(ty, argument(0))?,
+        "address" => mapper.address(ty, argument(0))?,
+        "dereference" => {
+            let passing = PassingMode::from_name(argument(0));
+            // C++ passes by reference for every kind.
+            let passing = match (model.language, passing) {
+                (crate::lang::Language::Cxx, Err(_)) => PassingMode::Value,
+                (_, passing) => passing?,
+            };
+            mapper.dereference(ty, passing, argument(1))?
+        }
+        "argument" => {
+            let passing = PassingMode::from_name(argument(0))?;
+            mapper.argument(ty, passing, argument(1))?
+        }
+        "return-value" => {
+            if arguments.len() > 1 && !model.spec.release.has(Change::ReturnValueVariables) {
+                return Err(wrong_args("language::return-value type kind"));
+            }
+            mapper.return_value_by_name(ty, argument(0), argument(1))?
+        }
+        _ => {
+            let passing = PassingMode::from_name(argument(0))?;
+            mapper.pass(ty, passing, argument(1))?
+        }
+    };
+    Ok(Answer::pure(text))
 }
 
 fn check_arguments(

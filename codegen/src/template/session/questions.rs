@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use dotgen_analysis::release::Change;
+use dotgen_analysis::release::{Change, Release};
 
 use super::{Reply, Session};
 use crate::frontend::ParseFailure;
@@ -206,20 +206,7 @@ impl Session<'_> {
     fn language(&mut self, language: Language, words: &[String]) -> Reply {
         let procedure = words.first().map_or("", String::as_str);
         let arguments = words.get(1..).unwrap_or_default();
-        let compiled_has = |change| self.compiled.spec.release.has(change);
-        let (least, most, usage) = match procedure {
-            "address" => (1, 2, "type ?var?"),
-            "argument" | "dereference" | "pass" => (2, 3, "type kind ?var?"),
-            "cname" => (1, 1, "object"),
-            "declarator" => (1, 2, "type ?var?"),
-            "invoke" => (2, 2, "codel params"),
-            "mangle" => (1, 1, "type"),
-            "mapping" => (0, 2, "?objects? ?locations?"),
-            "member" => (2, 2, "type mlist"),
-            "return-value" if !compiled_has(Change::ReturnValueVariables) => (2, 2, "type kind"),
-            "return-value" => (2, 3, "type kind ?var?"),
-            _ => (1, 3, "codel ?symchar? ?location?"),
-        };
+        let (least, most, usage) = arity(procedure, self.compiled.spec.release);
         if arguments.len() < least || arguments.len() > most {
             return Err(Failure::Error(format!(
                 "wrong # args: should be \"language {procedure} {usage}\""
@@ -261,27 +248,7 @@ impl Session<'_> {
                 mapper.invoke(component, codel, &list(1)?)?
             }
             "mangle" => mapper.mangle(ty()?)?,
-            "mapping" => {
-                let mut objects = Vec::new();
-                for handle in list(0)? {
-                    match api::map_object(&self.object(&handle)?) {
-                        Some(object) => objects.push(object),
-                        None => {
-                            return Err(Failure::Error(format!("{handle} has no mapping")));
-                        }
-                    }
-                }
-                if objects.is_empty() {
-                    let all = (0..compiled.spec.types.len() as u32)
-                        .map(|index| MapObject::Type(dotgen_analysis::model::TypeId(index)));
-                    objects.extend(all);
-                }
-                let locations = match arguments.get(1) {
-                    Some(text) => api::boolean(text)?,
-                    None => true,
-                };
-                mapper.mapping(&objects, locations)?
-            }
+            "mapping" => self.mapping(&mapper, &list(0)?, arguments.get(1))?,
             "member" => mapper.member(ty()?, &list(1)?)?,
             "return-value" => mapper.return_value_by_name(ty()?, argument(1), argument(2))?,
             _ => {
@@ -295,6 +262,34 @@ impl Session<'_> {
             }
         };
         Ok(Answer::pure(text))
+    }
+
+    /// The declarations of objects, or of all types.
+    fn mapping(
+        &self,
+        mapper: &Mapper<'_>,
+        handles: &[String],
+        locations: Option<&String>,
+    ) -> Result<String, Failure> {
+        let mut objects = Vec::new();
+        for handle in handles {
+            match api::map_object(&self.object(handle)?) {
+                Some(object) => objects.push(object),
+                None => {
+                    return Err(Failure::Error(format!("{handle} has no mapping")));
+                }
+            }
+        }
+        if objects.is_empty() {
+            let all = (0..self.compiled.spec.types.len() as u32)
+                .map(|index| MapObject::Type(dotgen_analysis::model::TypeId(index)));
+            objects.extend(all);
+        }
+        let locations = match locations {
+            Some(text) => api::boolean(text)?,
+            None => true,
+        };
+        Ok(mapper.mapping(&objects, locations)?)
     }
 
     /// A confined template may read the specifications given to it, those of the folders it may write to, and
@@ -415,4 +410,21 @@ fn text_helper(language: Language, words: &[String]) -> Reply {
         }
     };
     Ok(Answer::volatile(answer))
+}
+
+/// The least and most arguments of a procedure of `language`, and its usage.
+fn arity(procedure: &str, release: Release) -> (usize, usize, &'static str) {
+    match procedure {
+        "address" => (1, 2, "type ?var?"),
+        "argument" | "dereference" | "pass" => (2, 3, "type kind ?var?"),
+        "cname" => (1, 1, "object"),
+        "declarator" => (1, 2, "type ?var?"),
+        "invoke" => (2, 2, "codel params"),
+        "mangle" => (1, 1, "type"),
+        "mapping" => (0, 2, "?objects? ?locations?"),
+        "member" => (2, 2, "type mlist"),
+        "return-value" if !release.has(Change::ReturnValueVariables) => (2, 2, "type kind"),
+        "return-value" => (2, 3, "type kind ?var?"),
+        _ => (1, 3, "codel ?symchar? ?location?"),
+    }
 }
