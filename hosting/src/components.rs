@@ -5,6 +5,7 @@ use std::sync::Arc;
 use dotgen_analysis::model::{Component, PortDir, ServiceKind, Spec, TypeId, TypeKind};
 use dotgen_codegen::codels::schema;
 use dotgen_codegen::codels::value::{Values, is_input, is_output};
+use dotgen_timing::system::ServiceId;
 use serde_json::{Value, json};
 
 /// The service that every component has in addition to its own.
@@ -18,7 +19,7 @@ pub struct KnownComponent {
     /// Index of the component in the specification.
     pub component: u32,
     /// For each service of the component, its index in the system.
-    pub services: Vec<Option<usize>>,
+    pub services: Vec<Option<ServiceId>>,
     /// True if a host executes its codels.
     pub executed: bool,
 }

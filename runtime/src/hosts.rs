@@ -2,6 +2,8 @@
 //! services, codels and ports as in the model of their component. An attribute has one more codel, which
 //! copies its values.
 
+use dotgen_timing::system::ServiceId;
+
 /// A call of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Call {
@@ -86,7 +88,7 @@ pub struct OutsideRequest {
     /// Number that its answers repeat.
     pub id: u64,
     /// Service of the system.
-    pub service: usize,
+    pub service: ServiceId,
     /// Inputs.
     pub inputs: Vec<u8>,
 }

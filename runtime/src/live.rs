@@ -10,7 +10,7 @@ mod requests;
 use std::collections::{HashMap, VecDeque};
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
-use dotgen_timing::system::{TimedSystem, Yield};
+use dotgen_timing::system::{ServiceId, TimedSystem, Yield};
 
 use crate::hosts::{
     Call, CodelEnd, CodelResult, Connection, Hosts, Message, OutsideRequest, Reader, Source,
@@ -22,7 +22,7 @@ pub use components::{DataFlow, HostedComponent, HostedComponents};
 #[derive(Debug)]
 struct Instance {
     number: u32,
-    service: usize,
+    service: ServiceId,
     /// Number of the outside request, if it comes from outside.
     wanted: Option<u64>,
     /// The exception that ended it, with its detail.

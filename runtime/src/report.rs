@@ -202,7 +202,7 @@ impl RunReport {
     ) -> RunReport {
         let make = ReportBuilder { prepared, plan };
         let system = &prepared.built.system;
-        let services = (0..system.services.len()).map(|service| {
+        let services = system.services.keys().map(|service| {
             let counted = &outcome.tally.services[service];
             ServiceCounts {
                 service: system.service_path(service),

@@ -4,7 +4,7 @@
 use std::io::Write;
 
 use dotgen_timing::explore::{Action, Run, Seen, Stepper};
-use dotgen_timing::system::{Ticks, TimedSystem};
+use dotgen_timing::system::{ServiceId, Ticks, TimedSystem};
 use dotgen_timing::verify::Prepared;
 
 use crate::checker::RunChecker;
@@ -52,7 +52,7 @@ pub struct SimulationResult<'p> {
     /// Total time of all runs, in base units.
     pub time: u64,
     /// Services with a request that was refused because no slot was free.
-    pub refused: Vec<usize>,
+    pub refused: Vec<ServiceId>,
     /// First run, if the plan asks for it. A run with too many actions is truncated and marked as [left
     /// out](Run::left_out).
     pub recorded: Option<Run>,
@@ -169,7 +169,7 @@ pub fn simulate_recorded<'p, W: Write>(
         tally: observer.tally,
         judge: observer.judge,
         time: observer.offset,
-        refused: (0..system.services.len())
+        refused: (system.services.keys())
             .filter(|&service| stepper.has_refused(service))
             .collect(),
         recorded: observer.recorded,

@@ -1,7 +1,8 @@
 //! Counts along runs.
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
-use dotgen_timing::system::{Ticks, TimedSystem};
+use dotgen_timing::system::{ServiceId, Ticks, TimedSystem};
+use typed_index_collections::{TiVec, ti_vec};
 
 /// Statistics of repeated times, in base units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -79,7 +80,7 @@ pub struct Tally {
     /// Counts of each task.
     pub tasks: Vec<TaskTally>,
     /// Counts of each service.
-    pub services: Vec<ServiceTally>,
+    pub services: TiVec<ServiceId, ServiceTally>,
     /// Counts of each codel.
     pub codels: Vec<CodelTally>,
     /// By machine, state and outcome (the last one: an exception), the times of the codels that ended with
@@ -99,7 +100,7 @@ impl Tally {
         });
         Tally {
             tasks: vec![TaskTally::default(); system.tasks.len()],
-            services: vec![ServiceTally::default(); system.services.len()],
+            services: ti_vec![ServiceTally::default(); system.services.len()],
             codels: vec![CodelTally::default(); system.codels.len()],
             transitions: machines.collect(),
             busy: Vec::new(),

@@ -15,7 +15,7 @@ mod parts;
 
 use self::parts::{Local, Part, Parts};
 use crate::property::{Atom, Predicate};
-use crate::system::TimedSystem;
+use crate::system::{ServiceId, TimedSystem};
 
 /// Upper limit on the cases of a predicate.
 const CASES: usize = 4096;
@@ -103,7 +103,7 @@ fn contradicts(parts: &Parts, about: &[(Literal, Vec<&Part>)], case: &[Literal])
 
 /// Returns true if a thread executes a codel of a service without any activity.
 fn without_slot(parts: &Parts, present: &[(&Part, Vec<&Local>)]) -> bool {
-    let void = |service: usize| {
+    let void = |service: ServiceId| {
         (present.iter()).any(|(_, locals)| locals.iter().all(|local| local.is_void(service)))
     };
     present

@@ -7,6 +7,7 @@
 pub mod build;
 pub mod chain;
 pub(crate) mod flow;
+mod ids;
 pub mod indexed;
 mod locks;
 pub(crate) mod loops;
@@ -18,8 +19,11 @@ mod waiting_clients;
 
 use dotgen_analysis::model::{CodelRef, Seconds, Src};
 
+use typed_index_collections::{TiSlice, TiVec, ti_vec};
+
 use crate::scn::semantics::Semantics;
 
+pub use ids::ServiceId;
 pub use locks::{SharedPorts, sources};
 pub use loops::{loop_contradictions, pauseless_cycles};
 pub use name::{CodelName, ThreadName};
@@ -49,7 +53,7 @@ pub struct TimedSystem {
     /// Codels, one for each place of use.
     pub codels: Vec<Codel>,
     /// Services.
-    pub services: Vec<Service>,
+    pub services: TiVec<ServiceId, Service>,
     /// Clients.
     pub clients: Vec<Client>,
     /// Cores, policies and lock order.
@@ -95,7 +99,7 @@ pub struct Component {
     /// Tasks, in order of declaration.
     pub tasks: Vec<usize>,
     /// Services, in order of declaration.
-    pub services: Vec<usize>,
+    pub services: Vec<ServiceId>,
 }
 
 /// An execution task.
@@ -183,7 +187,7 @@ pub struct Automaton {
     /// Machine.
     pub machine: usize,
     /// Service of the slot; `None` for a permanent activity.
-    pub service: Option<usize>,
+    pub service: Option<ServiceId>,
 }
 
 /// A codel in one place of use.
@@ -272,11 +276,11 @@ pub struct Service {
     /// The service is an activity.
     pub activity: bool,
     /// Services that it interrupts.
-    pub interrupts: Vec<usize>,
+    pub interrupts: Vec<ServiceId>,
     /// Services that must have succeeded before the service is accepted.
-    pub after: Vec<usize>,
+    pub after: Vec<ServiceId>,
     /// Services that must not have succeeded when the service is accepted.
-    pub before: Vec<usize>,
+    pub before: Vec<ServiceId>,
     /// The request that every component accepts, if the service is one.
     pub builtin: Option<Builtin>,
     /// Place of its declaration.
@@ -359,7 +363,7 @@ pub struct ClientStep {
 
 impl ClientStep {
     /// Returns the service that the step requests.
-    pub fn requests(&self) -> Option<usize> {
+    pub fn requests(&self) -> Option<ServiceId> {
         match self.action {
             ClientAction::Send { service, .. } => Some(service),
             _ => None,
@@ -374,7 +378,7 @@ pub enum ClientAction {
     /// request.
     Send {
         /// The service requested.
-        service: usize,
+        service: ServiceId,
         /// Trackers that follow this request from then on.
         trackers: Vec<usize>,
         /// Trackers that follow the request after its acceptance: instances that can be aborted.
@@ -407,7 +411,7 @@ impl TimedSystem {
     }
 
     /// Returns `component.service`.
-    pub fn service_path(&self, service: usize) -> String {
+    pub fn service_path(&self, service: ServiceId) -> String {
         let service = &self.services[service];
         format!(
             "{}.{}",
@@ -459,8 +463,8 @@ impl TimedSystem {
     }
 
     /// Returns, by service, whether some client can request it. Other services never run.
-    pub fn requested(&self) -> Vec<bool> {
-        let mut out = vec![false; self.services.len()];
+    pub fn requested(&self) -> TiVec<ServiceId, bool> {
+        let mut out = ti_vec![false; self.services.len()];
         for step in self.clients.iter().flat_map(|client| &client.steps) {
             if let ClientAction::Send { service, .. } = step.action {
                 out[service] = true;
@@ -502,7 +506,7 @@ impl TimedSystem {
     }
 
     /// Returns true if some activity of a task can run, given the [`requested`](Self::requested) services.
-    pub(crate) fn has_activities(&self, task: usize, requested: &[bool]) -> bool {
+    pub(crate) fn has_activities(&self, task: usize, requested: &TiSlice<ServiceId, bool>) -> bool {
         let mut slots = self.tasks[task].slots.iter();
         slots.any(|&a| {
             self.automata[a]

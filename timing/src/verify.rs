@@ -35,6 +35,7 @@ use crate::report::{Report, TimeUnit};
 use crate::scn::ast::{Check, Durations, Policy, Scenario};
 use crate::scn::names::Names;
 use crate::scn::semantics::Preset;
+use crate::system::ServiceId;
 use crate::system::build::build;
 use crate::system::indexed::Built;
 use crate::system::settings::Settings;
@@ -318,7 +319,7 @@ impl Group<'_> {
     /// Notes the requests that can be refused, among those seen so far.
     fn refusals(&self, found: &Findings, report: &mut Report) {
         let system = &self.built.system;
-        let path = |&service: &usize| system.service_path(service);
+        let path = |&service: &ServiceId| system.service_path(service);
         let refused = found.refused.iter().map(path);
         let restarts = found.restarts.iter().map(path);
         let seen = (refused.map(|service| Sighting::NoSlot { service }))

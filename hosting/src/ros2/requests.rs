@@ -15,6 +15,7 @@ use super::topics::{Topic, now};
 use crate::children::RunInbox;
 use crate::clients::MAX_WAITING;
 use crate::components::KnownComponent;
+use dotgen_timing::system::ServiceId;
 
 /// Maximum number of goals of an activity, with those that have ended: the oldest of these are forgotten.
 const GOALS: usize = 128;
@@ -144,7 +145,12 @@ impl Requests {
     }
 
     /// The service in the system, and the number of a further request to the component.
-    fn admit(&self, state: &State, component: usize, service: u32) -> Result<(usize, u64), String> {
+    fn admit(
+        &self,
+        state: &State,
+        component: usize,
+        service: u32,
+    ) -> Result<(ServiceId, u64), String> {
         let known = &self.known[&component];
         let wanted = known.services.get(service as usize).copied().flatten();
         let wanted = wanted.ok_or("this service cannot be requested in this run")?;
@@ -177,7 +183,7 @@ impl Requests {
         self.bring(id, wanted, inputs);
     }
 
-    fn bring(&self, id: u64, service: usize, inputs: Vec<u8>) {
+    fn bring(&self, id: u64, service: ServiceId, inputs: Vec<u8>) {
         let request = OutsideRequest {
             id,
             service,

@@ -4,10 +4,11 @@ use dotgen_analysis::model::{Name, Param, PortDir, Remote, ServiceKind};
 use dotgen_codegen::codels::value::{Values, is_input, is_output};
 use dotgen_timing::scn::names::{Member, Names};
 use dotgen_timing::system::settings::Settings;
-use dotgen_timing::system::{FOREVER, TimedSystem, sources};
+use dotgen_timing::system::{FOREVER, ServiceId, TimedSystem, sources};
 use dotgen_timing::verify::Prepared;
 use num_rational::Ratio;
 use std::collections::HashSet;
+use typed_index_collections::{TiVec, ti_vec};
 
 /// A component that a host runs.
 #[derive(Debug, Clone)]
@@ -40,17 +41,17 @@ pub struct HostedComponents<'s> {
     /// Stated execution times in nanoseconds, by codel.
     limits: Vec<Option<u64>>,
     /// Component and service, as in [`Names::components`], by service of the system.
-    pub(super) services: Vec<(usize, u32)>,
+    pub(super) services: TiVec<ServiceId, (usize, u32)>,
     /// Codels that copy the values of attributes, by service.
-    pub(super) copies: Vec<Option<u32>>,
+    pub(super) copies: TiVec<ServiceId, Option<u32>>,
     /// Inputs of requests by clients of the scenario, by service.
-    pub(super) inputs: Vec<Vec<u8>>,
+    pub(super) inputs: TiVec<ServiceId, Vec<u8>>,
     /// Flows from outputs to inputs.
     pub feeds: Vec<DataFlow>,
     /// Inputs that are not fed because their types differ.
     pub unlike: Vec<String>,
     /// Services of the system that remotes stand for, by component and remote.
-    remotes: Vec<Vec<Option<usize>>>,
+    remotes: Vec<Vec<Option<ServiceId>>>,
     /// First client that stands for requests from outside. The clients are in the order of components.
     first_outside: Option<usize>,
 }
@@ -73,9 +74,9 @@ impl<'s> HostedComponents<'s> {
             functions: vec![String::new(); system.codels.len()],
             declared: vec![Vec::new(); system.codels.len()],
             limits: vec![None; system.codels.len()],
-            services: vec![(0, 0); system.services.len()],
-            copies: vec![None; system.services.len()],
-            inputs: vec![Vec::new(); system.services.len()],
+            services: ti_vec![(0, 0); system.services.len()],
+            copies: ti_vec![None; system.services.len()],
+            inputs: ti_vec![Vec::new(); system.services.len()],
             feeds: Vec::new(),
             unlike: Vec::new(),
             remotes: vec![Vec::new(); system.components.len()],
@@ -166,7 +167,7 @@ impl<'s> HostedComponents<'s> {
     }
 
     /// Returns the service of the system that a remote of a component stands for.
-    pub fn remote(&self, component: usize, remote: u32) -> Option<usize> {
+    pub fn remote(&self, component: usize, remote: u32) -> Option<ServiceId> {
         *self.remotes.get(component)?.get(remote as usize)?
     }
 

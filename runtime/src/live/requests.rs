@@ -4,6 +4,7 @@ use dotgen_timing::explore::{Stepper, Work};
 
 use super::{Instance, Live};
 use crate::hosts::{Call, Message, OutsideRequest, ReplyError, RequestReply};
+use dotgen_timing::system::ServiceId;
 
 /// Marks the numbers of requests by codels.
 const CODEL_REQUEST_BIT: u64 = 1 << 63;
@@ -52,7 +53,7 @@ impl Live<'_> {
         }
     }
 
-    pub(super) fn requested(&mut self, client: usize, service: usize) {
+    pub(super) fn requested(&mut self, client: usize, service: ServiceId) {
         let component = self.system.services[service].component;
         let number = self.next_instance;
         self.next_instance += 1;

@@ -2,7 +2,7 @@
 
 use super::cycle_automaton::Activity;
 use super::refusal::Refusal;
-use crate::system::TimedSystem;
+use crate::system::{ServiceId, TimedSystem};
 
 /// Number of instances of one activity above which its task is not followed.
 const INSTANCES: usize = 3;
@@ -21,12 +21,12 @@ pub(super) fn activities(system: &TimedSystem, left: &mut [Option<Refusal>]) -> 
         out[task].extend(permanent);
     }
     let requested = system.requested();
-    for (service, entry) in system.services.iter().enumerate() {
+    for (service, entry) in system.services.iter_enumerated() {
         if !requested[service] || !entry.activity {
             continue;
         }
         let interrupts =
-            |by: &usize| requested[*by] && system.services[*by].interrupts.contains(&service);
+            |by: ServiceId| requested[by] && system.services[by].interrupts.contains(&service);
         let often = requests(system, service);
         // At most one instance of an activity that interrupts itself has begun and not ended.
         let (instances, again) = match (entry.interrupts.contains(&service), often) {
@@ -44,7 +44,7 @@ pub(super) fn activities(system: &TimedSystem, left: &mut [Option<Refusal>]) -> 
             machine: automaton.machine,
             permanent: false,
             again,
-            interrupted: (0..system.services.len()).any(|by| interrupts(&by)),
+            interrupted: system.services.keys().any(interrupts),
         };
         let of_task = &mut out[automaton.task];
         of_task.extend(std::iter::repeat_n(activity, instances.min(INSTANCES)));
@@ -53,7 +53,7 @@ pub(super) fn activities(system: &TimedSystem, left: &mut [Option<Refusal>]) -> 
 }
 
 /// Returns the greatest number of requests for a service; `None` if there is no limit.
-fn requests(system: &TimedSystem, service: usize) -> Option<usize> {
+fn requests(system: &TimedSystem, service: ServiceId) -> Option<usize> {
     let mut often = 0;
     for client in &system.clients {
         for (step, entry) in client.steps.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::system::{Client, ClientAction, TimedSystem};
+use crate::system::{Client, ClientAction, ServiceId, TimedSystem};
 
 /// Number of situations of a client above which all slots are assumed to be in use.
 const MAX_SITUATIONS: usize = 2_000;
@@ -78,7 +78,7 @@ fn with_slots(
 }
 
 /// Instances of activities: the service and the trackers that follow it.
-type ActiveInstances = Vec<(usize, Vec<usize>)>;
+type ActiveInstances = Vec<(ServiceId, Vec<usize>)>;
 
 /// Returns the instances that the requests of a client can have at the same time, one list for each situation
 /// of the client.

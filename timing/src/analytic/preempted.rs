@@ -20,8 +20,10 @@
 //! Nothing here depends on the times at which codels end: the bounds hold for any duration up to the longest,
 //! also if it is not a whole number of units.
 
+use typed_index_collections::TiSlice;
+
 use super::queue::{cycle, is_within_components, requests, work};
-use crate::system::{Policy, Ticks, TimedSystem};
+use crate::system::{Policy, ServiceId, Ticks, TimedSystem};
 
 /// A thread, as a demand on others.
 struct Thread {
@@ -147,8 +149,12 @@ impl WindowWork {
     }
 }
 
-fn threads(system: &TimedSystem, priorities: &[u64], requests: &[Option<u32>]) -> Vec<Thread> {
-    let requested: Vec<bool> = requests.iter().map(|request| *request != Some(0)).collect();
+fn threads(
+    system: &TimedSystem,
+    priorities: &[u64],
+    requests: &TiSlice<ServiceId, Option<u32>>,
+) -> Vec<Thread> {
+    let requested = |service: ServiceId| requests[service] != Some(0);
     let upper = |codel: usize| u64::from(system.codels[codel].upper);
     let mut out = Vec::new();
     for (task, entry) in system.tasks.iter().enumerate() {
@@ -177,7 +183,7 @@ fn threads(system: &TimedSystem, priorities: &[u64], requests: &[Option<u32>]) -
     }
     for (component, entry) in system.components.iter().enumerate() {
         let mut total = Some(0u64);
-        for &service in entry.services.iter().filter(|&&service| requested[service]) {
+        for &service in entry.services.iter().filter(|&&service| requested(service)) {
             let of = &system.services[service];
             let each: u64 = of
                 .validate

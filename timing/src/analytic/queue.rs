@@ -18,8 +18,10 @@
 //! that may be held for ever. So it waits at most the sum of their lengths, divided by the number of other
 //! cores. A cycle of an aperiodic task has no known length: each wake-up can prolong it.
 
+use typed_index_collections::{TiSlice, TiVec, ti_vec};
+
 use crate::system::loops::pauseless_cycles;
-use crate::system::{ClientAction, FOREVER, Machine, Policy, Ticks, TimedSystem, Yield};
+use crate::system::{ClientAction, FOREVER, Machine, Policy, ServiceId, Ticks, TimedSystem, Yield};
 
 /// Returns a bound on the response time of every task; `None` if there is none.
 pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
@@ -77,8 +79,8 @@ pub(super) fn is_within_components(system: &TimedSystem) -> bool {
 }
 
 /// Returns the greatest number of requests for each service; `None` if there is no limit.
-pub(super) fn requests(system: &TimedSystem) -> Vec<Option<u32>> {
-    let mut out = vec![Some(0u32); system.services.len()];
+pub(super) fn requests(system: &TimedSystem) -> TiVec<ServiceId, Option<u32>> {
+    let mut out = ti_vec![Some(0u32); system.services.len()];
     for client in &system.clients {
         for (at, step) in client.steps.iter().enumerate() {
             if let ClientAction::Send { service, .. } = step.action {
@@ -91,7 +93,11 @@ pub(super) fn requests(system: &TimedSystem) -> Vec<Option<u32>> {
 }
 
 /// Returns the longest time of a cycle, including its waits in the lock queue, in base units.
-pub(super) fn cycle(system: &TimedSystem, task: usize, requests: &[Option<u32>]) -> Option<Ticks> {
+pub(super) fn cycle(
+    system: &TimedSystem,
+    task: usize,
+    requests: &TiSlice<ServiceId, Option<u32>>,
+) -> Option<Ticks> {
     let definition = &system.tasks[task];
     let component = &system.components[definition.component];
     let mut blocking: Ticks = 0;
@@ -113,7 +119,7 @@ pub(super) fn cycle(system: &TimedSystem, task: usize, requests: &[Option<u32>])
 pub(super) fn work(
     system: &TimedSystem,
     task: usize,
-    requests: &[Option<u32>],
+    requests: &TiSlice<ServiceId, Option<u32>>,
     blocking: Ticks,
 ) -> Option<Ticks> {
     let task = &system.tasks[task];

@@ -13,10 +13,12 @@
 //! A moment before the start of a task waits for this start: tasks of a component are started one after the
 //! other, each after the first pass of the previous one, and begin with a tick.
 
+use typed_index_collections::TiSlice;
+
 use super::queue;
 use crate::scn::semantics::Semantics;
 use crate::system::loops::pauseless_cycles;
-use crate::system::{Machine, Ticks, TimedSystem, Yield};
+use crate::system::{Machine, ServiceId, Ticks, TimedSystem, Yield};
 
 /// Returns a bound on the reaction time of a chain, in base units. The data go by any of some paths; each
 /// path lists the codels that carry the data, in order. Returns `None` if this method finds no bound.
@@ -39,7 +41,7 @@ pub fn reaction_bound(system: &TimedSystem, ways: &[Vec<usize>]) -> Option<Ticks
 
 struct Tasks<'s> {
     system: &'s TimedSystem,
-    requests: &'s [Option<u32>],
+    requests: &'s TiSlice<ServiceId, Option<u32>>,
 }
 
 /// Codels of one path that every cycle of a task executes one after the other.

@@ -1,5 +1,7 @@
 //! Details of a line of a run, as data: blocked codels, requests, preemptions.
 
+use crate::system::ServiceId;
+
 /// The details of a [moment](super::Moment) beyond its task and its codel.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum MomentDetails {
@@ -16,7 +18,7 @@ pub enum MomentDetails {
         /// The client.
         client: usize,
         /// The service.
-        service: usize,
+        service: ServiceId,
     },
     /// A control task allows an activity of a task to go on.
     Released {

@@ -4,7 +4,7 @@ use super::never_observed::NeverObserved;
 use super::reductions::Activity;
 use super::run::Run;
 use super::watch::Stop;
-use crate::system::Ticks;
+use crate::system::{ServiceId, Ticks};
 
 /// A supremum of a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -56,9 +56,9 @@ pub struct Findings {
     /// There is certainly no deadlock, even if the exploration was stopped.
     pub no_deadlock: bool,
     /// Services with a request that was refused because no slot was free.
-    pub refused: Vec<usize>,
+    pub refused: Vec<ServiceId>,
     /// Services that interrupt themselves, if two waiting instances interrupted each other.
-    pub restarts: Vec<usize>,
+    pub restarts: Vec<ServiceId>,
     /// Reductions used in each exploration.
     pub reductions: Vec<Vec<Activity>>,
     /// Number of states kept.

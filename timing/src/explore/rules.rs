@@ -74,7 +74,7 @@ pub(crate) use self::system_rules::SystemRules;
 pub use self::work::Work;
 use super::state::{Clocks, Frame, State, TaskStatus};
 use crate::property::Atom;
-use crate::system::{Ticks, TimedSystem};
+use crate::system::{ServiceId, Ticks, TimedSystem};
 
 /// An action: an event that takes no time. Executors are numbered: automata, then the control tasks of
 /// components, then clients. (With passes there are tasks instead of automata.)
@@ -263,10 +263,10 @@ pub(crate) trait Rules: Sized {
     fn atom(&self, s: &State, atom: &Atom) -> bool;
 
     /// Returns true if [`Rules::apply`] ever refused a request for a service for lack of a slot.
-    fn has_refused(&self, service: usize) -> bool;
+    fn has_refused(&self, service: ServiceId) -> bool;
 
     /// Returns true if two waiting instances of a service ever interrupted each other in [`Rules::apply`].
-    fn has_ended_restarts(&self, _service: usize) -> bool {
+    fn has_ended_restarts(&self, _service: ServiceId) -> bool {
         false
     }
 
@@ -296,7 +296,7 @@ pub(crate) trait Rules: Sized {
 
     /// Returns the service whose request a control task is handling, and whether the request is already
     /// refused.
-    fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)>;
+    fn handling(&self, s: &State, component: usize) -> Option<(ServiceId, bool)>;
 
     /// Returns the place of the activity whose request a control task is handling; `None` if there is none,
     /// or if the place is given later.

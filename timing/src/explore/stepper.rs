@@ -9,7 +9,7 @@ use super::observe::{self, Observer};
 use super::rules::{Action, Enabled, Rules, SystemRules, Work};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
 use crate::property::Predicate;
-use crate::system::{Ticks, TimedSystem};
+use crate::system::{ServiceId, Ticks, TimedSystem};
 
 /// The predicates to watch along a run, in addition to jobs and ticks.
 #[derive(Debug, Clone, Default)]
@@ -54,7 +54,7 @@ pub enum Seen {
         /// The client that sent it.
         client: usize,
         /// The service.
-        service: usize,
+        service: ServiceId,
     },
     /// A measured job ends.
     Job {
@@ -155,7 +155,7 @@ impl<'s> Stepper<'s> {
     }
 
     /// Returns the service that a client requests next, if its next step is a request.
-    pub fn requests(&self, client: usize) -> Option<usize> {
+    pub fn requests(&self, client: usize) -> Option<ServiceId> {
         self.walk.requests(client)
     }
 
@@ -223,12 +223,12 @@ impl<'s> Stepper<'s> {
 
     /// Returns the service whose request the control task of a component is handling, and whether the request
     /// is already refused. (Under the published semantics only the end of the validation shows that.)
-    pub fn handling(&self, component: usize) -> Option<(usize, bool)> {
+    pub fn handling(&self, component: usize) -> Option<(ServiceId, bool)> {
         self.walk.handling(component)
     }
 
     /// Returns true if a request for a service was ever refused for lack of a slot.
-    pub fn has_refused(&self, service: usize) -> bool {
+    pub fn has_refused(&self, service: ServiceId) -> bool {
         self.walk.has_refused(service)
     }
 }
@@ -249,7 +249,7 @@ trait Walk {
     fn perform(&mut self, action: Action, seen: &mut Vec<Seen>);
     fn decide(&mut self, executor: usize, time: Ticks);
     fn work(&self, executor: usize) -> Option<Work>;
-    fn requests(&self, client: usize) -> Option<usize>;
+    fn requests(&self, client: usize) -> Option<ServiceId>;
     fn executors(&self) -> usize;
     fn window(&self, executor: usize) -> Option<(Ticks, Ticks)>;
     fn set_window(&mut self, executor: usize, window: (Ticks, Ticks));
@@ -260,8 +260,8 @@ trait Walk {
     fn places(&self) -> usize;
     fn activity(&self, place: usize) -> Option<usize>;
     fn interrupt(&mut self, place: usize);
-    fn handling(&self, component: usize) -> Option<(usize, bool)>;
-    fn has_refused(&self, service: usize) -> bool;
+    fn handling(&self, component: usize) -> Option<(ServiceId, bool)>;
+    fn has_refused(&self, service: ServiceId) -> bool;
 }
 
 fn walk<'s, R: Rules + 's>(rules: &R, watched: &Watched) -> Stepper<'s> {
@@ -451,7 +451,7 @@ impl<R: Rules> Walk for Walker<R> {
         known.then(|| self.rules.work(&self.s, executor)).flatten()
     }
 
-    fn requests(&self, client: usize) -> Option<usize> {
+    fn requests(&self, client: usize) -> Option<ServiceId> {
         let at = self.rules.position(&self.s, client);
         let client = self.rules.system().clients.get(client)?;
         client.steps.get(at)?.requests()
@@ -507,11 +507,11 @@ impl<R: Rules> Walk for Walker<R> {
         self.rules.interrupt_activity(&mut self.s, place);
     }
 
-    fn handling(&self, component: usize) -> Option<(usize, bool)> {
+    fn handling(&self, component: usize) -> Option<(ServiceId, bool)> {
         self.rules.handling(&self.s, component)
     }
 
-    fn has_refused(&self, service: usize) -> bool {
+    fn has_refused(&self, service: ServiceId) -> bool {
         self.rules.has_refused(service)
     }
 }

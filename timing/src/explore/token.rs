@@ -25,7 +25,7 @@ use crate::cancel::Cancel;
 use crate::property::{Atom, Predicate, TaskState};
 use crate::scn::ast::ChainKind;
 use crate::system::chain::{Chain, DataPlace};
-use crate::system::{FOREVER, Ticks, TimedSystem};
+use crate::system::{FOREVER, ServiceId, Ticks, TimedSystem};
 
 /// Finds the supremum of a chain, by exploring all runs. It is the only entry of `within` in the findings;
 /// `None` there if no write is ever marked.
@@ -492,11 +492,11 @@ impl<R: Rules> Rules for Tracked<'_, R> {
         self.rules.atom(s, atom)
     }
 
-    fn has_refused(&self, service: usize) -> bool {
+    fn has_refused(&self, service: ServiceId) -> bool {
         self.rules.has_refused(service)
     }
 
-    fn has_ended_restarts(&self, service: usize) -> bool {
+    fn has_ended_restarts(&self, service: ServiceId) -> bool {
         self.rules.has_ended_restarts(service)
     }
 
@@ -531,7 +531,7 @@ impl<R: Rules> Rules for Tracked<'_, R> {
         self.rules.interrupt_activity(s, place);
     }
 
-    fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)> {
+    fn handling(&self, s: &State, component: usize) -> Option<(ServiceId, bool)> {
         self.rules.handling(s, component)
     }
 

@@ -2,7 +2,7 @@
 
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
 use crate::scn::semantics::TickRule;
-use crate::system::{Machine, Policy, TimedSystem, Yield};
+use crate::system::{Machine, Policy, ServiceId, TimedSystem, Yield};
 
 /// A part of a system, which always is in one local state.
 #[derive(Debug)]
@@ -22,7 +22,7 @@ enum PartKind {
     /// An automaton of a task that executes jobs.
     Automaton(usize),
     /// The slots of a service.
-    Slots(usize),
+    Slots(ServiceId),
     /// The control task of a component.
     Control(usize),
     /// A client.
@@ -45,14 +45,14 @@ pub(super) enum Local {
     /// An automaton without a codel.
     Rest,
     /// The slots of a service: all free, or not.
-    Slots { service: usize, void: bool },
+    Slots { service: ServiceId, void: bool },
     /// A control task that is ready for a message.
     Ready,
     /// A control task before its first message, or between codels.
     Busy,
     /// A control task with a codel: waiting for locks, or executing.
     Handling {
-        service: usize,
+        service: ServiceId,
         codel: usize,
         executes: bool,
     },
@@ -77,7 +77,7 @@ impl Local {
     }
 
     /// Returns true if a service has no activity.
-    pub(super) fn is_void(&self, of: usize) -> bool {
+    pub(super) fn is_void(&self, of: ServiceId) -> bool {
         matches!(*self, Local::Slots { service, void: true } if service == of)
     }
 }
@@ -124,7 +124,7 @@ impl<'s> Parts<'s> {
                 out.push(PartKind::Thread(task), locals);
             }
         }
-        for (service, &requested) in requested.iter().enumerate() {
+        for (service, &requested) in requested.iter_enumerated() {
             let mut locals = vec![Local::Slots {
                 service,
                 void: true,
@@ -306,7 +306,7 @@ impl<'s> Parts<'s> {
     }
 
     /// Returns the service whose codel a local state has, if the codel is one of an activity.
-    pub(super) fn service(&self, local: &Local) -> Option<usize> {
+    pub(super) fn service(&self, local: &Local) -> Option<ServiceId> {
         let Local::Codel { machine, .. } = *local else {
             return None;
         };

@@ -1,5 +1,7 @@
 //! Predicates on the discrete state.
 
+use crate::system::ServiceId;
+
 /// A Boolean combination of atoms.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Predicate {
@@ -31,11 +33,11 @@ pub enum Atom {
         phase: StatePhase,
     },
     /// Some slot of an activity has a status. For `Void`, all slots have it.
-    Slot(usize, SlotStatus),
+    Slot(ServiceId, SlotStatus),
     /// The control task is handling a request for a service (functions, attributes, validation).
     Handling {
         /// The service.
-        service: usize,
+        service: ServiceId,
         /// One of its codels; `None`: any of them.
         codel: Option<usize>,
         /// Waiting for locks, executing, or either.

@@ -15,6 +15,7 @@ use std::sync::OnceLock;
 
 use dotgen_analysis::model::{Owner, Src};
 use num_rational::Ratio;
+use typed_index_collections::TiVec;
 
 use super::indexed::Built;
 use super::locks::exclude_codels;
@@ -44,7 +45,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
                 machines: Vec::new(),
                 automata: Vec::new(),
                 codels: Vec::new(),
-                services: Vec::new(),
+                services: TiVec::new(),
                 clients: Vec::new(),
                 platform: Platform {
                     cores: settings.cores,

@@ -8,6 +8,7 @@ use dotgen_analysis::model::{Owner, Seconds};
 use super::TimedSystem;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::scn::ast::Path;
+use crate::system::ServiceId;
 
 /// A system, with tables that find its parts.
 #[derive(Debug, Clone)]
@@ -17,7 +18,7 @@ pub struct Built {
     /// Tasks by component (as in [`Names::components`](crate::scn::names::Names::components)) and index.
     pub tasks: HashMap<(usize, u32), usize>,
     /// Services, by component and index.
-    pub services: HashMap<(usize, u32), usize>,
+    pub services: HashMap<(usize, u32), ServiceId>,
     /// Machines of tasks and activities.
     pub machines: HashMap<(usize, Owner), usize>,
     /// Components, by index in the scenario.

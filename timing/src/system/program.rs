@@ -3,6 +3,7 @@
 use super::{Builtin, Client, ClientAction, ClientStep, FOREVER, Ticks};
 use crate::diagnostic::Diagnostic;
 use crate::scn::ast::{self, Ending, Interval, Path, Step, StepKind, Unit};
+use crate::system::ServiceId;
 
 /// Upper limit on the number of steps.
 const STEPS: usize = 20_000;
@@ -10,14 +11,14 @@ const STEPS: usize = 20_000;
 /// Resolution of paths.
 pub(crate) trait Resolve {
     /// Returns the service of a path.
-    fn service(&self, path: &Path) -> Result<usize, Diagnostic>;
+    fn service(&self, path: &Path) -> Result<ServiceId, Diagnostic>;
 
     /// Returns the activity of a path.
-    fn activity(&self, path: &Path) -> Result<usize, Diagnostic>;
+    fn activity(&self, path: &Path) -> Result<ServiceId, Diagnostic>;
 
     /// Returns the service of a request that every component accepts. The first name of the path is the
     /// component.
-    fn builtin(&self, path: &Path, which: Builtin) -> Result<usize, Diagnostic>;
+    fn builtin(&self, path: &Path, which: Builtin) -> Result<ServiceId, Diagnostic>;
 }
 
 /// The request that a tracker follows.
@@ -26,9 +27,9 @@ enum TrackedRequest {
     /// The last request.
     Last,
     /// The last request for a service.
-    Service(usize),
+    Service(ServiceId),
     /// The last accepted request for an activity.
-    Accepted(usize),
+    Accepted(ServiceId),
     /// The last accepted request of the steps with a label.
     Labelled(String),
 }
@@ -176,7 +177,12 @@ impl Program<'_> {
     }
 
     /// Returns the action of a request of any kind.
-    fn request(&self, service: usize, label: Option<&str>, aborts: Option<usize>) -> ClientAction {
+    fn request(
+        &self,
+        service: ServiceId,
+        label: Option<&str>,
+        aborts: Option<usize>,
+    ) -> ClientAction {
         let trackers = |follows: &dyn Fn(&TrackedRequest) -> bool| {
             let all = self.trackers.iter().enumerate();
             all.filter(|pair| follows(pair.1))

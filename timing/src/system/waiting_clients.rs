@@ -86,9 +86,9 @@ mod tests {
 
     /// Returns a client that lets any time pass, then sends one of two requests, again and again.
     fn any() -> Client {
-        let send = |service| ClientStep {
+        let send = |service: usize| ClientStep {
             action: ClientAction::Send {
-                service,
+                service: service.into(),
                 trackers: Vec::new(),
                 accepted: Vec::new(),
                 aborts: None,
@@ -111,7 +111,7 @@ mod tests {
 
     fn program(client: &Client) -> String {
         let word = |step: &ClientStep| match step.action {
-            ClientAction::Send { service, .. } => format!("send {service}"),
+            ClientAction::Send { service, .. } => format!("send {}", usize::from(service)),
             _ => "stay".to_owned(),
         };
         let steps = client.steps.iter();

@@ -8,8 +8,8 @@ use dotgen_timing::invariants::never_holds;
 use dotgen_timing::property::{Atom, Predicate, SlotStatus, StatePhase, TaskState};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
-use dotgen_timing::system::TimedSystem;
 use dotgen_timing::system::build::build;
+use dotgen_timing::system::{ServiceId, TimedSystem};
 use dotgen_timing::verify::{Cancel, Options, settings};
 
 use crate::servers::random::{Texts, requests, texts, varied};
@@ -40,10 +40,13 @@ fn atom(system: &TimedSystem, dice: &mut Dice) -> Atom {
         }
         1 if !system.services.is_empty() => {
             let statuses = [SlotStatus::Void, SlotStatus::Run, SlotStatus::Active];
-            Atom::Slot(below(dice, system.services.len()), dice.pick(&statuses))
+            Atom::Slot(
+                below(dice, system.services.len()).into(),
+                dice.pick(&statuses),
+            )
         }
         2 if !system.services.is_empty() => {
-            let service = below(dice, system.services.len());
+            let service = ServiceId::from(below(dice, system.services.len()));
             let it = &system.services[service];
             let codels: Vec<usize> = it.validate.iter().chain(&it.simple).copied().collect();
             let codel = (!codels.is_empty()).then(|| codels[below(dice, codels.len())]);

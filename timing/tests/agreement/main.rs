@@ -185,7 +185,7 @@ fn compare_system(
         }
         knowing_bounds(seed, system, measured, &expected.response)?;
         chased(seed, &brute, &expected)?;
-        let refused: Vec<bool> = (0..system.services.len())
+        let refused: Vec<bool> = (system.services.keys())
             .map(|service| found.refused.contains(&service))
             .collect();
         if !answered && refused != expected.refused {
@@ -510,7 +510,8 @@ fn compare_reachable(seed: u64) -> Option<Result<(), String>> {
         reach: &goals,
     };
     let expected = brute.explore(30_000)?;
-    let refused = (0..system.services.len()).filter(|&service| expected.refused[service]);
+    let refused =
+        (system.services.keys()).filter(|&service| expected.refused[usize::from(service)]);
     let expected = ZoneFindings {
         deadlock: expected.deadlock,
         refused: refused.collect(),

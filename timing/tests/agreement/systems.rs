@@ -8,10 +8,12 @@ use dotgen_timing::property::{Atom, Predicate, StatePhase, TaskState};
 use dotgen_timing::scn::semantics::{LockRule, Semantics};
 use dotgen_timing::system::{
     Automaton, Client, ClientAction, ClientStep, Codel, CodelName, CodelSet, Component, FOREVER,
-    Machine, Platform, Policy, Service, State, Task, TimedSystem, Yield, loop_contradictions,
+    Machine, Platform, Policy, Service, ServiceId, State, Task, TimedSystem, Yield,
+    loop_contradictions,
 };
 use proptest::prelude::Rng;
 use proptest::test_runner::{RngAlgorithm, TestRng};
+use typed_index_collections::TiVec;
 
 /// Pseudo-random choices from a seed.
 pub(crate) struct Dice(TestRng);
@@ -46,7 +48,7 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
         machines: Vec::new(),
         automata: Vec::new(),
         codels: Vec::new(),
-        services: Vec::new(),
+        services: TiVec::new(),
         clients: Vec::new(),
         platform: Platform {
             cores: dice.pick(&[None, Some(1), Some(1), Some(2)]),
@@ -97,8 +99,8 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
     for v in 0..services {
         service(&mut system, dice, v);
     }
-    for v in 0..services {
-        for other in 0..services {
+    for v in system.services.keys() {
+        for other in system.services.keys() {
             if system.services[v].component == system.services[other].component && dice.in_ten(4) {
                 system.services[v].interrupts.push(other);
             }
@@ -317,7 +319,7 @@ fn empty(dice: &mut Dice) -> TimedSystem {
         machines: Vec::new(),
         automata: Vec::new(),
         codels: Vec::new(),
-        services: Vec::new(),
+        services: TiVec::new(),
         clients: Vec::new(),
         platform: Platform {
             cores: dice.pick(&[None, Some(1), Some(2), Some(2), Some(3)]),
@@ -333,7 +335,7 @@ fn automaton(
     system: &mut TimedSystem,
     task: usize,
     machine: usize,
-    service: Option<usize>,
+    service: Option<ServiceId>,
 ) -> usize {
     system.automata.push(Automaton {
         task,
@@ -418,7 +420,12 @@ fn service(system: &mut TimedSystem, dice: &mut Dice, v: usize) {
     if activity {
         let machine = machine(system, dice, component, path);
         for _ in 0..1 + dice.below(2) {
-            slots.push(automaton(system, task, machine, Some(v)));
+            slots.push(automaton(
+                system,
+                task,
+                machine,
+                Some(system.services.next_key()),
+            ));
         }
         system.tasks[task].slots.extend(&slots);
     } else {
@@ -426,8 +433,7 @@ fn service(system: &mut TimedSystem, dice: &mut Dice, v: usize) {
             simple.push(codel(system, dice, component, format!("{path}.f{i}")));
         }
     }
-    system.components[component].services.push(v);
-    system.services.push(Service {
+    let id = system.services.push_and_get_key(Service {
         after: Vec::new(),
         before: Vec::new(),
         builtin: None,
@@ -440,6 +446,7 @@ fn service(system: &mut TimedSystem, dice: &mut Dice, v: usize) {
         interrupts: Vec::new(),
         src: None,
     });
+    system.components[component].services.push(id);
 }
 
 fn client(system: &TimedSystem, dice: &mut Dice, k: u32) -> Client {
@@ -460,7 +467,7 @@ fn client(system: &TimedSystem, dice: &mut Dice, k: u32) -> Client {
                     ClientAction::Delay(a, b)
                 }
                 _ => ClientAction::Send {
-                    service: dice.below(system.services.len() as u32) as usize,
+                    service: (dice.below(system.services.len() as u32) as usize).into(),
                     trackers: (0..trackers).filter(|_| dice.in_ten(7)).collect(),
                     accepted: Vec::new(),
                     aborts: None,

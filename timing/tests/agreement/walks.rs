@@ -75,7 +75,7 @@ fn walk(system: &TimedSystem, watched: &Watched, dice: &mut Dice) -> Walk {
         end: stepper.now(),
         seen: all,
         open,
-        refused: (0..system.services.len())
+        refused: (system.services.keys())
             .map(|service| stepper.has_refused(service))
             .collect(),
     }

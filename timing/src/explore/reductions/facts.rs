@@ -1,8 +1,10 @@
 //! Static facts about the tasks of a system, and about the watched properties. Several reductions use them.
 
+use typed_index_collections::{TiVec, ti_vec};
+
 use super::Watched;
 use crate::property::Atom;
-use crate::system::{CodelSet, Machine, TimedSystem, Yield};
+use crate::system::{CodelSet, Machine, ServiceId, TimedSystem, Yield};
 
 /// The parts of a system that predicates observe.
 #[derive(Debug)]
@@ -23,7 +25,7 @@ pub(super) struct Parts {
     /// State machines whose state is observed.
     pub(super) machines: Vec<bool>,
     /// Services whose slots are observed.
-    pub(super) slots: Vec<bool>,
+    pub(super) slots: TiVec<ServiceId, bool>,
     /// Clients whose step is observed.
     pub(super) clients: Vec<bool>,
     /// Control tasks whose step is observed.
@@ -41,7 +43,7 @@ impl Visible {
         let mut parts = Parts {
             statuses: vec![false; system.tasks.len()],
             machines: vec![false; system.machines.len()],
-            slots: vec![false; system.services.len()],
+            slots: ti_vec![false; system.services.len()],
             clients: vec![false; system.clients.len()],
             controls: vec![false; system.components.len()],
         };
@@ -138,7 +140,7 @@ impl Facts {
                 }
             }
         }
-        for (service, entry) in system.services.iter().enumerate() {
+        for (service, entry) in system.services.iter_enumerated() {
             if requested[service] {
                 for &codel in entry.validate.iter().chain(&entry.simple) {
                     owner[codel] = Owner::Control;

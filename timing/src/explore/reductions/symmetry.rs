@@ -21,6 +21,7 @@ mod renaming;
 use std::cmp::Ordering;
 
 use smallvec::SmallVec;
+use typed_index_collections::TiVec;
 
 pub(crate) use self::automorphisms::Label;
 pub(crate) use self::renaming::Renaming;
@@ -28,7 +29,7 @@ use super::{Kind, Reason, Reduction, Setting};
 use crate::explore::rules::{Names, Part, Parts, Rules, SystemRules, UnitPlaces};
 use crate::explore::state::State;
 use crate::property::Atom;
-use crate::system::Policy;
+use crate::system::{Policy, ServiceId};
 
 /// A unit, and its numbers in a state.
 #[derive(Debug, Clone)]
@@ -70,7 +71,7 @@ pub(crate) struct Orbits {
     /// By task, the tasks of its orbit, including itself.
     tasks: Vec<Vec<usize>>,
     /// By service, the services of its orbit, including itself.
-    services: Vec<Vec<usize>>,
+    services: TiVec<ServiceId, Vec<ServiceId>>,
     /// Renaming that changes nothing.
     identity: Renaming,
 }
@@ -98,7 +99,9 @@ impl Orbits {
         };
         Orbits {
             tasks: orbits(Part::Task),
-            services: orbits(Part::Service),
+            services: (orbits(Part::Service).into_iter())
+                .map(|orbit| orbit.into_iter().map(ServiceId::from).collect())
+                .collect(),
             identity,
             classes,
         }
@@ -110,7 +113,7 @@ impl Orbits {
     }
 
     /// Returns the services in the orbit of a service, including itself.
-    pub(crate) fn of_service(&self, service: usize) -> &[usize] {
+    pub(crate) fn of_service(&self, service: ServiceId) -> &[ServiceId] {
         &self.services[service]
     }
 

@@ -5,6 +5,7 @@ use super::points::Cycle;
 use super::status::{control, slot};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
+use crate::system::ServiceId;
 
 impl SystemRules<'_> {
     /// Returns the value of an atom.
@@ -52,7 +53,7 @@ impl SystemRules<'_> {
     }
 
     /// Returns true if the activities of a service have a status.
-    fn has_slots(&self, s: &State, service: usize, status: SlotStatus) -> bool {
+    fn has_slots(&self, s: &State, service: ServiceId, status: SlotStatus) -> bool {
         let l = &self.layout;
         let tasks = &self.system.components[self.system.services[service].component].tasks;
         let mut statuses = (tasks.iter())

@@ -8,7 +8,7 @@ use super::SystemRules;
 use super::points::Handling;
 use super::status::{control, slot, tracker};
 use crate::explore::state::{State, phase};
-use crate::system::ClientAction;
+use crate::system::{ClientAction, ServiceId};
 
 impl SystemRules<'_> {
     /// Takes a request.
@@ -31,7 +31,7 @@ impl SystemRules<'_> {
         let sent = if l.follows[client] { at as u16 + 1 } else { 1 };
         l.set_outstanding(s, client, sent);
         let component = self.system.services[service].component;
-        l.set_handled_number(s, component, service as u16 + 1);
+        l.set_handled_number(s, component, usize::from(service) as u16 + 1);
         l.set_sender(s, component, client as u16 + 1);
         l.set_codel_number(s, component, 0);
         match self.points.handling {
@@ -44,7 +44,7 @@ impl SystemRules<'_> {
     }
 
     /// Assigns a slot to a requested activity, then checks `after` and `before`.
-    fn assign_slot(&self, s: &mut State, component: usize, service: usize) {
+    fn assign_slot(&self, s: &mut State, component: usize, service: ServiceId) {
         let l = &self.layout;
         let definition = &self.system.services[service];
         if let Some(&automaton) = definition.slots.first() {
@@ -63,7 +63,7 @@ impl SystemRules<'_> {
             l.set_at(s, free, 0);
             l.set_given(s, component, free as u16 + 1);
         }
-        let succeeded = |&of: &usize| l.success[of].is_some_and(|place| s.d[place] != 0);
+        let succeeded = |&of: &ServiceId| l.success[of].is_some_and(|place| s.d[place] != 0);
         let allowed =
             definition.after.iter().all(succeeded) && !definition.before.iter().any(succeeded);
         if allowed {
@@ -247,7 +247,7 @@ impl SystemRules<'_> {
         self.examine_all(s, component);
     }
 
-    fn has_succeeded(&self, s: &mut State, service: usize) {
+    fn has_succeeded(&self, s: &mut State, service: ServiceId) {
         if let Some(place) = self.layout.success[service] {
             s.d[place] = 1;
         }
@@ -255,7 +255,7 @@ impl SystemRules<'_> {
 
     /// Marks all other instances of the services that a service interrupts. Returns true if some of them
     /// still run.
-    fn interrupt(&self, s: &mut State, service: usize, itself: usize) -> bool {
+    fn interrupt(&self, s: &mut State, service: ServiceId, itself: usize) -> bool {
         let l = &self.layout;
         let service = &self.system.services[service];
         let mut delay = false;
@@ -314,7 +314,7 @@ impl SystemRules<'_> {
     }
 
     /// Returns true for a permanent activity of which the control task knows nothing.
-    fn is_exempt(&self, service: Option<usize>) -> bool {
+    fn is_exempt(&self, service: Option<ServiceId>) -> bool {
         service.is_none() && self.points.handling == Handling::AtOnce
     }
 
@@ -342,7 +342,7 @@ impl SystemRules<'_> {
     }
 
     /// Returns true if some other instance that a service interrupts is not reported yet.
-    fn is_held(&self, s: &State, service: usize, slot: usize) -> bool {
+    fn is_held(&self, s: &State, service: ServiceId, slot: usize) -> bool {
         let mut interrupted = self.system.services[service].interrupts.iter();
         interrupted.any(|&other| {
             let mut slots = self.system.services[other].slots.iter();

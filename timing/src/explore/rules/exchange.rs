@@ -7,7 +7,7 @@ use super::layout::{EdfTimes, OF_COMPONENT, OF_TASK};
 use super::points::Cycle;
 use super::status::tracker;
 use crate::explore::state::State;
-use crate::system::Policy;
+use crate::system::{Policy, ServiceId};
 
 /// The kinds of parts that a state can name, or that belong to a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -123,7 +123,10 @@ impl SystemRules<'_> {
             let (visits, most) = l.visits[slot];
             d.extend(visits..visits + most);
         }
-        d.extend((parts[Part::Service].iter()).filter_map(|&service| l.success[service]));
+        d.extend(
+            (parts[Part::Service].iter())
+                .filter_map(|&service| l.success[ServiceId::from(service)]),
+        );
         for &component in &parts[Part::Component] {
             let base = l.component_base + OF_COMPONENT * component;
             d.extend(base..base + OF_COMPONENT);

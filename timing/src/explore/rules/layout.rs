@@ -2,11 +2,13 @@
 
 use std::ops::Deref;
 
+use typed_index_collections::TiVec;
+
 use super::points::{Cycle, Points};
 use super::status::{flag, slot, thread};
 use crate::explore::state::{Clocks, Frame, Places, State, TaskStatus};
 use crate::scn::semantics::LockRule;
-use crate::system::{Builtin, Client, ClientAction, Policy, Ticks, TimedSystem};
+use crate::system::{Builtin, Client, ClientAction, Policy, ServiceId, Ticks, TimedSystem};
 
 /// Numbers per task.
 pub(super) const OF_TASK: usize = 3;
@@ -45,7 +47,7 @@ pub(crate) struct Layout {
     /// By client and tracker, whether the outcome of a request matters.
     pub(super) outcomes: Vec<Vec<bool>>,
     /// Place of the success of each service, if it matters.
-    pub(super) success: Vec<Option<usize>>,
+    pub(super) success: TiVec<ServiceId, Option<usize>>,
     /// Places of the times that decide about cores under EDF.
     pub(super) edf: Option<EdfTimes>,
     /// Clock of the time since a tick that is kept during a cycle.
@@ -114,7 +116,7 @@ impl Layout {
         let success = success(system, jobs, &mut places);
         let shutdown = (system.components.iter())
             .map(|component| {
-                let kill = |&of: &usize| system.services[of].builtin == Some(Builtin::Kill);
+                let kill = |&of: &ServiceId| system.services[of].builtin == Some(Builtin::Kill);
                 (component.services.iter().any(kill)).then(|| places.discrete(1))
             })
             .collect();
@@ -204,8 +206,9 @@ impl Layout {
 
     /// Returns the service that a control task handles, if it handles one.
     #[inline]
-    pub(crate) fn handled(&self, s: &State, component: usize) -> Option<usize> {
-        (self.handled_number(s, component) as usize).checked_sub(1)
+    pub(crate) fn handled(&self, s: &State, component: usize) -> Option<ServiceId> {
+        let number = (self.handled_number(s, component) as usize).checked_sub(1);
+        number.map(ServiceId::from)
     }
 
     pub(crate) fn control_executor(&self, component: usize) -> usize {
@@ -390,16 +393,20 @@ fn visits(
 }
 
 /// Allocates the success of each service that a request depends on. (With jobs none does.)
-fn success(system: &TimedSystem, jobs: bool, places: &mut Places) -> Vec<Option<usize>> {
+fn success(
+    system: &TimedSystem,
+    jobs: bool,
+    places: &mut Places,
+) -> TiVec<ServiceId, Option<usize>> {
     let requested = system.requested();
-    let mut matters = |service: usize| {
+    let mut matters = |service: ServiceId| {
         let lists = system.services.iter().zip(&requested);
         let mut lists = lists.filter(|(_, requested)| **requested);
         let named = lists
             .any(|(other, _)| other.after.contains(&service) || other.before.contains(&service));
         (!jobs && named && requested[service]).then(|| places.discrete(1))
     };
-    (0..system.services.len()).map(&mut matters).collect()
+    system.services.keys().map(&mut matters).collect()
 }
 
 /// Returns true if a client can abort instances that it has requested.
@@ -416,7 +423,7 @@ fn follows(client: &Client) -> bool {
 /// requests.
 fn most_slots(system: &TimedSystem, task: usize) -> usize {
     let places = system.tasks[task].places as usize;
-    let of_task = |service: usize| {
+    let of_task = |service: ServiceId| {
         let mut slots = system.services[service].slots.iter();
         slots.any(|&automaton| system.automata[automaton].task == task)
     };

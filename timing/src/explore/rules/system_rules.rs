@@ -11,6 +11,8 @@
 
 use std::cell::Cell;
 
+use typed_index_collections::{TiVec, ti_vec};
+
 use super::layout::Layout;
 use super::points::{Cycle, Points, StartUp};
 use super::status::{control, flag, permanent, slot, thread};
@@ -18,7 +20,9 @@ use super::{Action, Enabled, Moment, Rules, Work};
 use crate::explore::state::{Clocks, Frame, State, TaskStatus, phase};
 use crate::property::Atom;
 use crate::scn::semantics::TickRule;
-use crate::system::{ClientAction, Codel, Machine, State as MachineState, Ticks, TimedSystem};
+use crate::system::{
+    ClientAction, Codel, Machine, ServiceId, State as MachineState, Ticks, TimedSystem,
+};
 
 /// The rules applied to one system.
 #[derive(Debug)]
@@ -29,9 +33,9 @@ pub(crate) struct SystemRules<'s> {
     /// Priority of every executor that needs a core; the lower number goes first.
     pub(super) priorities: Vec<u64>,
     /// Services with a request that was rejected for lack of a slot.
-    pub(super) rejected: Vec<Cell<bool>>,
+    pub(super) rejected: TiVec<ServiceId, Cell<bool>>,
     /// Services of which two waiting instances have interrupted each other.
-    pub(super) restarts: Vec<Cell<bool>>,
+    pub(super) restarts: TiVec<ServiceId, Cell<bool>>,
     /// Codels (by number) that exclude no other codel.
     pub(super) lockless: Vec<bool>,
 }
@@ -48,8 +52,8 @@ impl<'s> SystemRules<'s> {
             layout: Layout::new(system, &points, clocks),
             points,
             priorities: system.priorities(),
-            rejected: vec![Cell::new(false); system.services.len()],
-            restarts: vec![Cell::new(false); system.services.len()],
+            rejected: ti_vec![Cell::new(false); system.services.len()],
+            restarts: ti_vec![Cell::new(false); system.services.len()],
             lockless: (system.codels.iter())
                 .map(|codel| codel.conflicts.is_empty())
                 .collect(),
@@ -100,7 +104,7 @@ impl<'s> SystemRules<'s> {
     }
 
     /// Returns the service of a slot; `None` for a permanent activity.
-    pub(super) fn service(&self, s: &State, slot: usize) -> Option<usize> {
+    pub(super) fn service(&self, s: &State, slot: usize) -> Option<ServiceId> {
         self.system.automata[self.layout.automaton(s, slot)?].service
     }
 
@@ -328,11 +332,11 @@ impl Rules for SystemRules<'_> {
         self.holds(s, atom)
     }
 
-    fn has_refused(&self, service: usize) -> bool {
+    fn has_refused(&self, service: ServiceId) -> bool {
         self.rejected[service].get()
     }
 
-    fn has_ended_restarts(&self, service: usize) -> bool {
+    fn has_ended_restarts(&self, service: ServiceId) -> bool {
         self.restarts[service].get()
     }
 
@@ -425,7 +429,7 @@ impl Rules for SystemRules<'_> {
         }
     }
 
-    fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)> {
+    fn handling(&self, s: &State, component: usize) -> Option<(ServiceId, bool)> {
         let l = &self.layout;
         let service = l.handled(s, component)?;
         Some((service, l.refused(s, component) != 0))

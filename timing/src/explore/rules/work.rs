@@ -1,5 +1,7 @@
 //! The work of executors.
 
+use crate::system::ServiceId;
+
 /// The work of an executor. Numbers index into the tables of the [`TimedSystem`](crate::system::TimedSystem).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Work {
@@ -21,7 +23,7 @@ pub enum Work {
         /// The codel.
         codel: usize,
         /// The service that is handled.
-        service: usize,
+        service: ServiceId,
         /// Number of the codel: the validation, if there is one, then the others in order.
         number: usize,
     },

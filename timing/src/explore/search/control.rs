@@ -22,6 +22,7 @@ use crate::explore::reductions::{Activity, Kind, Reason, Reduced};
 use crate::explore::rules::Rules;
 use crate::explore::run::Run;
 use crate::explore::watch::{Limits, Stop, Watch};
+use crate::system::ServiceId;
 
 /// Number of further steps after all checks are answered, to see requests that are refused.
 const STEPS_AFTER_ANSWERS: u64 = 20_000;
@@ -173,17 +174,17 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     }
 
     /// Returns the services with a refused request.
-    fn refused(&self, layers: &Layers<'a, R>) -> Vec<usize> {
-        let beside = |index: usize| {
+    fn refused(&self, layers: &Layers<'a, R>) -> Vec<ServiceId> {
+        let beside = |service: ServiceId| {
             self.random_search
                 .as_ref()
-                .is_ok_and(|random_search| random_search.refused.contains(&index))
+                .is_ok_and(|random_search| random_search.refused.contains(&service))
         };
-        let orbits = |index: usize| {
+        let orbits = |service: ServiceId| {
             use crate::explore::reductions::Reductions;
-            layers.observations.reductions.orbits().of_service(index)
+            layers.observations.reductions.orbits().of_service(service)
         };
-        (0..layers.observations.rules.system().services.len())
+        (layers.observations.rules.system().services.keys())
             .filter(|&service| {
                 layers.observations.has_refused(service)
                     || orbits(service).iter().any(|&orbit| beside(orbit))
@@ -252,7 +253,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
         }));
         let mut response = Self::measured(layers);
         let within = response.split_off(watch.response.len());
-        let services = 0..layers.observations.rules.system().services.len();
+        let services = layers.observations.rules.system().services.keys();
         let restarts = services.filter(|&service| layers.observations.has_ended_restarts(service));
         let deadlock = layers.deadlock.filter(|_| watch.deadlock);
         Findings {

@@ -18,7 +18,7 @@ use crate::explore::run::Run;
 use crate::explore::state::State;
 use crate::explore::store::{Encoded, Store, encode};
 use crate::explore::watch::{Limits, Stop, Watch};
-use crate::system::{FOREVER, Ticks, TimedSystem};
+use crate::system::{FOREVER, ServiceId, Ticks, TimedSystem};
 
 /// Steps between two polls of the limits.
 const STEPS_PER_POLL: u64 = 16;
@@ -400,8 +400,8 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
     }
 
     /// Returns the services with a refused request.
-    pub(super) fn refused(&self) -> Vec<usize> {
-        (0..self.observations.rules.system().services.len())
+    pub(super) fn refused(&self) -> Vec<ServiceId> {
+        (self.observations.rules.system().services.keys())
             .filter(|&service| self.observations.has_refused(service))
             .collect()
     }

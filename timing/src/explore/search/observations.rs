@@ -10,7 +10,7 @@ use crate::explore::run::Run;
 use crate::explore::state::{Clocks, Stages, State, TaskStatus};
 use crate::explore::watch::Watch;
 use crate::property::Predicate;
-use crate::system::Ticks;
+use crate::system::{ServiceId, Ticks};
 
 /// The place and time of an observation.
 #[derive(Debug, Clone, Copy)]
@@ -391,13 +391,13 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
     }
 
     /// Returns true if a request for a service, or for one of its orbit, was refused.
-    pub(super) fn has_refused(&self, service: usize) -> bool {
+    pub(super) fn has_refused(&self, service: ServiceId) -> bool {
         let mut orbit = self.reductions.orbits().of_service(service).iter();
         orbit.any(|&orbit| self.rules.has_refused(orbit))
     }
 
     /// Returns true if two waiting instances of a service, or of one of its orbit, interrupted each other.
-    pub(super) fn has_ended_restarts(&self, service: usize) -> bool {
+    pub(super) fn has_ended_restarts(&self, service: ServiceId) -> bool {
         let mut orbit = self.reductions.orbits().of_service(service).iter();
         orbit.any(|&orbit| self.rules.has_ended_restarts(orbit))
     }

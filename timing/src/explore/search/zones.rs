@@ -23,7 +23,7 @@ use crate::explore::rules::{Action, Enabled, SystemRules};
 use crate::explore::state::{Clocks, State};
 use crate::explore::watch::{Limits, Watch};
 use crate::property::Predicate;
-use crate::system::{ClientAction, FOREVER, Ticks, TimedSystem};
+use crate::system::{ClientAction, FOREVER, ServiceId, Ticks, TimedSystem};
 
 /// Steps after which a search counts as large.
 const STEPS_OF_LARGE_SEARCH: u64 = 1000;
@@ -113,7 +113,7 @@ impl<'a, R: Reduced> Zones<'a, R> {
     }
 
     /// Returns true if a request for a service, or for one of its orbit, was refused.
-    fn refused(&self, service: usize) -> bool {
+    fn refused(&self, service: ServiceId) -> bool {
         let mut orbit = self.reductions.orbits().of_service(service).iter();
         orbit.any(|&orbit| self.rules.has_refused(orbit))
     }
@@ -261,7 +261,7 @@ pub struct ZoneFindings {
     /// There is a deadlock.
     pub deadlock: bool,
     /// Services with a refused request.
-    pub refused: Vec<usize>,
+    pub refused: Vec<ServiceId>,
 }
 
 /// The results of a search in zones, and its effort.
@@ -278,7 +278,7 @@ pub(super) struct ZoneResult {
 impl<R: Reduced> Zones<'_, R> {
     /// Returns the results, if the search is complete.
     fn proof(&self) -> Option<ZoneResult> {
-        let services = 0..self.rules.system().services.len();
+        let services = self.rules.system().services.keys();
         self.todo.is_empty().then(|| ZoneResult {
             seen: ZoneFindings {
                 reached: self.reached.clone(),
@@ -409,7 +409,7 @@ impl<'a, R: Reduced> ZoneSearch<'a, R> {
     }
 
     /// Returns true if a request for a service was refused in a state with a zone.
-    pub(super) fn refused(&self, service: usize) -> bool {
+    pub(super) fn refused(&self, service: ServiceId) -> bool {
         self.proof()
             .is_some_and(|proof| proof.seen.refused.contains(&service))
     }

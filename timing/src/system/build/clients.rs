@@ -1,6 +1,7 @@
 //! Clients, and the services that they request.
 
 use num_rational::Ratio;
+use typed_index_collections::{TiSlice, ti_vec};
 
 use super::Builder;
 use crate::diagnostic::Diagnostic;
@@ -8,7 +9,9 @@ use crate::diagnostic::remark::Remark;
 use crate::scn::ast::{self, Ending, Path, StepKind, Unit};
 use crate::scn::names::Target;
 use crate::system::indexed::not_a;
-use crate::system::{Builtin, Client, Codel, CodelName, FOREVER, Service, program, units};
+use crate::system::{
+    Builtin, Client, Codel, CodelName, FOREVER, Service, ServiceId, program, units,
+};
 
 impl Builder<'_> {
     pub(super) fn find_requested(&mut self) {
@@ -111,9 +114,7 @@ impl Builder<'_> {
                 system.exclude(all, other);
             }
         }
-        let id = system.services.len();
-        system.components[number].services.push(id);
-        system.services.push(Service {
+        let id = system.services.push_and_get_key(Service {
             name: which.name().to_owned(),
             component: number,
             validate: None,
@@ -126,6 +127,7 @@ impl Builder<'_> {
             builtin: Some(which),
             src: None,
         });
+        system.components[number].services.push(id);
     }
 
     fn component_of(&self, path: &Path) -> Option<usize> {
@@ -169,13 +171,13 @@ impl Builder<'_> {
         let system = &self.out.system;
         let requested = system.requested();
         // Fixed point of the services that can succeed: services all of whose predecessors can.
-        let mut can = vec![false; system.services.len()];
-        let after = |service: usize, can: &[bool]| {
+        let mut can = ti_vec![false; system.services.len()];
+        let after = |service: ServiceId, can: &TiSlice<ServiceId, bool>| {
             let mut all = system.services[service].after.iter();
             all.all(|&index| can[index])
         };
-        while let Some(new) =
-            (0..can.len()).find(|&index| requested[index] && !can[index] && after(index, &can))
+        while let Some(new) = (can.keys())
+            .find(|&index: &ServiceId| requested[index] && !can[index] && after(index, &can))
         {
             can[new] = true;
         }
@@ -183,7 +185,7 @@ impl Builder<'_> {
         for client in &self.settings.clients {
             sends(&client.steps, &mut paths);
         }
-        let mut found: Vec<(usize, &Path)> = Vec::new();
+        let mut found: Vec<(ServiceId, &Path)> = Vec::new();
         for path in paths {
             let service = program::Resolve::service(self, path).ok();
             // The requests of a client with an error are not known.
@@ -218,13 +220,13 @@ impl Builder<'_> {
 }
 
 impl program::Resolve for Builder<'_> {
-    fn service(&self, path: &Path) -> Result<usize, Diagnostic> {
+    fn service(&self, path: &Path) -> Result<ServiceId, Diagnostic> {
         let service = Builder::service(self, path)?;
         let found = self.out.services.get(&service).copied();
         found.ok_or_else(|| not_a("service", path))
     }
 
-    fn activity(&self, path: &Path) -> Result<usize, Diagnostic> {
+    fn activity(&self, path: &Path) -> Result<ServiceId, Diagnostic> {
         let (c, s) = Builder::service(self, path)?;
         if !self.names.is_activity(c, s) {
             return Err(not_a("activity", path));
@@ -232,13 +234,12 @@ impl program::Resolve for Builder<'_> {
         program::Resolve::service(self, path)
     }
 
-    fn builtin(&self, path: &Path, which: Builtin) -> Result<usize, Diagnostic> {
+    fn builtin(&self, path: &Path, which: Builtin) -> Result<ServiceId, Diagnostic> {
         // An abort names an activity of the component; the other requests name the component alone.
         let alone = which == Builtin::Abort || path.names.len() == 1;
         let number = (self.component_of(path).filter(|_| alone))
             .and_then(|component| self.out.components.get(&component));
-        let services = self.out.system.services.iter();
-        let mut services = services.enumerate();
+        let mut services = self.out.system.services.iter_enumerated();
         services
             .find(|(_, service)| {
                 Some(&service.component) == number && service.builtin == Some(which)

@@ -9,7 +9,7 @@ use super::Builder;
 use super::times::TimeOf;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::scn::ast::{DEFAULT_PLACES, DEFAULT_SLOTS};
-use crate::system::{Automaton, Component, Service, Task};
+use crate::system::{Automaton, Component, Service, ServiceId, Task};
 
 impl Builder<'_> {
     pub(super) fn component(&mut self, c: usize) {
@@ -117,7 +117,7 @@ impl Builder<'_> {
             let path = format!("{}.{}", component.name, service.name);
             let owner = Owner::Service(s);
             let activity = service.kind == ServiceKind::Activity;
-            let id = self.out.system.services.len();
+            let id = self.out.system.services.next_key();
             let mut validate = None;
             let mut simple = Vec::new();
             for (index, codel) in (0..).zip(&service.codels) {
@@ -186,7 +186,7 @@ impl Builder<'_> {
         for &c in included {
             let component = self.names.components[c].component;
             for (s, service) in (0..).zip(&component.services) {
-                let listed = |list: &ServiceList, itself: bool| -> Vec<usize> {
+                let listed = |list: &ServiceList, itself: bool| -> Vec<ServiceId> {
                     let all = (0..component.services.len() as u32)
                         .filter(|&service| itself || service != s);
                     let list: Vec<u32> = match list.all {

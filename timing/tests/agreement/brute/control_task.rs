@@ -3,6 +3,7 @@
 use super::state::{Doing, Mode, State, Step, Tracked};
 use super::{Brute, Results};
 use dotgen_timing::scn::semantics::LockRule;
+use dotgen_timing::system::ServiceId;
 
 impl Brute<'_> {
     pub(super) fn control_codel(&self, s: &mut State, c: usize) {
@@ -49,7 +50,7 @@ impl Brute<'_> {
         &self,
         s: &mut State,
         c: usize,
-        service: usize,
+        service: ServiceId,
         client: usize,
         results: &mut Results,
     ) {
@@ -62,7 +63,7 @@ impl Brute<'_> {
                 .copied()
                 .find(|&a| s.automata[a].mode == Mode::Void);
             let Some(a) = own else {
-                results.refused[service] = true;
+                results.refused[usize::from(service)] = true;
                 self.replied(s, c, client);
                 return;
             };

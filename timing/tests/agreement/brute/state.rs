@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use dotgen_timing::system::ClientAction;
+use dotgen_timing::system::{ClientAction, ServiceId};
 
 use super::Brute;
 
@@ -63,8 +63,8 @@ pub(super) struct Automaton {
 pub(super) enum Step {
     Starting(usize),
     Ready,
-    Validate(usize, usize),
-    Simple(usize, usize, usize),
+    Validate(ServiceId, usize),
+    Simple(ServiceId, usize, usize),
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]

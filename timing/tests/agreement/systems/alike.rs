@@ -3,8 +3,9 @@
 use dotgen_timing::property::{Atom, Predicate};
 use dotgen_timing::system::{
     Automaton, Client, ClientAction, ClientStep, Codel, CodelSet, Component, Machine, Policy,
-    Service, State, Task, TimedSystem,
+    Service, ServiceId, State, Task, TimedSystem,
 };
+use typed_index_collections::TiVec;
 
 use super::{Dice, automaton, client, empty, machine, predicate, service};
 
@@ -20,7 +21,7 @@ pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)
         machines: Vec::new(),
         automata: Vec::new(),
         codels: Vec::new(),
-        services: Vec::new(),
+        services: TiVec::new(),
         clients: Vec::new(),
         ..one.clone()
     };
@@ -100,7 +101,7 @@ fn between(
     dice: &mut Dice,
     (one, copies, together): (&TimedSystem, usize, bool),
 ) {
-    let (codels, services) = (one.codels.len(), one.services.len());
+    let codels = one.codels.len();
     let pairs = |n: usize| (0..n).flat_map(move |a| (0..n).map(move |b| (a, b)));
     for (c, d) in pairs(codels) {
         let (inside, across) = (dice.in_ten(2), dice.in_ten(2));
@@ -111,16 +112,23 @@ fn between(
             }
         }
     }
+    let services = one.services.len();
     for (v, w) in pairs(services) {
         let (inside, across) = (dice.in_ten(3), together && dice.in_ten(3));
         for (a, b) in pairs(copies) {
             if (a == b && inside) || (a != b && across) {
-                system.services[a * services + v]
+                let (v, w) = (a * services + v, b * services + w);
+                system.services[ServiceId::from(v)]
                     .interrupts
-                    .push(b * services + w);
+                    .push(w.into());
             }
         }
     }
+}
+
+/// Returns the index of a part in a copy, after this many parts of other copies.
+fn shifted<I: From<usize> + Into<usize>>(id: I, by: usize) -> I {
+    I::from(by + id.into())
 }
 
 /// Adds one copy of a part to a system.
@@ -141,7 +149,7 @@ impl Copier<'_> {
         let machine = |index: usize| copy * one.machines.len() + index;
         let automaton = |index: usize| copy * one.automata.len() + index;
         let codel = |index: usize| copy * one.codels.len() + index;
-        let service = |index: usize| copy * one.services.len() + index;
+        let service = |id: ServiceId| shifted(id, copy * one.services.len());
         let all = |list: &[usize], name: &dyn Fn(usize) -> usize| -> Vec<usize> {
             list.iter().map(|&index| name(index)).collect()
         };
@@ -154,9 +162,7 @@ impl Copier<'_> {
         }
         let component = &mut system.components[self.component()];
         component.tasks.extend((0..one.tasks.len()).map(task));
-        component
-            .services
-            .extend((0..one.services.len()).map(service));
+        component.services.extend(one.services.keys().map(service));
         system.tasks.extend(one.tasks.iter().map(|task| Task {
             component: self.component(),
             permanent: task.permanent.map(automaton),

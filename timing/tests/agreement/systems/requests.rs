@@ -45,8 +45,8 @@ pub(crate) fn requests(dice: &mut Dice) -> TimedSystem {
     for v in 0..services {
         service(&mut system, dice, v);
     }
-    for v in 0..services {
-        for other in 0..services {
+    for v in system.services.keys() {
+        for other in system.services.keys() {
             if system.services[v].component == system.services[other].component && dice.in_ten(3) {
                 system.services[v].interrupts.push(other);
             }
@@ -90,7 +90,7 @@ fn any(system: &TimedSystem, dice: &mut Dice, k: u32) -> Client {
     let back = if dice.in_ten(6) { 0 } else { services + 2 };
     let send = |service: usize| ClientStep {
         action: ClientAction::Send {
-            service,
+            service: service.into(),
             trackers: vec![0],
             accepted: Vec::new(),
             aborts: None,

@@ -17,13 +17,15 @@
 //! These actions cannot follow each other for ever in no time if every round of a client has a delay that may
 //! take time.
 
+use typed_index_collections::TiVec;
+
 use super::AmpleState;
 use crate::explore::reductions::facts::{Parts, loops_in_no_time};
 use crate::explore::reductions::{Kind, Reason, Setting};
 use crate::explore::rules::Action;
 use crate::explore::rules::status::{control, permanent, slot, tracker};
 use crate::explore::state::{TaskStatus, phase};
-use crate::system::{Client, ClientAction, Yield};
+use crate::system::{Client, ClientAction, ServiceId, Yield};
 
 /// A set of services.
 type Services = u128;
@@ -38,7 +40,7 @@ pub(super) struct Requests {
     after: Vec<Vec<Services>>,
     /// By service, the services that make a difference to it: they interrupt it, are interrupted by it or run
     /// on the same task.
-    related: Vec<Services>,
+    related: TiVec<ServiceId, Services>,
     /// Services handled in no time.
     instant: Services,
     /// Services of each component.
@@ -49,17 +51,17 @@ pub(super) struct Requests {
     visible: Parts,
 }
 
-fn bit(service: usize) -> Services {
-    1 << service
+fn bit(service: ServiceId) -> Services {
+    1 << usize::from(service)
 }
 
 impl Requests {
     pub(super) fn new(setting: &Setting) -> Self {
         let system = setting.system();
-        let services = system.services.len();
+        let services = &system.services;
         let off = if setting.without.contains(Kind::PersistentRequests) {
             Some(Reason::SwitchedOff)
-        } else if services > Services::BITS as usize {
+        } else if services.len() > Services::BITS as usize {
             Some(Reason::TooMany)
         } else if !system.clients.iter().all(takes_time) {
             Some(Reason::HastyClient)
@@ -71,7 +73,7 @@ impl Requests {
             enabled,
             off: off.or(system.clients.is_empty().then_some(Reason::NoClients)),
             after: Vec::new(),
-            related: Vec::new(),
+            related: TiVec::new(),
             instant: 0,
             of_component: vec![0; system.components.len()],
             ordinary: Vec::new(),
@@ -81,20 +83,19 @@ impl Requests {
             return out;
         }
         out.after = system.clients.iter().map(after).collect();
-        let task = |service: usize| {
+        let task = |service: ServiceId| {
             let slot = system.services[service].slots.first();
             slot.map(|&slot| system.automata[slot].task)
         };
-        let related = |v: usize, w: usize| {
+        let related = |v: ServiceId, w: ServiceId| {
             v == w
                 || system.services[v].interrupts.contains(&w)
                 || system.services[w].interrupts.contains(&v)
                 || (task(v).is_some() && task(v) == task(w))
         };
-        for v in 0..services {
-            let list = (0..services).filter(|&w| related(v, w));
+        for (v, service) in services.iter_enumerated() {
+            let list = services.keys().filter(|&w| related(v, w));
             out.related.push(list.fold(0, |set, w| set | bit(w)));
-            let service = &system.services[v];
             if service.validate.is_none() && service.simple.is_empty() {
                 out.instant |= bit(v);
             }
@@ -196,17 +197,18 @@ impl AmpleState<'_, '_> {
 
     /// Returns true if no other action before the acceptance of a request makes a difference: the request
     /// interrupts no present activity, keeps none waiting, and its activity runs at once, on an idle task.
-    fn accepted_alone(&self, service: usize) -> bool {
+    fn accepted_alone(&self, service: ServiceId) -> bool {
         let known = &self.ample.requests;
         let l = self.layout();
         let system = self.system();
         let definition = &system.services[service];
-        let all = |service: usize, is: &dyn Fn(u16) -> bool| {
+        let all = |service: ServiceId, is: &dyn Fn(u16) -> bool| {
             let mut slots = system.services[service].slots.iter();
             slots.all(|&a| is(l.mode(self.s, a)))
         };
-        let void = |service: usize| all(service, &|void| void == slot::VOID);
-        let waits_for_it = |other: &usize| system.services[*other].interrupts.contains(&service);
+        let void = |service: ServiceId| all(service, &|void| void == slot::VOID);
+        let waits_for_it =
+            |other: &ServiceId| system.services[*other].interrupts.contains(&service);
         let mut waiting = system.components[definition.component].services.iter();
         void(service)
             && definition
@@ -368,7 +370,7 @@ impl AmpleState<'_, '_> {
 
     /// Returns true if a slot of the activity's task does not change, as the task sees it, until that
     /// activity has ended, provided that no client requests a related service.
-    fn cannot_change(&self, slot: usize, activity: usize) -> bool {
+    fn cannot_change(&self, slot: usize, activity: ServiceId) -> bool {
         let system = self.system();
         let automaton = &system.automata[slot];
         match self.layout().mode(self.s, slot) {
@@ -500,7 +502,7 @@ impl AmpleState<'_, '_> {
             return false;
         }
         let conflicts = &self.system().codels[codel].conflicts;
-        let wants = |service: usize| {
+        let wants = |service: ServiceId| {
             let service = &self.system().services[service];
             service
                 .validate

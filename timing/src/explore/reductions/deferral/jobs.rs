@@ -15,13 +15,14 @@
 //! lazy. And there has to be a next hard moment: some task is periodic.
 
 use smallvec::SmallVec;
+use typed_index_collections::TiSlice;
 
 use super::rest;
 use crate::explore::reductions::{Deferrable, Kind, Reason, Setting};
 use crate::explore::rules::SystemRules;
 use crate::explore::rules::status::permanent;
 use crate::explore::state::{State, phase};
-use crate::system::{ClientAction, TimedSystem};
+use crate::system::{ClientAction, ServiceId, TimedSystem};
 
 /// The lazy groups. Tasks, control tasks and clients are numbered as *members*, in this order.
 #[derive(Debug)]
@@ -84,7 +85,7 @@ impl LazyMembers {
                 }
             }
         }
-        for (service, entry) in system.services.iter().enumerate() {
+        for (service, entry) in system.services.iter_enumerated() {
             if requested[service] {
                 for &codel in entry.validate.iter().chain(&entry.simple) {
                     owner[codel] = control(entry.component);
@@ -223,7 +224,7 @@ fn starts_no_timer(system: &TimedSystem, task: usize) -> bool {
 }
 
 /// Returns true for an aperiodic task whose cycle never ends.
-fn endless(system: &TimedSystem, task: usize, requested: &[bool]) -> bool {
+fn endless(system: &TimedSystem, task: usize, requested: &TiSlice<ServiceId, bool>) -> bool {
     let definition = &system.tasks[task];
     definition.period.is_none()
         && !system.has_activities(task, requested)

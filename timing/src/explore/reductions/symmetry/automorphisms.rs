@@ -4,10 +4,11 @@
 //! accepted only after a comparison of the whole system with the exchanged system.
 
 use super::Renaming;
+use super::renaming::Id;
 use crate::explore::reductions::Watched;
 use crate::explore::rules::{Part, Parts};
 use crate::property::{Atom, Predicate};
-use crate::system::{ClientAction, CodelSet, Policy, TimedSystem};
+use crate::system::{ClientAction, CodelSet, Policy, ServiceId, TimedSystem};
 
 /// The watched properties of a task.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -61,11 +62,11 @@ pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Parts>> 
 /// Returns true if the clients of each unit only send requests to services of their unit, or of no unit.
 fn closed(system: &TimedSystem, class: &[Parts]) -> bool {
     class.iter().all(|unit| {
-        let foreign = |service: usize| {
-            !unit[Part::Service].contains(&service)
+        let foreign = |service: ServiceId| {
+            !unit[Part::Service].contains(&service.into())
                 && class
                     .iter()
-                    .any(|class| class[Part::Service].contains(&service))
+                    .any(|class| class[Part::Service].contains(&service.into()))
         };
         let steps = unit[Part::Client]
             .iter()
@@ -171,7 +172,8 @@ impl<'s> Exchange<'s> {
 
     /// Pairs two parts of a kind. Returns `None` if either is already paired with another part, or must keep
     /// its name. Otherwise returns true if the pair is new.
-    fn pair(&mut self, part: Part, x: usize, y: usize) -> Option<bool> {
+    fn pair<I: Into<usize>>(&mut self, part: Part, x: I, y: I) -> Option<bool> {
+        let (x, y) = (x.into(), y.into());
         let to = self.to.of_mut(part);
         if x == y {
             (to[x] == x).then_some(false)
@@ -189,11 +191,11 @@ impl<'s> Exchange<'s> {
 
     // ---- The parts of units ----------------------------------------------------------------
 
-    fn each(
+    fn each<I: Copy>(
         &mut self,
-        one: &[usize],
-        other: &[usize],
-        mut pair: impl FnMut(&mut Self, usize, usize) -> Option<()>,
+        one: &[I],
+        other: &[I],
+        mut pair: impl FnMut(&mut Self, I, I) -> Option<()>,
     ) -> Option<()> {
         if one.len() != other.len() {
             return None;
@@ -254,7 +256,7 @@ impl<'s> Exchange<'s> {
         Some(())
     }
 
-    fn service(&mut self, x: usize, y: usize) -> Option<()> {
+    fn service(&mut self, x: ServiceId, y: ServiceId) -> Option<()> {
         if self.pair(Part::Service, x, y)? {
             let (one, other) = (&self.system.services[x], &self.system.services[y]);
             self.component(one.component, other.component)?;
@@ -401,8 +403,8 @@ impl<'s> Exchange<'s> {
 
     fn keeps_services(&self) -> bool {
         let services = &self.system.services;
-        (0..services.len()).all(|v| {
-            let (from, to) = (&services[v], &services[self.name(Part::Service, v)]);
+        services.iter_enumerated().all(|(v, from)| {
+            let to = &services[self.name(Part::Service, v)];
             self.name(Part::Component, from.component) == to.component
                 && (from.activity, from.builtin) == (to.activity, to.builtin)
                 && from
@@ -452,21 +454,22 @@ impl<'s> Exchange<'s> {
             == words(predicate, &|atom| format!("{:?}", self.to.atom(atom)))
     }
 
-    fn name(&self, part: Part, number: usize) -> usize {
-        self.to.of(part)[number]
+    fn name<I: Id>(&self, part: Part, id: I) -> I {
+        self.to.name(part, id)
     }
 }
 
-fn same_set(from: &[usize], to: &[usize], names: &[usize]) -> bool {
-    let mut from: Vec<usize> = from.iter().map(|&name| names[name]).collect();
+fn same_set<I: Id>(from: &[I], to: &[I], names: &[usize]) -> bool {
+    let mut from: Vec<I> = from.iter().map(|&id| I::from(names[id.into()])).collect();
     let mut to = to.to_vec();
     from.sort_unstable();
     to.sort_unstable();
     from == to
 }
 
-fn same_list(from: &[usize], to: &[usize], names: &[usize]) -> bool {
-    from.iter().map(|&name| names[name]).eq(to.iter().copied())
+fn same_list<I: Id>(from: &[I], to: &[I], names: &[usize]) -> bool {
+    let renamed = from.iter().map(|&id| I::from(names[id.into()]));
+    renamed.eq(to.iter().copied())
 }
 
 /// Returns a predicate in words, whatever the order of the operands of `and` and `or`.

@@ -4,6 +4,11 @@ use crate::explore::rules::{Action, Part, Parts, Rules};
 use crate::property::Atom;
 use crate::system::TimedSystem;
 
+/// The index of a part of some kind.
+pub(super) trait Id: Copy + Ord + From<usize> + Into<usize> {}
+
+impl<I: Copy + Ord + From<usize> + Into<usize>> Id for I {}
+
 /// New names of all parts after an exchange of units, by kind and old number.
 #[derive(Debug, Clone)]
 pub(crate) struct Renaming(Parts);
@@ -38,6 +43,12 @@ impl Renaming {
     #[inline]
     pub(super) fn of(&self, part: Part) -> &[usize] {
         &self.0[part]
+    }
+
+    /// Returns the new name of a part.
+    #[inline]
+    pub(super) fn name<I: Id>(&self, part: Part, id: I) -> I {
+        I::from(self.0[part][id.into()])
     }
 
     pub(super) fn of_mut(&mut self, part: Part) -> &mut [usize] {
@@ -190,13 +201,13 @@ impl Renaming {
                 state,
                 phase,
             },
-            Atom::Slot(service, status) => Atom::Slot(self.0[Part::Service][service], status),
+            Atom::Slot(service, status) => Atom::Slot(self.name(Part::Service, service), status),
             Atom::Handling {
                 service,
                 codel,
                 phase,
             } => Atom::Handling {
-                service: self.0[Part::Service][service],
+                service: self.name(Part::Service, service),
                 codel: codel.map(|codel| self.0[Part::Codel][codel]),
                 phase,
             },

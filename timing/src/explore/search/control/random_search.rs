@@ -19,6 +19,7 @@ use crate::explore::search::goals::{GoalId, Goals, PerGoal};
 use crate::explore::search::layers::Layers;
 use crate::explore::search::observations::Observations;
 use crate::explore::watch::{Limits, Stop, Watch};
+use crate::system::ServiceId;
 
 /// Steps after which a search counts as large.
 const STEPS_OF_LARGE_SEARCH: u64 = 1000;
@@ -42,7 +43,7 @@ pub(super) struct RandomSearch {
     /// Greatest number of bytes used by a search, including the breadth-first search.
     pub(super) bytes: usize,
     /// Services with a refused request.
-    pub(super) refused: Vec<usize>,
+    pub(super) refused: Vec<ServiceId>,
     /// All states have been examined.
     over: bool,
     /// The memory limit is reached.

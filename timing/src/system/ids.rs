@@ -1,0 +1,32 @@
+//! Indices into the tables of a [`TimedSystem`](super::TimedSystem), one type for each table.
+//!
+//! States of the explorer hold them as plain numbers; they are converted where such a number is read or
+//! written.
+
+/// Declares the index into one table of a system.
+macro_rules! ids {
+    ($($(#[$doc:meta])* $name:ident)*) => {$(
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub struct $name(usize);
+
+        impl From<usize> for $name {
+            #[inline]
+            fn from(index: usize) -> Self {
+                $name(index)
+            }
+        }
+
+        impl From<$name> for usize {
+            #[inline]
+            fn from(id: $name) -> usize {
+                id.0
+            }
+        }
+    )*};
+}
+
+ids! {
+    /// A service: an index into [`TimedSystem::services`](super::TimedSystem::services).
+    ServiceId
+}
