@@ -23,11 +23,13 @@ use super::orphans;
 use super::shared_data::SharedData;
 use super::wire::{HostCommand, HostMessage};
 use dotgen_platform::process::System;
+use dotgen_timing::system::ComponentId;
 
 use inbox::EngineEvent;
 pub(crate) use inbox::InputSlot;
 pub use inbox::{RunInbox, RunListener};
 use pipe::{in_words, send};
+use typed_index_collections::TiVec;
 
 /// Maximum time for a reply of a host that does not depend on a codel.
 const REPLY_TIMEOUT: Duration = Duration::from_secs(10);
@@ -57,10 +59,10 @@ pub type Waiting = Box<dyn Fn(&str, u32)>;
 
 /// All hosts of a run.
 pub struct Children {
-    children: Vec<Child>,
-    names: Vec<String>,
+    children: TiVec<ComponentId, Child>,
+    names: TiVec<ComponentId, String>,
     /// Component and name of each task, by lane.
-    tasks: Vec<(usize, String)>,
+    tasks: Vec<(ComponentId, String)>,
     real: bool,
     /// Set if hosts wait for a debugger: the function to call, and no timeouts.
     debug: Option<Waiting>,
@@ -85,9 +87,9 @@ pub struct Children {
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 enum Origin {
     /// Component, output port and instance.
-    Output(usize, u32, String),
+    Output(ComponentId, u32, String),
     /// A source outside the run: the component, the input port and the name of the source.
-    Elsewhere(usize, u32, String),
+    Elsewhere(ComponentId, u32, String),
 }
 
 /// The shared memory with the data of ports that are read.
@@ -96,7 +98,7 @@ struct SharedDataPool {
     /// The shared memory of each source, with its number.
     of: HashMap<Origin, (u64, SharedData)>,
     /// The number of the shared memory that each input port reads, by component, port and name of the source.
-    shown: HashMap<(usize, u32, String), u64>,
+    shown: HashMap<(ComponentId, u32, String), u64>,
     made: u64,
     /// Shared memory that was too small and was replaced. It is kept, because a host may still open it by its
     /// path, and no other memory may get this path.
@@ -107,9 +109,9 @@ impl Children {
     /// Creates the hosts of the components that have a shared object. `names` has all components of the
     /// system, and `tasks` the component and name of each task.
     pub fn new(
-        libraries: Vec<Option<Utf8PathBuf>>,
-        names: Vec<String>,
-        tasks: Vec<(usize, String)>,
+        libraries: TiVec<ComponentId, Option<Utf8PathBuf>>,
+        names: TiVec<ComponentId, String>,
+        tasks: Vec<(ComponentId, String)>,
         real: bool,
         interrupt: Interrupt,
     ) -> Children {
@@ -171,7 +173,7 @@ impl Children {
         self.outside.push(outside);
     }
 
-    fn spawn(&mut self, component: usize) -> Result<(), String> {
+    fn spawn(&mut self, component: ComponentId) -> Result<(), String> {
         let Some(library) = self.children[component].library.clone() else {
             return Ok(());
         };
@@ -261,7 +263,7 @@ impl Children {
         }
     }
 
-    fn order(&mut self, component: usize, order: &HostCommand) {
+    fn order(&mut self, component: ComponentId, order: &HostCommand) {
         let process = self.children.get_mut(component);
         let process = process.and_then(|process| process.process.as_mut());
         let Some(process) = process else { return };
@@ -277,7 +279,7 @@ impl Children {
     }
 
     /// Removes a host that has ended, and returns its way of ending.
-    fn ended(&mut self, component: usize) -> String {
+    fn ended(&mut self, component: ComponentId) -> String {
         let Some(mut process) = self.children[component].process.take() else {
             return "ended".to_owned();
         };
@@ -347,7 +349,7 @@ impl Children {
         let hosts =
             processes.filter_map(|process| Pid::from_raw(process.child.id().try_into().ok()?));
         orphans::reap(&hosts.collect::<Vec<_>>());
-        for (component, child) in self.children.iter_mut().enumerate() {
+        for (component, child) in self.children.iter_mut_enumerated() {
             let Some(process) = &mut child.process else {
                 continue;
             };
@@ -419,7 +421,7 @@ impl Hosts for Children {
         self.started += 1;
         self.early.clear();
         self.boards = SharedDataPool::default();
-        for component in 0..self.children.len() {
+        for component in self.children.keys() {
             // Dropping a process ends it.
             self.children[component].process = None;
             self.spawn(component)?;
@@ -459,7 +461,7 @@ impl Hosts for Children {
         Ok(())
     }
 
-    fn make(&mut self, component: usize, service: u32, instance: u32, inputs: &[u8]) {
+    fn make(&mut self, component: ComponentId, service: u32, instance: u32, inputs: &[u8]) {
         let inputs = inputs.to_vec();
         self.order(
             component,
@@ -475,7 +477,7 @@ impl Hosts for Children {
         self.order(call.component, &HostCommand::of(call));
     }
 
-    fn end(&mut self, component: usize, service: u32, instance: u32) -> Option<Vec<u8>> {
+    fn end(&mut self, component: ComponentId, service: u32, instance: u32) -> Option<Vec<u8>> {
         self.order(component, &HostCommand::End { service, instance });
         let until = self.deadline();
         loop {
@@ -539,13 +541,13 @@ impl Hosts for Children {
         }
     }
 
-    fn kill(&mut self, component: usize) {
+    fn kill(&mut self, component: ComponentId) {
         if let Some(child) = self.children.get_mut(component) {
             child.process = None;
         }
     }
 
-    fn reply(&mut self, component: usize, ask: u32, outputs: Result<Vec<u8>, ReplyError>) {
+    fn reply(&mut self, component: ComponentId, ask: u32, outputs: Result<Vec<u8>, ReplyError>) {
         let (error, outputs) = match outputs {
             Ok(outputs) => (0, outputs),
             Err(ReplyError::NoService) => (libc::ENOSYS, Vec::new()),
@@ -575,13 +577,13 @@ impl Hosts for Children {
         }
     }
 
-    fn gone(&mut self, component: usize, why: &str) {
+    fn gone(&mut self, component: ComponentId, why: &str) {
         for listener in &mut self.outside {
             listener.gone(component, why);
         }
     }
 
-    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
+    fn published(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]) {
         for listener in &mut self.outside {
             listener.published(component, port, id, data);
         }

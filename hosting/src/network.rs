@@ -17,6 +17,7 @@ use zenoh::{Config, Session, Wait as _};
 
 use super::children::{InputSlot, RunInbox, RunListener};
 use super::components::KnownComponent;
+use dotgen_timing::system::ComponentId;
 
 /// Maximum number of sources of a `multiple` port, and of keys that are reported. Others are ignored, so that
 /// no peer can fill the memory of this machine.
@@ -30,7 +31,7 @@ pub struct NetworkOptions<'a> {
     /// Zenoh endpoints of other runs, or of routers.
     pub connect: &'a [String],
     /// Component, input port, and the key that the port reads.
-    pub reads: &'a [(usize, u32, String)],
+    pub reads: &'a [(ComponentId, u32, String)],
 }
 
 /// A function that shows a message to the user.
@@ -47,8 +48,8 @@ pub struct Network {
 /// A message: an endpoint is invalid, or another program listens there.
 pub fn join(
     wanted: NetworkOptions<'_>,
-    known: &BTreeMap<usize, KnownComponent>,
-    is_fed: &dyn Fn(usize, u32) -> bool,
+    known: &BTreeMap<ComponentId, KnownComponent>,
+    is_fed: &dyn Fn(ComponentId, u32) -> bool,
     inbox: &RunInbox,
     tell: &Notifier,
 ) -> Result<(Network, Box<dyn RunListener>), String> {
@@ -128,7 +129,7 @@ struct Input {
     spec: Arc<Spec>,
     ty: TypeId,
     path: String,
-    component: usize,
+    component: ComponentId,
     port: u32,
     multiple: bool,
     inbox: RunInbox,
@@ -200,9 +201,9 @@ impl Input {
 /// The output ports of this run.
 struct Outputs {
     session: Session,
-    known: BTreeMap<usize, KnownComponent>,
+    known: BTreeMap<ComponentId, KnownComponent>,
     /// By component, port and instance; `None` for an invalid key.
-    publishers: HashMap<(usize, u32, String), Option<Publisher<'static>>>,
+    publishers: HashMap<(ComponentId, u32, String), Option<Publisher<'static>>>,
     tell: Notifier,
 }
 
@@ -229,12 +230,12 @@ impl Outputs {
 impl RunListener for Outputs {
     fn answer(&mut self, _: u64, _: &RequestReply) {}
 
-    fn gone(&mut self, component: usize, _: &str) {
+    fn gone(&mut self, component: ComponentId, _: &str) {
         self.publishers
             .retain(|publisher, _| publisher.0 != component);
     }
 
-    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
+    fn published(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]) {
         let Some(known) = self.known.get(&component) else {
             return;
         };

@@ -23,6 +23,7 @@ use super::children::{InputSlot, RunInbox, RunListener};
 use super::clients::MAX_REQUEST_BYTES;
 use super::components::KnownComponent;
 use super::network::{Notifier, SOURCES, config};
+use dotgen_timing::system::ComponentId;
 use requests::Requests;
 use topics::Topic;
 
@@ -47,8 +48,8 @@ pub struct Ros2Options<'a> {
 /// A message: an endpoint is invalid, or another program listens there.
 pub fn join(
     wanted: Ros2Options<'_>,
-    known: &BTreeMap<usize, KnownComponent>,
-    is_fed: &dyn Fn(usize, u32) -> bool,
+    known: &BTreeMap<ComponentId, KnownComponent>,
+    is_fed: &dyn Fn(ComponentId, u32) -> bool,
     inbox: &RunInbox,
     tell: &Notifier,
 ) -> Result<Box<dyn RunListener>, String> {
@@ -102,7 +103,7 @@ struct Nodes {
     next: AtomicU32,
     requests: Arc<Requests>,
     /// By component.
-    joined: BTreeMap<usize, Joined>,
+    joined: BTreeMap<ComponentId, Joined>,
     tell: Notifier,
 }
 
@@ -134,9 +135,9 @@ impl Nodes {
     /// Declares a node with its endpoints.
     fn add(
         &self,
-        component: usize,
+        component: ComponentId,
         node: Node,
-        is_fed: &dyn Fn(usize, u32) -> bool,
+        is_fed: &dyn Fn(ComponentId, u32) -> bool,
     ) -> zenoh::Result<Joined> {
         let number = self.number();
         let id = self.id(&node, number);
@@ -188,7 +189,7 @@ impl Nodes {
         })
     }
 
-    fn input(&self, component: usize, port: u32, multiple: bool) -> Input {
+    fn input(&self, component: ComponentId, port: u32, multiple: bool) -> Input {
         Input {
             known: self.requests.known[&component].clone(),
             component,
@@ -232,12 +233,12 @@ impl RunListener for Nodes {
         self.requests.entered(id, state);
     }
 
-    fn gone(&mut self, component: usize, _: &str) {
+    fn gone(&mut self, component: ComponentId, _: &str) {
         self.requests.leave(component);
         self.joined.remove(&component);
     }
 
-    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
+    fn published(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]) {
         let place = (port, id.to_owned());
         let Some(joined) = self.joined.get(&component) else {
             return;
@@ -270,7 +271,7 @@ impl RunListener for Nodes {
 /// An input port that reads topics.
 struct Input {
     known: KnownComponent,
-    component: usize,
+    component: ComponentId,
     port: u32,
     multiple: bool,
     inbox: RunInbox,

@@ -28,6 +28,7 @@ use super::clients::{
 use super::components::{CONNECT, KnownComponent, describe, detail_of};
 use super::stream::Stream;
 use dotgen_platform::files::disk::TemporaryFile;
+use dotgen_timing::system::ComponentId;
 use find::{component, output};
 use subscribers::{ProfileSubscribers, ProgressSubscribers};
 use token::Token;
@@ -103,7 +104,7 @@ impl Server {
 /// The state that the threads of clients share with the engine.
 struct Shared {
     /// By component of the system.
-    known: BTreeMap<usize, KnownComponent>,
+    known: BTreeMap<ComponentId, KnownComponent>,
     /// Flows between ports at the start of the run.
     feeds: Vec<DataFlow>,
     inbox: RunInbox,
@@ -111,7 +112,7 @@ struct Shared {
 }
 
 /// An input port, by component and number, and the name by which it finds a source.
-type Place = (usize, u32, String);
+type Place = (ComponentId, u32, String);
 
 #[derive(Default)]
 struct State {
@@ -126,25 +127,25 @@ struct State {
     /// Subscribers of the progress of the run, with the `id` of their request.
     progress_subscribers: Vec<(Client, Value)>,
     /// The newest data of output ports.
-    data: HashMap<(usize, u32, String), Vec<u8>>,
+    data: HashMap<(ComponentId, u32, String), Vec<u8>>,
     /// Input ports that clients have connected: the component, output port and instance of each source.
-    connected: HashMap<Place, (usize, u32, String)>,
+    connected: HashMap<Place, (ComponentId, u32, String)>,
     /// Input ports that clients have written, with the data that the engine has not taken yet.
     written: HashMap<Place, Arc<InputSlot>>,
     /// Components that have ended, with the way in which each ended.
-    gone: HashMap<usize, String>,
+    gone: HashMap<ComponentId, String>,
 }
 
 struct PendingRequest {
     client: Client,
     /// The `id` that the client gave the request.
     id: Value,
-    component: usize,
+    component: ComponentId,
     index: usize,
 }
 
 struct Watcher {
-    component: usize,
+    component: ComponentId,
     port: u32,
     client: Client,
     id: Value,
@@ -162,7 +163,7 @@ impl Shared {
 /// A message: another program listens there, or the path cannot be used.
 pub fn listen(
     path: &Path,
-    known: BTreeMap<usize, KnownComponent>,
+    known: BTreeMap<ComponentId, KnownComponent>,
     feeds: Vec<DataFlow>,
     inbox: RunInbox,
 ) -> Result<(Server, Box<dyn RunListener>), String> {
@@ -552,7 +553,7 @@ impl RunListener for EngineListener {
         }
     }
 
-    fn gone(&mut self, component: usize, why: &str) {
+    fn gone(&mut self, component: ComponentId, why: &str) {
         let mut state = self.shared.state();
         state.gone.insert(component, why.to_owned());
         let Some(known) = self.shared.known.get(&component) else {
@@ -568,7 +569,7 @@ impl RunListener for EngineListener {
         });
     }
 
-    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
+    fn published(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]) {
         let mut state = self.shared.state();
         let Some(known) = self.shared.known.get(&component) else {
             return;

@@ -2,13 +2,13 @@
 //! services, codels and ports as in the model of their component. An attribute has one more codel, which
 //! copies its values.
 
-use dotgen_timing::system::ServiceId;
+use dotgen_timing::system::{ComponentId, ServiceId};
 
 /// A call of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Call {
     /// Component.
-    pub component: usize,
+    pub component: ComponentId,
     /// Thread: a task of the system, or `u32::MAX` for the control task.
     pub lane: u32,
     /// Number that [`CodelResult`] repeats.
@@ -25,7 +25,7 @@ pub struct Call {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Source<'a> {
     /// Component.
-    pub component: usize,
+    pub component: ComponentId,
     /// Port.
     pub port: u32,
     /// Instance; empty if the port is not `multiple`.
@@ -36,7 +36,7 @@ pub struct Source<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Reader<'a> {
     /// Component.
-    pub component: usize,
+    pub component: ComponentId,
     /// Port.
     pub port: u32,
     /// Name by which the input distinguishes its sources; empty if the port is not `multiple`.
@@ -113,11 +113,11 @@ pub enum RequestReply {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Connection {
     /// Component and output port.
-    pub from: (usize, u32),
+    pub from: (ComponentId, u32),
     /// Instance of the output; empty if the port is not `multiple`.
     pub id: String,
     /// Component and input port.
-    pub to: (usize, u32),
+    pub to: (ComponentId, u32),
     /// Name by which the input finds the source; empty if the input is not `multiple`.
     pub name: String,
 }
@@ -137,11 +137,11 @@ pub enum ReplyError {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Message {
     /// A codel has ended.
-    CodelResult(usize, CodelResult),
+    CodelResult(ComponentId, CodelResult),
     /// The process of a component has ended.
     Lost {
         /// Component.
-        component: usize,
+        component: ComponentId,
         /// Reason, in words: "was ended by signal 11 (SIGSEGV)".
         why: String,
     },
@@ -152,7 +152,7 @@ pub enum Message {
     /// A call of a remote service, for which a codel waits.
     Asked {
         /// Component of the codel.
-        component: usize,
+        component: ComponentId,
         /// Number that [`Hosts::reply`] repeats.
         ask: u32,
         /// Remote, by number in the model of the component.
@@ -165,7 +165,7 @@ pub enum Message {
     /// New data from outside for an input port: of another machine, or of a client.
     Fed {
         /// Component.
-        component: usize,
+        component: ComponentId,
         /// Port.
         port: u32,
         /// Name by which the input finds the source; empty if the port is not `multiple`.
@@ -185,13 +185,13 @@ pub trait Hosts {
     fn start(&mut self) -> Result<(), String>;
 
     /// Begins a request, with its inputs.
-    fn make(&mut self, component: usize, service: u32, instance: u32, inputs: &[u8]);
+    fn make(&mut self, component: ComponentId, service: u32, instance: u32, inputs: &[u8]);
 
     /// Begins a codel. [`Message::CodelResult`] or [`Message::Lost`] follows.
     fn run(&mut self, call: &Call);
 
     /// Ends a request and returns its outputs; `None` if the component is lost or does not answer.
-    fn end(&mut self, component: usize, service: u32, instance: u32) -> Option<Vec<u8>>;
+    fn end(&mut self, component: ComponentId, service: u32, instance: u32) -> Option<Vec<u8>>;
 
     /// Passes new data of an output port to its readers.
     fn share(&mut self, from: Source<'_>, readers: &[Reader<'_>], data: &[u8]);
@@ -211,10 +211,10 @@ pub trait Hosts {
     fn blocked_after_nanos(&self) -> Option<u64>;
 
     /// Kills a component that does not answer.
-    fn kill(&mut self, component: usize);
+    fn kill(&mut self, component: ComponentId);
 
     /// Answers a codel that called a remote service, with the outputs of the service.
-    fn reply(&mut self, component: usize, ask: u32, outputs: Result<Vec<u8>, ReplyError>);
+    fn reply(&mut self, component: ComponentId, ask: u32, outputs: Result<Vec<u8>, ReplyError>);
 
     /// Sends an answer to the sender of an outside request.
     fn answer(&mut self, id: u64, answer: RequestReply);
@@ -223,8 +223,8 @@ pub trait Hosts {
     fn entered(&mut self, id: u64, state: &str);
 
     /// Reports that a component is lost, and the reason.
-    fn gone(&mut self, component: usize, why: &str);
+    fn gone(&mut self, component: ComponentId, why: &str);
 
     /// Publishes new data of an output port.
-    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]);
+    fn published(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]);
 }

@@ -10,7 +10,8 @@ mod requests;
 use std::collections::{HashMap, VecDeque};
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
-use dotgen_timing::system::{ServiceId, TimedSystem, Yield};
+use dotgen_timing::system::{ComponentId, ServiceId, TimedSystem, Yield};
+use typed_index_collections::{TiVec, ti_vec};
 
 use crate::hosts::{
     Call, CodelEnd, CodelResult, Connection, Hosts, Message, OutsideRequest, Reader, Source,
@@ -54,10 +55,10 @@ pub struct Live<'p> {
     waits: bool,
     /// An activity whose codel takes too long is ended.
     stops_activities: bool,
-    alive: Vec<bool>,
+    alive: TiVec<ComponentId, bool>,
     running: Vec<Option<Running>>,
     /// Requests that control tasks handle, by component.
-    pending: Vec<Option<Instance>>,
+    pending: TiVec<ComponentId, Option<Instance>>,
     /// Activities, by place.
     places: Vec<Option<Instance>>,
     next_instance: u32,
@@ -68,11 +69,11 @@ pub struct Live<'p> {
     keeps_data: bool,
     published: Vec<PortUpdate>,
     /// Requests from outside, by component.
-    wanted: Vec<VecDeque<OutsideRequest>>,
+    wanted: TiVec<ComponentId, VecDeque<OutsideRequest>>,
     /// Requests from outside that must end.
     aborts: Vec<u64>,
     /// Calls of remote services by codels, by number: the component, and its own number for the call.
-    asks: HashMap<u64, (usize, u32)>,
+    asks: HashMap<u64, (ComponentId, u32)>,
     next_ask: u64,
     /// Connections of ports from outside.
     connected: Vec<Connection>,
@@ -89,7 +90,7 @@ impl<'p> Live<'p> {
     ) -> Self {
         let components = system.components.len();
         Live {
-            alive: vec![true; components],
+            alive: ti_vec![true; components],
             running: Vec::new(),
             pending: (0..components).map(|_| None).collect(),
             places: Vec::new(),
@@ -150,7 +151,7 @@ impl<'p> Live<'p> {
     }
 
     /// Returns true if a component is not lost.
-    pub fn is_alive(&self, component: usize) -> bool {
+    pub fn is_alive(&self, component: ComponentId) -> bool {
         self.alive.get(component).copied().unwrap_or(false)
     }
 
@@ -369,7 +370,7 @@ impl<'p> Live<'p> {
         }
     }
 
-    fn lost(&mut self, component: usize, why: String) {
+    fn lost(&mut self, component: ComponentId, why: String) {
         if !std::mem::replace(&mut self.alive[component], false) {
             return;
         }
@@ -531,7 +532,7 @@ impl<'p> Live<'p> {
         }
     }
 
-    fn publish(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
+    fn publish(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]) {
         self.hosts.published(component, port, id, data);
         if self.keeps_data {
             self.published.push(PortUpdate {

@@ -1,6 +1,7 @@
 //! The interface for observers of a run.
 
 use dotgen_timing::explore::{Action, Seen, Stepper};
+use dotgen_timing::system::ComponentId;
 
 /// Observes a run.
 pub trait RunObserver {
@@ -65,7 +66,7 @@ pub enum CodelViolation {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PortUpdate {
     /// Component of the system.
-    pub component: usize,
+    pub component: ComponentId,
     /// Port, by number in the model of the component.
     pub port: u32,
     /// Instance, if the port is `multiple`.

@@ -23,7 +23,7 @@ use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use crate::scn::semantics::Semantics;
 
-pub use ids::ServiceId;
+pub use ids::{ComponentId, ServiceId};
 pub use locks::{SharedPorts, sources};
 pub use loops::{loop_contradictions, pauseless_cycles};
 pub use name::{CodelName, ThreadName};
@@ -43,7 +43,7 @@ pub struct TimedSystem {
     /// The base unit, in seconds.
     pub unit: Seconds,
     /// Components.
-    pub components: Vec<Component>,
+    pub components: TiVec<ComponentId, Component>,
     /// Execution tasks. Those of one component are consecutive, in order of declaration.
     pub tasks: Vec<Task>,
     /// State machines of permanent activities and activities.
@@ -108,7 +108,7 @@ pub struct Task {
     /// Name, without the component.
     pub name: String,
     /// Component.
-    pub component: usize,
+    pub component: ComponentId,
     /// Period, in base units; `None` if the task is aperiodic.
     pub period: Option<Ticks>,
     /// Offset, in base units: the first tick comes one period and this offset after the start of the timer.
@@ -196,7 +196,7 @@ pub struct Codel {
     /// Name, with its component and owner.
     pub path: CodelName,
     /// Component.
-    pub component: usize,
+    pub component: ComponentId,
     /// Least time from the grant of its locks to their release, in base units.
     pub lower: Ticks,
     /// Greatest time from the grant of its locks to their release, in base units, or [`FOREVER`].
@@ -266,7 +266,7 @@ pub struct Service {
     /// Name, without the component.
     pub name: String,
     /// Component.
-    pub component: usize,
+    pub component: ComponentId,
     /// Codel that accepts or refuses requests.
     pub validate: Option<usize>,
     /// Codels that the control task executes, in order (functions and attributes).

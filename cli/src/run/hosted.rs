@@ -12,8 +12,8 @@ use dotgen_codegen::codels::value::Values;
 use dotgen_runtime::live::{HostedComponent, HostedComponents};
 use dotgen_runtime::refine;
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::system::Ticks;
 use dotgen_timing::system::settings::Settings;
+use dotgen_timing::system::{ComponentId, Ticks};
 use dotgen_timing::verify::{Interrupt, Prepared};
 
 use crate::codels::build;
@@ -22,6 +22,7 @@ use crate::session::Session;
 use dotgen_lsp_server::features::codels::Disk;
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_views::verification::Problem;
+use typed_index_collections::{TiVec, ti_vec};
 
 /// The executed part of a system.
 pub(super) struct Hosted<'s> {
@@ -144,9 +145,9 @@ impl<'s> Hosted<'s> {
     }
 
     /// Returns the shared objects by component of the system.
-    pub(super) fn libraries(&self, prepared: &Prepared) -> Vec<Option<Utf8PathBuf>> {
+    pub(super) fn libraries(&self, prepared: &Prepared) -> TiVec<ComponentId, Option<Utf8PathBuf>> {
         let built = &prepared.built;
-        let mut out = vec![None; built.system.components.len()];
+        let mut out = ti_vec![None; built.system.components.len()];
         for (&name, &component) in &built.components {
             out[component] = self.libraries.get(name).cloned().flatten();
         }

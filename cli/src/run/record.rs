@@ -10,12 +10,13 @@ use dotgen_runtime::simulation::Record;
 use dotgen_runtime::watch::PortUpdate;
 use dotgen_timing::explore::{Action, Stepper};
 use dotgen_timing::scn::names::{Member, Names};
-use dotgen_timing::system::TimedSystem;
+use dotgen_timing::system::{ComponentId, TimedSystem};
 use dotgen_timing::verify::Prepared;
 use num_rational::Ratio;
 use serde_json::{Value, json};
 
 use dotgen_platform::files::disk::AppendedFile;
+use typed_index_collections::{TiVec, ti_vec};
 
 /// Maximum time until messages are in the file, even if their chunk is not full.
 const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
@@ -24,7 +25,7 @@ const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 pub(super) struct Recording<'r, 's> {
     system: &'r TimedSystem,
     /// By component of the system.
-    members: Vec<Option<&'r Member<'s>>>,
+    members: TiVec<ComponentId, Option<&'r Member<'s>>>,
     out: Writer<AppendedFile>,
     about: RunInfo,
     /// Nanoseconds since 1970 at the start of the run; 0 on the virtual clock.
@@ -47,7 +48,7 @@ impl<'r, 's> Recording<'r, 's> {
         real: bool,
     ) -> anyhow::Result<Self> {
         let system = &prepared.built.system;
-        let mut members = vec![None; system.components.len()];
+        let mut members = ti_vec![None; system.components.len()];
         for (&name, &component) in &prepared.built.components {
             members[component] = names.components.get(name);
         }

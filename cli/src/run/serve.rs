@@ -18,6 +18,7 @@ use dotgen_hosting::components::KnownComponent;
 use dotgen_hosting::network::Network;
 use dotgen_hosting::server::{Clients, Server, listen};
 use dotgen_hosting::sockets;
+use dotgen_timing::system::ComponentId;
 use dotgen_views::verification::Problem;
 
 /// The server. Dropping it ends all connections.
@@ -51,7 +52,7 @@ pub(super) fn start(
         }
     };
     let built = &prepared.built;
-    let mut known: BTreeMap<usize, KnownComponent> = BTreeMap::new();
+    let mut known: BTreeMap<ComponentId, KnownComponent> = BTreeMap::new();
     for (name, member) in names.components.iter().enumerate() {
         let Some(&at) = built.components.get(&name) else {
             continue;
@@ -111,7 +112,7 @@ pub(super) fn start(
 #[cfg(feature = "zenoh")]
 fn join(
     arguments: &Arguments,
-    known: &BTreeMap<usize, KnownComponent>,
+    known: &BTreeMap<ComponentId, KnownComponent>,
     parts: &HostedComponents<'_>,
     children: &mut Children,
 ) -> anyhow::Result<Option<Network>> {
@@ -155,8 +156,8 @@ fn join(
 #[cfg(feature = "zenoh")]
 fn read(
     text: &str,
-    known: &BTreeMap<usize, KnownComponent>,
-) -> anyhow::Result<(usize, u32, String)> {
+    known: &BTreeMap<ComponentId, KnownComponent>,
+) -> anyhow::Result<(ComponentId, u32, String)> {
     let split = text.split_once('=').and_then(|(port, key)| {
         let (component, port) = port.split_once('.')?;
         Some((component, port, key))

@@ -7,12 +7,13 @@ use std::sync::{Arc, Mutex};
 use dotgen_runtime::hosts::{Message, RequestReply};
 
 use crate::wire::HostMessage;
+use dotgen_timing::system::ComponentId;
 
 /// An event for the engine: from a host, with the number of its start, or from outside.
 pub(super) enum EngineEvent {
-    HostMessage(usize, u64, HostMessage),
+    HostMessage(ComponentId, u64, HostMessage),
     /// The output of a host has ended.
-    Closed(usize, u64),
+    Closed(ComponentId, u64),
     Outside(Message),
     /// An input port has data from outside.
     Fed(Arc<InputSlot>),
@@ -20,7 +21,7 @@ pub(super) enum EngineEvent {
 
 /// The newest data from outside for an input port. Data that the engine has not taken yet is replaced.
 pub(crate) struct InputSlot {
-    pub(super) component: usize,
+    pub(super) component: ComponentId,
     pub(super) port: u32,
     pub(super) name: String,
     data: Mutex<Option<Vec<u8>>>,
@@ -28,7 +29,7 @@ pub(crate) struct InputSlot {
 
 impl InputSlot {
     /// Creates an empty slot for a port of a component, and for the name by which the port finds the source.
-    pub(crate) fn new(component: usize, port: u32, name: String) -> InputSlot {
+    pub(crate) fn new(component: ComponentId, port: u32, name: String) -> InputSlot {
         InputSlot {
             component,
             port,
@@ -50,9 +51,9 @@ pub trait RunListener {
     /// Receives the new state of an activity that a request began.
     fn entered(&mut self, _id: u64, _state: &str) {}
     /// Receives the end of a component, with the way in which the component ended.
-    fn gone(&mut self, component: usize, why: &str);
+    fn gone(&mut self, component: ComponentId, why: &str);
     /// Receives new data of an output port.
-    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]);
+    fn published(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]);
 }
 
 /// A sender of messages from outside to the engine.

@@ -15,7 +15,7 @@ use super::topics::{Topic, now};
 use crate::children::RunInbox;
 use crate::clients::MAX_WAITING;
 use crate::components::KnownComponent;
-use dotgen_timing::system::ServiceId;
+use dotgen_timing::system::{ComponentId, ServiceId};
 
 /// Maximum number of goals of an activity, with those that have ended: the oldest of these are forgotten.
 const GOALS: usize = 128;
@@ -32,7 +32,7 @@ const CANCELING: i8 = 3;
 
 /// The requests of ROS 2 clients to all components of a run.
 pub(super) struct Requests {
-    pub(super) known: BTreeMap<usize, KnownComponent>,
+    pub(super) known: BTreeMap<ComponentId, KnownComponent>,
     pub(super) inbox: RunInbox,
     pub(super) replies: Replies,
     state: Mutex<State>,
@@ -43,11 +43,11 @@ struct State {
     /// The requests that have not ended, by their numbers.
     pending: HashMap<u64, Pending>,
     /// By component and service.
-    activities: HashMap<(usize, u32), Activity>,
+    activities: HashMap<(ComponentId, u32), Activity>,
 }
 
 struct Pending {
-    component: usize,
+    component: ComponentId,
     service: u32,
     wants: Wants,
 }
@@ -88,7 +88,10 @@ impl Activity {
 }
 
 impl Requests {
-    pub(super) fn new(known: BTreeMap<usize, KnownComponent>, inbox: RunInbox) -> Arc<Requests> {
+    pub(super) fn new(
+        known: BTreeMap<ComponentId, KnownComponent>,
+        inbox: RunInbox,
+    ) -> Arc<Requests> {
         Arc::new(Requests {
             known,
             inbox,
@@ -102,7 +105,7 @@ impl Requests {
     }
 
     /// Adds the topic of the status of an activity.
-    pub(super) fn add_status(&self, component: usize, service: u32, topic: Topic) {
+    pub(super) fn add_status(&self, component: ComponentId, service: u32, topic: Topic) {
         let mut state = self.state();
         let activity = state.activities.entry((component, service)).or_default();
         activity.status = Some(topic);
@@ -110,14 +113,14 @@ impl Requests {
     }
 
     /// Adds the topic of the feedback of an activity.
-    pub(super) fn add_feedback(&self, component: usize, service: u32, topic: Topic) {
+    pub(super) fn add_feedback(&self, component: ComponentId, service: u32, topic: Topic) {
         let mut state = self.state();
         let activity = state.activities.entry((component, service)).or_default();
         activity.feedback = Some(topic);
     }
 
     /// Removes the topics of a component from the graph.
-    pub(super) fn leave(&self, component: usize) {
+    pub(super) fn leave(&self, component: ComponentId) {
         for (place, activity) in &mut self.state().activities {
             if place.0 == component {
                 (activity.status, activity.feedback) = (None, None);
@@ -126,7 +129,7 @@ impl Requests {
     }
 
     /// Handles a request to an endpoint with a key.
-    pub(super) fn hear(&self, component: usize, part: Part, key: &str, query: Query) {
+    pub(super) fn hear(&self, component: ComponentId, part: Part, key: &str, query: Query) {
         let Some((asked, payload)) = Asked::read(query, key, &self.replies) else {
             return;
         };
@@ -139,7 +142,7 @@ impl Requests {
         }
     }
 
-    fn payloads(&self, component: usize) -> Payloads<'_> {
+    fn payloads(&self, component: ComponentId) -> Payloads<'_> {
         let known = &self.known[&component];
         Payloads::new(&known.spec, known.component())
     }
@@ -148,7 +151,7 @@ impl Requests {
     fn admit(
         &self,
         state: &State,
-        component: usize,
+        component: ComponentId,
         service: u32,
     ) -> Result<(ServiceId, u64), String> {
         let known = &self.known[&component];
@@ -164,7 +167,7 @@ impl Requests {
         Ok((wanted, self.inbox.number()))
     }
 
-    fn call(&self, component: usize, service: u32, asked: Asked, payload: &[u8]) {
+    fn call(&self, component: ComponentId, service: u32, asked: Asked, payload: &[u8]) {
         let inputs = match self.payloads(component).inputs(service, payload) {
             Ok(input) => input,
             Err(why) => return self.replies.error(asked, why.to_string()),
@@ -194,7 +197,7 @@ impl Requests {
     }
 
     /// A goal is accepted before the component decides, as a refusal has no reason in ROS 2.
-    fn send_goal(&self, component: usize, service: u32, asked: Asked, payload: &[u8]) {
+    fn send_goal(&self, component: ComponentId, service: u32, asked: Asked, payload: &[u8]) {
         let (goal, inputs) = match self.payloads(component).goal(service, payload) {
             Ok(goal) => goal,
             Err(why) => return self.replies.error(asked, why.to_string()),
@@ -237,7 +240,7 @@ impl Requests {
         self.bring(number, wanted, inputs);
     }
 
-    fn get_result(&self, component: usize, service: u32, asked: Asked, payload: &[u8]) {
+    fn get_result(&self, component: ComponentId, service: u32, asked: Asked, payload: &[u8]) {
         let id = match cdr::result_of(payload) {
             Ok(bytes) => bytes,
             Err(why) => return self.replies.error(asked, why.to_string()),
@@ -261,7 +264,7 @@ impl Requests {
         }
     }
 
-    fn cancel(&self, component: usize, service: u32, asked: Asked, payload: &[u8]) {
+    fn cancel(&self, component: ComponentId, service: u32, asked: Asked, payload: &[u8]) {
         let wanted = match cdr::cancel(payload) {
             Ok(cancel) => cancel,
             Err(why) => return self.replies.error(asked, why.to_string()),
@@ -295,7 +298,13 @@ impl Requests {
 
     /// The result of a goal. One that has no form, which only a codel with wrong data can cause, is that of
     /// a failure without detail.
-    fn result(&self, component: usize, service: u32, status: i8, outcome: Outcome<'_>) -> Vec<u8> {
+    fn result(
+        &self,
+        component: ComponentId,
+        service: u32,
+        status: i8,
+        outcome: Outcome<'_>,
+    ) -> Vec<u8> {
         let payloads = self.payloads(component);
         let result = payloads.result(service, status, outcome);
         let result = result.or_else(|_| payloads.result(service, cdr::ABORTED, UNREADABLE));
@@ -387,7 +396,7 @@ impl Requests {
     }
 
     /// The outputs of a service of a simulated component.
-    fn zeros(&self, component: usize, service: u32) -> Vec<u8> {
+    fn zeros(&self, component: ComponentId, service: u32) -> Vec<u8> {
         let known = &self.known[&component];
         let values = Values::new(&known.spec);
         let service = &known.component().services[service as usize];

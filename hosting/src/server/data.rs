@@ -5,12 +5,13 @@ use dotgen_codegen::codels::value::{Values, is_input};
 use serde_json::{Map, Value, json};
 
 use super::{Shared, State};
+use dotgen_timing::system::ComponentId;
 
 /// Returns the newest value of each instance of a port.
 pub(super) fn newest(
     shared: &Shared,
     state: &State,
-    component: usize,
+    component: ComponentId,
     port: u32,
 ) -> Map<String, Value> {
     let known = &shared.known[&component];

@@ -4,8 +4,9 @@ use dotgen_analysis::model::PortDir;
 use dotgen_syntax::suggestion::advice;
 
 use super::Shared;
+use dotgen_timing::system::ComponentId;
 
-pub(super) fn component(shared: &Shared, name: &str) -> Result<usize, String> {
+pub(super) fn component(shared: &Shared, name: &str) -> Result<ComponentId, String> {
     let mut all = shared.known.iter();
     let found = all.find(|(_, component)| component.component().name == name);
     found.map(|pair| *pair.0).ok_or_else(|| {
@@ -19,16 +20,16 @@ pub(super) fn component(shared: &Shared, name: &str) -> Result<usize, String> {
 }
 
 /// Finds an output port. Returns its component, and its number in the component.
-pub(super) fn output(shared: &Shared, path: &str) -> Result<(usize, u32), String> {
+pub(super) fn output(shared: &Shared, path: &str) -> Result<(ComponentId, u32), String> {
     port(shared, path, PortDir::Out)
 }
 
 /// Finds an input port. Returns its component, and its number in the component.
-pub(super) fn input(shared: &Shared, path: &str) -> Result<(usize, u32), String> {
+pub(super) fn input(shared: &Shared, path: &str) -> Result<(ComponentId, u32), String> {
     port(shared, path, PortDir::In)
 }
 
-fn port(shared: &Shared, path: &str, dir: PortDir) -> Result<(usize, u32), String> {
+fn port(shared: &Shared, path: &str, dir: PortDir) -> Result<(ComponentId, u32), String> {
     let (name, port) = path.split_once('/').ok_or("write COMPONENT/PORT")?;
     let at = component(shared, name)?;
     let ports = &shared.known[&at].component().ports;

@@ -11,6 +11,7 @@ use super::find::input;
 use super::{Place, Shared, State};
 use crate::children::InputSlot;
 use crate::components::CONNECT;
+use dotgen_timing::system::ComponentId;
 
 /// Maximum number of instances of an input port that clients may write or connect.
 const INSTANCES: usize = 256;
@@ -20,7 +21,11 @@ const ENDED: &str = "the run has ended";
 
 /// Connects an input port of a component, as the service of that name does in servers. `local` is the port,
 /// with its instance after a slash if it is `multiple`. `remote` is `COMPONENT/PORT`, also with an instance.
-pub(super) fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Result<Value, String> {
+pub(super) fn connect(
+    shared: &Shared,
+    at: ComponentId,
+    input: Option<&Value>,
+) -> Result<Value, String> {
     let text = |key: &str| {
         let given = input
             .and_then(|input| input.get(key))
@@ -32,7 +37,7 @@ pub(super) fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Resu
         let exception = format!("::genom::{exception}");
         Ok(json!({"event": "failed", "exception": exception, "detail": null}))
     };
-    let find = |at: usize, dir: PortDir, path: &str| {
+    let find = |at: ComponentId, dir: PortDir, path: &str| {
         let (port, instance) = path.split_once('/').unwrap_or((path, ""));
         let known = shared.known.get(&at)?;
         let mut ports = (0u32..).zip(&known.component().ports);
@@ -150,7 +155,7 @@ fn is_full<'p>(all: impl Iterator<Item = &'p Place>, further: &Place) -> bool {
 
 /// Returns the output port of the run that an input port reads, or would read.
 fn source(shared: &Shared, state: &State, place: &Place) -> Option<String> {
-    let name = |component: usize, port: u32| {
+    let name = |component: ComponentId, port: u32| {
         let component = shared.known.get(&component)?.component();
         let port = component.ports.get(port as usize)?;
         Some((component, port))

@@ -2,7 +2,7 @@
 
 use dotgen_analysis::model::Owner;
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::system::{FOREVER, Policy, Ticks, TimedSystem, Yield};
+use dotgen_timing::system::{ComponentId, FOREVER, Policy, Ticks, TimedSystem, Yield};
 use num_rational::Ratio;
 use rustc_hash::FxHashMap;
 
@@ -32,7 +32,7 @@ pub(super) enum ResolvedKind {
     State(StateOutcome),
     Control {
         codel: usize,
-        component: usize,
+        component: ComponentId,
         instance: u32,
         /// The event after the run is declared.
         declared: bool,
@@ -160,8 +160,8 @@ impl<'s> Model<'s> {
     }
 
     /// Returns the thread of the control task of a component.
-    pub(super) fn control(&self, component: usize) -> Option<usize> {
-        Some(self.system.tasks.len() + component)
+    pub(super) fn control(&self, component: ComponentId) -> Option<usize> {
+        Some(self.system.tasks.len() + usize::from(component))
     }
 
     pub(super) fn core(&self, task: usize, is_async: bool) -> Option<Option<u32>> {
@@ -190,14 +190,11 @@ impl<'s> Model<'s> {
             return none;
         };
         let components = &self.system.components;
-        let component = components
-            .iter()
-            .position(|component| member.component.name == component.name);
-        let Some(component) = component else {
+        let named = components
+            .iter_enumerated()
+            .find(|(_, component)| member.component.name == component.name);
+        let Some((component, parts)) = named else {
             return ResolvedKind::Mismatch(Mismatch::Component);
-        };
-        let Some(parts) = components.get(component) else {
-            return none;
         };
         match &site.state {
             Some(state) => {

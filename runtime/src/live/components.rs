@@ -4,7 +4,7 @@ use dotgen_analysis::model::{Name, Param, PortDir, Remote, ServiceKind};
 use dotgen_codegen::codels::value::{Values, is_input, is_output};
 use dotgen_timing::scn::names::{Member, Names};
 use dotgen_timing::system::settings::Settings;
-use dotgen_timing::system::{FOREVER, ServiceId, TimedSystem, sources};
+use dotgen_timing::system::{ComponentId, FOREVER, ServiceId, TimedSystem, sources};
 use dotgen_timing::verify::Prepared;
 use num_rational::Ratio;
 use std::collections::HashSet;
@@ -23,9 +23,9 @@ pub struct HostedComponent<'s> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DataFlow {
     /// Component of the system, and output port.
-    pub from: (usize, u32),
+    pub from: (ComponentId, u32),
     /// Component of the system, and input port.
-    pub to: (usize, u32),
+    pub to: (ComponentId, u32),
     /// The input distinguishes its sources by name.
     pub multiple: bool,
 }
@@ -33,7 +33,7 @@ pub struct DataFlow {
 /// All parts, and their connections. Indices are components, codels or services of the system.
 #[derive(Debug)]
 pub struct HostedComponents<'s> {
-    components: Vec<Option<HostedComponent<'s>>>,
+    components: TiVec<ComponentId, Option<HostedComponent<'s>>>,
     codels: Vec<Option<u32>>,
     functions: Vec<String>,
     /// Full names of the declared events, by codel.
@@ -51,7 +51,7 @@ pub struct HostedComponents<'s> {
     /// Inputs that are not fed because their types differ.
     pub unlike: Vec<String>,
     /// Services of the system that remotes stand for, by component and remote.
-    remotes: Vec<Vec<Option<ServiceId>>>,
+    remotes: TiVec<ComponentId, Vec<Option<ServiceId>>>,
     /// First client that stands for requests from outside. The clients are in the order of components.
     first_outside: Option<usize>,
 }
@@ -69,7 +69,7 @@ impl<'s> HostedComponents<'s> {
         let built = &prepared.built;
         let system = &built.system;
         let mut out = HostedComponents {
-            components: (0..system.components.len()).map(|_| None).collect(),
+            components: (system.components.keys()).map(|_| None).collect(),
             codels: vec![None; system.codels.len()],
             functions: vec![String::new(); system.codels.len()],
             declared: vec![Vec::new(); system.codels.len()],
@@ -79,7 +79,7 @@ impl<'s> HostedComponents<'s> {
             inputs: ti_vec![Vec::new(); system.services.len()],
             feeds: Vec::new(),
             unlike: Vec::new(),
-            remotes: vec![Vec::new(); system.components.len()],
+            remotes: ti_vec![Vec::new(); system.components.len()],
             first_outside: None,
         };
         for (&name, &component) in &built.components {
@@ -167,7 +167,7 @@ impl<'s> HostedComponents<'s> {
     }
 
     /// Returns the service of the system that a remote of a component stands for.
-    pub fn remote(&self, component: usize, remote: u32) -> Option<ServiceId> {
+    pub fn remote(&self, component: ComponentId, remote: u32) -> Option<ServiceId> {
         *self.remotes.get(component)?.get(remote as usize)?
     }
 
@@ -179,17 +179,19 @@ impl<'s> HostedComponents<'s> {
     }
 
     /// Returns the component to which a client sends requests from outside.
-    pub fn outside(&self, client: usize) -> Option<usize> {
-        client.checked_sub(self.first_outside?)
+    pub fn outside(&self, client: usize) -> Option<ComponentId> {
+        client
+            .checked_sub(self.first_outside?)
+            .map(ComponentId::from)
     }
 
     /// Returns the client that sends the outside requests to a component.
-    pub fn client_of(&self, component: usize) -> Option<usize> {
-        Some(self.first_outside? + component)
+    pub fn client_of(&self, component: ComponentId) -> Option<usize> {
+        Some(self.first_outside? + usize::from(component))
     }
 
     /// Returns the component, if it has a host.
-    pub fn of(&self, component: usize) -> Option<&HostedComponent<'s>> {
+    pub fn of(&self, component: ComponentId) -> Option<&HostedComponent<'s>> {
         self.components.get(component)?.as_ref()
     }
 

@@ -4,7 +4,7 @@ use dotgen_timing::explore::{Stepper, Work};
 
 use super::{Instance, Live};
 use crate::hosts::{Call, Message, OutsideRequest, ReplyError, RequestReply};
-use dotgen_timing::system::ServiceId;
+use dotgen_timing::system::{ComponentId, ServiceId};
 
 /// Marks the numbers of requests by codels.
 const CODEL_REQUEST_BIT: u64 = 1 << 63;
@@ -29,7 +29,7 @@ impl Live<'_> {
                 _ => {}
             }
         }
-        for component in 0..self.pending.len() {
+        for component in self.system.components.keys() {
             match stepper.handling(component) {
                 Some((service, refused)) => {
                     // An activity may have its place before it is accepted: it is the youngest one of its
@@ -125,7 +125,7 @@ impl Live<'_> {
     }
 
     /// Copies the values of an attribute.
-    fn copy(&mut self, component: usize, codel: u32, instance: u32) {
+    fn copy(&mut self, component: ComponentId, codel: u32, instance: u32) {
         let ticket = u32::MAX;
         self.hosts.run(&Call {
             lane: u32::MAX,
@@ -244,7 +244,13 @@ impl Live<'_> {
 
     /// Handles the call of a remote service by a codel. On the virtual clock there is no answer, because no
     /// time passes while a codel runs.
-    pub(super) fn call_remote(&mut self, component: usize, ask: u32, remote: u32, inputs: Vec<u8>) {
+    pub(super) fn call_remote(
+        &mut self,
+        component: ComponentId,
+        ask: u32,
+        remote: u32,
+        inputs: Vec<u8>,
+    ) {
         let service = self.parts.remote(component, remote);
         let Some(service) = service.filter(|_| !self.waits) else {
             return self.hosts.reply(component, ask, Err(ReplyError::NoService));

@@ -4,12 +4,12 @@
 //! The times of their tickets are left open. Each of these threads has at most one ticket at a time. So when
 //! a codel takes a ticket, at most one codel of each thread is before it: executing, or ahead in the queue.
 
-use crate::system::{CodelSet, FOREVER, TimedSystem};
+use crate::system::{CodelSet, ComponentId, FOREVER, TimedSystem};
 
 /// The codels of a control task, or of a task that is not followed.
 #[derive(Debug, Clone)]
 pub(super) struct OtherThread {
-    pub(super) component: usize,
+    pub(super) component: ComponentId,
     pub(super) codels: CodelSet,
 }
 
@@ -35,7 +35,7 @@ pub(super) fn others(
 ) -> Vec<OtherThread> {
     let requested = system.requested();
     let mut out: Vec<OtherThread> = Vec::new();
-    for (component, entry) in system.components.iter().enumerate() {
+    for (component, entry) in system.components.iter_enumerated() {
         let mut handled = CodelSet::default();
         for &service in entry.services.iter().filter(|service| requested[**service]) {
             let service = &system.services[service];

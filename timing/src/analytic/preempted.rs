@@ -181,7 +181,7 @@ fn threads(
             out.push(Thread { priority, work });
         }
     }
-    for (component, entry) in system.components.iter().enumerate() {
+    for (component, entry) in system.components.iter_enumerated() {
         let mut total = Some(0u64);
         for &service in entry.services.iter().filter(|&&service| requested(service)) {
             let of = &system.services[service];
@@ -198,7 +198,7 @@ fn threads(
         }
         if total != Some(0) {
             out.push(Thread {
-                priority: priorities[system.tasks.len() + component],
+                priority: priorities[system.tasks.len() + usize::from(component)],
                 work: total.map_or(Work::Endless, Work::Total),
             });
         }

@@ -1,6 +1,6 @@
 //! Details of a line of a run, as data: blocked codels, requests, preemptions.
 
-use crate::system::ServiceId;
+use crate::system::{ComponentId, ServiceId};
 
 /// The details of a [moment](super::Moment) beyond its task and its codel.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -35,7 +35,7 @@ pub enum Executing {
     /// A task.
     Task(usize),
     /// The control task of a component.
-    Control(usize),
+    Control(ComponentId),
 }
 
 /// A codel that keeps another codel waiting.

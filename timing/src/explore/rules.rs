@@ -74,7 +74,7 @@ pub(crate) use self::system_rules::SystemRules;
 pub use self::work::Work;
 use super::state::{Clocks, Frame, State, TaskStatus};
 use crate::property::Atom;
-use crate::system::{ServiceId, Ticks, TimedSystem};
+use crate::system::{ComponentId, ServiceId, Ticks, TimedSystem};
 
 /// An action: an event that takes no time. Executors are numbered: automata, then the control tasks of
 /// components, then clients. (With passes there are tasks instead of automata.)
@@ -146,17 +146,17 @@ pub enum Action {
     /// The control task has executed its codels: it replies, and handles the end of activities (passes).
     Reply {
         /// Component.
-        component: usize,
+        component: ComponentId,
     },
     /// A killed component proceeds with its shutdown (passes).
     Shut {
         /// The component.
-        component: usize,
+        component: ComponentId,
     },
     /// The control task handles the end of activities.
     Signal {
         /// Component.
-        component: usize,
+        component: ComponentId,
     },
     /// The last write, or read, is marked or not; not a step of the system (see `explore::token`).
     Mark {
@@ -296,11 +296,11 @@ pub(crate) trait Rules: Sized {
 
     /// Returns the service whose request a control task is handling, and whether the request is already
     /// refused.
-    fn handling(&self, s: &State, component: usize) -> Option<(ServiceId, bool)>;
+    fn handling(&self, s: &State, component: ComponentId) -> Option<(ServiceId, bool)>;
 
     /// Returns the place of the activity whose request a control task is handling; `None` if there is none,
     /// or if the place is given later.
-    fn requested_place(&self, _s: &State, _component: usize) -> Option<usize> {
+    fn requested_place(&self, _s: &State, _component: ComponentId) -> Option<usize> {
         None
     }
 

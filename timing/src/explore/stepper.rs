@@ -9,7 +9,7 @@ use super::observe::{self, Observer};
 use super::rules::{Action, Enabled, Rules, SystemRules, Work};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
 use crate::property::Predicate;
-use crate::system::{ServiceId, Ticks, TimedSystem};
+use crate::system::{ComponentId, ServiceId, Ticks, TimedSystem};
 
 /// The predicates to watch along a run, in addition to jobs and ticks.
 #[derive(Debug, Clone, Default)]
@@ -223,7 +223,7 @@ impl<'s> Stepper<'s> {
 
     /// Returns the service whose request the control task of a component is handling, and whether the request
     /// is already refused. (Under the published semantics only the end of the validation shows that.)
-    pub fn handling(&self, component: usize) -> Option<(ServiceId, bool)> {
+    pub fn handling(&self, component: ComponentId) -> Option<(ServiceId, bool)> {
         self.walk.handling(component)
     }
 
@@ -260,7 +260,7 @@ trait Walk {
     fn places(&self) -> usize;
     fn activity(&self, place: usize) -> Option<usize>;
     fn interrupt(&mut self, place: usize);
-    fn handling(&self, component: usize) -> Option<(ServiceId, bool)>;
+    fn handling(&self, component: ComponentId) -> Option<(ServiceId, bool)>;
     fn has_refused(&self, service: ServiceId) -> bool;
 }
 
@@ -507,7 +507,7 @@ impl<R: Rules> Walk for Walker<R> {
         self.rules.interrupt_activity(&mut self.s, place);
     }
 
-    fn handling(&self, component: usize) -> Option<(ServiceId, bool)> {
+    fn handling(&self, component: ComponentId) -> Option<(ServiceId, bool)> {
         self.rules.handling(&self.s, component)
     }
 

@@ -25,7 +25,7 @@ use crate::cancel::Cancel;
 use crate::property::{Atom, Predicate, TaskState};
 use crate::scn::ast::ChainKind;
 use crate::system::chain::{Chain, DataPlace};
-use crate::system::{FOREVER, ServiceId, Ticks, TimedSystem};
+use crate::system::{ComponentId, FOREVER, ServiceId, Ticks, TimedSystem};
 
 /// Finds the supremum of a chain, by exploring all runs. It is the only entry of `within` in the findings;
 /// `None` there if no write is ever marked.
@@ -186,8 +186,8 @@ impl<'c, R: Rules> Tracked<'c, R> {
     }
 
     /// Returns the holder of the variables of the request that the control task of a component handles.
-    fn request(&self, component: usize) -> usize {
-        self.rules.places() + component
+    fn request(&self, component: ComponentId) -> usize {
+        self.rules.places() + usize::from(component)
     }
 
     fn reads_first(&self, codel: usize) -> bool {
@@ -290,7 +290,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
         }
         let free =
             (0..self.rules.places()).filter(|&index| self.rules.activity(s, index).is_none());
-        let handled = (0..self.rules.system().components.len())
+        let handled = (self.rules.system().components.keys())
             .filter(|&component| self.rules.handling(s, component).is_none())
             .map(|component| self.request(component));
         for holder in free.chain(handled).collect::<Vec<_>>() {
@@ -531,11 +531,11 @@ impl<R: Rules> Rules for Tracked<'_, R> {
         self.rules.interrupt_activity(s, place);
     }
 
-    fn handling(&self, s: &State, component: usize) -> Option<(ServiceId, bool)> {
+    fn handling(&self, s: &State, component: ComponentId) -> Option<(ServiceId, bool)> {
         self.rules.handling(s, component)
     }
 
-    fn requested_place(&self, s: &State, component: usize) -> Option<usize> {
+    fn requested_place(&self, s: &State, component: ComponentId) -> Option<usize> {
         self.rules.requested_place(s, component)
     }
 

@@ -2,7 +2,7 @@
 
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
 use crate::scn::semantics::TickRule;
-use crate::system::{Machine, Policy, ServiceId, TimedSystem, Yield};
+use crate::system::{ComponentId, Machine, Policy, ServiceId, TimedSystem, Yield};
 
 /// A part of a system, which always is in one local state.
 #[derive(Debug)]
@@ -24,7 +24,7 @@ enum PartKind {
     /// The slots of a service.
     Slots(ServiceId),
     /// The control task of a component.
-    Control(usize),
+    Control(ComponentId),
     /// A client.
     Client(usize),
 }
@@ -135,7 +135,7 @@ impl<'s> Parts<'s> {
             }));
             out.push(PartKind::Slots(service), locals);
         }
-        for (component, it) in system.components.iter().enumerate() {
+        for (component, it) in system.components.iter_enumerated() {
             let mut locals = vec![Local::Ready, Local::Busy];
             for &service in it.services.iter().filter(|&&service| requested[service]) {
                 let of = &system.services[service];

@@ -1,6 +1,6 @@
 //! Predicates on the discrete state.
 
-use crate::system::ServiceId;
+use crate::system::{ComponentId, ServiceId};
 
 /// A Boolean combination of atoms.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,7 +44,7 @@ pub enum Atom {
         phase: StatePhase,
     },
     /// The control task is handling some request, or its component is starting.
-    ControlBusy(usize),
+    ControlBusy(ComponentId),
     /// A client is at one of these steps ([`crate::system::Client::done`] after the last step).
     Client(usize, Vec<usize>),
 }

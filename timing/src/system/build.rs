@@ -40,7 +40,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
         out: Built {
             system: TimedSystem {
                 unit: Ratio::new(1, 1000),
-                components: Vec::new(),
+                components: TiVec::new(),
                 tasks: Vec::new(),
                 machines: Vec::new(),
                 automata: Vec::new(),

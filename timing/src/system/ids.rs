@@ -27,6 +27,9 @@ macro_rules! ids {
 }
 
 ids! {
+    /// A component: an index into [`TimedSystem::components`](super::TimedSystem::components). Components of
+    /// specifications, in [`Names::components`](crate::scn::names::Names::components), have other numbers.
+    ComponentId
     /// A service: an index into [`TimedSystem::services`](super::TimedSystem::services).
     ServiceId
 }

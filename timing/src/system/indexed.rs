@@ -8,7 +8,7 @@ use dotgen_analysis::model::{Owner, Seconds};
 use super::TimedSystem;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::scn::ast::Path;
-use crate::system::ServiceId;
+use crate::system::{ComponentId, ServiceId};
 
 /// A system, with tables that find its parts.
 #[derive(Debug, Clone)]
@@ -22,7 +22,7 @@ pub struct Built {
     /// Machines of tasks and activities.
     pub machines: HashMap<(usize, Owner), usize>,
     /// Components, by index in the scenario.
-    pub components: HashMap<usize, usize>,
+    pub components: HashMap<usize, ComponentId>,
     /// Problems found. Without errors, verification goes on.
     pub diagnostics: Vec<Diagnostic>,
     /// Assumptions on which the result depends, in words.

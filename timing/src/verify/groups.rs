@@ -1,9 +1,11 @@
 //! Independent groups of components, which are verified separately.
 
+use typed_index_collections::{TiVec, ti_vec};
+
 use super::checks::{Single, What};
 use crate::scn::names::Names;
-use crate::system::ClientAction;
 use crate::system::indexed::Built;
+use crate::system::{ClientAction, ComponentId};
 
 /// Divides the components into groups that share no lock, core, client or check. Such groups do not influence
 /// each other (section 11).
@@ -19,7 +21,7 @@ pub(super) fn groups(names: &Names, whole: &Built, checks: &[Single]) -> Vec<Vec
         }
     };
     let system = &whole.system;
-    let mut outer = vec![0; n];
+    let mut outer: TiVec<ComponentId, usize> = ti_vec![0; n];
     for (&c, &number) in &whole.components {
         outer[number] = c;
     }

@@ -8,7 +8,7 @@ use super::{Group, SystemInput, events};
 use crate::explore::{Action, NextStep, Run, SystemRun};
 use crate::report::{Event, TimeUnit};
 use crate::scn::names::Names;
-use crate::system::{ThreadName, TimedSystem};
+use crate::system::{ComponentId, ThreadName, TimedSystem};
 
 /// A run up to one of its events, continued by chosen steps.
 #[derive(Debug, Clone)]
@@ -94,10 +94,10 @@ impl SystemRun {
 fn silent(system: &TimedSystem, action: Action) -> String {
     let executor = |task: usize| match task.checked_sub(system.tasks.len()) {
         None => system.task_path(task),
-        Some(component) => (system.components.get(component))
+        Some(component) => (system.components.get(ComponentId::from(component)))
             .map_or_else(String::new, |component| component.name.clone()),
     };
-    let component = |component: usize| &system.components[component].name;
+    let component = |component: ComponentId| &system.components[component].name;
     match action {
         Action::Ticket { executor: index } => format!("{} queues for its locks", executor(index)),
         Action::Ready { executor: index } => format!("{} becomes ready", executor(index)),

@@ -56,7 +56,7 @@ fn atom(system: &TimedSystem, dice: &mut Dice) -> Atom {
                 phase,
             }
         }
-        3 => Atom::ControlBusy(below(dice, system.components.len())),
+        3 => Atom::ControlBusy(below(dice, system.components.len()).into()),
         4 if !system.clients.is_empty() => {
             let client = below(dice, system.clients.len());
             let step = below(dice, system.clients[client].done() + 1);

@@ -7,9 +7,9 @@ pub(crate) mod requests;
 use dotgen_timing::property::{Atom, Predicate, StatePhase, TaskState};
 use dotgen_timing::scn::semantics::{LockRule, Semantics};
 use dotgen_timing::system::{
-    Automaton, Client, ClientAction, ClientStep, Codel, CodelName, CodelSet, Component, FOREVER,
-    Machine, Platform, Policy, Service, ServiceId, State, Task, TimedSystem, Yield,
-    loop_contradictions,
+    Automaton, Client, ClientAction, ClientStep, Codel, CodelName, CodelSet, Component,
+    ComponentId, FOREVER, Machine, Platform, Policy, Service, ServiceId, State, Task, TimedSystem,
+    Yield, loop_contradictions,
 };
 use proptest::prelude::Rng;
 use proptest::test_runner::{RngAlgorithm, TestRng};
@@ -43,7 +43,7 @@ impl Dice {
 pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)>) {
     let mut system = TimedSystem {
         unit: dotgen_analysis::model::Seconds::new(1, 1000),
-        components: Vec::new(),
+        components: TiVec::new(),
         tasks: Vec::new(),
         machines: Vec::new(),
         automata: Vec::new(),
@@ -69,14 +69,14 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
     };
     for c in 0..if split < tasks { 2 } else { 1 } {
         let range = if c == 0 { 0..split } else { split..tasks };
-        system.components.push(Component {
+        let component = system.components.push_and_get_key(Component {
             name: format!("c{c}"),
             tasks: range.clone().collect(),
             services: Vec::new(),
         });
         for t in range {
             let permanent = dice.in_ten(8).then(|| {
-                let machine = machine(&mut system, dice, c, format!("c{c}.t{t}"));
+                let machine = machine(&mut system, dice, component, format!("c{c}.t{t}"));
                 automaton(&mut system, t, machine, None)
             });
             let aperiodic = dice.in_ten(1);
@@ -85,7 +85,7 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
                 priority: None,
                 affinity: None,
                 name: format!("t{t}"),
-                component: c,
+                component,
                 period: (!aperiodic).then(|| 3 + dice.below(5)),
                 delay: if dice.in_ten(1) { 1 } else { 0 },
                 keep_idle_tick: dice.in_ten(3),
@@ -184,7 +184,7 @@ pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {
     for t in 0..tasks {
         let component = placed(&mut system, dice, t);
         let permanent = dice.in_ten(9).then(|| {
-            let name = format!("c{component}.t{t}");
+            let name = format!("{}.t{t}", system.components[component].name);
             let machine = machine(&mut system, dice, component, name);
             automaton(&mut system, t, machine, None)
         });
@@ -230,7 +230,7 @@ pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
     let periodic = 1 + dice.below(2) as usize;
     for t in 0..=periodic {
         let component = placed(&mut system, dice, t);
-        let name = format!("c{component}.t{t}");
+        let name = format!("{}.t{t}", system.components[component].name);
         let spans: &[(u32, u32)] = if t == 0 {
             &[(0, 1), (1, FOREVER), (0, 1), (0, 1)]
         } else {
@@ -298,7 +298,7 @@ pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
 
 /// Returns the component of the next task: the last one or a new one, as tasks of a component are
 /// consecutive.
-fn placed(system: &mut TimedSystem, dice: &mut Dice, task: usize) -> usize {
+fn placed(system: &mut TimedSystem, dice: &mut Dice, task: usize) -> ComponentId {
     if task == 0 || dice.in_ten(6) {
         system.components.push(Component {
             name: format!("c{}", system.components.len()),
@@ -306,7 +306,7 @@ fn placed(system: &mut TimedSystem, dice: &mut Dice, task: usize) -> usize {
             services: Vec::new(),
         });
     }
-    let component = system.components.len() - 1;
+    let component = ComponentId::from(system.components.len() - 1);
     system.components[component].tasks.push(task);
     component
 }
@@ -314,7 +314,7 @@ fn placed(system: &mut TimedSystem, dice: &mut Dice, task: usize) -> usize {
 fn empty(dice: &mut Dice) -> TimedSystem {
     TimedSystem {
         unit: dotgen_analysis::model::Seconds::new(1, 1000),
-        components: Vec::new(),
+        components: TiVec::new(),
         tasks: Vec::new(),
         machines: Vec::new(),
         automata: Vec::new(),
@@ -345,7 +345,7 @@ fn automaton(
     system.automata.len() - 1
 }
 
-fn codel(system: &mut TimedSystem, dice: &mut Dice, component: usize, path: String) -> usize {
+fn codel(system: &mut TimedSystem, dice: &mut Dice, component: ComponentId, path: String) -> usize {
     let upper = dice.below(4);
     let lower = if dice.in_ten(5) {
         upper
@@ -355,7 +355,7 @@ fn codel(system: &mut TimedSystem, dice: &mut Dice, component: usize, path: Stri
     let forever = dice.below(40) == 0;
     system.codels.push(Codel {
         throws: false,
-        path: CodelName::of_service(&format!("c{component}"), &path),
+        path: CodelName::of_service(&format!("c{}", usize::from(component)), &path),
         component,
         lower,
         upper: if forever { FOREVER } else { upper },
@@ -366,7 +366,12 @@ fn codel(system: &mut TimedSystem, dice: &mut Dice, component: usize, path: Stri
     system.codels.len() - 1
 }
 
-fn machine(system: &mut TimedSystem, dice: &mut Dice, component: usize, name: String) -> usize {
+fn machine(
+    system: &mut TimedSystem,
+    dice: &mut Dice,
+    component: ComponentId,
+    name: String,
+) -> usize {
     let n = 1 + dice.below(3) as usize;
     let states = (0..n)
         .map(|i| {
@@ -410,7 +415,7 @@ fn service(system: &mut TimedSystem, dice: &mut Dice, v: usize) {
     let task = dice.below(system.tasks.len() as u32) as usize;
     let component = system.tasks[task].component;
     let name = format!("v{v}");
-    let path = format!("c{component}.{name}");
+    let path = format!("c{}.{name}", usize::from(component));
     let validate = dice
         .in_ten(2)
         .then(|| codel(system, dice, component, format!("{path}.validate")));

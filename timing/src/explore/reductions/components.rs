@@ -15,33 +15,46 @@
 //! all activities. So the order of two actions of a component is nearly always visible to a third.
 
 use smallvec::SmallVec;
+use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use super::{Kind, Reason, Reduction, Setting, Watched};
 use crate::explore::rules::{Action, Enabled, SystemRules};
 use crate::explore::state::State;
 use crate::property::{Atom, Predicate};
 use crate::scn::semantics::PortRule;
-use crate::system::{ClientAction, TimedSystem};
+use crate::system::{ClientAction, ComponentId, TimedSystem};
 
 /// The components of a system, and what connects them.
 #[derive(Debug)]
 pub(crate) struct Components {
     /// Components that a watched property is about, if the property is about several components or clients.
-    asked: Vec<bool>,
+    asked: TiVec<ComponentId, bool>,
     /// Components that each client addresses.
-    addressed: Vec<Vec<usize>>,
+    addressed: Vec<Vec<ComponentId>>,
 }
 
-/// One number for each component: the group.
-pub(super) type Groups = SmallVec<[usize; 16]>;
+/// Groups of components: one number for each component.
+pub(super) struct Groups(SmallVec<[usize; 16]>);
 
-/// Puts components into one group.
-pub(super) fn join(groups: &mut Groups, mut members: impl Iterator<Item = usize>) {
-    let Some(first) = members.next() else { return };
-    for member in members {
-        let (from, to) = (groups[member], groups[first]);
-        let moved = groups.iter_mut().filter(|group| **group == from);
-        moved.for_each(|group| *group = to);
+impl Groups {
+    /// Returns as many groups as components.
+    pub(super) fn new(components: usize) -> Self {
+        Groups((0..components).collect())
+    }
+
+    /// Returns the group of a component.
+    pub(super) fn of(&self, component: ComponentId) -> usize {
+        self.0[usize::from(component)]
+    }
+
+    /// Puts components into one group.
+    pub(super) fn join(&mut self, mut members: impl Iterator<Item = ComponentId>) {
+        let Some(first) = members.next() else { return };
+        for member in members {
+            let (from, to) = (self.of(member), self.of(first));
+            let moved = self.0.iter_mut().filter(|group| **group == from);
+            moved.for_each(|group| *group = to);
+        }
     }
 }
 
@@ -74,12 +87,12 @@ impl Components {
 
     /// Returns the groups of components in a state.
     fn groups(&self, rules: &SystemRules, s: &State) -> Groups {
-        let mut groups: Groups = (0..self.asked.len()).collect();
-        let asked = self.asked.iter().enumerate().filter(|(_, asked)| **asked);
-        join(&mut groups, asked.map(|(component, _)| component));
+        let mut groups = Groups::new(self.asked.len());
+        let asked = self.asked.iter_enumerated().filter(|(_, asked)| **asked);
+        groups.join(asked.map(|(component, _)| component));
         for (client, addressed) in self.addressed.iter().enumerate() {
             if rules.is_active(s, client) {
-                join(&mut groups, addressed.iter().copied());
+                groups.join(addressed.iter().copied());
             }
         }
         groups
@@ -107,7 +120,7 @@ impl Components {
                     .copied()
             })
         };
-        let group = |action: Action| component(action).map(|component| groups[component]);
+        let group = |action: Action| component(action).map(|component| groups.of(component));
         let mut tried: SmallVec<[usize; 16]> = SmallVec::new();
         for &action in &enabled.actions {
             let Some(own) = group(action).filter(|group| !tried.contains(group)) else {
@@ -122,7 +135,7 @@ impl Components {
                     .filter(|&&action| group(action) == Some(own)),
             );
             let acts = out.iter().any(|&action| rules.has_to_act(s, action));
-            let at_cores = rules.waits_for_core(s, |component| groups[component] == own)
+            let at_cores = rules.waits_for_core(s, |component| groups.of(component) == own)
                 || out.iter().any(|&action| rules.is_about_cores(s, action));
             if acts && !at_cores && out.len() < enabled.actions.len() {
                 return true;
@@ -147,7 +160,7 @@ pub(super) fn independent(setting: &Setting) -> Result<(), Reason> {
 }
 
 /// Returns the components that each client addresses.
-pub(super) fn addressed(system: &TimedSystem) -> Vec<Vec<usize>> {
+pub(super) fn addressed(system: &TimedSystem) -> Vec<Vec<ComponentId>> {
     let component = |action: &ClientAction| match *action {
         ClientAction::Send { service, .. } => Some(system.services[service].component),
         _ => None,
@@ -160,8 +173,8 @@ pub(super) fn addressed(system: &TimedSystem) -> Vec<Vec<usize>> {
 }
 
 /// Returns, by component, whether a predicate is about it.
-pub(super) fn asked(system: &TimedSystem, asked: &Watched) -> Vec<bool> {
-    let mut about = vec![false; system.components.len()];
+pub(super) fn asked(system: &TimedSystem, asked: &Watched) -> TiVec<ComponentId, bool> {
+    let mut about = ti_vec![false; system.components.len()];
     for predicate in &asked.predicates {
         mark(system, predicate, &mut about);
     }
@@ -169,7 +182,7 @@ pub(super) fn asked(system: &TimedSystem, asked: &Watched) -> Vec<bool> {
 }
 
 /// Marks the components that a predicate is about.
-fn mark(system: &TimedSystem, predicate: &Predicate, about: &mut [bool]) {
+fn mark(system: &TimedSystem, predicate: &Predicate, about: &mut TiSlice<ComponentId, bool>) {
     predicate.atoms(&mut |atom| match *atom {
         Atom::Task(task, _) => about[system.tasks[task].component] = true,
         Atom::State { machine, .. } => {

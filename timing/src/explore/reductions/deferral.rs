@@ -126,7 +126,7 @@ fn is_of_lazy(rules: &SystemRules, waiters: &Deferrable, action: Action) -> bool
         | Action::Begin { task }
         | Action::Wake { task } => task,
         Action::Signal { component } | Action::Reply { component } | Action::Shut { component } => {
-            system.tasks.len() + component
+            system.tasks.len() + usize::from(component)
         }
         Action::Request { client, .. } | Action::Proceed { client, .. } => {
             system.tasks.len() + system.components.len() + client

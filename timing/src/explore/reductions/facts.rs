@@ -4,7 +4,7 @@ use typed_index_collections::{TiVec, ti_vec};
 
 use super::Watched;
 use crate::property::Atom;
-use crate::system::{CodelSet, Machine, ServiceId, TimedSystem, Yield};
+use crate::system::{CodelSet, ComponentId, Machine, ServiceId, TimedSystem, Yield};
 
 /// The parts of a system that predicates observe.
 #[derive(Debug)]
@@ -29,7 +29,7 @@ pub(super) struct Parts {
     /// Clients whose step is observed.
     pub(super) clients: Vec<bool>,
     /// Control tasks whose step is observed.
-    pub(super) controls: Vec<bool>,
+    pub(super) controls: TiVec<ComponentId, bool>,
 }
 
 impl Visible {
@@ -45,7 +45,7 @@ impl Visible {
             machines: vec![false; system.machines.len()],
             slots: ti_vec![false; system.services.len()],
             clients: vec![false; system.clients.len()],
-            controls: vec![false; system.components.len()],
+            controls: ti_vec![false; system.components.len()],
         };
         for predicate in predicates {
             predicate.atoms(&mut |atom| match *atom {

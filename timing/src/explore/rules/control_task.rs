@@ -8,7 +8,7 @@ use super::SystemRules;
 use super::points::Handling;
 use super::status::{control, slot, tracker};
 use crate::explore::state::{State, phase};
-use crate::system::{ClientAction, ServiceId};
+use crate::system::{ClientAction, ComponentId, ServiceId};
 
 impl SystemRules<'_> {
     /// Takes a request.
@@ -44,7 +44,7 @@ impl SystemRules<'_> {
     }
 
     /// Assigns a slot to a requested activity, then checks `after` and `before`.
-    fn assign_slot(&self, s: &mut State, component: usize, service: ServiceId) {
+    fn assign_slot(&self, s: &mut State, component: ComponentId, service: ServiceId) {
         let l = &self.layout;
         let definition = &self.system.services[service];
         if let Some(&automaton) = definition.slots.first() {
@@ -73,13 +73,13 @@ impl SystemRules<'_> {
         }
     }
 
-    fn refuse(&self, s: &mut State, component: usize) {
+    fn refuse(&self, s: &mut State, component: ComponentId) {
         self.layout.set_refused(s, component, 1);
         self.codels_done(s, component);
     }
 
     /// Proceeds to the control codel with the present number, if there is one.
-    fn next_codel(&self, s: &mut State, component: usize) {
+    fn next_codel(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
         let Some(service) = l.handled(s, component) else {
             return;
@@ -97,7 +97,7 @@ impl SystemRules<'_> {
 
     /// Lets the control task wait for the locks of its present codel, unless the codel excludes no other
     /// codel.
-    fn begin_control_codel(&self, s: &mut State, component: usize) {
+    fn begin_control_codel(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
         let executor = l.control_executor(component);
         l.set_control(s, component, control::EXECUTING);
@@ -108,7 +108,7 @@ impl SystemRules<'_> {
     }
 
     /// Ends a control codel: by an exception (or a refusal) if the outcome is 1.
-    pub(super) fn finish_control(&self, s: &mut State, component: usize, outcome: usize) {
+    pub(super) fn finish_control(&self, s: &mut State, component: ComponentId, outcome: usize) {
         let l = &self.layout;
         if self.points.handling == Handling::AtOnce {
             return match (self.validates(s, component), outcome) {
@@ -140,7 +140,7 @@ impl SystemRules<'_> {
     }
 
     /// Makes all tasks runnable after the last control codel, also for a refused request.
-    fn codels_done(&self, s: &mut State, component: usize) {
+    fn codels_done(&self, s: &mut State, component: ComponentId) {
         for &task in &self.system.components[component].tasks {
             self.make_runnable(s, task);
         }
@@ -150,7 +150,7 @@ impl SystemRules<'_> {
 
     /// Performs the rest of the handling: a function interrupts and succeeds; the control task replies; then
     /// it examines all activities.
-    pub(super) fn reply(&self, s: &mut State, component: usize) {
+    pub(super) fn reply(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
         let Some(service) = l.handled(s, component) else {
             return;
@@ -188,7 +188,7 @@ impl SystemRules<'_> {
     }
 
     /// Answers the client, and gets ready for the next message.
-    fn ready(&self, s: &mut State, component: usize) {
+    fn ready(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
         if let Some(client) = (l.sender(s, component) as usize).checked_sub(1) {
             l.set_outstanding(s, client, 0);
@@ -203,7 +203,7 @@ impl SystemRules<'_> {
     }
 
     /// Accepts a request at once: gives an activity its slot, and interrupts.
-    fn accept(&self, s: &mut State, component: usize) {
+    fn accept(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
         let (Some(number), Some(client)) = (
             l.handled(s, component),
@@ -234,7 +234,7 @@ impl SystemRules<'_> {
     }
 
     /// Ends a message that is handled at once. Trackers are reset, unless the request has a slot.
-    fn end_of_message(&self, s: &mut State, component: usize) {
+    fn end_of_message(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
         if let Some(client) = (l.sender(s, component) as usize).checked_sub(1) {
             for t in 0..self.system.clients[client].trackers {
@@ -294,7 +294,7 @@ impl SystemRules<'_> {
     }
 
     /// Reports the activities that have ended, and releases those that have nothing to wait for any more.
-    pub(super) fn examine_all(&self, s: &mut State, component: usize) {
+    pub(super) fn examine_all(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
         let tasks = &self.system.components[component].tasks;
         if self.points.handling == Handling::InSteps {

@@ -14,7 +14,7 @@
 use super::status::{control, flag, thread};
 use super::{Action, Enabled, SystemRules};
 use crate::explore::state::State;
-use crate::system::{ClientAction, Policy};
+use crate::system::{ClientAction, ComponentId, Policy};
 
 /// A set of executors, as bits.
 pub(super) type Threads = u128;
@@ -40,7 +40,7 @@ impl SystemRules<'_> {
                 _ => false,
             };
         }
-        let component = executor - l.tasks;
+        let component = ComponentId::from(executor - l.tasks);
         match l.control(s, component) {
             control::TICKET | control::EXECUTING | control::REST => true,
             control::QUEUED => self.may_leave(s, executor),
@@ -53,7 +53,7 @@ impl SystemRules<'_> {
     }
 
     /// Returns true if a client has a request for a component that is not taken yet.
-    fn asks(&self, s: &State, client: usize, component: usize) -> bool {
+    fn asks(&self, s: &State, client: usize, component: ComponentId) -> bool {
         let l = &self.layout;
         let steps = &self.system.clients[client].steps;
         let step = steps.get(l.position(s, client) as usize);

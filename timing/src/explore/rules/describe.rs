@@ -6,7 +6,7 @@ use super::{Action, Moment, MomentKind, SystemRules};
 use crate::explore::details::{Blocker, Executing, MomentDetails};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::scn::semantics::LockRule;
-use crate::system::{ClientAction, Yield};
+use crate::system::{ClientAction, ComponentId, Yield};
 
 impl SystemRules<'_> {
     /// Describes the effects of an action; without an action, those of the initial state.
@@ -56,7 +56,7 @@ impl SystemRules<'_> {
         }
     }
 
-    fn of_component(&self, component: usize, time: u64, what: String) -> Moment {
+    fn of_component(&self, component: ComponentId, time: u64, what: String) -> Moment {
         Moment {
             time,
             component: self.system.components[component].name.clone(),
@@ -194,12 +194,14 @@ impl SystemRules<'_> {
             Action::Preempt { executor, by } => {
                 let name = |task: usize| match task < l.tasks {
                     true => self.system.task_path(task),
-                    false => self.system.components[task - l.tasks].name.clone(),
+                    false => self.system.components[ComponentId::from(task - l.tasks)]
+                        .name
+                        .clone(),
                 };
                 let what = format!("takes the core of {}", name(executor));
                 let moment = match by < l.tasks {
                     true => self.of_task(by, MomentKind::Grant, time, what),
-                    false => self.of_component(by - l.tasks, time, what),
+                    false => self.of_component((by - l.tasks).into(), time, what),
                 };
                 out.push(Moment {
                     about: MomentDetails::Preempted(self.executing(executor)),
@@ -265,7 +267,7 @@ impl SystemRules<'_> {
         &self,
         before: &State,
         after: &State,
-        component: usize,
+        component: ComponentId,
         time: u64,
         out: &mut Vec<Moment>,
     ) {
@@ -325,7 +327,7 @@ impl SystemRules<'_> {
                 None => format!("{path} ends by an exception"),
             }
         } else {
-            let validates = self.validates(before, executor - l.threads);
+            let validates = self.validates(before, (executor - l.threads).into());
             match (validates, outcome) {
                 (true, 0) => format!("{path} accepts"),
                 (true, _) => format!("{path} refuses"),
@@ -443,7 +445,7 @@ impl SystemRules<'_> {
     fn executing(&self, executor: usize) -> Executing {
         match self.task_of_executor(executor) {
             Some(task) => Executing::Task(task),
-            None => Executing::Control(executor - self.layout.threads),
+            None => Executing::Control((executor - self.layout.threads).into()),
         }
     }
 }

@@ -7,7 +7,7 @@ use super::layout::{EdfTimes, OF_COMPONENT, OF_TASK};
 use super::points::Cycle;
 use super::status::tracker;
 use crate::explore::state::State;
-use crate::system::{Policy, ServiceId};
+use crate::system::{ComponentId, Policy, ServiceId};
 
 /// The kinds of parts that a state can name, or that belong to a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,7 +95,7 @@ impl SystemRules<'_> {
             }
         };
         let controls = parts[Part::Component].iter();
-        let controls = controls.map(|&component| l.control_executor(component));
+        let controls = controls.map(|&component| l.control_executor(component.into()));
         let clients = parts[Part::Client].iter();
         let clients = clients.map(|&client| l.client_executor(client));
         let executors = threads.iter().copied().chain(controls).chain(clients);
@@ -127,8 +127,11 @@ impl SystemRules<'_> {
             (parts[Part::Service].iter())
                 .filter_map(|&service| l.success[ServiceId::from(service)]),
         );
-        for &component in &parts[Part::Component] {
-            let base = l.component_base + OF_COMPONENT * component;
+        for component in parts[Part::Component]
+            .iter()
+            .map(|&id| ComponentId::from(id))
+        {
+            let base = l.component_place(component);
             d.extend(base..base + OF_COMPONENT);
             if let (Some(base), Cycle::Passes) = (l.lock_queue[component], self.points.cycle) {
                 d.extend(base..base + 2 + self.system.components[component].tasks.len());
@@ -157,8 +160,8 @@ impl SystemRules<'_> {
             let automata = (0..l.all_slots()).map(|slot| l.slot_base + l.of_slot * slot + 2);
             (out.single).extend(automata.map(|place| (place, Part::Automaton, 1)));
         }
-        for component in 0..l.components {
-            let base = l.component_base + OF_COMPONENT * component;
+        for component in self.system.components.keys() {
+            let base = l.component_place(component);
             out.single.push((base + 2, Part::Service, 1));
             out.single.push((base + 4, Part::Client, 1));
             out.single.push((base + 5, Part::Place, 1));
@@ -167,11 +170,11 @@ impl SystemRules<'_> {
             let trackers = base + 2..base + 2 + self.system.clients[client].trackers;
             (out.single).extend(trackers.map(|place| (place, Part::Place, tracker::SLOT)));
         }
-        for (component, base) in l.lock_queue.iter().enumerate() {
+        for (component, base) in l.lock_queue.iter_enumerated() {
             let Some(base) = *base else { continue };
             let capacity = match self.points.cycle {
                 Cycle::Passes => 1 + self.system.components[component].tasks.len(),
-                Cycle::Jobs if component == 0 => l.executors(),
+                Cycle::Jobs if usize::from(component) == 0 => l.executors(),
                 // The queue that all components share.
                 Cycle::Jobs => continue,
             };

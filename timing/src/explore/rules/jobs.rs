@@ -5,11 +5,11 @@
 use super::SystemRules;
 use super::status::{control, flag, permanent, slot, thread};
 use crate::explore::state::{State, TaskStatus, phase};
-use crate::system::Yield;
+use crate::system::{ComponentId, Yield};
 
 impl SystemRules<'_> {
     /// Starts tasks of a component, from the one in `starting` up to one that has to run its first codel.
-    pub(super) fn start_tasks(&self, s: &mut State, component: usize) {
+    pub(super) fn start_tasks(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
         let tasks = &self.system.components[component].tasks;
         let mut at = l.starting(s, component) as usize;

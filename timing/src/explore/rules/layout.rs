@@ -2,13 +2,15 @@
 
 use std::ops::Deref;
 
-use typed_index_collections::TiVec;
+use typed_index_collections::{TiVec, ti_vec};
 
 use super::points::{Cycle, Points};
 use super::status::{flag, slot, thread};
 use crate::explore::state::{Clocks, Frame, Places, State, TaskStatus};
 use crate::scn::semantics::LockRule;
-use crate::system::{Builtin, Client, ClientAction, Policy, ServiceId, Ticks, TimedSystem};
+use crate::system::{
+    Builtin, Client, ClientAction, ComponentId, Policy, ServiceId, Ticks, TimedSystem,
+};
 
 /// Numbers per task.
 pub(super) const OF_TASK: usize = 3;
@@ -39,9 +41,9 @@ pub(crate) struct Layout {
     /// Length, then executors, at most this many.
     pub(super) core_queue: Option<(usize, usize)>,
     /// Length, then executors, of each component. With jobs, all components share one queue.
-    pub(super) lock_queue: Vec<Option<usize>>,
+    pub(super) lock_queue: TiVec<ComponentId, Option<usize>>,
     /// Place of the shutdown stage of each component that a client may kill; 0: not killed.
-    pub(super) shutdown: Vec<Option<usize>>,
+    pub(super) shutdown: TiVec<ComponentId, Option<usize>>,
     /// Clients for which the step that sent a request matters.
     pub(super) follows: Vec<bool>,
     /// By client and tracker, whether the outcome of a request matters.
@@ -102,9 +104,9 @@ impl Layout {
         };
         let core_queue = (system.platform.cores).map(|_| (places.discrete(1 + capacity), capacity));
         let lock_queue = if points.locks == LockRule::Free {
-            vec![None; components]
+            ti_vec![None; components]
         } else if jobs {
-            vec![Some(places.discrete(1 + executors)); components]
+            ti_vec![Some(places.discrete(1 + executors)); components]
         } else {
             let queue = |tasks: usize| Some(places.discrete(2 + tasks));
             let tasks = system
@@ -204,15 +206,21 @@ impl Layout {
         }
     }
 
+    /// Returns the place of the numbers of a component.
+    #[inline]
+    pub(super) fn component_place(&self, component: ComponentId) -> usize {
+        self.component_base + OF_COMPONENT * usize::from(component)
+    }
+
     /// Returns the service that a control task handles, if it handles one.
     #[inline]
-    pub(crate) fn handled(&self, s: &State, component: usize) -> Option<ServiceId> {
+    pub(crate) fn handled(&self, s: &State, component: ComponentId) -> Option<ServiceId> {
         let number = (self.handled_number(s, component) as usize).checked_sub(1);
         number.map(ServiceId::from)
     }
 
-    pub(crate) fn control_executor(&self, component: usize) -> usize {
-        self.threads + component
+    pub(crate) fn control_executor(&self, component: ComponentId) -> usize {
+        self.threads + usize::from(component)
     }
 
     pub(crate) fn client_executor(&self, client: usize) -> usize {
@@ -330,17 +338,17 @@ impl Layout {
 
     /// Returns the executors that wait in the lock queue of a component, in order.
     #[inline]
-    pub(crate) fn lock_queue<'s>(&self, s: &'s State, component: usize) -> &'s [u16] {
+    pub(crate) fn lock_queue<'s>(&self, s: &'s State, component: ComponentId) -> &'s [u16] {
         self.lock_queue[component].map_or(&[], |base| list(s, base))
     }
 
-    pub(super) fn lock_queue_push(&self, s: &mut State, component: usize, executor: usize) {
+    pub(super) fn lock_queue_push(&self, s: &mut State, component: ComponentId, executor: usize) {
         if let Some(base) = self.lock_queue[component] {
             insert(s, base, s.d[base] as usize, executor as u16);
         }
     }
 
-    pub(super) fn lock_queue_remove(&self, s: &mut State, component: usize, executor: usize) {
+    pub(super) fn lock_queue_remove(&self, s: &mut State, component: ComponentId, executor: usize) {
         if let Some(base) = self.lock_queue[component] {
             remove(s, base, executor as u16);
         }
@@ -468,14 +476,14 @@ fn remove(s: &mut State, base: usize, number: u16) {
 
 /// Named access to the numbers.
 macro_rules! fields {
-    ($($(#[$doc:meta])* $get:ident $set:ident ($self:ident, $i:ident) $at:expr;)*) => {
+    ($($(#[$doc:meta])* $get:ident $set:ident ($self:ident, $i:ident: $index:ty) $at:expr;)*) => {
         impl Layout {
             $(
                 $(#[$doc])*
                 #[inline]
-                pub(crate) fn $get(&$self, s: &State, $i: usize) -> u16 { s.d[$at] }
+                pub(crate) fn $get(&$self, s: &State, $i: $index) -> u16 { s.d[$at] }
                 #[inline]
-                pub(super) fn $set(&$self, s: &mut State, $i: usize, value: u16) { s.d[$at] = value; }
+                pub(super) fn $set(&$self, s: &mut State, $i: $index, value: u16) { s.d[$at] = value; }
             )*
         }
     };
@@ -483,32 +491,32 @@ macro_rules! fields {
 
 fields! {
     /// Position of the thread, see [`thread`].
-    thread_of set_thread (self, task) self.task_base + OF_TASK * task;
+    thread_of set_thread (self, task: usize) self.task_base + OF_TASK * task;
     /// Index of the slot whose turn it is, among those of the task, plus one; 0 between turns.
-    turn_number set_turn_number (self, task) self.task_base + OF_TASK * task + 2;
+    turn_number set_turn_number (self, task: usize) self.task_base + OF_TASK * task + 2;
     /// See [`slot`].
-    mode set_mode (self, slot) self.slot_base + self.of_slot * slot;
+    mode set_mode (self, slot: usize) self.slot_base + self.of_slot * slot;
     /// State of its machine; the number of states for the default `stop`.
-    at set_at (self, slot) self.slot_base + self.of_slot * slot + 1;
+    at set_at (self, slot: usize) self.slot_base + self.of_slot * slot + 1;
     /// Number of the task being started, among the tasks of the component.
-    starting set_starting (self, component) self.component_base + OF_COMPONENT * component;
+    starting set_starting (self, component: ComponentId) self.component_place(component);
     /// See [`control`](super::status::control).
-    control set_control (self, component) self.component_base + OF_COMPONENT * component + 1;
+    control set_control (self, component: ComponentId) self.component_place(component) + 1;
     /// Service being handled, plus one.
-    handled_number set_handled_number (self, component) self.component_base + OF_COMPONENT * component + 2;
+    handled_number set_handled_number (self, component: ComponentId) self.component_place(component) + 2;
     /// Number of its control codel.
-    codel_number set_codel_number (self, component) self.component_base + OF_COMPONENT * component + 3;
+    codel_number set_codel_number (self, component: ComponentId) self.component_place(component) + 3;
     /// Client that sent the request, plus one.
-    sender set_sender (self, component) self.component_base + OF_COMPONENT * component + 4;
+    sender set_sender (self, component: ComponentId) self.component_place(component) + 4;
     /// Slot of the request, plus one.
-    given set_given (self, component) self.component_base + OF_COMPONENT * component + 5;
+    given set_given (self, component: ComponentId) self.component_place(component) + 5;
     /// The request is refused.
-    refused set_refused (self, component) self.component_base + OF_COMPONENT * component + 6;
+    refused set_refused (self, component: ComponentId) self.component_place(component) + 6;
     /// The end of some activity was signalled.
-    signal set_signal (self, component) self.component_base + OF_COMPONENT * component + 7;
+    signal set_signal (self, component: ComponentId) self.component_place(component) + 7;
     /// Step of a client; one past the end: before the first.
-    position set_position (self, client) self.client_base[client];
+    position set_position (self, client: usize) self.client_base[client];
     /// Request of the client without an answer: 0 for none. If the sending step matters, the number of the
     /// step plus one.
-    outstanding set_outstanding (self, client) self.client_base[client] + 1;
+    outstanding set_outstanding (self, client: usize) self.client_base[client] + 1;
 }

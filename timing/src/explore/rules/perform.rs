@@ -47,7 +47,7 @@ impl SystemRules<'_> {
                     self.client_to(s, executor - l.threads - l.components, outcome);
                 } else if executor >= l.threads {
                     l.set_phase(s, executor, phase::REST);
-                    self.finish_control(s, executor - l.threads, outcome);
+                    self.finish_control(s, (executor - l.threads).into(), outcome);
                 } else if self.points.cycle == Cycle::Jobs {
                     self.finish_state(s, executor, outcome);
                 } else {

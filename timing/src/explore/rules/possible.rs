@@ -7,7 +7,7 @@ use super::status::{control, flag, slot, thread, tracker};
 use super::{Action, Enabled, SystemRules};
 use crate::explore::state::{State, phase};
 use crate::scn::semantics::{LockRule, TickRule};
-use crate::system::{ClientAction, Policy, Yield};
+use crate::system::{ClientAction, ComponentId, Policy, Yield};
 
 impl SystemRules<'_> {
     /// Lists the actions of the best rank present.
@@ -237,7 +237,7 @@ impl SystemRules<'_> {
             }
         }
         let ends = out.actions.len() - before;
-        for component in 0..l.components {
+        for component in self.system.components.keys() {
             self.list_component(s, component, out);
         }
         self.requests(s, out);
@@ -246,7 +246,7 @@ impl SystemRules<'_> {
     }
 
     #[inline]
-    fn list_component(&self, s: &State, component: usize, out: &mut Enabled) {
+    fn list_component(&self, s: &State, component: ComponentId, out: &mut Enabled) {
         let l = &self.layout;
         let executor = l.control_executor(component);
         match l.control(s, component) {
@@ -278,7 +278,7 @@ impl SystemRules<'_> {
             Cycle::Jobs => 1,
             Cycle::Passes => l.components,
         };
-        for component in 0..queues {
+        for component in self.system.components.keys().take(queues) {
             let queue = l.lock_queue(s, component);
             let most = match self.points.locks {
                 LockRule::Queue => 1,
@@ -375,7 +375,7 @@ impl SystemRules<'_> {
                 push(state.yields.len());
             }
         } else if executor < l.threads + l.components {
-            let component = executor - l.threads;
+            let component = ComponentId::from(executor - l.threads);
             push(0);
             let throws = || {
                 let codel = self

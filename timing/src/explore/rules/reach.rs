@@ -3,11 +3,11 @@
 use super::status::{control, flag, slot, thread};
 use super::{Action, Rules, SystemRules};
 use crate::explore::state::{State, phase};
-use crate::system::ClientAction;
+use crate::system::{ClientAction, ComponentId};
 
 impl SystemRules<'_> {
     /// Returns the component of an action; `None` for actions of clients alone.
-    pub(crate) fn component_of_action(&self, s: &State, action: Action) -> Option<usize> {
+    pub(crate) fn component_of_action(&self, s: &State, action: Action) -> Option<ComponentId> {
         match action {
             Action::Signal { component }
             | Action::Reply { component }
@@ -59,7 +59,7 @@ impl SystemRules<'_> {
     }
 
     /// Returns true if some task of these components waits for a core.
-    pub(crate) fn waits_for_core(&self, s: &State, of: impl Fn(usize) -> bool) -> bool {
+    pub(crate) fn waits_for_core(&self, s: &State, of: impl Fn(ComponentId) -> bool) -> bool {
         let mut queue = self.layout.core_queue(s).iter();
         queue.any(|&task| of(self.system.tasks[task as usize].component))
     }

@@ -9,7 +9,7 @@ use super::SystemRules;
 use super::layout::EdfTimes;
 use super::status::{control, flag, slot, thread, tracker};
 use crate::explore::state::State;
-use crate::system::{Builtin, ClientAction};
+use crate::system::{Builtin, ClientAction, ComponentId};
 
 /// The stage of a shutdown. Tasks are numbered among all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,7 +29,7 @@ enum Stage {
 impl SystemRules<'_> {
     /// Performs a request that all components accept, after its last codel. Returns true if the request
     /// succeeded.
-    pub(super) fn do_builtin(&self, s: &mut State, component: usize, which: Builtin) -> bool {
+    pub(super) fn do_builtin(&self, s: &mut State, component: ComponentId, which: Builtin) -> bool {
         match which {
             Builtin::Abort => self.abort(s, component),
             Builtin::Connect => true,
@@ -45,7 +45,7 @@ impl SystemRules<'_> {
     }
 
     /// Marks the instance that a client names. Returns true if there is one.
-    fn abort(&self, s: &mut State, component: usize) -> bool {
+    fn abort(&self, s: &mut State, component: ComponentId) -> bool {
         let l = &self.layout;
         let client = l.sender(s, component) as usize - 1;
         let aborted = self.sent(s, client).and_then(|sent| match sent {
@@ -71,7 +71,7 @@ impl SystemRules<'_> {
     }
 
     /// Returns the stage of a component that is being shut down.
-    fn stage(&self, s: &State, component: usize) -> Option<Stage> {
+    fn stage(&self, s: &State, component: ComponentId) -> Option<Stage> {
         let place = self.layout.shutdown[component]?;
         let number = (s.d[place] as usize).checked_sub(1)?;
         let tasks = &self.system.components[component].tasks;
@@ -113,7 +113,7 @@ impl SystemRules<'_> {
     }
 
     /// Returns true if the shutdown of a component can proceed.
-    pub(super) fn can_shut_down(&self, s: &State, component: usize) -> bool {
+    pub(super) fn can_shut_down(&self, s: &State, component: ComponentId) -> bool {
         let l = &self.layout;
         match self.stage(s, component) {
             None => false,
@@ -141,7 +141,7 @@ impl SystemRules<'_> {
     }
 
     /// Performs one step of a shutdown.
-    pub(super) fn shutdown_step(&self, s: &mut State, component: usize) {
+    pub(super) fn shutdown_step(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
         let (Some(stage), Some(place)) = (self.stage(s, component), l.shutdown[component]) else {
             return;

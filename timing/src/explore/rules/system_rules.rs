@@ -21,7 +21,7 @@ use crate::explore::state::{Clocks, Frame, State, TaskStatus, phase};
 use crate::property::Atom;
 use crate::scn::semantics::TickRule;
 use crate::system::{
-    ClientAction, Codel, Machine, ServiceId, State as MachineState, Ticks, TimedSystem,
+    ClientAction, Codel, ComponentId, Machine, ServiceId, State as MachineState, Ticks, TimedSystem,
 };
 
 /// The rules applied to one system.
@@ -76,12 +76,12 @@ impl<'s> SystemRules<'s> {
 
     /// Returns the component of an executor; `None` for clients.
     #[inline]
-    pub(super) fn component_of(&self, executor: usize) -> Option<usize> {
+    pub(super) fn component_of(&self, executor: usize) -> Option<ComponentId> {
         match self.task_of_executor(executor) {
             Some(task) => Some(self.system.tasks[task].component),
             None => {
                 let component = executor - self.layout.threads;
-                (component < self.layout.components).then_some(component)
+                (component < self.layout.components).then(|| component.into())
             }
         }
     }
@@ -140,6 +140,7 @@ impl<'s> SystemRules<'s> {
         if component >= l.components {
             return None;
         }
+        let component = ComponentId::from(component);
         let at_codel = control::TICKET..=control::EXECUTING;
         if !at_codel.contains(&l.control(s, component)) {
             return None;
@@ -151,7 +152,7 @@ impl<'s> SystemRules<'s> {
 
     /// Returns true if a control task validates a request.
     #[inline]
-    pub(crate) fn validates(&self, s: &State, component: usize) -> bool {
+    pub(crate) fn validates(&self, s: &State, component: ComponentId) -> bool {
         let service = self.layout.handled(s, component);
         service.is_some_and(|service| self.system.services[service].validate.is_some())
             && self.layout.codel_number(s, component) == 0
@@ -171,7 +172,7 @@ impl<'s> SystemRules<'s> {
     fn at_start(&self) -> State {
         let l = &self.layout;
         let mut s = l.blank();
-        for component in 0..l.components {
+        for component in self.system.components.keys() {
             match self.points.start_up {
                 StartUp::FirstCodel => self.start_tasks(&mut s, component),
                 StartUp::FirstPass => {
@@ -190,7 +191,7 @@ impl<'s> SystemRules<'s> {
     }
 
     /// Sets the flags and the timers of the tasks of a component before they are started with a first pass.
-    fn prepare_tasks(&self, s: &mut State, component: usize) {
+    fn prepare_tasks(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
         for &task in &self.system.components[component].tasks {
             let definition = &self.system.tasks[task];
@@ -217,7 +218,7 @@ impl<'s> SystemRules<'s> {
     }
 
     /// Starts the next task of a component, or the control task after all other tasks.
-    pub(super) fn start_next(&self, s: &mut State, component: usize) {
+    pub(super) fn start_next(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
         let next = l.starting(s, component).wrapping_add(1);
         l.set_starting(s, component, next);
@@ -389,7 +390,7 @@ impl Rules for SystemRules<'_> {
             return None;
         }
         let codel = self.codel(s, executor)?;
-        if let Some(component) = executor.checked_sub(l.threads) {
+        if let Some(component) = executor.checked_sub(l.threads).map(ComponentId::from) {
             return Some(Work::Control {
                 codel,
                 service: l.handled(s, component)?,
@@ -429,13 +430,13 @@ impl Rules for SystemRules<'_> {
         }
     }
 
-    fn handling(&self, s: &State, component: usize) -> Option<(ServiceId, bool)> {
+    fn handling(&self, s: &State, component: ComponentId) -> Option<(ServiceId, bool)> {
         let l = &self.layout;
         let service = l.handled(s, component)?;
         Some((service, l.refused(s, component) != 0))
     }
 
-    fn requested_place(&self, s: &State, component: usize) -> Option<usize> {
+    fn requested_place(&self, s: &State, component: ComponentId) -> Option<usize> {
         (self.layout.given(s, component) as usize).checked_sub(1)
     }
 

@@ -7,13 +7,13 @@ use super::Builder;
 use crate::diagnostic::remark::Remark;
 use crate::scn::semantics::LockRule;
 use crate::system::locks::live_codels;
-use crate::system::{FOREVER, Ticks};
+use crate::system::{ComponentId, FOREVER, Ticks};
 
 /// A codel that can run, and its thread: a task, or the control task of its component (`None`).
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct RunnableCodel {
     codel: usize,
-    component: usize,
+    component: ComponentId,
     task: Option<usize>,
 }
 

@@ -10,7 +10,7 @@ use crate::scn::ast::{self, Ending, Path, StepKind, Unit};
 use crate::scn::names::Target;
 use crate::system::indexed::not_a;
 use crate::system::{
-    Builtin, Client, Codel, CodelName, FOREVER, Service, ServiceId, program, units,
+    Builtin, Client, Codel, CodelName, ComponentId, FOREVER, Service, ServiceId, program, units,
 };
 
 impl Builder<'_> {
@@ -67,7 +67,7 @@ impl Builder<'_> {
 
     /// Adds services for the requests that all components accept, if a client makes such requests.
     fn builtins(&mut self) {
-        let mut found: Vec<(usize, Builtin)> = Vec::new();
+        let mut found: Vec<(ComponentId, Builtin)> = Vec::new();
         for client in &self.settings.clients {
             builtins(client, &client.steps, &mut |path, which| {
                 // A path that names no component is reported when the client is compiled.
@@ -84,7 +84,7 @@ impl Builder<'_> {
         }
     }
 
-    fn builtin(&mut self, number: usize, which: Builtin) {
+    fn builtin(&mut self, number: ComponentId, which: Builtin) {
         let system = &mut self.out.system;
         let component = system.components[number].name.clone();
         let mut simple = Vec::new();

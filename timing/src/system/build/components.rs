@@ -9,23 +9,22 @@ use super::Builder;
 use super::times::TimeOf;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::scn::ast::{DEFAULT_PLACES, DEFAULT_SLOTS};
-use crate::system::{Automaton, Component, Service, ServiceId, Task};
+use crate::system::{Automaton, Component, ComponentId, Service, ServiceId, Task};
 
 impl Builder<'_> {
     pub(super) fn component(&mut self, c: usize) {
         let component = self.names.components[c].component;
-        let number = self.out.system.components.len();
-        self.out.components.insert(c, number);
-        self.out.system.components.push(Component {
+        let number = self.out.system.components.push_and_get_key(Component {
             name: component.name.to_string(),
             tasks: Vec::new(),
             services: Vec::new(),
         });
+        self.out.components.insert(c, number);
         self.tasks(c, number);
         self.services(c, number);
     }
 
-    fn tasks(&mut self, c: usize, number: usize) {
+    fn tasks(&mut self, c: usize, number: ComponentId) {
         let component = self.names.components[c].component;
         for (t, task) in (0..).zip(&component.tasks) {
             let path = format!("{}.{}", component.name, task.name);
@@ -111,7 +110,7 @@ impl Builder<'_> {
         }
     }
 
-    fn services(&mut self, c: usize, number: usize) {
+    fn services(&mut self, c: usize, number: ComponentId) {
         let component = self.names.components[c].component;
         for (s, service) in (0..).zip(&component.services) {
             let path = format!("{}.{}", component.name, service.name);

@@ -5,14 +5,14 @@ use dotgen_analysis::model::{Codel as ModelCodel, CodelKind, CodelRef, Owner, Se
 use super::Builder;
 use super::times::TimeOf;
 use crate::diagnostic::remark::Remark;
-use crate::system::{Codel, CodelName, CodelSet, FOREVER, Machine, State, Yield};
+use crate::system::{Codel, CodelName, CodelSet, ComponentId, FOREVER, Machine, State, Yield};
 
 impl Builder<'_> {
     /// Adds the state machine of a task or activity; returns `None` if it has no `start` codel.
     pub(super) fn machine(
         &mut self,
         c: usize,
-        number: usize,
+        number: ComponentId,
         owner: Owner,
         path: &str,
     ) -> Option<usize> {
@@ -85,7 +85,7 @@ impl Builder<'_> {
     pub(super) fn codel(
         &mut self,
         c: usize,
-        number: usize,
+        number: ComponentId,
         owner: Owner,
         index: u32,
         state: &str,
@@ -124,7 +124,7 @@ impl Builder<'_> {
         id
     }
 
-    pub(super) fn attribute(&mut self, c: usize, number: usize, s: u32, path: &str) -> usize {
+    pub(super) fn attribute(&mut self, c: usize, number: ComponentId, s: u32, path: &str) -> usize {
         let service = &self.names.components[c].component.services[s as usize];
         self.note_rounding((c, Owner::Service(s), u32::MAX, ""), None, path);
         let times = self.duration(c, Owner::Service(s), u32::MAX, "", None);
@@ -143,7 +143,7 @@ impl Builder<'_> {
 
     fn push_codel(
         &mut self,
-        number: usize,
+        number: ComponentId,
         path: CodelName,
         (lower, upper): (Seconds, Option<Seconds>),
         site: Option<(usize, CodelRef)>,

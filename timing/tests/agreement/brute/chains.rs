@@ -9,6 +9,7 @@ use dotgen_timing::system::chain::{Chain, ChainKind, DataPlace};
 
 use super::state::{Doing, Mode, State, Step};
 use super::{Brute, CAP};
+use dotgen_timing::system::ComponentId;
 
 /// A place: shared, or the variable of an instance, or of the request that a control task handles.
 type Datum = (DataPlace, Option<usize>);
@@ -127,7 +128,10 @@ impl Brute<'_> {
             // Variables last as long as the instance, or the handling of the request.
             followed.places.retain(|place| match place.1 {
                 Some(e) if e < automata => n.automata[e].mode != Mode::Void,
-                Some(e) => !matches!(n.controls[e - automata].step, Step::Ready),
+                Some(e) => !matches!(
+                    n.controls[ComponentId::from(e - automata)].step,
+                    Step::Ready
+                ),
                 None => true,
             });
             if followed.places.is_empty() && followed.readers.is_empty() {

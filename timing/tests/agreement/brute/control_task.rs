@@ -3,11 +3,11 @@
 use super::state::{Doing, Mode, State, Step, Tracked};
 use super::{Brute, Results};
 use dotgen_timing::scn::semantics::LockRule;
-use dotgen_timing::system::ServiceId;
+use dotgen_timing::system::{ComponentId, ServiceId};
 
 impl Brute<'_> {
-    pub(super) fn control_codel(&self, s: &mut State, c: usize) {
-        let e = s.automata.len() + c;
+    pub(super) fn control_codel(&self, s: &mut State, c: ComponentId) {
+        let e = s.automata.len() + usize::from(c);
         if self.system.codels[self.codel(s, e)].conflicts.is_empty() {
             s.controls[c].doing = Doing::Executing(0);
         } else {
@@ -21,7 +21,7 @@ impl Brute<'_> {
     pub(super) fn end_control(
         &self,
         s: &mut State,
-        c: usize,
+        c: ComponentId,
         outcome: usize,
         results: &mut Results,
     ) {
@@ -49,7 +49,7 @@ impl Brute<'_> {
     pub(super) fn accepted(
         &self,
         s: &mut State,
-        c: usize,
+        c: ComponentId,
         service: ServiceId,
         client: usize,
         results: &mut Results,
@@ -93,7 +93,7 @@ impl Brute<'_> {
         }
     }
 
-    fn replied(&self, s: &mut State, c: usize, client: usize) {
+    fn replied(&self, s: &mut State, c: ComponentId, client: usize) {
         s.clients[client].outstanding = false;
         for t in &mut s.clients[client].tracked {
             if *t == Tracked::Handled {
@@ -103,7 +103,7 @@ impl Brute<'_> {
         self.finish(s, c);
     }
 
-    pub(super) fn finish(&self, s: &mut State, c: usize) {
+    pub(super) fn finish(&self, s: &mut State, c: ComponentId) {
         s.controls[c].step = Step::Ready;
         for &service in &self.system.components[c].services {
             for &a in &self.system.services[service].slots {

@@ -2,7 +2,7 @@
 
 use dotgen_timing::explore::Action;
 use dotgen_timing::scn::semantics::LockRule;
-use dotgen_timing::system::{ClientAction, Policy, Yield};
+use dotgen_timing::system::{ClientAction, ComponentId, Policy, Yield};
 
 use super::state::{Doing, Mode, State, Status, Step, Tracked};
 use super::{Brute, Results};
@@ -44,7 +44,7 @@ impl Brute<'_> {
                     n.automata[executor].doing = Doing::Executing(0);
                 } else {
                     let na = n.automata.len();
-                    n.controls[executor - na].doing = Doing::Executing(0);
+                    n.controls[ComponentId::from(executor - na)].doing = Doing::Executing(0);
                 }
             }
             Action::Finish { executor, outcome } => {
@@ -52,7 +52,7 @@ impl Brute<'_> {
                 if executor < na {
                     self.end_state(&mut n, executor, outcome);
                 } else if executor < na + nc {
-                    self.end_control(&mut n, executor - na, outcome, results);
+                    self.end_control(&mut n, (executor - na).into(), outcome, results);
                 } else {
                     let client = &mut n.clients[executor - na - nc];
                     client.at = Some(outcome);
@@ -94,7 +94,7 @@ impl Brute<'_> {
         n
     }
 
-    pub(super) fn start_from(&self, s: &mut State, c: usize, first: usize) {
+    pub(super) fn start_from(&self, s: &mut State, c: ComponentId, first: usize) {
         let tasks = &self.system.components[c].tasks;
         for (i, &t) in tasks.iter().enumerate().skip(first) {
             if self.system.tasks[t].period.is_some() {

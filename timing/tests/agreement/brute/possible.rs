@@ -2,7 +2,7 @@
 
 use dotgen_timing::explore::Action;
 use dotgen_timing::scn::semantics::LockRule;
-use dotgen_timing::system::{ClientAction, FOREVER, Policy, Yield};
+use dotgen_timing::system::{ClientAction, ComponentId, FOREVER, Policy, Yield};
 
 use super::Brute;
 use super::state::{Doing, Mode, State, Status, Step, Tracked};
@@ -107,7 +107,7 @@ impl Brute<'_> {
                 _ => {}
             }
         }
-        for (c, control) in s.controls.iter().enumerate() {
+        for (c, control) in s.controls.iter_enumerated() {
             if control.step == Step::Ready && control.signal {
                 out.push(Action::Signal { component: c });
                 urgent = true;
@@ -150,7 +150,7 @@ impl Brute<'_> {
             }
             out
         } else if e < na + nc {
-            match s.controls[e - na].step {
+            match s.controls[ComponentId::from(e - na)].step {
                 Step::Validate(..) => vec![0, 1],
                 _ => vec![0],
             }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use dotgen_timing::system::{ClientAction, ServiceId};
+use dotgen_timing::system::{ClientAction, ComponentId, ServiceId};
+use typed_index_collections::TiVec;
 
 use super::Brute;
 
@@ -94,7 +95,7 @@ pub(super) struct Client {
 pub(super) struct State {
     pub(super) tasks: Vec<Task>,
     pub(super) automata: Vec<Automaton>,
-    pub(super) controls: Vec<Control>,
+    pub(super) controls: TiVec<ComponentId, Control>,
     pub(super) clients: Vec<Client>,
     pub(super) queue: Vec<usize>,
     pub(super) lock_queue: Vec<usize>,
@@ -160,7 +161,7 @@ impl Brute<'_> {
             lock_queue: Vec::new(),
             obligations: vec![BTreeSet::new(); self.within.len()],
         };
-        for c in 0..sys.components.len() {
+        for c in sys.components.keys() {
             self.start_from(&mut s, c, 0);
         }
         self.watch(None, &mut s);
@@ -176,7 +177,7 @@ impl Brute<'_> {
         if e < na {
             s.automata[e].doing
         } else if e < na + nc {
-            s.controls[e - na].doing
+            s.controls[ComponentId::from(e - na)].doing
         } else {
             let k = e - na - nc;
             match s.clients[k]
@@ -196,7 +197,7 @@ impl Brute<'_> {
         if e < na {
             self.system.machine_of(e).states[s.automata[e].at].codel
         } else {
-            match s.controls[e - na].step {
+            match s.controls[ComponentId::from(e - na)].step {
                 Step::Validate(service, _) => self.system.services[service].validate.unwrap(),
                 Step::Simple(service, _, i) => self.system.services[service].simple[i],
                 _ => unreachable!("no codel"),

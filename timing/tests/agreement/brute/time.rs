@@ -1,6 +1,6 @@
 //! The passage of time.
 
-use dotgen_timing::system::FOREVER;
+use dotgen_timing::system::{ComponentId, FOREVER};
 
 use super::state::{Doing, State, Status};
 use super::{Brute, CAP};
@@ -27,7 +27,7 @@ impl Brute<'_> {
                 if e < na {
                     n.automata[e].doing = Doing::Executing(elapsed);
                 } else if e < na + nc {
-                    n.controls[e - na].doing = Doing::Executing(elapsed);
+                    n.controls[ComponentId::from(e - na)].doing = Doing::Executing(elapsed);
                 } else {
                     n.clients[e - na - nc].clock = elapsed;
                 }

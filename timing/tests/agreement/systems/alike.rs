@@ -2,8 +2,8 @@
 
 use dotgen_timing::property::{Atom, Predicate};
 use dotgen_timing::system::{
-    Automaton, Client, ClientAction, ClientStep, Codel, CodelSet, Component, Machine, Policy,
-    Service, ServiceId, State, Task, TimedSystem,
+    Automaton, Client, ClientAction, ClientStep, Codel, CodelSet, Component, ComponentId, Machine,
+    Policy, Service, ServiceId, State, Task, TimedSystem,
 };
 use typed_index_collections::TiVec;
 
@@ -16,7 +16,7 @@ pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)
     let copies = 2 + usize::from(dice.in_ten(4));
     let together = dice.in_ten(5);
     let mut system = TimedSystem {
-        components: Vec::new(),
+        components: TiVec::new(),
         tasks: Vec::new(),
         machines: Vec::new(),
         automata: Vec::new(),
@@ -69,7 +69,7 @@ fn part(dice: &mut Dice) -> TimedSystem {
         services: Vec::new(),
     });
     let permanent = dice.in_ten(5).then(|| {
-        let machine = machine(&mut system, dice, 0, "c.t".to_owned());
+        let machine = machine(&mut system, dice, ComponentId::from(0), "c.t".to_owned());
         automaton(&mut system, 0, machine, None)
     });
     system.tasks.push(Task {
@@ -77,7 +77,7 @@ fn part(dice: &mut Dice) -> TimedSystem {
         priority: None,
         affinity: None,
         name: "t".to_owned(),
-        component: 0,
+        component: ComponentId::from(0),
         period: dice.in_ten(6).then(|| 3 + dice.below(4)),
         delay: 0,
         keep_idle_tick: dice.in_ten(2),
@@ -139,8 +139,8 @@ struct Copier<'o> {
 }
 
 impl Copier<'_> {
-    fn component(&self) -> usize {
-        if self.together { 0 } else { self.copy }
+    fn component(&self) -> ComponentId {
+        ComponentId::from(if self.together { 0 } else { self.copy })
     }
 
     fn add_to(&self, system: &mut TimedSystem) {
@@ -153,7 +153,7 @@ impl Copier<'_> {
         let all = |list: &[usize], name: &dyn Fn(usize) -> usize| -> Vec<usize> {
             list.iter().map(|&index| name(index)).collect()
         };
-        if system.components.len() <= self.component() {
+        if system.components.next_key() <= self.component() {
             system.components.push(Component {
                 name: format!("c{copy}"),
                 tasks: Vec::new(),

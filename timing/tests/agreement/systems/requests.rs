@@ -1,7 +1,7 @@
 //! Random systems with a default client: any request at any time.
 
 use dotgen_timing::system::{
-    Client, ClientAction, ClientStep, Component, FOREVER, Policy, Task, TimedSystem,
+    Client, ClientAction, ClientStep, Component, ComponentId, FOREVER, Policy, Task, TimedSystem,
 };
 
 use super::{Dice, automaton, empty, machine, service};
@@ -21,10 +21,11 @@ pub(crate) fn requests(dice: &mut Dice) -> TimedSystem {
                 services: Vec::new(),
             });
         }
-        let component = system.components.len() - 1;
+        let number = system.components.len() - 1;
+        let component = ComponentId::from(number);
         system.components[component].tasks.push(t);
         let permanent = dice.in_ten(7).then(|| {
-            let machine = machine(&mut system, dice, component, format!("c{component}.t{t}"));
+            let machine = machine(&mut system, dice, component, format!("c{number}.t{t}"));
             automaton(&mut system, t, machine, None)
         });
         system.tasks.push(Task {

@@ -17,7 +17,7 @@
 //! These actions cannot follow each other for ever in no time if every round of a client has a delay that may
 //! take time.
 
-use typed_index_collections::TiVec;
+use typed_index_collections::{TiVec, ti_vec};
 
 use super::AmpleState;
 use crate::explore::reductions::facts::{Parts, loops_in_no_time};
@@ -25,7 +25,7 @@ use crate::explore::reductions::{Kind, Reason, Setting};
 use crate::explore::rules::Action;
 use crate::explore::rules::status::{control, permanent, slot, tracker};
 use crate::explore::state::{TaskStatus, phase};
-use crate::system::{Client, ClientAction, ServiceId, Yield};
+use crate::system::{Client, ClientAction, ComponentId, ServiceId, Yield};
 
 /// A set of services.
 type Services = u128;
@@ -44,7 +44,7 @@ pub(super) struct Requests {
     /// Services handled in no time.
     instant: Services,
     /// Services of each component.
-    of_component: Vec<Services>,
+    of_component: TiVec<ComponentId, Services>,
     /// Automata of activities whose turns eventually take time, on tasks without separate threads.
     ordinary: Vec<bool>,
     /// Parts that predicates observe.
@@ -75,7 +75,7 @@ impl Requests {
             after: Vec::new(),
             related: TiVec::new(),
             instant: 0,
-            of_component: vec![0; system.components.len()],
+            of_component: ti_vec![0; system.components.len()],
             ordinary: Vec::new(),
             visible: setting.facts.visible.parts.clone(),
         };
@@ -275,7 +275,7 @@ impl AmpleState<'_, '_> {
     }
 
     /// Returns true if the ends of activities can be reported before anything else.
-    pub(super) fn report_alone(&self, component: usize) -> bool {
+    pub(super) fn report_alone(&self, component: ComponentId) -> bool {
         let known = &self.ample.requests;
         let l = self.layout();
         let system = self.system();
@@ -392,6 +392,7 @@ impl AmpleState<'_, '_> {
         let Some(component) = executor
             .checked_sub(l.threads)
             .filter(|&component| component < l.components)
+            .map(ComponentId::from)
         else {
             return false;
         };
@@ -421,7 +422,7 @@ impl AmpleState<'_, '_> {
     }
 
     /// Returns true if the end of a message changes nothing in slots.
-    fn reports_nothing(&self, component: usize) -> bool {
+    fn reports_nothing(&self, component: ComponentId) -> bool {
         let l = self.layout();
         let mut services = self.system().components[component].services.iter();
         services.all(|&service| {
@@ -448,7 +449,7 @@ impl AmpleState<'_, '_> {
             }
             None => {
                 let component = executor - self.system().automata.len();
-                known.visible.controls.get(component) == Some(&false)
+                known.visible.controls.get(ComponentId::from(component)) == Some(&false)
             }
         }
     }
@@ -492,7 +493,7 @@ impl AmpleState<'_, '_> {
     }
 
     /// Returns true if a control task may want a lock of a codel at this moment.
-    pub(super) fn control_may_want(&self, component: usize, codel: usize) -> bool {
+    pub(super) fn control_may_want(&self, component: ComponentId, codel: usize) -> bool {
         let l = self.layout();
         let executor = l.control_executor(component);
         if !self.ample.requests.enabled {

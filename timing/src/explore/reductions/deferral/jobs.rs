@@ -22,7 +22,7 @@ use crate::explore::reductions::{Deferrable, Kind, Reason, Setting};
 use crate::explore::rules::SystemRules;
 use crate::explore::rules::status::permanent;
 use crate::explore::state::{State, phase};
-use crate::system::{ClientAction, ServiceId, TimedSystem};
+use crate::system::{ClientAction, ComponentId, ServiceId, TimedSystem};
 
 /// The lazy groups. Tasks, control tasks and clients are numbered as *members*, in this order.
 #[derive(Debug)]
@@ -55,7 +55,7 @@ impl LazyMembers {
         let (visible, measured) = (&setting.facts.visible, &setting.facts.measured);
         let rests = !setting.without.contains(Kind::RestingLoops);
         let tasks = system.tasks.len();
-        let control = |component: usize| tasks + component;
+        let control = |component: ComponentId| tasks + usize::from(component);
         let client = |client: usize| tasks + system.components.len() + client;
         let n = client(system.clients.len());
         let mut owner = vec![usize::MAX; system.codels.len()];

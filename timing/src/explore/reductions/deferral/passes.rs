@@ -10,14 +10,15 @@
 //! The reduction is off where components are not independent, see [`components`].
 
 use smallvec::SmallVec;
+use typed_index_collections::TiVec;
 
 use super::rest;
-use crate::explore::reductions::components::{self, Groups, join};
+use crate::explore::reductions::components::{self, Groups};
 use crate::explore::reductions::{Deferrable, Kind, Reason, Setting, Watched};
 use crate::explore::rules::SystemRules;
 use crate::explore::state::State;
 use crate::scn::semantics::{PauseRule, TickRule};
-use crate::system::{ClientAction, TimedSystem};
+use crate::system::{ClientAction, ComponentId, TimedSystem};
 
 /// The lazy groups of components.
 #[derive(Debug)]
@@ -67,12 +68,12 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
     if !periodic || semantics.pause == PauseRule::Turns || semantics.ticks == TickRule::Task {
         return none();
     }
-    let mut groups: Groups = (0..components).collect();
+    let mut groups = Groups::new(components);
     for components in &addressed {
-        join(&mut groups, components.iter().copied());
+        groups.join(components.iter().copied());
     }
     let requested = system.requested();
-    let mut lazy: Vec<bool> = about.iter().map(|about| !about).collect();
+    let mut lazy: TiVec<ComponentId, bool> = about.iter().map(|about| !about).collect();
     let mut resting = Vec::new();
     let mut owner = vec![usize::MAX; system.codels.len()];
     for automaton in &system.automata {
@@ -80,7 +81,7 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
             owner[state.codel] = automaton.task;
         }
     }
-    for (number, component) in system.components.iter().enumerate() {
+    for (number, component) in system.components.iter_enumerated() {
         for &task in &component.tasks {
             let definition = &system.tasks[task];
             lazy[number] &= definition.period.is_some() || !asked.measured[task];
@@ -133,9 +134,10 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
             addressed.iter().for_each(|&index| lazy[index] = false);
         }
     }
-    let of_group: Vec<bool> = (0..components)
+    let of_group: TiVec<ComponentId, bool> = (lazy.keys())
         .map(|component| {
-            (0..components).all(|other| groups[other] != groups[component] || lazy[other])
+            (lazy.iter_enumerated())
+                .all(|(other, lazy)| groups.of(other) != groups.of(component) || *lazy)
         })
         .collect();
     if system.platform.cores.is_some() && of_group.contains(&false) {

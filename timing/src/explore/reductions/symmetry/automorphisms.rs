@@ -8,7 +8,7 @@ use super::renaming::Id;
 use crate::explore::reductions::Watched;
 use crate::explore::rules::{Part, Parts};
 use crate::property::{Atom, Predicate};
-use crate::system::{ClientAction, CodelSet, Policy, ServiceId, TimedSystem};
+use crate::system::{ClientAction, CodelSet, ComponentId, Policy, ServiceId, TimedSystem};
 
 /// The watched properties of a task.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -21,7 +21,7 @@ pub(crate) struct Label {
 
 /// Returns classes of symmetric units, each of at least two.
 pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Parts>> {
-    let seeds = (0..system.components.len())
+    let seeds = (system.components.keys())
         .map(Seed::Component)
         .chain((0..system.clients.len()).map(Seed::Client))
         .chain((0..system.tasks.len()).map(Seed::Task));
@@ -82,7 +82,7 @@ fn closed(system: &TimedSystem, class: &[Parts]) -> bool {
 /// The starting point of an exchange.
 #[derive(Debug, Clone, Copy)]
 enum Seed {
-    Component(usize),
+    Component(ComponentId),
     Client(usize),
     Task(usize),
 }
@@ -138,7 +138,7 @@ fn exchange(
 /// Returns true if a unit contains the starting point of an exchange.
 fn holds(unit: &Parts, seed: Seed) -> bool {
     match seed {
-        Seed::Component(component) => unit[Part::Component].contains(&component),
+        Seed::Component(component) => unit[Part::Component].contains(&component.into()),
         Seed::Client(client) => unit[Part::Client].contains(&client),
         Seed::Task(task) => unit[Part::Task].contains(&task),
     }
@@ -206,7 +206,7 @@ impl<'s> Exchange<'s> {
         Some(())
     }
 
-    fn component(&mut self, x: usize, y: usize) -> Option<()> {
+    fn component(&mut self, x: ComponentId, y: ComponentId) -> Option<()> {
         if self.pair(Part::Component, x, y)? {
             let (one, other) = (&self.system.components[x], &self.system.components[y]);
             self.each(&one.tasks, &other.tasks, Self::task)?;
@@ -313,7 +313,7 @@ impl<'s> Exchange<'s> {
 
     fn keeps_components(&self) -> bool {
         let system = self.system;
-        (0..system.components.len()).all(|c| {
+        (system.components.keys()).all(|c| {
             let (from, to) = (
                 &system.components[c],
                 &system.components[self.name(Part::Component, c)],

@@ -2,7 +2,7 @@
 
 use crate::explore::rules::{Action, Part, Parts, Rules};
 use crate::property::Atom;
-use crate::system::TimedSystem;
+use crate::system::{ComponentId, TimedSystem};
 
 /// The index of a part of some kind.
 pub(super) trait Id: Copy + Ord + From<usize> + Into<usize> {}
@@ -108,8 +108,8 @@ impl Renaming {
         self.0[Part::Task][task]
     }
 
-    fn component(&self, component: usize) -> usize {
-        self.0[Part::Component][component]
+    fn component(&self, component: ComponentId) -> ComponentId {
+        self.name(Part::Component, component)
     }
 
     fn client(&self, client: usize) -> usize {
