@@ -1,6 +1,7 @@
 //! The timed system: components, a platform and clients as small integers.
 //!
-//! It holds only the data that the explorer needs: tables indexed by plain numbers, and times in base units.
+//! It holds only the data that the explorer needs: tables, and times in base units. Services and components
+//! have index types of their own ([`ServiceId`], [`ComponentId`]); other tables are indexed by plain numbers.
 //! [`build`] makes it from specifications and a scenario; tests make it by hand. "Section N" refers to the
 //! timed semantics of GenoM3 components, described for users in `docs/verification.md`.
 
