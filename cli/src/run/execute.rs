@@ -9,8 +9,9 @@ use dotgen_runtime::report::RunReport;
 use dotgen_runtime::simulation::{Record, SimulationResult, simulate_recorded};
 use dotgen_timing::report::Event;
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::system::{Ticks, TimedSystem};
+use dotgen_timing::system::{ComponentId, Ticks, TimedSystem};
 use dotgen_timing::verify::{Cancel, Interrupt, Options, Prepared, SystemInput};
+use typed_index_collections::TiVec;
 
 use super::bounds::{self, BoundVerification};
 use super::record::Recording;
@@ -236,7 +237,7 @@ impl Context<'_, '_> {
     fn children(
         &self,
         arguments: &Arguments,
-        libraries: Vec<Option<Utf8PathBuf>>,
+        libraries: TiVec<ComponentId, Option<Utf8PathBuf>>,
         system: &TimedSystem,
         real: bool,
     ) -> dotgen_hosting::children::Children {
