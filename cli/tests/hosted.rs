@@ -3,6 +3,7 @@
 
 mod genomix;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -10,7 +11,9 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use crate::directory::{Directory, status, stderr, stdout};
-use crate::running::{Listening, compilers, ended, json_of, processes, talk, violation, with_body};
+use crate::running::{
+    Listening, compilers, ended, hosts, json_of, processes, talk, violation, with_body,
+};
 
 const TYPES: &str = include_str!("hosted/types.idl");
 const ECHO: &str = include_str!("hosted/echo.gen");
@@ -231,6 +234,75 @@ fn a_codel_that_takes_too_long_is_told() {
         "json",
     ]);
     assert_eq!(json_of(&virtually)["violation-count"], 0);
+}
+
+/// Two tasks of which the second one has the shorter period.
+const TASKS: &str = "component pair { version \"1\"; lang \"c\"; ids { long n; };
+  task slow { period 50 ms; codel<start> pair_slow(inout n) yield pause::start wcet 1 ms; };
+  task fast { period 5 ms; codel<start> pair_fast(inout n) yield pause::start wcet 1 ms; };
+  attribute set(in n) { validate pair_set(local in n); }; };\n";
+
+/// Real-time priorities of the threads of a process, by name.
+fn priorities(process: u32) -> BTreeMap<String, u32> {
+    let threads = std::fs::read_dir(format!("/proc/{process}/task")).expect("it runs");
+    let priority = |entry: std::fs::DirEntry| {
+        let name = std::fs::read_to_string(entry.path().join("comm")).ok()?;
+        let stat = std::fs::read_to_string(entry.path().join("stat")).ok()?;
+        // After the name, which may contain blanks: the third field and those behind it.
+        let fields = stat.rsplit_once(')')?.1.split_whitespace();
+        let priority = fields.skip(37).next()?.parse().ok()?;
+        Some((name.trim_end().to_owned(), priority))
+    };
+    threads.flatten().filter_map(priority).collect()
+}
+
+#[test]
+fn a_task_of_shorter_period_has_the_higher_priority() {
+    let granted = Command::new("chrt").args(["-f", "1", "true"]).status();
+    if !granted.is_ok_and(|status| status.success()) {
+        eprintln!("skipped: the system grants no real-time scheduling");
+        return;
+    }
+    if !compilers() {
+        return;
+    }
+    let source = ["slow", "fast"].map(|task| {
+        format!(
+            "genom_event pair_{task}(int32_t *n, const genom_context self) {{ return pair_pause_start; }}\n"
+        )
+    });
+    let validate =
+        "genom_event pair_set(int32_t n, const genom_context self) { return genom_ok; }\n";
+    let source = format!(
+        "#include \"acpair.h\"\n#include \"pair_c_types.h\"\n{}{validate}",
+        source.concat()
+    );
+    let directory = Directory::new(&[("pair/pair.gen", TASKS), ("pair/codels/pair.c", &source)]);
+    let arguments = [
+        "run",
+        "pair/pair.gen",
+        "--clock",
+        "real",
+        "--bounds",
+        "none",
+    ];
+    let mut run = Listening::start(&directory, &arguments);
+    let [host] = hosts(&directory)[..] else {
+        panic!("one component runs in one process");
+    };
+    let begin = Instant::now();
+    let seen = loop {
+        let seen = priorities(host);
+        let has = |task: &str| seen.get(task).is_some_and(|&priority| priority > 0);
+        if has("slow") && has("fast") {
+            break seen;
+        }
+        assert!(begin.elapsed() < Duration::from_secs(20), "{seen:?}");
+        std::thread::yield_now();
+    };
+    run.signal("-TERM");
+    ended(&mut run.0);
+    assert_eq!((seen["fast"], seen["slow"]), (48, 47));
 }
 
 #[test]

@@ -18,7 +18,7 @@ use dotgen_timing::verify::Interrupt;
 use rustix::fs::OFlags;
 use rustix::process::Pid;
 
-use super::host::{COMMAND, HostOptions};
+use super::host::{COMMAND, HostOptions, HostThread};
 use super::orphans;
 use super::shared_data::SharedData;
 use super::wire::{HostCommand, HostMessage};
@@ -57,12 +57,32 @@ struct Child {
 /// A function that is called for each host that waits for a debugger, with the component and the process ID.
 pub type Waiting = Box<dyn Fn(&str, u32)>;
 
+/// A component of a system, as its host needs it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct HostedComponent {
+    /// Name.
+    pub name: String,
+    /// Real-time priority of its control task; see [`realtime::priorities`].
+    pub priority: u8,
+}
+
+/// A task of a system, as its host needs it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct HostedTask {
+    /// The component.
+    pub component: ComponentId,
+    /// Name, without the component.
+    pub name: String,
+    /// Real-time priority; see [`realtime::priorities`].
+    pub priority: u8,
+}
+
 /// All hosts of a run.
 pub struct Children {
     children: TiVec<ComponentId, Child>,
-    names: TiVec<ComponentId, String>,
-    /// Component and name of each task, by lane.
-    tasks: Vec<(ComponentId, String)>,
+    components: TiVec<ComponentId, HostedComponent>,
+    /// By lane.
+    tasks: Vec<HostedTask>,
     real: bool,
     /// Set if hosts wait for a debugger: the function to call, and no timeouts.
     debug: Option<Waiting>,
@@ -106,12 +126,12 @@ struct SharedDataPool {
 }
 
 impl Children {
-    /// Creates the hosts of the components that have a shared object. `names` has all components of the
-    /// system, and `tasks` the component and name of each task.
+    /// Creates the hosts of the components that have a shared object. `components` and `tasks` are all of the
+    /// system.
     pub fn new(
         libraries: TiVec<ComponentId, Option<Utf8PathBuf>>,
-        names: TiVec<ComponentId, String>,
-        tasks: Vec<(ComponentId, String)>,
+        components: TiVec<ComponentId, HostedComponent>,
+        tasks: Vec<HostedTask>,
         real: bool,
         interrupt: Interrupt,
     ) -> Children {
@@ -123,7 +143,7 @@ impl Children {
         });
         Children {
             children: children.collect(),
-            names,
+            components,
             tasks,
             real,
             debug: None,
@@ -177,13 +197,17 @@ impl Children {
         let Some(library) = self.children[component].library.clone() else {
             return Ok(());
         };
-        let name = &self.names[component];
-        let tasks = (0..).zip(&self.tasks).filter(|pair| pair.1.0 == component);
+        let HostedComponent { name, priority } = &self.components[component];
+        let tasks = (0..).zip(&self.tasks);
+        let tasks = tasks.filter(|(_, task)| task.component == component);
+        let thread = |task: &HostedTask| HostThread {
+            name: task.name.clone(),
+            priority: task.priority,
+        };
         let manner = HostOptions {
             component: name.clone(),
-            tasks: tasks
-                .map(|(lane, (_, name))| (lane, name.clone()))
-                .collect(),
+            tasks: tasks.map(|(lane, task)| (lane, thread(task))).collect(),
+            control_priority: *priority,
             real_time: self.real,
             debug: self.debug.is_some(),
         };
@@ -435,16 +459,16 @@ impl Hosts for Children {
                 Some(EngineEvent::HostMessage(component, _, HostMessage::Waiting)) => {
                     let process = &self.children[component].process;
                     if let (Some(waiting), Some(process)) = (&self.debug, process) {
-                        waiting(&self.names[component], process.child.id());
+                        waiting(&self.components[component].name, process.child.id());
                     }
                 }
                 Some(EngineEvent::HostMessage(component, _, HostMessage::Unusable(why))) => {
-                    let name = &self.names[component];
+                    let name = &self.components[component].name;
                     return Err(format!("the codels of `{name}` cannot be loaded: {why}"));
                 }
                 Some(EngineEvent::Closed(component, _)) => {
                     let why = self.ended(component);
-                    let name = &self.names[component];
+                    let name = &self.components[component].name;
                     return Err(format!(
                         "the codels of `{name}` cannot be loaded: its host {why}"
                     ));

@@ -31,12 +31,23 @@ pub(super) const COMMAND: &str = "host";
 pub(super) struct HostOptions {
     /// The component, which gives the process its name.
     pub(super) component: String,
-    /// Tasks by lane, which give the threads their names.
-    pub(super) tasks: BTreeMap<u32, String>,
+    /// The threads of the tasks, by lane.
+    pub(super) tasks: BTreeMap<u32, HostThread>,
+    /// Real-time priority of the thread of the control task.
+    pub(super) control_priority: u8,
     /// True if threads have real-time priority and locked memory.
     pub(super) real_time: bool,
     /// True if the host waits for a debugger before it begins.
     pub(super) debug: bool,
+}
+
+/// A thread that executes the codels of a task.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct HostThread {
+    /// The task, which gives the thread its name.
+    pub(super) name: String,
+    /// Real-time priority.
+    pub(super) priority: u8,
 }
 
 /// Runs the subcommand if the command line contains it.
@@ -147,8 +158,10 @@ fn serve(library: &Path, manner: &HostOptions) -> io::Result<()> {
                 core,
             } => {
                 let thread = lanes.entry(lane).or_insert_with(|| {
-                    let name = manner.tasks.get(&lane).map_or(CONTROL, String::as_str);
-                    start(name, &component, &output, real.then_some(core))
+                    let task = manner.tasks.get(&lane);
+                    let name = task.map_or(CONTROL, |task| &task.name);
+                    let priority = task.map_or(manner.control_priority, |task| task.priority);
+                    start(name, &component, &output, real.then_some((priority, core)))
                 });
                 let _ = thread.send((ticket, codel, instance));
             }
@@ -173,20 +186,20 @@ fn tell(output: &Output, reply: &HostMessage) -> io::Result<()> {
     reply.send(&mut *output)
 }
 
-/// Starts a thread that executes the codels of a task, one after the other. `real` requests real-time
-/// priority, with the core to which the thread is bound.
+/// Starts a thread that executes the codels of a task, one after the other. `real` has its real-time
+/// priority, and the core to which it is bound.
 fn start(
     name: &str,
     component: &Arc<Component>,
     output: &Output,
-    real: Option<Option<u32>>,
+    real: Option<(u8, Option<u32>)>,
 ) -> Sender<(u32, u32, u32)> {
     let (orders, queue) = channel::<(u32, u32, u32)>();
     let (component, output) = (component.clone(), output.clone());
     let work = move || {
-        if let Some(core) = real {
-            // The engine makes the same request, and reports a refusal.
-            realtime::raise_priority();
+        if let Some((priority, core)) = real {
+            // The engine makes such a request, too, and reports a refusal.
+            realtime::raise_priority(priority);
             if let Some(core) = core.filter(|&core| !realtime::pin(core)) {
                 // Without a channel nothing can be reported.
                 let _ = tell(&output, &HostMessage::Denied(format!("core {core}")));

@@ -4,9 +4,15 @@
     reason = "calls of the C library, which take numbers and structures that are filled"
 )]
 
-/// Real-time priority of threads: above all ordinary ones, below drivers.
-#[cfg(target_os = "linux")]
-const PRIORITY: i32 = 40;
+/// Real-time priority of the engine: above the threads of codels, which it watches, and below the interrupt
+/// handlers of Linux, which have 50.
+pub const ENGINE_PRIORITY: u8 = 49;
+
+/// Greatest real-time priority of a thread of codels.
+const GREATEST_PRIORITY: u8 = ENGINE_PRIORITY - 1;
+
+/// Least real-time priority of a thread of codels: above all ordinary threads.
+const LEAST_PRIORITY: u8 = 10;
 
 /// The nice value of a thread that works while others execute codels.
 #[cfg(target_os = "linux")]
@@ -55,16 +61,31 @@ pub fn lock_memory(pages: Pages) -> bool {
     false
 }
 
-/// Gives this thread real-time priority and exact timers. Returns false if the system refuses.
-pub fn raise_priority() -> bool {
+/// Returns the real-time priorities of threads whose order is given by ranks, the lowest first. Equal ranks
+/// have equal priorities. If there are more ranks than priorities, the last ranks share the least priority.
+pub fn priorities(ranks: &[u64]) -> Vec<u8> {
+    let mut order = ranks.to_vec();
+    order.sort_unstable();
+    order.dedup();
+    let below = |rank: &u64| order.binary_search(rank).unwrap_or_else(|place| place);
+    let levels = usize::from(GREATEST_PRIORITY - LEAST_PRIORITY);
+    let priority = |rank| GREATEST_PRIORITY - u8::try_from(below(rank).min(levels)).unwrap_or(0);
+    ranks.iter().map(priority).collect()
+}
+
+/// Gives this thread a real-time priority (`SCHED_FIFO`) and exact timers. Returns false if the system
+/// refuses.
+pub fn raise_priority(priority: u8) -> bool {
     #[cfg(target_os = "linux")]
     // SAFETY: the structure is complete, and the kernel only reads it.
     unsafe {
         libc::prctl(libc::PR_SET_TIMERSLACK, 1 as libc::c_ulong, 0, 0, 0);
         let mut parameter: libc::sched_param = std::mem::zeroed();
-        parameter.sched_priority = PRIORITY;
+        parameter.sched_priority = priority.into();
         return libc::sched_setscheduler(0, libc::SCHED_FIFO, &parameter) == 0;
     }
+    #[cfg(not(target_os = "linux"))]
+    let _ = priority;
     #[allow(unreachable_code, reason = "elsewhere nothing is asked for")]
     false
 }
@@ -94,5 +115,22 @@ pub(crate) fn pin(core: u32) -> bool {
     {
         let _ = core;
         false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lower_ranks_have_higher_priorities() {
+        assert_eq!(priorities(&[20, 10, 20, u64::MAX]), [47, 48, 47, 46]);
+        let many: Vec<u64> = (0..100).collect();
+        let priorities = priorities(&many);
+        assert_eq!(
+            (priorities[0], priorities[38], priorities[99]),
+            (48, 10, 10)
+        );
+        assert!(priorities.is_sorted_by(|a, b| a >= b));
     }
 }

@@ -1,5 +1,5 @@
 // What the server offers beyond the Language Server Protocol (docs/protocol.md).
-import { NotificationType, RequestType, type Position, type Range, type TextDocumentIdentifier } from 'vscode-languageclient/node';
+import { NotificationType, RequestType, type Position, type Range, type TextDocumentIdentifier, type WorkspaceEdit } from 'vscode-languageclient/node';
 import type { Place } from './place';
 import type { Trace } from './trace/form';
 
@@ -281,10 +281,19 @@ export interface NextSteps {
   taken: number[];
 }
 
+/** A change that repairs the check of a run. */
+export interface Remedy {
+  /** The change, in the imperative. */
+  title: string;
+  edit: WorkspaceEdit;
+  /** The same change as a variation; null if a variation cannot say it. */
+  whatIf: WhatIf | null;
+}
+
 /** The run of a check as data (docs/trace.md); null when there is none. With `after`, that run up to a step, continued by chosen steps. */
 export const trace = new RequestType<
   { textDocument: TextDocumentIdentifier; check?: number; whatIf?: WhatIf; after?: number; take?: number[] },
-  (Trace & { next?: NextSteps }) | null,
+  (Trace & { next?: NextSteps; remedies?: Remedy[] }) | null,
   void
 >('dotgen/trace');
 

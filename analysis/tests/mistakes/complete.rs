@@ -17,7 +17,7 @@ use dotgen_analysis::{
     ide::{CompletionItem, FilePosition, plain_snippet},
 };
 
-use super::{mutate::Random, *};
+use super::*;
 
 /// Number of places tried in the suite, each with all its items.
 const PLACES: usize = 2_000;
@@ -311,14 +311,16 @@ struct Tried {
 }
 
 /// Tries the items at `count` places of a component, or at all of them if it has fewer.
-fn tried(component: &Component, count: usize, random: &mut Random) -> Tried {
+fn tried(component: &Component, count: usize, random: &mut fastrand::Rng) -> Tried {
     let mut bench = Bench::new(component);
     let text = &component.text;
     let tokens = tokens(text);
     let all = places(text, &tokens);
     let chosen: Vec<usize> = match count >= all.len() {
         true => (0..all.len()).collect(),
-        false => (0..count).map(|_| random.below(all.len())).collect(),
+        false => (0..count)
+            .map(|_| random.usize(..all.len().max(1)))
+            .collect(),
     };
     let mut tried = Tried::default();
     for place in chosen.into_iter().map(|place| &all[place]) {
@@ -337,7 +339,11 @@ fn tried(component: &Component, count: usize, random: &mut Random) -> Tried {
             let after = now[place.before.len()..].lines().next();
             let (before, after) = (before.unwrap_or_default(), after.unwrap_or_default());
             let name = component.path.file_name().unwrap_or_default();
-            let example = format!("{name}: {} | {after} {faults:?}", before.trim_start());
+            let text = &item.insert;
+            let example = format!(
+                "{name}: {} | {after} {faults:?} {text:?}",
+                before.trim_start()
+            );
             let what = format!("{:?}: `{}`", item.kind, item.label);
             tried.illegal.entry(what).or_insert((0, example)).0 += 1;
         }
@@ -369,7 +375,7 @@ fn what_is_offered_is_legal() {
             let Some(component) = components.get(at) else {
                 return all;
             };
-            let mut random = Random(0x2545_f491_4f6c_dd1d + at as u64);
+            let mut random = fastrand::Rng::with_seed(0x2545_f491_4f6c_dd1d + at as u64);
             all.push(tried(component, share, &mut random));
         }
     };

@@ -241,15 +241,24 @@ impl Context<'_, '_> {
         system: &TimedSystem,
         real: bool,
     ) -> dotgen_hosting::children::Children {
-        let components = system.components.iter();
-        let names = components.map(|component| component.name.clone()).collect();
-        let tasks = system.tasks.iter();
-        let tasks = tasks
-            .map(|task| (task.component, task.name.clone()))
-            .collect();
+        use dotgen_hosting::children::{Children, HostedComponent, HostedTask};
+
+        let priorities = dotgen_hosting::realtime::priorities(&system.priorities());
+        let (of_tasks, of_controls) = priorities.split_at(system.tasks.len());
+        let components = system.components.iter().zip(of_controls);
+        let components = components.map(|(component, &priority)| HostedComponent {
+            name: component.name.clone(),
+            priority,
+        });
+        let tasks = system.tasks.iter().zip(of_tasks);
+        let tasks = tasks.map(|(task, &priority)| HostedTask {
+            component: task.component,
+            name: task.name.clone(),
+            priority,
+        });
+        let (components, tasks) = (components.collect(), tasks.collect());
         let interrupt = self.interrupt.clone();
-        let mut children =
-            dotgen_hosting::children::Children::new(libraries, names, tasks, real, interrupt);
+        let mut children = Children::new(libraries, components, tasks, real, interrupt);
         if arguments.debug {
             children.debug(arguments.waiting());
         }
@@ -383,7 +392,7 @@ impl Context<'_, '_> {
 fn real_time() -> Option<String> {
     use dotgen_hosting::realtime;
 
-    let granted = realtime::raise_priority();
+    let granted = realtime::raise_priority(realtime::ENGINE_PRIORITY);
     realtime::lock_memory(realtime::Pages::Present);
     (!granted).then(|| {
         "the system grants no real-time scheduling: times depend on what else runs".to_owned()

@@ -36,7 +36,8 @@ pub const CODES: &[CodelCode] = &[
     CodelCode {
         code: DriftCode::MissingDefinition,
         meaning: "No source defines the function of a codel.",
-        why: "The component does not link, or the dynamic loader refuses it at run time.",
+        why: "The component does not link, or the dynamic loader refuses it at run time. While most codels of a \
+              component have no function, one finding names their number, and each codel has a hint.",
         specification: "component c {\n  function f() { codel c_f(); };\n  function g() { codel c_g(); };\n};\n",
         source: "genom_event c_f(const genom_context self)\n{\n  return genom_ok;\n}\n",
         corrected: Correction::Source(

@@ -70,7 +70,9 @@ impl DriftCode {
     /// The kind of a difference.
     pub fn of(kind: &Difference) -> DriftCode {
         match kind {
-            Difference::Missing { .. } => DriftCode::MissingDefinition,
+            Difference::Missing { .. } | Difference::Unwritten { .. } => {
+                DriftCode::MissingDefinition
+            }
             Difference::Signature { .. } => DriftCode::SignatureMismatch,
             Difference::ReturnsOk { .. }
             | Difference::HasNoStates { .. }
@@ -319,6 +321,7 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
     let mut renamed = FxHashSet::default();
     for expected in all.iter().filter(|expected| are_here(expected, sources)) {
         let known = names::KnownNames::new();
+        let (first, mut defined) = (out.len(), 0);
         for function in &expected.functions {
             if options.trust.is_faulty(expected, function) {
                 continue;
@@ -343,11 +346,14 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
                 }
                 continue;
             }
+            defined += 1;
             signature::check(&check, &definitions, &mut out);
             flow::check(&check, &definitions, &mut out);
             names::check(&check, &definitions, &known, &mut out);
             comment::check(&check, &definitions, &mut out);
         }
+        let unwritten = unwritten(expected, &mut out[first..], defined);
+        out.extend(unwritten);
         members::check(expected, sources, options, &mut out);
     }
     let alone = |input: &&FunctionIn<'_>| !renamed.contains(&input.place());
@@ -356,6 +362,38 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
         out.extend(orphan::report(orphan, all));
     }
     out
+}
+
+/// Maximum number of codels without a function that are each a warning, whatever the others are.
+const FEW: usize = 2;
+
+/// While most codels of a component have no function, its sources are being written: one warning says so, and
+/// the findings at the codels become hints. `defined` is the number of codels with a function.
+fn unwritten(expected: &Expected<'_>, found: &mut [Drift], defined: usize) -> Option<Drift> {
+    let is_missing = |drift: &&mut Drift| drift.code == DriftCode::MissingDefinition;
+    let count = found.iter_mut().filter(is_missing).count();
+    if count <= defined.max(FEW) {
+        return None;
+    }
+    for drift in found.iter_mut().filter(is_missing) {
+        drift.severity = Severity::Hint;
+    }
+    let component = expected.component();
+    let kind = Difference::Unwritten {
+        component: component.name.clone(),
+        count: count as u64,
+    };
+    Some(Drift {
+        code: DriftCode::MissingDefinition,
+        severity: DriftCode::MissingDefinition.severity(),
+        kind,
+        component: expected.component,
+        spec: vec![component.src],
+        source: None,
+        expected: None,
+        found: None,
+        repairs: Vec::new(),
+    })
 }
 
 /// Functions that look like codels and that no specification names, with their files, in file and text order.

@@ -73,18 +73,6 @@ pub(crate) fn host_over(files: Arc<Overlay>, include_dirs: Vec<Utf8PathBuf>) -> 
     host
 }
 
-/// Numbers that look random, the same each time (xorshift).
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn below(&mut self, end: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % end.max(1) as u64) as usize
-    }
-}
-
 /// Specifications below a folder, each with the folders that its includes are found in.
 fn specifications(folder: &Utf8Path, more: &[Utf8PathBuf]) -> Vec<(Utf8PathBuf, Vec<Utf8PathBuf>)> {
     let mut out = Vec::new();

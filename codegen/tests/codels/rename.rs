@@ -16,7 +16,7 @@ use dotgen_codegen::codels::headers::headers;
 use dotgen_codegen::codels::rename::{RenameRefusal, Renaming, rename};
 use dotgen_codegen::lang::Language;
 
-use crate::codels::project::{Overlay, Random, examples, host_over, published};
+use crate::codels::project::{Overlay, examples, host_over, published};
 use crate::codels::support::{compile, compiler, temporary, write};
 
 /// A specification with its codels, as they are before a rename.
@@ -366,14 +366,14 @@ fn random_renames_leave_nothing_worse() {
     assert!(all.len() > 5, "{} components", all.len());
     let before: Vec<_> = all.iter().map(Before::diagnostics).collect();
     let compiled: Vec<bool> = all.iter().map(|before| broken(before).is_none()).collect();
-    let mut random = Random(0x51ed_270b_9f4a_7c15);
+    let mut random = fastrand::Rng::with_seed(0x51ed_270b_9f4a_7c15);
     let (mut done, mut tried, mut edited, mut bad) = (0, 0, 0, Vec::new());
     while done < count && tried < 200 * count {
         tried += 1;
-        let index = random.below(all.len());
+        let index = random.usize(..all.len().max(1));
         let entry = &all[index];
         let text = Files::read(&*entry.files, &entry.root).expect("a specification");
-        let offset = random.below(text.len());
+        let offset = random.usize(..text.len().max(1));
         let part = |c: u8| c.is_ascii_alphanumeric() || c == b'_';
         let bytes = text.as_bytes();
         if !part(bytes[offset]) || offset > 0 && part(bytes[offset - 1]) {

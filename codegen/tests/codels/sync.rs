@@ -16,7 +16,7 @@ use dotgen_codegen::codels::folder::folders;
 use dotgen_codegen::codels::stub::StubOptions;
 use dotgen_codegen::lang::Language;
 
-use crate::codels::project::{Overlay, Random, codels, examples, host_over, published};
+use crate::codels::project::{Overlay, codels, examples, host_over, published};
 use crate::codels::support::{compile, compiler, temporary, write};
 
 /// Kinds of edits.
@@ -40,7 +40,7 @@ struct Subject {
 
 impl Subject {
     /// The text after a random edit of a kind; nothing if the choice does not fit.
-    fn edited(&self, kind: &str, random: &mut Random) -> Option<String> {
+    fn edited(&self, kind: &str, random: &mut fastrand::Rng) -> Option<String> {
         let host = host_over(Arc::new(self.files.clone()), self.includes.clone());
         let analysis = host.analysis();
         let unit = analysis.root_unit(&self.root).expect("not cancelled");
@@ -100,14 +100,16 @@ impl Edit<'_> {
         here.then_some(place.range)
     }
 
-    fn codel(&self, random: &mut Random) -> Option<std::ops::Range<usize>> {
+    fn codel(&self, random: &mut fastrand::Rng) -> Option<std::ops::Range<usize>> {
         let all: Vec<_> = self.component.all_codels().collect();
-        let codel = self.component.codel(*all.get(random.below(all.len()))?);
+        let codel = self
+            .component
+            .codel(*all.get(random.usize(..all.len().max(1)))?);
         self.place(codel.src, &codel.name)
     }
 
     /// The list of parameters of a random codel, without its parentheses.
-    fn parameters(&self, random: &mut Random) -> Option<std::ops::Range<usize>> {
+    fn parameters(&self, random: &mut fastrand::Rng) -> Option<std::ops::Range<usize>> {
         let codel = self.codel(random)?;
         let rest = &self.text()[codel.end..];
         let open = rest
@@ -117,7 +119,7 @@ impl Edit<'_> {
         Some(codel.end + open + 1..codel.end + close)
     }
 
-    fn direction(&self, random: &mut Random) -> Option<String> {
+    fn direction(&self, random: &mut fastrand::Rng) -> Option<String> {
         let list = self.parameters(random)?;
         let words: Vec<_> = ["in", "out", "inout"]
             .iter()
@@ -132,14 +134,14 @@ impl Edit<'_> {
             })
             .filter(|pair| !self.text()[..pair.0].ends_with(char::is_alphanumeric))
             .collect();
-        let &(at, word) = words.get(random.below(words.len()))?;
+        let &(at, word) = words.get(random.usize(..words.len().max(1)))?;
         let others: Vec<&str> = ["in", "out", "inout"]
             .into_iter()
             .filter(|name| *name != word)
             .collect();
         Some(
             self.subject
-                .with(at..at + word.len(), others[random.below(2)]),
+                .with(at..at + word.len(), others[random.usize(..2)]),
         )
     }
 
@@ -159,16 +161,16 @@ impl Edit<'_> {
         out
     }
 
-    fn parameter_added(&self, random: &mut Random) -> Option<String> {
+    fn parameter_added(&self, random: &mut fastrand::Rng) -> Option<String> {
         let list = self.parameters(random)?;
         let TypeKind::Struct { members } = &self.unit.spec.ty(self.component.ids?).kind else {
             return None;
         };
-        let member = members.get(random.below(members.len()))?;
+        let member = members.get(random.usize(..members.len().max(1)))?;
         let name = self.unit.spec.ty(*member).name.clone()?;
-        let direction = ["in", "out", "inout"][random.below(3)];
+        let direction = ["in", "out", "inout"][random.usize(..3)];
         let old = self.text()[list.clone()].trim();
-        Some(match (old.is_empty(), random.below(2)) {
+        Some(match (old.is_empty(), random.usize(..2)) {
             (true, _) => self.subject.with(list, &format!("ids {direction} {name}")),
             (false, 0) => self
                 .subject
@@ -179,10 +181,10 @@ impl Edit<'_> {
         })
     }
 
-    fn parameter_removed(&self, random: &mut Random) -> Option<String> {
+    fn parameter_removed(&self, random: &mut fastrand::Rng) -> Option<String> {
         let list = self.parameters(random)?;
         let all: Vec<&str> = self.text()[list.clone()].split(',').collect();
-        let gone = random.below(all.len());
+        let gone = random.usize(..all.len().max(1));
         let left: Vec<&str> = (0..)
             .zip(&all)
             .filter(|pair| pair.0 != gone)
@@ -215,7 +217,12 @@ impl Edit<'_> {
     }
 
     /// One more, or one less, in a list behind a keyword.
-    fn listed(&self, keyword: &str, names: &[String], random: &mut Random) -> Option<String> {
+    fn listed(
+        &self,
+        keyword: &str,
+        names: &[String],
+        random: &mut fastrand::Rng,
+    ) -> Option<String> {
         let text = self.text();
         let all: Vec<usize> = text
             .match_indices(keyword)
@@ -225,12 +232,12 @@ impl Edit<'_> {
                     .ends_with(|character: char| character.is_alphanumeric() || character == '_')
             })
             .collect();
-        let at = *all.get(random.below(all.len()))? + keyword.len();
+        let at = *all.get(random.usize(..all.len().max(1)))? + keyword.len();
         let plural = usize::from(text[at..].starts_with('s'));
         let list = at + plural..at + text[at..].find(';')?;
         let items: Vec<&str> = text[list.clone()].split(',').collect();
-        if random.below(2) == 0 {
-            let name = names.get(random.below(names.len()))?;
+        if random.usize(..2) == 0 {
+            let name = names.get(random.usize(..names.len().max(1)))?;
             return Some(
                 self.subject
                     .with(list.start..list.start, &format!(" {name},")),
@@ -239,7 +246,7 @@ impl Edit<'_> {
         if items.len() < 2 {
             return None;
         }
-        let gone = random.below(items.len());
+        let gone = random.usize(..items.len().max(1));
         let left: Vec<&str> = (0..)
             .zip(&items)
             .filter(|pair| pair.0 != gone)
@@ -252,17 +259,17 @@ impl Edit<'_> {
     }
 
     /// A member with another name, wherever the specification speaks of it.
-    fn member(&self, random: &mut Random) -> Option<String> {
+    fn member(&self, random: &mut fastrand::Rng) -> Option<String> {
         let members = self.members();
-        let (src, name) = members.get(random.below(members.len()))?;
+        let (src, name) = members.get(random.usize(..members.len().max(1)))?;
         let at = FilePosition {
             path: self.subject.root.clone(),
             offset: self.place(*src, name)?.start,
         };
         // As it might be misspelt, or be something else.
-        let to = match random.below(2) {
+        let to = match random.usize(..2) {
             0 => format!("{name}_s"),
-            _ => format!("other{}", random.below(9)),
+            _ => format!("other{}", random.usize(..9)),
         };
         let edits = self
             .analysis
@@ -322,7 +329,7 @@ fn random_edits_compile_after_one_sync() {
     let count: usize = count.unwrap_or(100);
     let all = subjects();
     assert!(all.len() > 5, "{} components", all.len());
-    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    let mut random = fastrand::Rng::with_seed(0x2545_f491_4f6c_dd1d);
     let mut done: BTreeMap<&str, [usize; 3]> = BTreeMap::new();
     let (mut tried, mut bad) = (0, Vec::new());
     for _ in 0..400 * count {
@@ -331,7 +338,7 @@ fn random_edits_compile_after_one_sync() {
             break;
         }
         let kind = KINDS[sum % KINDS.len()];
-        let subject = &all[random.below(all.len())];
+        let subject = &all[random.usize(..all.len().max(1))];
         let Some(text) = subject.edited(kind, &mut random) else {
             continue;
         };

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use dotgen_timing::advice::Change;
 use dotgen_timing::scn::ast::{Durations, Interval, Item, Path, Policy, Spanned, Unit};
 use dotgen_timing::verify::Options;
 use serde::{Deserialize, Serialize};
@@ -33,6 +34,22 @@ pub enum CoreCount {
 }
 
 impl WhatIf {
+    /// Returns the variation with a change; `None` if a variation cannot say it.
+    pub fn of(change: &Change) -> Option<WhatIf> {
+        let mut out = WhatIf::default();
+        match change {
+            Change::Wcet { codel, seconds, .. } => {
+                let micros = seconds * num_rational::Ratio::from_integer(1_000_000);
+                let micros = *micros.numer() as f64 / *micros.denom() as f64;
+                out.wcet.insert(codel.to_string(), micros);
+            }
+            Change::Cores { needed, .. } => out.cores = Some(CoreCount::Number(*needed)),
+            Change::Policy { needed, .. } => out.policy = Some(needed.name().to_owned()),
+            Change::Period { .. } | Change::Delay { .. } | Change::Lock { .. } => return None,
+        }
+        Some(out)
+    }
+
     /// True if there are no changes.
     pub fn is_nothing(&self) -> bool {
         *self == WhatIf::default()

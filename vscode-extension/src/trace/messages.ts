@@ -9,9 +9,18 @@ export interface Machine {
   node: string | null;
 }
 
+/** A change that repairs what the run shows. */
+export interface Remedy {
+  title: string;
+  /** The run with it can be shown. */
+  previews: boolean;
+}
+
 export type ToPage =
   /** `simulates`: other steps can be chosen. */
-  | { type: 'trace'; trace: Trace; simulates: boolean }
+  | { type: 'trace'; trace: Trace; simulates: boolean; remedies?: Remedy[] }
+  /** The run with a remedy; null: with it there is no such run. */
+  | { type: 'preview'; remedy: number; trace: Trace | null }
   /** The steps that may follow a step. */
   | { type: 'next'; step: number; choices: string[] }
   /** There is nothing to show, and why. */
@@ -31,6 +40,10 @@ export type FromPage =
   | { type: 'choices'; step: number }
   /** The run goes on with one of these choices. */
   | { type: 'take'; choice: number }
+  /** The run with this remedy is wanted. */
+  | { type: 'preview'; remedy: number }
+  /** This remedy is to be written. */
+  | { type: 'remedy'; remedy: number }
   /** A recorded run is to be opened. */
   | { type: 'open' }
   /** The run of the present text is wanted. */

@@ -11,6 +11,10 @@ header button { min-width: 26px; padding: 2px 6px; }
 #position { font-variant-numeric: tabular-nums; white-space: nowrap; color: var(--vscode-descriptionForeground); flex: none; }
 #notice { display: flex; gap: 10px; align-items: center; }
 #notice span { flex: 1; }
+#remedies { display: flex; flex-wrap: wrap; gap: 4px; align-items: center; padding: 3px 10px; }
+#remedies[hidden] { display: none; }
+#remedies button { overflow-wrap: anywhere; text-align: left; }
+#remedies button.previewed { outline: 1px solid var(--vscode-focusBorder); }
 #search { width: 7em; }
 #found { min-width: 1em; align-self: center; color: var(--vscode-descriptionForeground); font-variant-numeric: tabular-nums; white-space: nowrap; }
 #overview { position: static; flex: none; width: 100%; height: 26px; cursor: pointer; border-bottom: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
@@ -72,6 +76,7 @@ const BODY = `<header aria-label="Trace">
 <span class="group"><button id="go" title="To the codel in the text (Enter)">Codel</button></span>
 </header>
 <div id="notice" role="status" aria-live="polite" hidden><span></span><button id="refresh">Show the present one</button></div>
+<section id="remedies" aria-label="What repairs it" hidden></section>
 <canvas id="overview" aria-hidden="true" title="The whole run: a click or a drag shows another part" hidden></canvas>
 <main>
 <div id="run" hidden>

@@ -4,7 +4,7 @@ import * as vscode from 'vscode';
 import type { Server } from '../client';
 import { notRunning } from '../commands/server';
 import { range, reveal } from '../panel/reveal';
-import { diagram, LANGUAGE, SCENARIO, trace as traceRequest, type DiagramAnswer, type NextSteps, type Place, type WhatIf } from '../protocol';
+import { diagram, LANGUAGE, SCENARIO, trace as traceRequest, type DiagramAnswer, type NextSteps, type Place, type Remedy, type WhatIf } from '../protocol';
 import { parse, type Trace } from './form';
 import type { FromPage, Machine, ToPage } from './messages';
 import { page } from './page';
@@ -38,6 +38,8 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
   private chosen: Chosen | undefined;
   /** The choices before the steps that are listed. */
   private listed: Chosen | undefined;
+  /** What repairs what the trace shows. */
+  private remedies: Remedy[] = [];
   /** The text has changed since the trace was made. */
   private stale = false;
   private ready = false;
@@ -107,7 +109,7 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     }
     const asked = ++this.asked;
     await vscode.commands.executeCommand(`${VIEW}.focus`);
-    let trace: Trace | null;
+    let trace: (Trace & { remedies?: Remedy[] }) | null;
     try {
       const { uri, check, whatIf } = wanted;
       trace = await client.sendRequest(traceRequest, {
@@ -122,6 +124,7 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     if (asked !== this.asked) return;
     this.target = wanted;
     this.stale = false;
+    this.remedies = trace?.remedies ?? [];
     this.present(trace ?? undefined, 'There is no run to show: no check of this document is refuted or has a longest run, or it is not verified yet.');
   }
 
@@ -138,6 +141,7 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     }
     this.asked++;
     this.target = undefined;
+    this.remedies = [];
     await vscode.commands.executeCommand(`${VIEW}.focus`);
     this.present(trace, NOTHING);
   }
@@ -148,8 +152,14 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     this.listed = undefined;
     this.machines.clear();
     this.send({ type: 'notice', text: '' });
-    this.send(trace === undefined ? { type: 'nothing', text: otherwise } : { type: 'trace', trace, simulates: this.target !== undefined });
+    if (trace === undefined) this.send({ type: 'nothing', text: otherwise });
+    else this.sendTrace(trace);
     if (trace === undefined) this.highlight(undefined);
+  }
+
+  private sendTrace(trace: Trace): void {
+    const remedies = this.remedies.map(({ title, whatIf }) => ({ title, previews: whatIf !== null }));
+    this.send({ type: 'trace', trace, simulates: this.target !== undefined, remedies: this.chosen === undefined ? remedies : [] });
   }
 
   private send(message: ToPage): void {
@@ -160,12 +170,16 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     switch (message.type) {
       case 'ready':
         this.ready = true;
-        if (this.trace !== undefined) this.send({ type: 'trace', trace: this.trace, simulates: this.target !== undefined });
+        if (this.trace !== undefined) this.sendTrace(this.trace);
         return;
       case 'choices':
         return this.choices(message.step);
       case 'take':
         return this.take(message.choice);
+      case 'preview':
+        return this.preview(message.remedy);
+      case 'remedy':
+        return this.write(message.remedy);
       case 'open':
         return this.open();
       case 'refresh':
@@ -181,6 +195,31 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
         this.send({ type: 'machine', step: message.step, machine });
       }
     }
+  }
+
+  /** Shows the run with a remedy. */
+  private async preview(remedy: number): Promise<void> {
+    const { running: client } = this.server;
+    const { target, asked } = this;
+    const whatIf = this.remedies[remedy]?.whatIf ?? undefined;
+    if (client === undefined || target === undefined || whatIf === undefined || this.stale) return;
+    const { uri, check } = target;
+    try {
+      const trace = await client.sendRequest(traceRequest, { textDocument: { uri }, ...(typeof check === 'number' ? { check } : {}), whatIf });
+      if (asked === this.asked) this.send({ type: 'preview', remedy, trace });
+    } catch {
+      // Overtaken by an edit.
+    }
+  }
+
+  /** Writes a remedy. */
+  private async write(remedy: number): Promise<void> {
+    const { running: client } = this.server;
+    const { edit, title } = this.remedies[remedy] ?? {};
+    if (client === undefined || edit === undefined) return;
+    if (this.stale) return this.send({ type: 'notice', text: OLD });
+    await vscode.workspace.applyEdit(await client.protocol2CodeConverter.asWorkspaceEdit(edit));
+    this.send({ type: 'notice', text: `Done: ${title}. The run is the one before.` });
   }
 
   /** Lists the steps that may follow a step. The choices that led to it are kept. */

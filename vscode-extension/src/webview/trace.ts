@@ -1,6 +1,6 @@
 // The page of the trace viewer: draws the trace it is sent, steps through it, and tells which step is looked at.
 import type { Span, Trace } from '../trace/form';
-import type { FromPage, Machine, ToPage } from '../trace/messages';
+import type { FromPage, Machine, Remedy, ToPage } from '../trace/messages';
 import { colours, Painter, RULER, words, type Scene, type Work } from './trace/draw';
 import { Model, opening, type Box, type Window } from './trace/model';
 import { time } from './unit';
@@ -95,7 +95,73 @@ function node<K extends keyof HTMLElementTagNameMap>(tag: K, content: (Node | st
   return it;
 }
 
+/** The run behind the preview of a remedy, with the part and the step that were looked at. */
+let behind: { model: Model; shown: Window; step: number } | undefined;
+/** The remedy under the pointer or with the focus. */
+let wanted: number | undefined;
+
+/** One button for each remedy; to point at it shows the run with it. */
+function showRemedies(remedies: Remedy[]): void {
+  const section = element('remedies');
+  section.hidden = remedies.length === 0;
+  const buttons = remedies.map(({ title, previews }, i) => {
+    const button = node('button', rich(title));
+    button.title = previews ? 'Writes this change. Pointing at it shows the run with it' : 'Writes this change';
+    button.addEventListener('click', () => {
+      unpreview();
+      host.postMessage({ type: 'remedy', remedy: i });
+    });
+    if (previews) {
+      const begin = () => {
+        wanted = i;
+        host.postMessage({ type: 'preview', remedy: i });
+      };
+      button.addEventListener('pointerenter', begin);
+      button.addEventListener('focus', begin);
+      button.addEventListener('pointerleave', unpreview);
+      button.addEventListener('blur', unpreview);
+    }
+    return button;
+  });
+  section.replaceChildren(...buttons);
+}
+
+/** Shows the run with a remedy, as long as the remedy is pointed at. */
+function preview(remedy: number, trace: Trace | null): void {
+  if (remedy !== wanted || model === undefined || shown === undefined) return;
+  behind ??= { model, shown, step };
+  element('remedies').children[remedy]?.classList.add('previewed');
+  const title = trace?.title ?? 'no run misses anything';
+  element('title').textContent = element('told').textContent = `With this change: ${title}`;
+  if (trace === null) return;
+  model = new Model(trace);
+  if (model.height + RULER > view.clientHeight) model = new Model(trace, true);
+  shown = opening(trace);
+  step = trace.focus.step ?? last();
+  swapped();
+}
+
+/** Back to the run before the preview. */
+function unpreview(): void {
+  wanted = undefined;
+  if (behind === undefined) return;
+  ({ model, shown, step } = behind);
+  behind = undefined;
+  for (const button of element('remedies').children) button.classList.remove('previewed');
+  element('title').textContent = model.trace.title;
+  swapped();
+}
+
+/** Draws another run than before. */
+function swapped(): void {
+  hovered = undefined;
+  overview.show(model?.trace);
+  showNames();
+  redraw();
+}
+
 function show(trace: Trace): void {
+  behind = wanted = undefined;
   model = new Model(trace);
   shown = opening(trace);
   hovered = undefined;
@@ -167,6 +233,7 @@ function markLane(): void {
 
 function nothing(text: string): void {
   model = shown = undefined;
+  showRemedies([]);
   overview.show(undefined);
   element('run').hidden = element('overview').hidden = true;
   element('empty').hidden = false;
@@ -503,7 +570,10 @@ window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
     case 'trace':
       simulates = data.simulates;
       next = undefined;
+      showRemedies(data.remedies ?? []);
       return show(data.trace);
+    case 'preview':
+      return preview(data.remedy, data.trace);
     case 'next':
       next = data;
       if (data.step !== step) choose(data.step);

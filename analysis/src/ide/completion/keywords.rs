@@ -232,9 +232,12 @@ pub(super) fn statements(
     };
     let in_component = matches!(body, Component | Interface);
     // Only the first word of the statement is missing, so only the word is inserted.
+    // Some words have two forms, such as `throw` and `throws`.
+    let stem = |word: &str| word.strip_suffix('s').unwrap_or(word).to_owned();
     let first_words = |word: &str| {
-        let mut all = ALL.iter().flat_map(|group| group.iter());
-        all.any(|group| group.0.split(' ').next() == Some(word))
+        let firsts = ALL.iter().copied().flatten();
+        let mut firsts = firsts.filter_map(|clause| clause.0.split(' ').next());
+        firsts.any(|first| stem(first) == stem(word))
     };
     let goes_on = context
         .after

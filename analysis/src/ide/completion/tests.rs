@@ -380,6 +380,16 @@ fn what_follows_the_cursor_counts() {
         "task",
         "component c { task main { }; };",
     );
+    // Before another statement, in either form of its first word, a whole clause is inserted.
+    for word in ["throw", "throws"] {
+        let with = |clause: &str| {
+            format!(
+                "component c {{ exception e; task t {{ }}; activity a() {{ task t; {clause}{word} e; codel<start> \
+                 f() yield ether; }}; }};"
+            )
+        };
+        takes(&with("do$0 "), "doc", &with("doc \"\"; "));
+    }
     // The rest of a path is replaced with its beginning.
     takes(
         "module m { typedef long a; };\ntypedef long b;\ntypedef m$0::a c;",

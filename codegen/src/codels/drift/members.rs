@@ -67,9 +67,8 @@ pub(super) fn check(
         .filter(|structure| !structure.1.is_empty() && !open.contains(structure.0))
         .map(|(name, members)| (name.clone(), members.keys().cloned().collect()))
         .collect();
-    let known: FxHashSet<&str> = mapped.values().flatten().map(SmolStr::as_str).collect();
-    // Most sources use only known members and are not parsed again.
-    let strange = |file: &IndexedFile| field_words(&file.text).any(|word| !known.contains(word));
+    // A name that one structure lacks may be a member of another one: any use of a member has to be read.
+    let uses_members = |file: &IndexedFile| field_words(&file.text).next().is_some();
     let mut members = Members {
         expected,
         options,
@@ -79,7 +78,7 @@ pub(super) fn check(
         used: FxHashSet::default(),
         parameters: BTreeMap::new(),
     };
-    if sources.all().any(strange) {
+    if sources.all().any(uses_members) {
         for file in sources.all() {
             types.read(&file.text, file.index.grammar);
         }

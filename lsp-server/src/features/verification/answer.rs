@@ -59,6 +59,11 @@ impl VerificationParams {
         }
     }
 
+    /// True if the request is about a variation.
+    pub(super) fn is_varied(&self) -> bool {
+        !self.what_if.is_nothing()
+    }
+
     /// The check whose run is shown.
     pub(super) fn check(&self) -> Option<usize> {
         self.check

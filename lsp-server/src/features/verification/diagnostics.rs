@@ -189,7 +189,7 @@ fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<AboutChe
 }
 
 /// The changes that fix a check: first those found for it, then those that repair the whole system.
-fn changes(answer: &Answer, view: &CheckView) -> Vec<Change> {
+pub(super) fn changes(answer: &Answer, view: &CheckView) -> Vec<Change> {
     let mut out: Vec<Change> = view
         .why
         .and_then(|cause| cause.remedy.clone())

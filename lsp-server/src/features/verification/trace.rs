@@ -11,6 +11,8 @@ use dotgen_views::verification::trace::{Trace, TraceInput, of_run};
 use serde::{Deserialize, Serialize};
 
 use super::answer::{Question, locate};
+use super::diagnostics::changes;
+use super::remedy::{self, Remedy};
 use crate::protocol::types::Location;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -25,6 +27,9 @@ pub(crate) struct TraceResult {
     /// The steps that may follow, if the request has `after`.
     #[serde(skip_serializing_if = "Option::is_none")]
     next: Option<Next>,
+    /// Changes that repair the check.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    remedies: Vec<Remedy>,
 }
 
 /// The steps that may follow the end of a run.
@@ -38,7 +43,7 @@ struct Next {
 /// The run of a check, for a client; none if there is no run.
 pub(crate) fn trace(
     snapshot: &Snapshot,
-    _: &Subject,
+    subject: &Subject,
     question: &Question,
 ) -> Cancellable<Option<TraceResult>> {
     let Some(answer) = question.shown.found() else {
@@ -72,6 +77,11 @@ pub(crate) fn trace(
     }
     let places = question.shown.places();
     let trace = trace.placed(|pair| locate(snapshot, places, Some(pair)))?;
+    let changes = match simulation.is_none() && !question.params.is_varied() {
+        true => changes(answer, &answer.view().checks[number]),
+        false => Vec::new(),
+    };
+    let remedies = remedy::of_run(snapshot, subject, places, &changes)?;
     let next = simulation.map(|simulation| Next {
         choices: simulation
             .choices
@@ -80,7 +90,11 @@ pub(crate) fn trace(
             .collect(),
         taken: simulation.taken,
     });
-    Ok(Some(TraceResult { trace, next }))
+    Ok(Some(TraceResult {
+        trace,
+        next,
+        remedies,
+    }))
 }
 
 /// Returns the run of a check continued by the chosen steps, if the request has some.

@@ -129,6 +129,43 @@ test('the mouse: a click chooses, the wheel zooms at the pointer, a drag moves t
   await it.page.close();
 });
 
+test('a remedy shows the run with it while it is pointed at, and is written by a click', async () => {
+  const it = await pages.open();
+  const run = trace(200);
+  const other = { ...trace(40), title: 'it holds' };
+  const remedies = [{ title: 'Set the execution time of `move` to 3 ms', previews: true }, { title: 'Set the period of `main` to 20 ms', previews: false }];
+  await it.send({ type: 'trace', trace: run, remedies });
+  const buttons = it.page.locator('#remedies button');
+  const title = () => it.page.locator('#title').textContent();
+  assert.deepEqual(await violations(it.page), []);
+  const before = await drawn(it);
+  await buttons.first().hover();
+  assert.deepEqual((await it.said()).at(-1), { type: 'preview', remedy: 0 });
+  await it.send({ type: 'preview', remedy: 0, trace: other });
+  await it.frame();
+  assert.equal(await title(), 'With this change: it holds');
+  assert.notDeepEqual(await drawn(it), before);
+  // An answer that comes too late shows nothing.
+  await it.page.mouse.move(700, 250);
+  await it.frame();
+  assert.equal(await title(), run.title);
+  await it.send({ type: 'preview', remedy: 0, trace: other });
+  assert.equal(await title(), run.title);
+  assert.deepEqual(await drawn(it), before);
+  await buttons.nth(1).hover();
+  assert.deepEqual((await it.said()).filter((one) => one.type === 'preview').length, 1);
+  await buttons.first().hover();
+  await it.send({ type: 'preview', remedy: 0, trace: null });
+  assert.equal(await title(), 'With this change: no run misses anything');
+  await buttons.first().click();
+  assert.deepEqual((await it.said()).filter((one) => one.type === 'remedy'), [{ type: 'remedy', remedy: 0 }]);
+  assert.equal(await title(), run.title);
+  // A recorded run has none.
+  await it.send({ type: 'trace', trace: run });
+  assert.ok(await it.page.locator('#remedies').isHidden());
+  await it.page.close();
+});
+
 test('the state of a step is marked in its machine, and an answer for another step is dropped', async () => {
   const it = await pages.open();
   await it.send({ type: 'trace', trace: trace(40) });
