@@ -27,8 +27,9 @@ mod ticks;
 use std::collections::BTreeMap;
 
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::system::{Ticks, TimedSystem};
+use dotgen_timing::system::{CodelId, Ticks, TimedSystem};
 use rustc_hash::FxHashMap;
+use typed_index_collections::{TiVec, ti_vec};
 
 use crate::log::{LineKinds, SkippedLines};
 use crate::matching::Mismatch;
@@ -148,7 +149,7 @@ pub struct Monitor<'s> {
     instances: FxHashMap<String, u32>,
     machines: FxHashMap<(u32, usize), Machine>,
     tasks: FxHashMap<(u32, usize), Task>,
-    codels: Vec<Codel>,
+    codels: TiVec<CodelId, Codel>,
     /// Number of runs, by machine, state and outcome.
     taken: FxHashMap<(usize, usize, usize), u64>,
     order: RunOrder,
@@ -234,7 +235,7 @@ impl<'s> Monitor<'s> {
     /// tasks, in base units.
     pub fn new(system: &'s TimedSystem, names: &'s Names<'s>, bounds: Vec<Option<Ticks>>) -> Self {
         Monitor {
-            codels: vec![Codel::default(); system.codels.len()],
+            codels: ti_vec![Codel::default(); system.codels.len()],
             order: RunOrder::new(system),
             model: Model::new(system, names, bounds),
             left: SkippedLines::default(),
@@ -352,7 +353,7 @@ impl<'s> Monitor<'s> {
     }
 
     /// Checks a run of a codel, by any thread.
-    fn codel(&mut self, codel: usize, run: &CodelRun) {
+    fn codel(&mut self, codel: CodelId, run: &CodelRun) {
         self.runs += 1;
         let took = run.ended - run.began;
         if let Some(codel) = self.codels.get_mut(codel) {
@@ -522,8 +523,8 @@ impl<'s> Monitor<'s> {
                 period: limits.period,
             }
         });
-        let executed = |pair: &&(usize, &Codel)| pair.1.runs > 0;
-        let codels = self.codels.iter().enumerate();
+        let executed = |pair: &&(CodelId, &Codel)| pair.1.runs > 0;
+        let codels = self.codels.iter_enumerated();
         let codels = codels
             .filter(|codel| executed(&codel))
             .map(|(number, codel)| CodelTimes {

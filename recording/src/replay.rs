@@ -12,7 +12,8 @@
 mod step;
 
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Watched, Work};
-use dotgen_timing::system::{FOREVER, Ticks, TimedSystem};
+use dotgen_timing::system::{CodelId, FOREVER, Ticks, TimedSystem};
+use typed_index_collections::TiVec;
 
 pub use step::{Rule, Step};
 
@@ -81,7 +82,7 @@ pub struct Replay<'s> {
     system: &'s TimedSystem,
     stepper: Stepper<'s>,
     /// Permission to throw in the specification, by codel.
-    throws: Vec<bool>,
+    throws: TiVec<CodelId, bool>,
     /// First client that stands for requests from outside.
     outside: usize,
     /// Start of the work of executors, with its least and greatest time.

@@ -10,7 +10,7 @@ mod requests;
 use std::collections::{HashMap, VecDeque};
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
-use dotgen_timing::system::{ComponentId, ServiceId, TimedSystem, Yield};
+use dotgen_timing::system::{CodelId, ComponentId, ServiceId, TimedSystem, Yield};
 use typed_index_collections::{TiVec, ti_vec};
 
 use crate::hosts::{
@@ -156,7 +156,7 @@ impl<'p> Live<'p> {
     }
 
     /// Returns true if a host executes the codel.
-    pub fn is_real(&self, codel: usize) -> bool {
+    pub fn is_real(&self, codel: CodelId) -> bool {
         let component = self.system.codels.get(codel).map(|codel| codel.component);
         self.parts.codel(codel).is_some()
             && component.is_some_and(|component| self.is_alive(component))

@@ -11,8 +11,9 @@ use std::io::{self, Write};
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::system::{TimedSystem, Yield};
+use dotgen_timing::system::{CodelId, TimedSystem, Yield};
 use num_rational::Ratio;
+use typed_index_collections::TiVec;
 
 use crate::decide::yield_of_outcome;
 use crate::tally::Tally;
@@ -27,7 +28,7 @@ pub const PERMANENT: &str = "<permanent>";
 pub struct Profile<'s, W> {
     system: &'s TimedSystem,
     /// Functions, by codel.
-    functions: Vec<String>,
+    functions: TiVec<CodelId, String>,
     out: W,
     /// First error.
     error: Option<io::Error>,
@@ -36,7 +37,7 @@ pub struct Profile<'s, W> {
 
 /// Returns the C or C++ function of each codel of a system. A codel without a function is represented by its
 /// path.
-pub fn functions(system: &TimedSystem, names: &Names) -> Vec<String> {
+pub fn functions(system: &TimedSystem, names: &Names) -> TiVec<CodelId, String> {
     let codels = system.codels.iter().map(|other| match other.site {
         Some((c, codel)) => names.components[c].component.codel(codel).name.to_string(),
         None => other.path.to_string(),
@@ -46,7 +47,7 @@ pub fn functions(system: &TimedSystem, names: &Names) -> Vec<String> {
 
 impl<'s, W: Write> Profile<'s, W> {
     /// Creates a writer to `out`, which should be buffered.
-    pub fn new(system: &'s TimedSystem, functions: Vec<String>, out: W) -> Self {
+    pub fn new(system: &'s TimedSystem, functions: TiVec<CodelId, String>, out: W) -> Self {
         Profile {
             system,
             functions,
@@ -95,7 +96,7 @@ impl<'s, W: Write> Profile<'s, W> {
         format!("{}.{:09}", nanos / NANOS, nanos % NANOS)
     }
 
-    fn line(&self, codel: usize, work: &Work, outcome: usize, times: [String; 3]) -> String {
+    fn line(&self, codel: CodelId, work: &Work, outcome: usize, times: [String; 3]) -> String {
         let system = self.system;
         let component = &system.components[system.codels[codel].component].name;
         let event = |state: &str| format!("::{component}::{state}");

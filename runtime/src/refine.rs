@@ -1,6 +1,8 @@
 //! The adaptation of a system to real codels: the rules are the same, but real codels may do more.
 
-use dotgen_timing::system::{Client, ClientAction, ClientStep, FOREVER, Ticks, TimedSystem};
+use dotgen_timing::system::{
+    Client, ClientAction, ClientStep, CodelId, FOREVER, Ticks, TimedSystem,
+};
 use dotgen_timing::verify::{Prepared, Question};
 use num_rational::Ratio;
 
@@ -9,9 +11,9 @@ const UNIT: i128 = 1_000;
 
 /// Lets every real codel throw: an undeclared yield ends its activity like an exception. Removes the limit on
 /// entries of a state in a turn.
-pub fn open(prepared: &mut Prepared, is_real: &dyn Fn(usize) -> bool) {
+pub fn open(prepared: &mut Prepared, is_real: &dyn Fn(CodelId) -> bool) {
     let system = &mut prepared.built.system;
-    for (at, codel) in system.codels.iter_mut().enumerate() {
+    for (at, codel) in system.codels.iter_mut_enumerated() {
         codel.throws |= is_real(at);
     }
     for machine in &mut system.machines {
@@ -69,8 +71,8 @@ fn times(system: &mut TimedSystem) -> Vec<&mut Ticks> {
 }
 
 /// Removes the limits on the execution times of real codels.
-pub fn release(prepared: &mut Prepared, is_real: &dyn Fn(usize) -> bool) {
-    for (at, codel) in prepared.built.system.codels.iter_mut().enumerate() {
+pub fn release(prepared: &mut Prepared, is_real: &dyn Fn(CodelId) -> bool) {
+    for (at, codel) in prepared.built.system.codels.iter_mut_enumerated() {
         if is_real(at) {
             codel.lower = 0;
             codel.upper = FOREVER;

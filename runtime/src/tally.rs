@@ -1,7 +1,7 @@
 //! Counts along runs.
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
-use dotgen_timing::system::{ServiceId, Ticks, TimedSystem};
+use dotgen_timing::system::{CodelId, ServiceId, Ticks, TimedSystem};
 use typed_index_collections::{TiVec, ti_vec};
 
 /// Statistics of repeated times, in base units.
@@ -82,7 +82,7 @@ pub struct Tally {
     /// Counts of each service.
     pub services: TiVec<ServiceId, ServiceTally>,
     /// Counts of each codel.
-    pub codels: Vec<CodelTally>,
+    pub codels: TiVec<CodelId, CodelTally>,
     /// By machine, state and outcome (the last one: an exception), the times of the codels that ended with
     /// this outcome.
     pub transitions: Vec<Vec<Vec<Times>>>,
@@ -101,7 +101,7 @@ impl Tally {
         Tally {
             tasks: vec![TaskTally::default(); system.tasks.len()],
             services: ti_vec![ServiceTally::default(); system.services.len()],
-            codels: vec![CodelTally::default(); system.codels.len()],
+            codels: ti_vec![CodelTally::default(); system.codels.len()],
             transitions: machines.collect(),
             busy: Vec::new(),
         }

@@ -35,12 +35,14 @@ mod ways;
 
 use std::cell::OnceCell;
 
+use typed_index_collections::{TiSlice, TiVec, ti_vec};
+
 use self::demand::{Demand, Jobs, Kind};
 pub use self::reaction::reaction_bound;
 use self::rivals::{Rivals, excluded};
 use self::ways::{Ways, resumed};
 use crate::scn::semantics::Semantics;
-use crate::system::{CodelSet, FOREVER, Ticks, TimedSystem};
+use crate::system::{CodelId, CodelSet, FOREVER, Ticks, TimedSystem};
 
 /// Returns a bound on the response time of every task, or `None` where this method finds none. Under the
 /// semantics of the servers other things delay a job, and a separate method applies (see `queue`). If single
@@ -91,7 +93,7 @@ struct Analysis<'s> {
     /// Sets of automata that can have turns in the same job, by task.
     parties: Vec<Vec<Vec<usize>>>,
     /// Work that can keep each codel waiting for its locks.
-    of_codel: Vec<Rivals>,
+    of_codel: TiVec<CodelId, Rivals>,
     /// Work that can keep the codels of each party waiting.
     of_party: Vec<Vec<Rivals>>,
     /// Latest end of the start-up of each task, in base units.
@@ -111,7 +113,7 @@ impl<'s> Analysis<'s> {
                 .map(|automaton| turns_in_jobs(system, automaton))
                 .collect(),
             parties: instances::of_one_job(system),
-            of_codel: Vec::new(),
+            of_codel: TiVec::new(),
             of_party: Vec::new(),
             started: Vec::new(),
             late: tasks
@@ -121,7 +123,7 @@ impl<'s> Analysis<'s> {
             bounds: vec![Some(0); system.tasks.len()],
         };
         let excluded = excluded(system);
-        let mut owner = vec![None; system.codels.len()];
+        let mut owner: TiVec<CodelId, _> = ti_vec![None; system.codels.len()];
         for automaton in &system.automata {
             for state in &system.machines[automaton.machine].states {
                 owner[state.codel] = Some(automaton.task);
@@ -152,12 +154,12 @@ impl<'s> Analysis<'s> {
 
     /// Returns the latest end of the start-up of a task. The start-up comes after that of earlier tasks of
     /// the component, and waits for other tasks in their start-up and in their first jobs.
-    fn started(&self, task: usize, excluded: &[CodelSet]) -> Option<u64> {
+    fn started(&self, task: usize, excluded: &TiSlice<CodelId, CodelSet>) -> Option<u64> {
         let system = self.system;
         let definition = &system.tasks[task];
         let mut work = 0u64;
         let mut all = CodelSet::default();
-        let mut add = |codel: usize| {
+        let mut add = |codel: CodelId| {
             excluded[codel]
                 .iter()
                 .for_each(|codel_set| all.insert(codel_set))
@@ -245,8 +247,8 @@ impl<'s> Analysis<'s> {
     /// Returns the greatest duration of all turns of one job.
     fn held(&self, task: usize) -> Option<u64> {
         let alone = self.alone(task);
-        let waits = vec![OnceCell::new(); self.system.codels.len()];
-        let with_wait = |codel: usize| {
+        let waits: TiVec<CodelId, _> = ti_vec![OnceCell::new(); self.system.codels.len()];
+        let with_wait = |codel: CodelId| {
             let rivals = &self.of_codel[codel];
             let wait: &Option<u64> =
                 waits[codel].get_or_init(|| self.longest_busy(task, rivals, 0, alone));
@@ -264,7 +266,7 @@ impl<'s> Analysis<'s> {
 
     /// Returns the greatest duration of turns of these automata in one job, together, with the given cost of
     /// each codel.
-    fn turns(&self, party: &[usize], cost: &dyn Fn(usize) -> Option<u64>) -> Option<u64> {
+    fn turns(&self, party: &[usize], cost: &dyn Fn(CodelId) -> Option<u64>) -> Option<u64> {
         party.iter().try_fold(0u64, |sum, &automaton| {
             let machine = self.system.machine_of(automaton);
             let cost = |state: usize| cost(machine.states[state].codel);
@@ -274,7 +276,7 @@ impl<'s> Analysis<'s> {
 
     /// Returns the greatest duration of the first turn of a permanent activity, with the given cost of each
     /// codel.
-    fn start_up(&self, automaton: usize, cost: &dyn Fn(usize) -> Option<u64>) -> Option<u64> {
+    fn start_up(&self, automaton: usize, cost: &dyn Fn(CodelId) -> Option<u64>) -> Option<u64> {
         let machine = self.system.machine_of(automaton);
         let cost = |state: usize| cost(machine.states[state].codel);
         Ways::turns(machine, [machine.start]).costliest(&cost)

@@ -1,7 +1,8 @@
 //! The timed system: components, a platform and clients as small integers.
 //!
-//! It holds only the data that the explorer needs: tables, and times in base units. Services and components
-//! have index types of their own ([`ServiceId`], [`ComponentId`]); other tables are indexed by plain numbers.
+//! It holds only the data that the explorer needs: tables, and times in base units. Components, services and
+//! codels have index types of their own ([`ComponentId`], [`ServiceId`], [`CodelId`]); other tables are
+//! indexed by plain numbers.
 //! [`build`] makes it from specifications and a scenario; tests make it by hand. "Section N" refers to the
 //! timed semantics of GenoM3 components, described for users in `docs/verification.md`.
 
@@ -19,12 +20,11 @@ pub(crate) mod units;
 mod waiting_clients;
 
 use dotgen_analysis::model::{CodelRef, Seconds, Src};
-
 use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use crate::scn::semantics::Semantics;
 
-pub use ids::{ComponentId, ServiceId};
+pub use ids::{CodelId, ComponentId, ServiceId};
 pub use locks::{SharedPorts, sources};
 pub use loops::{loop_contradictions, pauseless_cycles};
 pub use name::{CodelName, ThreadName};
@@ -52,7 +52,7 @@ pub struct TimedSystem {
     /// The instances of machines: one per permanent activity and one per slot.
     pub automata: Vec<Automaton>,
     /// Codels, one for each place of use.
-    pub codels: Vec<Codel>,
+    pub codels: TiVec<CodelId, Codel>,
     /// Services.
     pub services: TiVec<ServiceId, Service>,
     /// Clients.
@@ -162,7 +162,7 @@ pub struct State {
     /// Name.
     pub name: String,
     /// Codel that it executes.
-    pub codel: usize,
+    pub codel: CodelId,
     /// Possible successors. Never empty.
     pub yields: Vec<Yield>,
     /// Declared `async`.
@@ -219,27 +219,35 @@ pub struct Codel {
 pub struct CodelSet(Vec<u64>);
 
 impl CodelSet {
+    /// Returns the index of the word that holds the bit of a codel, and this bit.
+    #[inline]
+    fn place(codel: CodelId) -> (usize, u64) {
+        let index = usize::from(codel);
+        (index / 64, 1 << (index % 64))
+    }
+
     /// Adds a codel.
-    pub fn insert(&mut self, codel: usize) {
-        if self.0.len() <= codel / 64 {
-            self.0.resize(codel / 64 + 1, 0);
+    pub fn insert(&mut self, codel: CodelId) {
+        let (word, bit) = CodelSet::place(codel);
+        if self.0.len() <= word {
+            self.0.resize(word + 1, 0);
         }
-        self.0[codel / 64] |= 1 << (codel % 64);
+        self.0[word] |= bit;
     }
 
     /// Removes a codel.
-    pub fn remove(&mut self, codel: usize) {
-        if let Some(word) = self.0.get_mut(codel / 64) {
-            *word &= !(1 << (codel % 64));
+    pub fn remove(&mut self, codel: CodelId) {
+        let (word, bit) = CodelSet::place(codel);
+        if let Some(word) = self.0.get_mut(word) {
+            *word &= !bit;
         }
     }
 
     /// Returns true if the set contains a codel.
     #[inline]
-    pub fn contains(&self, codel: usize) -> bool {
-        self.0
-            .get(codel / 64)
-            .is_some_and(|word| word >> (codel % 64) & 1 == 1)
+    pub fn contains(&self, codel: CodelId) -> bool {
+        let (word, bit) = CodelSet::place(codel);
+        self.0.get(word).is_some_and(|word| word & bit != 0)
     }
 
     /// Returns true if the two sets have a codel in common.
@@ -256,8 +264,9 @@ impl CodelSet {
     }
 
     /// Returns the codels, in ascending order.
-    pub fn iter(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.0.len() * 64).filter(|&codel| self.contains(codel))
+    pub fn iter(&self) -> impl Iterator<Item = CodelId> + '_ {
+        let codels = (0..self.0.len() * 64).map(CodelId::from);
+        codels.filter(|&codel| self.contains(codel))
     }
 }
 
@@ -269,9 +278,9 @@ pub struct Service {
     /// Component.
     pub component: ComponentId,
     /// Codel that accepts or refuses requests.
-    pub validate: Option<usize>,
+    pub validate: Option<CodelId>,
     /// Codels that the control task executes, in order (functions and attributes).
-    pub simple: Vec<usize>,
+    pub simple: Vec<CodelId>,
     /// Automata of the slots; empty unless the service is an activity.
     pub slots: Vec<usize>,
     /// The service is an activity.
@@ -476,8 +485,8 @@ impl TimedSystem {
 
     /// Returns, by codel, whether it can run: as part of a permanent activity or of a service that is
     /// requested.
-    pub fn executed(&self) -> Vec<bool> {
-        let mut out = vec![false; self.codels.len()];
+    pub fn executed(&self) -> TiVec<CodelId, bool> {
+        let mut out = ti_vec![false; self.codels.len()];
         let requested = self.requested();
         for automaton in &self.automata {
             if automaton.service.is_none_or(|service| requested[service]) {
@@ -517,7 +526,7 @@ impl TimedSystem {
     }
 
     /// Makes two codels exclude each other.
-    pub fn exclude(&mut self, one: usize, other: usize) {
+    pub fn exclude(&mut self, one: CodelId, other: CodelId) {
         self.codels[one].conflicts.insert(other);
         self.codels[other].conflicts.insert(one);
     }
@@ -525,8 +534,9 @@ impl TimedSystem {
     /// Ends the mutual exclusion of the codels with these names.
     pub(crate) fn separate(&mut self, one: &CodelName, other: &CodelName) {
         for (from, to) in [(one, other), (other, one)] {
-            let to = (0..self.codels.len()).filter(|&codel| self.codels[codel].path == *to);
-            let to: Vec<usize> = to.collect();
+            let all = self.codels.iter_enumerated();
+            let to = all.filter(|(_, codel)| codel.path == *to);
+            let to: Vec<CodelId> = to.map(|(id, _)| id).collect();
             let from = self.codels.iter_mut().filter(|codel| codel.path == *from);
             from.for_each(|codel| to.iter().for_each(|&to| codel.conflicts.remove(to)));
         }

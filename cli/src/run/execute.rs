@@ -9,7 +9,7 @@ use dotgen_runtime::report::RunReport;
 use dotgen_runtime::simulation::{Record, SimulationResult, simulate_recorded};
 use dotgen_timing::report::Event;
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::system::{ComponentId, Ticks, TimedSystem};
+use dotgen_timing::system::{CodelId, ComponentId, Ticks, TimedSystem};
 use dotgen_timing::verify::{Cancel, Interrupt, Options, Prepared, SystemInput};
 use typed_index_collections::TiVec;
 
@@ -165,14 +165,14 @@ impl Context<'_, '_> {
         prepared: &'r Prepared,
         mut recorder: Option<&'r mut Recorder<'a>>,
         followers: Option<Box<dyn Write>>,
-        measured: Option<&dyn Fn(usize) -> bool>,
+        measured: Option<&dyn Fn(CodelId) -> bool>,
     ) -> anyhow::Result<Option<Profile<'r, Runs<'r, 'a>>>> {
         if recorder.is_none() && followers.is_none() {
             return Ok(None);
         }
         let system = &prepared.built.system;
         if let Some(recorder) = &mut recorder {
-            let codels = system.codels.iter().enumerate();
+            let codels = system.codels.iter_enumerated();
             let simulated = codels.filter(|(number, codel)| {
                 codel.site.is_some() && measured.is_some_and(|is_executed| !is_executed(*number))
             });
@@ -328,13 +328,13 @@ impl Context<'_, '_> {
         let grown = |ticks: &Option<Ticks>| ticks.map(|tick| tick.saturating_mul(factor));
         let bounds: Vec<_> = self.bounds.iter().map(grown).collect();
         let followers = server.map(|server| Box::new(server.followers()) as Box<dyn Write>);
-        let is_executed = |codel: usize| parts.codel(codel).is_some();
+        let is_executed = |codel: CodelId| parts.codel(codel).is_some();
         let mut progress_subscribers = server.map(Server::progress_subscribers);
         let mut profile = self.profile(
             &opened,
             files.runs.as_mut(),
             followers,
-            real.then_some(&is_executed as &dyn Fn(usize) -> bool),
+            real.then_some(&is_executed as &dyn Fn(CodelId) -> bool),
         )?;
         let interrupted = || self.interrupt.is_raised();
         let stops_activities = arguments.on_violation == super::OnViolation::StopActivity;

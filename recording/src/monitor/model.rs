@@ -2,7 +2,7 @@
 
 use dotgen_analysis::model::Owner;
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::system::{ComponentId, FOREVER, Policy, Ticks, TimedSystem, Yield};
+use dotgen_timing::system::{CodelId, ComponentId, FOREVER, Policy, Ticks, TimedSystem, Yield};
 use num_rational::Ratio;
 use rustc_hash::FxHashMap;
 
@@ -31,7 +31,7 @@ pub(super) enum ResolvedKind {
     Mismatch(Mismatch),
     State(StateOutcome),
     Control {
-        codel: usize,
+        codel: CodelId,
         component: ComponentId,
         instance: u32,
         /// The event after the run is declared.
@@ -49,7 +49,7 @@ pub(super) struct StateOutcome {
     pub(super) state: usize,
     pub(super) start: usize,
     pub(super) stop: Option<usize>,
-    pub(super) codel: usize,
+    pub(super) codel: CodelId,
     pub(super) is_async: bool,
     pub(super) to: CodelOutcome,
     /// Next state, and whether it belongs to the next turn.
@@ -125,7 +125,7 @@ impl<'s> Model<'s> {
     }
 
     /// Returns the least and greatest time of a codel in nanoseconds, if its runs show them.
-    pub(super) fn limits(&self, codel: usize) -> (Option<i64>, Option<i64>) {
+    pub(super) fn limits(&self, codel: CodelId) -> (Option<i64>, Option<i64>) {
         let Some(definition) = self.system.codels.get(codel).filter(|_| !self.preempts) else {
             return (None, None);
         };
@@ -133,17 +133,17 @@ impl<'s> Model<'s> {
     }
 
     /// Returns the greatest time of a codel in nanoseconds, if it has one.
-    pub(super) fn declared(&self, codel: usize) -> Option<i64> {
+    pub(super) fn declared(&self, codel: CodelId) -> Option<i64> {
         let codel = self.system.codels.get(codel)?;
         (codel.upper != FOREVER && codel.upper > 0).then(|| self.nanos(codel.upper))
     }
 
-    pub(super) fn path(&self, codel: usize) -> String {
+    pub(super) fn path(&self, codel: CodelId) -> String {
         let codel = self.system.codels.get(codel);
         codel.map_or(String::new(), |codel| codel.path.to_string())
     }
 
-    pub(super) fn last_name(&self, codel: usize) -> String {
+    pub(super) fn last_name(&self, codel: CodelId) -> String {
         let codel = self.system.codels.get(codel);
         codel.map_or(String::new(), |codel| codel.path.own().to_owned())
     }
@@ -235,7 +235,7 @@ impl<'s> Model<'s> {
                 let service = service.and_then(|&service| self.system.services.get(service));
                 let Some(service) = service else { return none };
                 let mut all = service.validate.iter().chain(&service.simple).copied();
-                let is = |index: &usize| {
+                let is = |index: &CodelId| {
                     let codel = self.system.codels.get(*index);
                     codel.is_some_and(|codel| codel.site.is_some_and(|other| other.1 == site.codel))
                 };
@@ -316,7 +316,7 @@ impl<'s> Model<'s> {
     }
 
     /// Returns true if an event can be an exception of a codel. Every server can throw exceptions of `genom`.
-    fn throws(&self, codel: usize, to: &str) -> bool {
+    fn throws(&self, codel: CodelId, to: &str) -> bool {
         let Some(codel) = self.system.codels.get(codel) else {
             return false;
         };
@@ -344,14 +344,14 @@ impl<'s> Model<'s> {
     }
 
     /// Returns the codels in their states, and those of control tasks.
-    pub(super) fn codels_of_threads(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(super) fn codels_of_threads(&self) -> impl Iterator<Item = CodelId> + '_ {
         let machines = self.system.automata.iter();
         let machines = machines.filter_map(|machine| self.system.machines.get(machine.machine));
         let states = machines.flat_map(|machine| machine.states.iter().map(|state| state.codel));
         let services = self.system.services.iter();
         let services =
             services.flat_map(|service| service.validate.iter().chain(&service.simple).copied());
-        let real = |index: &usize| {
+        let real = |index: &CodelId| {
             self.system
                 .codels
                 .get(*index)

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use dotgen_timing::scn::semantics::LockRule;
-use dotgen_timing::system::TimedSystem;
+use dotgen_timing::system::{CodelId, TimedSystem};
 
 use super::CLOCK_TOLERANCE_NANOS;
 
@@ -18,7 +18,7 @@ pub(super) struct CodelRun {
     pub(super) ended: i64,
     /// Line of the log.
     pub(super) line: u64,
-    pub(super) codel: usize,
+    pub(super) codel: CodelId,
     /// Process.
     pub(super) instance: u32,
     /// Thread; `None`: a thread of its own.
@@ -33,10 +33,10 @@ pub(super) struct CodelRun {
 /// A violation by the first codel, with the other codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum OrderViolation {
-    Together(usize),
-    Overtaken(usize),
-    SameThread(usize),
-    SameCore(usize, u32),
+    Together(CodelId),
+    Overtaken(CodelId),
+    SameThread(CodelId),
+    SameCore(CodelId, u32),
     Cores(usize, u32),
 }
 
@@ -91,13 +91,13 @@ impl RunOrder {
         &mut self,
         system: &TimedSystem,
         run: CodelRun,
-        out: &mut Vec<(usize, OrderViolation)>,
+        out: &mut Vec<(CodelId, OrderViolation)>,
     ) {
-        let excludes = |one: usize, other: usize| {
+        let excludes = |one: CodelId, other: CodelId| {
             let codel = system.codels.get(one);
             codel.is_some_and(|codel| codel.conflicts.contains(other))
         };
-        let component = |codel: usize| system.codels.get(codel).map(|codel| codel.component);
+        let component = |codel: CodelId| system.codels.get(codel).map(|codel| codel.component);
         let (mut together, mut busy) = (false, 0usize);
         for earlier in self.recent.iter().rev() {
             // Runs are in order of their ends.

@@ -4,7 +4,7 @@ use dotgen_analysis::model::{Name, Param, PortDir, Remote, ServiceKind};
 use dotgen_codegen::codels::value::{Values, is_input, is_output};
 use dotgen_timing::scn::names::{Member, Names};
 use dotgen_timing::system::settings::Settings;
-use dotgen_timing::system::{ComponentId, FOREVER, ServiceId, TimedSystem, sources};
+use dotgen_timing::system::{CodelId, ComponentId, FOREVER, ServiceId, TimedSystem, sources};
 use dotgen_timing::verify::Prepared;
 use num_rational::Ratio;
 use std::collections::HashSet;
@@ -34,12 +34,12 @@ pub struct DataFlow {
 #[derive(Debug)]
 pub struct HostedComponents<'s> {
     components: TiVec<ComponentId, Option<HostedComponent<'s>>>,
-    codels: Vec<Option<u32>>,
-    functions: Vec<String>,
+    codels: TiVec<CodelId, Option<u32>>,
+    functions: TiVec<CodelId, String>,
     /// Full names of the declared events, by codel.
-    declared: Vec<Vec<String>>,
+    declared: TiVec<CodelId, Vec<String>>,
     /// Stated execution times in nanoseconds, by codel.
-    limits: Vec<Option<u64>>,
+    limits: TiVec<CodelId, Option<u64>>,
     /// Component and service, as in [`Names::components`], by service of the system.
     pub(super) services: TiVec<ServiceId, (usize, u32)>,
     /// Codels that copy the values of attributes, by service.
@@ -70,10 +70,10 @@ impl<'s> HostedComponents<'s> {
         let system = &built.system;
         let mut out = HostedComponents {
             components: (system.components.keys()).map(|_| None).collect(),
-            codels: vec![None; system.codels.len()],
-            functions: vec![String::new(); system.codels.len()],
-            declared: vec![Vec::new(); system.codels.len()],
-            limits: vec![None; system.codels.len()],
+            codels: ti_vec![None; system.codels.len()],
+            functions: ti_vec![String::new(); system.codels.len()],
+            declared: ti_vec![Vec::new(); system.codels.len()],
+            limits: ti_vec![None; system.codels.len()],
             services: ti_vec![(0, 0); system.services.len()],
             copies: ti_vec![None; system.services.len()],
             inputs: ti_vec![Vec::new(); system.services.len()],
@@ -86,7 +86,7 @@ impl<'s> HostedComponents<'s> {
             out.components[component] = parts.get_mut(name).and_then(Option::take);
         }
         let nanos = system.unit * Ratio::from_integer(1_000_000_000);
-        for (at, codel) in system.codels.iter().enumerate() {
+        for (at, codel) in system.codels.iter_enumerated() {
             let Some((name, site)) = codel.site else {
                 continue;
             };
@@ -196,23 +196,23 @@ impl<'s> HostedComponents<'s> {
     }
 
     /// Returns the number of a codel in its host; `None` if the codel is simulated.
-    pub fn codel(&self, codel: usize) -> Option<u32> {
+    pub fn codel(&self, codel: CodelId) -> Option<u32> {
         self.codels.get(codel).copied().flatten()
     }
 
     /// Returns the function of a codel.
-    pub fn function(&self, codel: usize) -> String {
+    pub fn function(&self, codel: CodelId) -> String {
         self.functions.get(codel).cloned().unwrap_or_default()
     }
 
     /// Returns true if a codel may end with an event of this full name.
-    pub fn declares(&self, codel: usize, event: &str) -> bool {
+    pub fn declares(&self, codel: CodelId, event: &str) -> bool {
         let declared = self.declared.get(codel);
         declared.is_some_and(|string| string.iter().any(|name| name == event))
     }
 
     /// Returns the stated execution time of a codel, in nanoseconds.
-    pub fn limit(&self, codel: usize) -> Option<u64> {
+    pub fn limit(&self, codel: CodelId) -> Option<u64> {
         self.limits.get(codel).copied().flatten()
     }
 

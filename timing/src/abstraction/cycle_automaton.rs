@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 
 use super::refusal::Refusal;
 use crate::system::loops::{Visited, beginning, followers};
-use crate::system::{Machine, State, TimedSystem, Yield};
+use crate::system::{CodelId, Machine, State, TimedSystem, Yield};
 
 /// Number of places and rests above which a task is refused.
 const MAX_SITUATIONS: usize = 5_000;
@@ -25,7 +25,7 @@ pub(super) struct CycleAutomaton {
 /// The execution of a codel.
 #[derive(Debug, Default)]
 pub(super) struct Place {
-    pub(super) codel: usize,
+    pub(super) codel: CodelId,
     /// Possible successors.
     pub(super) then: Vec<Successor>,
     /// Possible successors after an exception, if the codel may throw.

@@ -1,5 +1,7 @@
 //! The model of the middle tier, and the systems that it refuses.
 
+use typed_index_collections::{TiVec, ti_vec};
+
 use super::activities::activities;
 use super::cycle_automaton::{Activity, CycleAutomaton, cycle_automaton};
 use super::order::{chain, first_tick};
@@ -9,7 +11,7 @@ use super::thread::{Start, Thread};
 use crate::scn::semantics::LockRule;
 use crate::scn::semantics::Semantics;
 use crate::system::{
-    CodelSet, FOREVER, Machine, Policy, Ticks, TimedSystem, Yield, pauseless_cycles,
+    CodelId, CodelSet, FOREVER, Machine, Policy, Ticks, TimedSystem, Yield, pauseless_cycles,
 };
 
 /// Number of jobs in a hyperperiod above which a system is refused.
@@ -36,7 +38,7 @@ pub(super) struct Model<'s> {
     /// Codels wait in a queue. Otherwise any waiting codel may be next.
     pub(super) queue: bool,
     /// Codels for which some codel waits, by codel.
-    pub(super) waited_for: Vec<bool>,
+    pub(super) waited_for: TiVec<CodelId, bool>,
     /// Number of groups of tasks whose codels wait for each other.
     pub(super) groups: usize,
     /// Time after which all ticks repeat, in base units.
@@ -275,8 +277,8 @@ fn after_start_up(system: &TimedSystem, machine: &Machine) -> Result<Vec<usize>,
     Ok(paused)
 }
 
-fn waited_for(system: &TimedSystem) -> Vec<bool> {
-    let mut out = vec![false; system.codels.len()];
+fn waited_for(system: &TimedSystem) -> TiVec<CodelId, bool> {
+    let mut out = ti_vec![false; system.codels.len()];
     for codel in &system.codels {
         codel.conflicts.iter().for_each(|other| out[other] = true);
     }

@@ -4,7 +4,9 @@
 //! The times of their tickets are left open. Each of these threads has at most one ticket at a time. So when
 //! a codel takes a ticket, at most one codel of each thread is before it: executing, or ahead in the queue.
 
-use crate::system::{CodelSet, ComponentId, FOREVER, TimedSystem};
+use typed_index_collections::{TiVec, ti_vec};
+
+use crate::system::{CodelId, CodelSet, ComponentId, FOREVER, TimedSystem};
 
 /// The codels of a control task, or of a task that is not followed.
 #[derive(Debug, Clone)]
@@ -57,7 +59,7 @@ pub(super) struct Interference {
     pub(super) waits_for: CodelSet,
     /// Longest wait of each codel for other threads, after all other codels before it have begun or ended;
     /// `None`: for ever.
-    pub(super) longest: Vec<Option<i64>>,
+    pub(super) longest: TiVec<CodelId, Option<i64>>,
 }
 
 /// Returns the interference of other threads of a component with its tasks; `None` if there are none.
@@ -67,7 +69,7 @@ pub(super) fn interference(system: &TimedSystem, others: &[OtherThread]) -> Opti
     }
     let mut out = Interference {
         waits_for: CodelSet::default(),
-        longest: vec![Some(0); system.codels.len()],
+        longest: ti_vec![Some(0); system.codels.len()],
     };
     for thread in others {
         for codel in thread.codels.iter() {
@@ -76,18 +78,18 @@ pub(super) fn interference(system: &TimedSystem, others: &[OtherThread]) -> Opti
         }
     }
     for (number, thread) in others.iter().enumerate() {
-        let awaited = |codel: usize| {
+        let awaited = |codel: CodelId| {
             let mut rest = others.iter().enumerate().filter(|pair| pair.0 != number);
             let mut one = CodelSet::default();
             one.insert(codel);
             rest.any(|(_, other)| waits(system, &other.codels, &one))
         };
-        let own: Vec<(usize, bool)> = thread
+        let own: Vec<(CodelId, bool)> = thread
             .codels
             .iter()
             .map(|codel| (codel, awaited(codel)))
             .collect();
-        for (codel, longest) in out.longest.iter_mut().enumerate() {
+        for (codel, longest) in out.longest.iter_mut_enumerated() {
             let conflicts = &system.codels[codel].conflicts;
             let waits = own
                 .iter()

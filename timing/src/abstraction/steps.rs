@@ -8,7 +8,7 @@ use super::refusal::Refusal;
 use super::span::Span;
 use super::starting::End;
 use super::state::{Cycle, Out, Stage, State, not_before};
-use crate::system::{CodelSet, Policy};
+use crate::system::{CodelId, CodelSet, Policy};
 
 impl Model<'_> {
     /// Writes the successors of a state. Each run that reaches the state continues in one of them.
@@ -83,7 +83,7 @@ impl Model<'_> {
     }
 
     /// Returns the next codel of an active task.
-    fn codel(&self, s: &State, thread: usize) -> Option<usize> {
+    fn codel(&self, s: &State, thread: usize) -> Option<CodelId> {
         let place = self
             .cycle_automaton(thread)?
             .places
@@ -107,7 +107,8 @@ impl Model<'_> {
         let others = (0..self.threads.len()).filter(|&other| {
             other != thread && self.threads[other].group == entry.group && s.done[other].held != 0
         });
-        let holders = others.filter(|&other| codels.contains(s.done[other].held as usize - 1));
+        let holders =
+            others.filter(|&other| codels.contains(CodelId::from(s.done[other].held as usize - 1)));
         holders
             .map(|other| s.when[other].held)
             .reduce(|one, other| one.max(other))
@@ -195,7 +196,7 @@ impl Model<'_> {
         };
         (s.done[thread].held, s.when[thread].held) = (0, Span::default());
         if entry.contends && self.waited_for[place.codel] {
-            s.done[thread].held = place.codel as u32 + 1;
+            s.done[thread].held = usize::from(place.codel) as u32 + 1;
             s.when[thread].held = end;
         }
         // A failure in the first pass means that the component never starts.

@@ -23,7 +23,7 @@
 use typed_index_collections::TiSlice;
 
 use super::queue::{cycle, is_within_components, requests, work};
-use crate::system::{Policy, ServiceId, Ticks, TimedSystem};
+use crate::system::{CodelId, Policy, ServiceId, Ticks, TimedSystem};
 
 /// A thread, as a demand on others.
 struct Thread {
@@ -155,7 +155,7 @@ fn threads(
     requests: &TiSlice<ServiceId, Option<u32>>,
 ) -> Vec<Thread> {
     let requested = |service: ServiceId| requests[service] != Some(0);
-    let upper = |codel: usize| u64::from(system.codels[codel].upper);
+    let upper = |codel: CodelId| u64::from(system.codels[codel].upper);
     let mut out = Vec::new();
     for (task, entry) in system.tasks.iter().enumerate() {
         let machines = entry

@@ -21,7 +21,9 @@
 use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use crate::system::loops::pauseless_cycles;
-use crate::system::{ClientAction, FOREVER, Machine, Policy, ServiceId, Ticks, TimedSystem, Yield};
+use crate::system::{
+    ClientAction, CodelId, FOREVER, Machine, Policy, ServiceId, Ticks, TimedSystem, Yield,
+};
 
 /// Returns a bound on the response time of every task; `None` if there is none.
 pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
@@ -104,7 +106,7 @@ pub(super) fn cycle(
     for &other in component.tasks.iter().filter(|&&other| other != task) {
         blocking = blocking.checked_add(longest_waited_for(system, &codels_of(system, other))?)?;
     }
-    let control: Vec<usize> = (component.services.iter())
+    let control: Vec<CodelId> = (component.services.iter())
         .filter(|&&service| requests[service] != Some(0))
         .flat_map(|&service| {
             let service = &system.services[service];
@@ -146,7 +148,7 @@ pub(super) fn work(
     (length < FOREVER / 4).then_some(length)
 }
 
-fn codels_of(system: &TimedSystem, task: usize) -> Vec<usize> {
+fn codels_of(system: &TimedSystem, task: usize) -> Vec<CodelId> {
     let task = &system.tasks[task];
     let machines = task.permanent.iter().chain(&task.slots);
     let states = machines.flat_map(|&a| &system.machine_of(a).states);
@@ -154,12 +156,12 @@ fn codels_of(system: &TimedSystem, task: usize) -> Vec<usize> {
 }
 
 /// Returns the longest time of the given codels, among those for which some codel waits.
-fn longest_waited_for(system: &TimedSystem, codels: &[usize]) -> Option<Ticks> {
-    let waited_for = |index: usize| {
+fn longest_waited_for(system: &TimedSystem, codels: &[CodelId]) -> Option<Ticks> {
+    let waited_for = |id: CodelId| {
         system
             .codels
             .iter()
-            .any(|codel| codel.conflicts.contains(index))
+            .any(|codel| codel.conflicts.contains(id))
     };
     let times = codels.iter().filter(|&&codel| waited_for(codel));
     let longest = times

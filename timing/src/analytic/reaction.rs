@@ -18,11 +18,11 @@ use typed_index_collections::TiSlice;
 use super::queue;
 use crate::scn::semantics::Semantics;
 use crate::system::loops::pauseless_cycles;
-use crate::system::{Machine, ServiceId, Ticks, TimedSystem, Yield};
+use crate::system::{CodelId, Machine, ServiceId, Ticks, TimedSystem, Yield};
 
 /// Returns a bound on the reaction time of a chain, in base units. The data go by any of some paths; each
 /// path lists the codels that carry the data, in order. Returns `None` if this method finds no bound.
-pub fn reaction_bound(system: &TimedSystem, ways: &[Vec<usize>]) -> Option<Ticks> {
+pub fn reaction_bound(system: &TimedSystem, ways: &[Vec<CodelId>]) -> Option<Ticks> {
     let platform = &system.platform;
     let simple = platform.semantics == Semantics::SERVERS
         && platform.cores.is_none()
@@ -48,14 +48,14 @@ struct Tasks<'s> {
 struct Stage<'s> {
     task: usize,
     machine: &'s Machine,
-    first: usize,
-    last: usize,
+    first: CodelId,
+    last: CodelId,
 }
 
 impl Tasks<'_> {
     /// Returns the latest time at which the data of moment 0 have passed the whole path. A later moment waits
     /// no longer, because less of the start is left.
-    fn way(&self, way: &[usize]) -> Option<Ticks> {
+    fn way(&self, way: &[CodelId]) -> Option<Ticks> {
         let mut stages: Vec<Stage> = Vec::new();
         for &codel in way {
             if let Some(stage) = stages.last_mut()
@@ -81,7 +81,7 @@ impl Tasks<'_> {
     }
 
     /// Returns the task whose permanent activity executes a codel in every cycle, except possibly the first.
-    fn executes(&self, codel: usize) -> Option<(usize, &Machine)> {
+    fn executes(&self, codel: CodelId) -> Option<(usize, &Machine)> {
         let system = self.system;
         let has = |machine: &Machine| machine.states.iter().any(|state| state.codel == codel);
         let mut all = system.tasks.iter().enumerate().filter_map(|(task, entry)| {
@@ -142,7 +142,7 @@ impl Tasks<'_> {
 }
 
 /// Returns true if a turn that begins with a state executes a codel, whatever the yields.
-fn meets(machine: &Machine, state: usize, codel: usize) -> bool {
+fn meets(machine: &Machine, state: usize, codel: CodelId) -> bool {
     let mut seen = vec![false; machine.states.len()];
     let mut todo = vec![state];
     while let Some(at) = todo.pop() {
@@ -160,7 +160,7 @@ fn meets(machine: &Machine, state: usize, codel: usize) -> bool {
 }
 
 /// Returns true if a turn that has executed a codel executes another one after it, whatever the yields.
-fn follows(machine: &Machine, codel: usize, next: usize) -> bool {
+fn follows(machine: &Machine, codel: CodelId, next: CodelId) -> bool {
     let mut states = machine.states.iter().filter(|state| state.codel == codel);
     states.all(|candidate| {
         candidate.yields.iter().all(|transition| match *transition {

@@ -1,10 +1,12 @@
 //! The work that can keep a codel waiting for its locks.
 
+use typed_index_collections::TiVec;
+
 use super::Analysis;
 use super::demand::Stretches;
 use super::ways::Ways;
 use crate::scn::semantics::LockRule;
-use crate::system::{Client, ClientAction, CodelSet, FOREVER, Machine, TimedSystem};
+use crate::system::{Client, ClientAction, CodelId, CodelSet, FOREVER, Machine, TimedSystem};
 
 /// The work that can keep codels waiting for their locks.
 #[derive(Debug, Default)]
@@ -29,18 +31,18 @@ pub(super) struct Rival {
 
 /// Returns, by codel, the codels whose execution can keep it waiting. With locks in order of arrival it also
 /// waits for the codels that earlier ones wait for.
-pub(super) fn excluded(system: &TimedSystem) -> Vec<CodelSet> {
-    let mut sets: Vec<CodelSet> = system
+pub(super) fn excluded(system: &TimedSystem) -> TiVec<CodelId, CodelSet> {
+    let mut sets: TiVec<CodelId, CodelSet> = system
         .codels
         .iter()
         .map(|codel| codel.conflicts.clone())
         .collect();
     let mut changed = system.platform.semantics.locks == LockRule::Fifo;
     while std::mem::take(&mut changed) {
-        for i in 0..sets.len() {
-            let members: Vec<usize> = sets[i].iter().collect();
+        for i in system.codels.keys() {
+            let members: Vec<CodelId> = sets[i].iter().collect();
             for member in members {
-                let more: Vec<usize> = sets[member].iter().collect();
+                let more: Vec<CodelId> = sets[member].iter().collect();
                 for conflict in more {
                     if !sets[i].contains(conflict) {
                         sets[i].insert(conflict);
@@ -70,7 +72,7 @@ impl Analysis<'_> {
         if excluded.is_empty() {
             return out;
         }
-        let cost = |codel: usize| match excluded.contains(codel) {
+        let cost = |codel: CodelId| match excluded.contains(codel) {
             true => self.upper(codel),
             false => Some(0),
         };
@@ -114,7 +116,7 @@ impl Analysis<'_> {
     }
 
     /// Returns the longest execution time of a codel, unless it is unlimited.
-    pub(super) fn upper(&self, codel: usize) -> Option<u64> {
+    pub(super) fn upper(&self, codel: CodelId) -> Option<u64> {
         let upper = self.system.codels[codel].upper;
         (upper != FOREVER).then_some(u64::from(upper))
     }
@@ -123,7 +125,7 @@ impl Analysis<'_> {
     fn stretches(
         &self,
         machine: &Machine,
-        cost: &dyn Fn(usize) -> Option<u64>,
+        cost: &dyn Fn(CodelId) -> Option<u64>,
     ) -> Option<Stretches> {
         let lower = |state: usize| self.system.codels[machine.states[state].codel].lower;
         let cost = |state: usize| cost(machine.states[state].codel);

@@ -10,7 +10,7 @@ use crate::report::Value;
 use crate::scn::ast::{Path, Scenario};
 use crate::scn::names::Names;
 use crate::system::build::build;
-use crate::system::{FOREVER, TimedSystem};
+use crate::system::{CodelId, FOREVER, TimedSystem};
 use crate::verify::{Cancel, Options, SystemInput, settings};
 
 /// The sensitivity of a system: its distance from missing a deadline, or from meeting all of them.
@@ -149,11 +149,11 @@ fn questions(system: &TimedSystem) -> Vec<Parameter> {
     let mut tasks: Vec<usize> = (0..system.tasks.len()).collect();
     tasks.sort_by(|&a, &b| near(b).total_cmp(&near(a)));
     let executed = system.executed();
-    let asked = |id: &usize| {
+    let asked = |id: &CodelId| {
         let codel = &system.codels[*id];
         executed[*id] && codel.site.is_some() && codel.upper != FOREVER
     };
-    let mut codels: Vec<usize> = (0..system.codels.len()).filter(asked).collect();
+    let mut codels: Vec<CodelId> = system.codels.keys().filter(asked).collect();
     codels.sort_by_key(|&codel| std::cmp::Reverse(system.codels[codel].upper));
     let mut out = vec![Parameter::Cores];
     for task in tasks {
@@ -165,7 +165,7 @@ fn questions(system: &TimedSystem) -> Vec<Parameter> {
             .iter()
             .filter(|automaton| automaton.task == task);
         let machines: Vec<usize> = automata.map(|automaton| automaton.machine).collect();
-        let is_own = |codel: &usize| {
+        let is_own = |codel: &CodelId| {
             let mut states = machines
                 .iter()
                 .flat_map(|&machine| &system.machines[machine].states);
@@ -173,8 +173,8 @@ fn questions(system: &TimedSystem) -> Vec<Parameter> {
         };
         let (own, others) = codels.into_iter().partition(is_own);
         codels = others;
-        let own: Vec<usize> = own;
-        let of = |codel: &usize| Parameter::Wcet(Path::of(&system.codels[*codel].path));
+        let own: Vec<CodelId> = own;
+        let of = |codel: &CodelId| Parameter::Wcet(Path::of(&system.codels[*codel].path));
         out.extend(own.iter().map(of));
     }
     // Codels of control tasks.

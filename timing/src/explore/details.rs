@@ -1,6 +1,6 @@
 //! Details of a line of a run, as data: blocked codels, requests, preemptions.
 
-use crate::system::{ComponentId, ServiceId};
+use crate::system::{CodelId, ComponentId, ServiceId};
 
 /// The details of a [moment](super::Moment) beyond its task and its codel.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -42,7 +42,7 @@ pub enum Executing {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Blocker {
     /// Codel.
-    pub codel: usize,
+    pub codel: CodelId,
     /// Thread that executes it, or is about to.
     pub by: Executing,
     /// The codel waits as well, ahead in the queue; otherwise it executes.

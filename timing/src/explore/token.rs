@@ -25,7 +25,7 @@ use crate::cancel::Cancel;
 use crate::property::{Atom, Predicate, TaskState};
 use crate::scn::ast::ChainKind;
 use crate::system::chain::{Chain, DataPlace};
-use crate::system::{ComponentId, FOREVER, ServiceId, Ticks, TimedSystem};
+use crate::system::{CodelId, ComponentId, FOREVER, ServiceId, Ticks, TimedSystem};
 
 /// Finds the supremum of a chain, by exploring all runs. It is the only entry of `within` in the findings;
 /// `None` there if no write is ever marked.
@@ -173,7 +173,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
 
     /// Returns the present codel of an executor, and the holder of its local variables: the place of an
     /// activity (also of one whose request is handled), or the request itself.
-    fn codel(&self, s: &State, executor: usize) -> Option<(usize, usize)> {
+    fn codel(&self, s: &State, executor: usize) -> Option<(CodelId, usize)> {
         match self.rules.work(s, executor)? {
             Work::State { codel, slot, .. } => Some((codel, slot)),
             Work::Control { codel, service, .. } => {
@@ -190,7 +190,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
         self.rules.places() + usize::from(component)
     }
 
-    fn reads_first(&self, codel: usize) -> bool {
+    fn reads_first(&self, codel: CodelId) -> bool {
         self.chain.reads[codel].contains(&DataPlace::Shared(self.chain.first))
     }
 
@@ -241,7 +241,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
     }
 
     /// Performs the writes of a codel that ends. Returns true if the first datum is written.
-    fn write(&self, s: &mut State, executor: usize, codel: usize, holder: usize) -> bool {
+    fn write(&self, s: &mut State, executor: usize, codel: CodelId, holder: usize) -> bool {
         let chain = self.chain;
         let marked = is_set(s, self.marked_executor(executor));
         set(s, self.marked_executor(executor), false);

@@ -2,7 +2,7 @@
 
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
 use crate::scn::semantics::TickRule;
-use crate::system::{ComponentId, Machine, Policy, ServiceId, TimedSystem, Yield};
+use crate::system::{CodelId, ComponentId, Machine, Policy, ServiceId, TimedSystem, Yield};
 
 /// A part of a system, which always is in one local state.
 #[derive(Debug)]
@@ -39,7 +39,7 @@ pub(super) enum Local {
         task: usize,
         machine: usize,
         state: usize,
-        codel: usize,
+        codel: CodelId,
         executes: bool,
     },
     /// An automaton without a codel.
@@ -53,7 +53,7 @@ pub(super) enum Local {
     /// A control task with a codel: waiting for locks, or executing.
     Handling {
         service: ServiceId,
-        codel: usize,
+        codel: CodelId,
         executes: bool,
     },
     /// A step of a client.
@@ -69,7 +69,7 @@ impl Local {
         )
     }
 
-    fn codel(&self) -> Option<usize> {
+    fn codel(&self) -> Option<CodelId> {
         match *self {
             Local::Codel { codel, .. } | Local::Handling { codel, .. } => Some(codel),
             _ => None,
@@ -281,7 +281,8 @@ impl<'s> Parts<'s> {
         let (Some(one), Some(other)) = (one.codel(), other.codel()) else {
             return false;
         };
-        let blocks = |one: usize, other: usize| self.system.codels[one].conflicts.contains(other);
+        let blocks =
+            |one: CodelId, other: CodelId| self.system.codels[one].conflicts.contains(other);
         blocks(one, other) && blocks(other, one)
     }
 

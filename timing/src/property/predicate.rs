@@ -1,6 +1,6 @@
 //! Predicates on the discrete state.
 
-use crate::system::{ComponentId, ServiceId};
+use crate::system::{CodelId, ComponentId, ServiceId};
 
 /// A Boolean combination of atoms.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -39,7 +39,7 @@ pub enum Atom {
         /// The service.
         service: ServiceId,
         /// One of its codels; `None`: any of them.
-        codel: Option<usize>,
+        codel: Option<CodelId>,
         /// Waiting for locks, executing, or either.
         phase: StatePhase,
     },

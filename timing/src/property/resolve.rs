@@ -158,7 +158,6 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
                 codel: built
                     .system
                     .codels
-                    .iter()
                     .position(|codel| codel.site == Some((c, site))),
                 phase,
             }

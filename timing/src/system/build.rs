@@ -44,7 +44,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
                 tasks: Vec::new(),
                 machines: Vec::new(),
                 automata: Vec::new(),
-                codels: Vec::new(),
+                codels: TiVec::new(),
                 services: TiVec::new(),
                 clients: Vec::new(),
                 platform: Platform {

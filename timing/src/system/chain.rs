@@ -1,5 +1,8 @@
 //! Cause-effect chains: the data that each codel reads and writes, by number.
 
+use typed_index_collections::TiVec;
+
+use super::CodelId;
 pub use crate::scn::ast::ChainKind;
 
 /// A place that holds a datum.
@@ -21,11 +24,11 @@ pub struct Chain {
     /// Number of local places of an instance or a request.
     pub locals: usize,
     /// Places that each codel reads.
-    pub reads: Vec<Vec<DataPlace>>,
+    pub reads: TiVec<CodelId, Vec<DataPlace>>,
     /// Places that each codel writes.
-    pub writes: Vec<Vec<DataPlace>>,
+    pub writes: TiVec<CodelId, Vec<DataPlace>>,
     /// Codels whose outputs depend on their inputs. The outputs of other codels depend on nothing.
-    pub carries: Vec<bool>,
+    pub carries: TiVec<CodelId, bool>,
     /// The first datum, a shared place.
     pub first: usize,
     /// The last datum, a shared place.

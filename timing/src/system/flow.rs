@@ -9,6 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use dotgen_analysis::model::{
     CodelKind, Owner, Param, ParamDir, ParamSource, PathElement, PortDir,
 };
+use typed_index_collections::{TiSlice, TiVec};
 
 use super::chain::{Chain, ChainKind, DataPlace};
 use super::indexed::{Built, not_a};
@@ -17,6 +18,7 @@ use super::settings::Settings;
 use crate::diagnostic::Diagnostic;
 use crate::scn::ast::Path;
 use crate::scn::names::{Names, Target};
+use crate::system::CodelId;
 
 /// Number of paths of the data that are listed. Further paths are only mentioned.
 const MAX_LISTED_PATHS: usize = 6;
@@ -30,7 +32,7 @@ pub(crate) struct FoundChain {
     /// Components on the chain, numbered as in [`Names`].
     pub(crate) components: Vec<usize>,
     /// Paths of the data: each lists the codels that carry the data, in order.
-    pub(crate) ways: Vec<Vec<usize>>,
+    pub(crate) ways: Vec<Vec<CodelId>>,
     /// There are further paths.
     pub(crate) more: bool,
 }
@@ -163,7 +165,7 @@ fn no_path_diagnostic(asked: &ChainQuery) -> Diagnostic {
     )
 }
 
-/// The data accesses of a codel, by its number in the system.
+/// The data accesses of a codel.
 #[derive(Debug, Default)]
 struct DataAccesses {
     component: usize,
@@ -213,15 +215,15 @@ impl Flow<'_> {
     }
 
     /// Returns the places that each codel reads and writes: every named part of its parameters.
-    fn uses(&self) -> Vec<DataAccesses> {
+    fn uses(&self) -> TiVec<CodelId, DataAccesses> {
         let live = live_codels(self.built);
-        let named = |id: usize| -> Vec<(ParamDir, Key)> {
+        let named = |id: CodelId| -> Vec<(ParamDir, Key)> {
             if !live[id] {
                 return Vec::new();
             }
             self.named(id)
         };
-        let all: Vec<Vec<(ParamDir, Key)>> = (0..live.len()).map(named).collect();
+        let all: TiVec<CodelId, Vec<(ParamDir, Key)>> = live.keys().map(named).collect();
         let mut keys: BTreeSet<&Key> = all.iter().flatten().map(|pair| &pair.1).collect();
         // A chain begins and ends with all of the data of a port.
         let whole: Vec<Key> = (keys.iter())
@@ -236,7 +238,7 @@ impl Flow<'_> {
                 .map(|key| (*key).clone())
                 .collect::<Vec<Key>>()
         };
-        let of_codel = |(id, list): (usize, &Vec<(ParamDir, Key)>)| {
+        let of_codel = |(id, list): (CodelId, &Vec<(ParamDir, Key)>)| {
             let mut out = DataAccesses {
                 component: self.component_of(id),
                 carries: true,
@@ -257,10 +259,10 @@ impl Flow<'_> {
             }
             out
         };
-        all.iter().enumerate().map(of_codel).collect()
+        all.iter_enumerated().map(of_codel).collect()
     }
 
-    fn component_of(&self, id: usize) -> usize {
+    fn component_of(&self, id: CodelId) -> usize {
         let number = self.built.system.codels[id].component;
         let mut all = self.built.components.iter();
         all.find(|component| *component.1 == number)
@@ -269,7 +271,7 @@ impl Flow<'_> {
 
     /// Returns the places that a codel names. An attribute without a codel copies the values of a request,
     /// which its validation may have changed.
-    fn named(&self, id: usize) -> Vec<(ParamDir, Key)> {
+    fn named(&self, id: CodelId) -> Vec<(ParamDir, Key)> {
         let c = self.component_of(id);
         let component = self.names.components[c].component;
         let path = |param: &Param| -> Vec<String> {
@@ -327,8 +329,12 @@ impl Flow<'_> {
 
     /// Applies `via`. If codels of a component are named, only these codels carry data there. If ports of a
     /// component are named, only these ports are written there.
-    fn restrict(&self, via: &[Path], uses: &mut [DataAccesses]) -> Result<(), Diagnostic> {
-        let mut codels: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+    fn restrict(
+        &self,
+        via: &[Path],
+        uses: &mut TiSlice<CodelId, DataAccesses>,
+    ) -> Result<(), Diagnostic> {
+        let mut codels: BTreeMap<usize, BTreeSet<CodelId>> = BTreeMap::new();
         let mut ports: BTreeMap<usize, BTreeSet<u32>> = BTreeMap::new();
         for path in via {
             let target = self.names.resolve(path)?;
@@ -339,14 +345,14 @@ impl Flow<'_> {
                 }
                 continue;
             }
-            let fits = |id: &usize| self.is_part(*id, &target);
-            let named: Vec<usize> = (0..uses.len()).filter(fits).collect();
+            let fits = |id: &CodelId| self.is_part(*id, &target);
+            let named: Vec<CodelId> = uses.keys().filter(fits).collect();
             let Some(&one) = named.first() else {
                 return Err(not_a("codel, task, service or port", path));
             };
             codels.entry(uses[one].component).or_default().extend(named);
         }
-        for (id, usage) in uses.iter_mut().enumerate() {
+        for (id, usage) in uses.iter_mut_enumerated() {
             usage.carries = codels
                 .get(&usage.component)
                 .is_none_or(|list| list.contains(&id));
@@ -364,7 +370,7 @@ impl Flow<'_> {
     }
 
     /// Returns true if a codel is, or belongs to, the target of a path.
-    fn is_part(&self, id: usize, target: &Target) -> bool {
+    fn is_part(&self, id: CodelId, target: &Target) -> bool {
         let codel = &self.built.system.codels[id];
         let Some((c, site)) = codel.site else {
             return false;
@@ -389,7 +395,7 @@ impl Flow<'_> {
 }
 
 /// Returns the places that the first datum can reach, and from which the last one can be reached.
-fn relevant(uses: &[DataAccesses], (first, last): &(Key, Key)) -> BTreeSet<Key> {
+fn relevant(uses: &TiSlice<CodelId, DataAccesses>, (first, last): &(Key, Key)) -> BTreeSet<Key> {
     let spread = |from: &Key, forward: bool| {
         let mut out = BTreeSet::from([from.clone()]);
         loop {
@@ -414,11 +420,15 @@ fn relevant(uses: &[DataAccesses], (first, last): &(Key, Key)) -> BTreeSet<Key> 
 }
 
 /// Returns paths of the data from codel to codel, without repetition, and whether there are more.
-fn ways(uses: &[DataAccesses], (first, last): &(Key, Key)) -> (Vec<Vec<usize>>, bool) {
-    let mut out: Vec<Vec<usize>> = Vec::new();
+fn ways(
+    uses: &TiSlice<CodelId, DataAccesses>,
+    (first, last): &(Key, Key),
+) -> (Vec<Vec<CodelId>>, bool) {
+    let mut out: Vec<Vec<CodelId>> = Vec::new();
     let mut steps = 0;
-    let begins = |usage: &usize| uses[*usage].carries && uses[*usage].reads.contains(first);
-    let mut open: Vec<Vec<usize>> = (0..uses.len())
+    let begins = |usage: &CodelId| uses[*usage].carries && uses[*usage].reads.contains(first);
+    let mut open: Vec<Vec<CodelId>> = uses
+        .keys()
         .filter(begins)
         .map(|usage| vec![usage])
         .collect();
@@ -433,7 +443,7 @@ fn ways(uses: &[DataAccesses], (first, last): &(Key, Key)) -> (Vec<Vec<usize>>, 
             out.push(way);
             continue;
         }
-        for next in (0..uses.len()).rev() {
+        for next in uses.keys().rev() {
             let goes_on = uses[next].carries
                 && !way.contains(&next)
                 && uses[at]

@@ -1,13 +1,13 @@
 //! Indices into the tables of a [`TimedSystem`](super::TimedSystem), one type for each table.
 //!
 //! States of the explorer hold them as plain numbers; they are converted where such a number is read or
-//! written.
+//! written. The default is the first index.
 
 /// Declares the index into one table of a system.
 macro_rules! ids {
     ($($(#[$doc:meta])* $name:ident)*) => {$(
         $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[derive(Debug, Default, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub struct $name(usize);
 
         impl From<usize> for $name {
@@ -27,6 +27,8 @@ macro_rules! ids {
 }
 
 ids! {
+    /// A codel in one place of use: an index into [`TimedSystem::codels`](super::TimedSystem::codels).
+    CodelId
     /// A component: an index into [`TimedSystem::components`](super::TimedSystem::components). Components of
     /// specifications, in [`Names::components`](crate::scn::names::Names::components), have other numbers.
     ComponentId

@@ -3,10 +3,11 @@
 use dotgen_analysis::model::mutex::{self, Excluded};
 use dotgen_analysis::model::{CodelKind, CodelRef, Component, Owner, ParamSource, PortDir};
 use dotgen_analysis::phrase::Phrase;
+use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
-use super::Codel;
 use super::indexed::{Built, not_a};
 use super::settings::Settings;
+use super::{Codel, CodelId};
 use crate::diagnostic::Diagnostic;
 use crate::scn::names::{Names, Target};
 use crate::scn::semantics::PortRule;
@@ -37,8 +38,8 @@ pub(crate) fn exclude_codels(
         }
     }
     let connections = connections(names, settings, &mut out.diagnostics);
-    let mut users: Vec<(Port, usize)> = Vec::new();
-    for (id, codel) in out.system.codels.iter().enumerate() {
+    let mut users: Vec<(Port, CodelId)> = Vec::new();
+    for (id, codel) in out.system.codels.iter_enumerated() {
         let Some((c, site)) = codel.site else {
             continue;
         };
@@ -151,8 +152,8 @@ impl SharedPorts<'_> {
 
 /// Returns, by codel, whether it can run: as part of a machine with an automaton, or in the control task for
 /// a requested service.
-pub(super) fn live_codels(out: &Built) -> Vec<bool> {
-    let mut live = vec![false; out.system.codels.len()];
+pub(super) fn live_codels(out: &Built) -> TiVec<CodelId, bool> {
+    let mut live = ti_vec![false; out.system.codels.len()];
     for automaton in &out.system.automata {
         for state in &out.system.machines[automaton.machine].states {
             live[state.codel] = true;
@@ -173,7 +174,7 @@ pub(super) fn live_codels(out: &Built) -> Vec<bool> {
 
 /// Returns true if both codels belong to one permanent activity, which executes one codel at a time. (The
 /// slots of one service do too, unless a separate thread executes some codels: ports deal with that.)
-fn same_automaton(out: &Built, one: usize, other: usize) -> bool {
+fn same_automaton(out: &Built, one: CodelId, other: CodelId) -> bool {
     let (Some((c, a)), Some((d, b))) = (out.system.codels[one].site, out.system.codels[other].site)
     else {
         return false;
@@ -183,13 +184,13 @@ fn same_automaton(out: &Built, one: usize, other: usize) -> bool {
         && (matches!(a.owner, Owner::Task(_)) || !out.system.platform.async_free)
 }
 
-fn exclude_data(names: &Names, c: usize, live: &[bool], out: &mut Built) {
+fn exclude_data(names: &Names, c: usize, live: &TiSlice<CodelId, bool>, out: &mut Built) {
     let member = names.components[c];
     let component = member.component;
-    let ids = |codel: CodelRef, out: &Built| -> Vec<usize> {
-        (0..out.system.codels.len())
-            .filter(|&id| out.system.codels[id].site == Some((c, codel)) && live[id])
-            .collect()
+    let ids = |codel: CodelRef, out: &Built| -> Vec<CodelId> {
+        let all = out.system.codels.iter_enumerated();
+        let own = all.filter(|(id, entry)| entry.site == Some((c, codel)) && live[*id]);
+        own.map(|(id, _)| id).collect()
     };
     for codel in component.all_codels() {
         let own = ids(codel, out);
@@ -233,15 +234,15 @@ fn tickets(names: &Names, c: usize, out: &mut Built) {
     let member = names.components[c];
     let component = member.component;
     let number = out.components[&c];
-    let own: Vec<usize> = (0..out.system.codels.len())
-        .filter(|&id| out.system.codels[id].component == number)
-        .collect();
+    let all = out.system.codels.iter_enumerated();
+    let own = all.filter(|(_, codel)| codel.component == number);
+    let own: Vec<CodelId> = own.map(|(id, _)| id).collect();
     // The thread that executes a codel (`None`: the control task), and its function.
-    let function = |id: usize, out: &Built| {
+    let function = |id: CodelId, out: &Built| {
         let (_, codel) = out.system.codels[id].site?;
         Some((component.task_of(codel), &component.codel(codel).name))
     };
-    let copy_of = |s: u32, out: &Built| -> Option<usize> {
+    let copy_of = |s: u32, out: &Built| -> Option<CodelId> {
         let service = &out.system.services[*out.services.get(&(c, s))?];
         let mut simple = service.simple.iter().copied();
         simple.find(|&codel| out.system.codels[codel].site.is_none())
@@ -251,7 +252,7 @@ fn tickets(names: &Names, c: usize, out: &mut Built) {
             continue;
         };
         for exclusion in mutex::exclusions(member.spec, component, codel) {
-            let others: Vec<usize> = match exclusion.with {
+            let others: Vec<CodelId> = match exclusion.with {
                 Excluded::Codel(other) => {
                     let what = Some((component.task_of(other), &component.codel(other).name));
                     let same = own.iter().copied();
@@ -269,7 +270,7 @@ fn tickets(names: &Names, c: usize, out: &mut Built) {
         };
         for other in mutex::service_exclusions(member.spec, component, s) {
             let what = Some((component.task_of(other), &component.codel(other).name));
-            let same: Vec<usize> = (own.iter().copied())
+            let same: Vec<CodelId> = (own.iter().copied())
                 .filter(|&codel| function(codel, out) == what)
                 .collect();
             let conflicts = &mut out.system.codels[copy].conflicts;

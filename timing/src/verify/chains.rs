@@ -7,6 +7,7 @@ use super::units::limit_text;
 use crate::analytic::reaction_bound;
 use crate::explore::{Measured, explore_chain, is_exact};
 use crate::report::{CheckReport, Report, Soundness, Verdict};
+use crate::system::CodelId;
 use crate::system::chain::ChainKind;
 use crate::system::flow::{self, FoundChain};
 
@@ -66,7 +67,7 @@ impl Group<'_> {
     /// Returns the paths of the data, in words.
     fn ways(&self, found: &FoundChain) -> String {
         let codels = &self.built.system.codels;
-        let one = |way: &Vec<usize>| {
+        let one = |way: &Vec<CodelId>| {
             let names: Vec<&str> = way.iter().map(|&codel| &*codels[codel].path).collect();
             names.join(" → ")
         };

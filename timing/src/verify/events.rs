@@ -6,7 +6,7 @@ use super::Group;
 use crate::explore::{Blocker, Executing, Moment, MomentDetails, MomentKind, Run};
 use crate::report::{Blocking, CheckReport, Event, TimeUnit, Verdict};
 use crate::scn::names::Names;
-use crate::system::{ThreadName, TimedSystem};
+use crate::system::{CodelId, ThreadName, TimedSystem};
 
 impl Group<'_> {
     /// Sets the run that shows the failure of a check.
@@ -57,7 +57,7 @@ impl Group<'_> {
 /// Returns a run of a system in words, with times in `unit`.
 pub(super) fn told(names: &Names, system: &TimedSystem, unit: TimeUnit, run: &Run) -> Vec<Event> {
     let spec_of = |c: usize| names.components[c].spec_index;
-    let path = |codel: usize| system.codels[codel].path.clone();
+    let path = |codel: CodelId| system.codels[codel].path.clone();
     let name = |executing: Executing| match executing {
         Executing::Task(task) => system.task_name(task),
         Executing::Control(component) => {

@@ -5,17 +5,17 @@ use num_rational::Ratio;
 use super::Group;
 use crate::explore::{Moment, MomentKind, Run};
 use crate::report::{Awaited, Delay, Holder, TaskId};
-use crate::system::{ThreadName, TimedSystem};
+use crate::system::{CodelId, ThreadName, TimedSystem};
 
 /// A wait for the locks of a codel, or for a core.
 struct Wait {
-    codel: Option<usize>,
+    codel: Option<CodelId>,
     from: u64,
 }
 
 /// The possession of a core, or of the locks of a codel.
 struct Possession {
-    codel: Option<usize>,
+    codel: Option<CodelId>,
     by: ThreadName,
     from: u64,
     until: u64,
@@ -31,7 +31,7 @@ impl Group<'_> {
         let followed = Intervals::new(system, &run.moments(system), *task, run.end);
         let seconds = |at: u64| system.unit * Ratio::from_integer(i128::from(at));
         let time = |at: u64| self.unit.from_seconds(seconds(at));
-        let path = |codel: usize| system.codels[codel].path.clone();
+        let path = |codel: CodelId| system.codels[codel].path.clone();
         let delay = |(wait, until): &(Wait, u64)| {
             let has = |possession: &&Possession| match (wait.codel, possession.codel) {
                 (Some(own), Some(other)) => system.codels[own].conflicts.contains(other),

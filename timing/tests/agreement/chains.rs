@@ -1,9 +1,10 @@
 //! Reaction and age of random chains: the explorer agrees with brute force.
 
 use dotgen_timing::explore::{Bound, Stop, explore_chain};
-use dotgen_timing::system::TimedSystem;
 use dotgen_timing::system::chain::{Chain, ChainKind, DataPlace};
+use dotgen_timing::system::{CodelId, TimedSystem};
 use dotgen_timing::verify::Cancel;
+use typed_index_collections::TiVec;
 
 use crate::brute::{Brute, CAP};
 use crate::systems::{self, Dice};
@@ -19,7 +20,7 @@ fn chain(system: &TimedSystem, dice: &mut Dice) -> Chain {
         .chain((0..locals).map(DataPlace::Local))
         .collect();
     let n = system.codels.len();
-    let mut some = |share: u32, not: &[DataPlace]| -> Vec<Vec<DataPlace>> {
+    let mut some = |share: u32, not: &[DataPlace]| -> TiVec<CodelId, Vec<DataPlace>> {
         let mut of_codel = || -> Vec<DataPlace> {
             let mut list = places.clone();
             list.retain(|place| dice.in_ten(share) && !not.contains(place));

@@ -9,7 +9,7 @@ use dotgen_timing::property::{Atom, Predicate, SlotStatus, StatePhase, TaskState
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
 use dotgen_timing::system::build::build;
-use dotgen_timing::system::{ServiceId, TimedSystem};
+use dotgen_timing::system::{CodelId, ServiceId, TimedSystem};
 use dotgen_timing::verify::{Cancel, Options, settings};
 
 use crate::servers::random::{Texts, requests, texts, varied};
@@ -48,7 +48,7 @@ fn atom(system: &TimedSystem, dice: &mut Dice) -> Atom {
         2 if !system.services.is_empty() => {
             let service = ServiceId::from(below(dice, system.services.len()));
             let it = &system.services[service];
-            let codels: Vec<usize> = it.validate.iter().chain(&it.simple).copied().collect();
+            let codels: Vec<CodelId> = it.validate.iter().chain(&it.simple).copied().collect();
             let codel = (!codels.is_empty()).then(|| codels[below(dice, codels.len())]);
             Atom::Handling {
                 service,
@@ -87,7 +87,7 @@ fn literal(system: &TimedSystem, dice: &mut Dice) -> Predicate {
 /// direction only.
 fn waiting_pairs(system: &TimedSystem) -> Vec<Predicate> {
     let machines = system.machines.iter().enumerate();
-    let states: Vec<(Atom, usize)> = machines
+    let states: Vec<(Atom, CodelId)> = machines
         .flat_map(|(machine, it)| {
             let states = it.states.iter().enumerate();
             states.map(move |(state, of)| {

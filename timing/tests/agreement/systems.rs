@@ -7,7 +7,7 @@ pub(crate) mod requests;
 use dotgen_timing::property::{Atom, Predicate, StatePhase, TaskState};
 use dotgen_timing::scn::semantics::{LockRule, Semantics};
 use dotgen_timing::system::{
-    Automaton, Client, ClientAction, ClientStep, Codel, CodelName, CodelSet, Component,
+    Automaton, Client, ClientAction, ClientStep, Codel, CodelId, CodelName, CodelSet, Component,
     ComponentId, FOREVER, Machine, Platform, Policy, Service, ServiceId, State, Task, TimedSystem,
     Yield, loop_contradictions,
 };
@@ -47,7 +47,7 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
         tasks: Vec::new(),
         machines: Vec::new(),
         automata: Vec::new(),
-        codels: Vec::new(),
+        codels: TiVec::new(),
         services: TiVec::new(),
         clients: Vec::new(),
         platform: Platform {
@@ -109,7 +109,7 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
     for one in 0..system.codels.len() {
         for other in 0..one {
             if dice.in_ten(2) {
-                system.exclude(one, other);
+                system.exclude(one.into(), other.into());
             }
         }
     }
@@ -215,7 +215,7 @@ pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {
     for one in 0..system.codels.len() {
         for other in 0..one {
             if dice.in_ten(3) {
-                system.exclude(one, other);
+                system.exclude(one.into(), other.into());
             }
         }
     }
@@ -289,7 +289,7 @@ pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
             let likely = if one < 4 && other < 4 { 0 } else { 3 };
             let polls = one == 1 || other == 1;
             if dice.in_ten(likely) && (!polls || dice.in_ten(2)) {
-                system.exclude(one, other);
+                system.exclude(one.into(), other.into());
             }
         }
     }
@@ -318,7 +318,7 @@ fn empty(dice: &mut Dice) -> TimedSystem {
         tasks: Vec::new(),
         machines: Vec::new(),
         automata: Vec::new(),
-        codels: Vec::new(),
+        codels: TiVec::new(),
         services: TiVec::new(),
         clients: Vec::new(),
         platform: Platform {
@@ -345,7 +345,12 @@ fn automaton(
     system.automata.len() - 1
 }
 
-fn codel(system: &mut TimedSystem, dice: &mut Dice, component: ComponentId, path: String) -> usize {
+fn codel(
+    system: &mut TimedSystem,
+    dice: &mut Dice,
+    component: ComponentId,
+    path: String,
+) -> CodelId {
     let upper = dice.below(4);
     let lower = if dice.in_ten(5) {
         upper
@@ -353,7 +358,7 @@ fn codel(system: &mut TimedSystem, dice: &mut Dice, component: ComponentId, path
         dice.below(upper + 1)
     };
     let forever = dice.below(40) == 0;
-    system.codels.push(Codel {
+    system.codels.push_and_get_key(Codel {
         throws: false,
         path: CodelName::of_service(&format!("c{}", usize::from(component)), &path),
         component,
@@ -362,8 +367,7 @@ fn codel(system: &mut TimedSystem, dice: &mut Dice, component: ComponentId, path
         conflicts: CodelSet::default(),
         site: None,
         src: None,
-    });
-    system.codels.len() - 1
+    })
 }
 
 fn machine(

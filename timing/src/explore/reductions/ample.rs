@@ -42,7 +42,7 @@ use crate::explore::rules::status::permanent;
 use crate::explore::rules::{Action, Enabled, SystemRules};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::scn::semantics::LockRule;
-use crate::system::{Policy, TimedSystem, Yield};
+use crate::system::{CodelId, Policy, TimedSystem, Yield};
 
 /// The ample sets of systems with jobs.
 #[derive(Debug)]
@@ -356,7 +356,7 @@ impl AmpleState<'_, '_> {
     }
 
     /// Returns how a task can want a lock of `codel` at this moment.
-    fn rivalry(&self, task: usize, codel: usize) -> Rivalry {
+    fn rivalry(&self, task: usize, codel: CodelId) -> Rivalry {
         let l = self.layout();
         if !self.facts.plain[task] && !self.task_may_want(task, codel) {
             return Rivalry::None;

@@ -4,7 +4,7 @@ use typed_index_collections::{TiVec, ti_vec};
 
 use super::Watched;
 use crate::property::Atom;
-use crate::system::{CodelSet, ComponentId, Machine, ServiceId, TimedSystem, Yield};
+use crate::system::{CodelId, CodelSet, ComponentId, Machine, ServiceId, TimedSystem, Yield};
 
 /// The parts of a system that predicates observe.
 #[derive(Debug)]
@@ -100,7 +100,7 @@ pub(crate) struct Facts {
     /// Tasks whose response time or wait is measured.
     pub(super) measured: Vec<bool>,
     /// Thread of each codel.
-    pub(super) owner: Vec<Owner>,
+    pub(super) owner: TiVec<CodelId, Owner>,
     /// Tasks with activities that can run.
     pub(super) active: Vec<bool>,
     /// By automaton and state, the codels that the same turn can reach after the state.
@@ -132,7 +132,7 @@ impl Facts {
                     !separate && machine.is_endless()
                 })
         };
-        let mut owner = vec![Owner::Nobody; system.codels.len()];
+        let mut owner = ti_vec![Owner::Nobody; system.codels.len()];
         for automaton in &system.automata {
             if automaton.service.is_none_or(|service| requested[service]) {
                 for state in &system.machines[automaton.machine].states {

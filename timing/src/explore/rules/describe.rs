@@ -6,7 +6,7 @@ use super::{Action, Moment, MomentKind, SystemRules};
 use crate::explore::details::{Blocker, Executing, MomentDetails};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::scn::semantics::LockRule;
-use crate::system::{ClientAction, ComponentId, Yield};
+use crate::system::{ClientAction, CodelId, ComponentId, Yield};
 
 impl SystemRules<'_> {
     /// Describes the effects of an action; without an action, those of the initial state.
@@ -71,7 +71,7 @@ impl SystemRules<'_> {
 
     fn of_codel(
         &self,
-        codel: usize,
+        codel: CodelId,
         executor: usize,
         time: u64,
         kind: MomentKind,
@@ -411,7 +411,7 @@ impl SystemRules<'_> {
     }
 
     /// Returns the executors for which an executor waits with its codel.
-    fn blockers(&self, s: &State, executor: usize, codel: usize) -> Vec<Blocker> {
+    fn blockers(&self, s: &State, executor: usize, codel: CodelId) -> Vec<Blocker> {
         let l = &self.layout;
         let waiting = &self.system.codels[codel];
         let holders = l

@@ -5,7 +5,7 @@
 use super::SystemRules;
 use super::status::{control, flag, permanent, slot, thread};
 use crate::explore::state::{State, TaskStatus, phase};
-use crate::system::{ComponentId, Yield};
+use crate::system::{CodelId, ComponentId, Yield};
 
 impl SystemRules<'_> {
     /// Starts tasks of a component, from the one in `starting` up to one that has to run its first codel.
@@ -135,7 +135,7 @@ impl SystemRules<'_> {
     }
 
     /// Begins the present codel of an executor if it excludes no other codel, else queues for its locks.
-    pub(super) fn lock(&self, s: &mut State, executor: usize, codel: usize) {
+    pub(super) fn lock(&self, s: &mut State, executor: usize, codel: CodelId) {
         if self.lockless[codel] {
             self.execute(s, executor);
         } else if let Some(component) = self.component_of(executor) {

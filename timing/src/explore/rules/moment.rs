@@ -2,6 +2,7 @@
 
 use super::Action;
 use crate::explore::details::MomentDetails;
+use crate::system::CodelId;
 
 /// One line of a run for readers.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -13,7 +14,7 @@ pub struct Moment {
     /// Task; `None` for the control task and clients.
     pub task: Option<usize>,
     /// Codel.
-    pub codel: Option<usize>,
+    pub codel: Option<CodelId>,
     /// Description.
     pub what: String,
     /// Kind, for timelines.

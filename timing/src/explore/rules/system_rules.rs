@@ -21,7 +21,8 @@ use crate::explore::state::{Clocks, Frame, State, TaskStatus, phase};
 use crate::property::Atom;
 use crate::scn::semantics::TickRule;
 use crate::system::{
-    ClientAction, Codel, ComponentId, Machine, ServiceId, State as MachineState, Ticks, TimedSystem,
+    ClientAction, Codel, CodelId, ComponentId, Machine, ServiceId, State as MachineState, Ticks,
+    TimedSystem,
 };
 
 /// The rules applied to one system.
@@ -36,8 +37,8 @@ pub(crate) struct SystemRules<'s> {
     pub(super) rejected: TiVec<ServiceId, Cell<bool>>,
     /// Services of which two waiting instances have interrupted each other.
     pub(super) restarts: TiVec<ServiceId, Cell<bool>>,
-    /// Codels (by number) that exclude no other codel.
-    pub(super) lockless: Vec<bool>,
+    /// By codel, whether it excludes no other codel.
+    pub(super) lockless: TiVec<CodelId, bool>,
 }
 
 impl<'s> SystemRules<'s> {
@@ -130,7 +131,7 @@ impl<'s> SystemRules<'s> {
     /// Returns the codel for which an executor takes a ticket, waits or executes; with jobs, also the present
     /// codel of an automaton at rest.
     #[inline]
-    pub(crate) fn codel(&self, s: &State, executor: usize) -> Option<usize> {
+    pub(crate) fn codel(&self, s: &State, executor: usize) -> Option<CodelId> {
         let l = &self.layout;
         if executor < l.threads {
             let slot = self.slot_of(s, executor)?;

@@ -1,6 +1,6 @@
 //! The work of executors.
 
-use crate::system::ServiceId;
+use crate::system::{CodelId, ServiceId};
 
 /// The work of an executor. Numbers index into the tables of the [`TimedSystem`](crate::system::TimedSystem).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -8,7 +8,7 @@ pub enum Work {
     /// A codel of a state machine.
     State {
         /// The codel.
-        codel: usize,
+        codel: CodelId,
         /// The task that executes it.
         task: usize,
         /// The automaton: the permanent activity, or an activity.
@@ -21,7 +21,7 @@ pub enum Work {
     /// A codel of a control task.
     Control {
         /// The codel.
-        codel: usize,
+        codel: CodelId,
         /// The service that is handled.
         service: ServiceId,
         /// Number of the codel: the validation, if there is one, then the others in order.
@@ -36,7 +36,7 @@ pub enum Work {
 
 impl Work {
     /// Returns the codel; `None` for a delay.
-    pub fn codel(&self) -> Option<usize> {
+    pub fn codel(&self) -> Option<CodelId> {
         match *self {
             Work::State { codel, .. } | Work::Control { codel, .. } => Some(codel),
             Work::Delay { .. } => None,

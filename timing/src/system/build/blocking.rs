@@ -2,17 +2,18 @@
 //! period.
 
 use num_rational::Ratio;
+use typed_index_collections::{TiVec, ti_vec};
 
 use super::Builder;
 use crate::diagnostic::remark::Remark;
 use crate::scn::semantics::LockRule;
 use crate::system::locks::live_codels;
-use crate::system::{ComponentId, FOREVER, Ticks};
+use crate::system::{CodelId, ComponentId, FOREVER, Ticks};
 
 /// A codel that can run, and its thread: a task, or the control task of its component (`None`).
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct RunnableCodel {
-    codel: usize,
+    codel: CodelId,
     component: ComponentId,
     task: Option<usize>,
 }
@@ -47,13 +48,13 @@ impl Builder<'_> {
 
     fn live(&self) -> Vec<RunnableCodel> {
         let system = &self.out.system;
-        let mut task_of = vec![None; system.codels.len()];
+        let mut task_of: TiVec<CodelId, _> = ti_vec![None; system.codels.len()];
         for automaton in &system.automata {
             for state in &system.machines[automaton.machine].states {
                 task_of[state.codel] = Some(automaton.task);
             }
         }
-        let live = live_codels(&self.out).into_iter().enumerate();
+        let live = live_codels(&self.out).into_iter_enumerated();
         live.filter(|pair| pair.1)
             .map(|(codel, _)| RunnableCodel {
                 codel,

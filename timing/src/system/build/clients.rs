@@ -10,7 +10,8 @@ use crate::scn::ast::{self, Ending, Path, StepKind, Unit};
 use crate::scn::names::Target;
 use crate::system::indexed::not_a;
 use crate::system::{
-    Builtin, Client, Codel, CodelName, ComponentId, FOREVER, Service, ServiceId, program, units,
+    Builtin, Client, Codel, CodelId, CodelName, ComponentId, FOREVER, Service, ServiceId, program,
+    units,
 };
 
 impl Builder<'_> {
@@ -89,7 +90,7 @@ impl Builder<'_> {
         let component = system.components[number].name.clone();
         let mut simple = Vec::new();
         let mut codel = |service: &str, system: &mut crate::system::TimedSystem| {
-            system.codels.push(Codel {
+            let id = system.codels.push_and_get_key(Codel {
                 path: CodelName::of_service(&component, service),
                 component: number,
                 lower: 0,
@@ -99,8 +100,8 @@ impl Builder<'_> {
                 site: None,
                 src: None,
             });
-            simple.push(system.codels.len() - 1);
-            system.codels.len() - 1
+            simple.push(id);
+            id
         };
         codel(which.name(), system);
         if which == Builtin::Connect {
@@ -109,7 +110,7 @@ impl Builder<'_> {
             let executed =
                 executed.filter(|automaton| system.tasks[automaton.task].component == number);
             let states = executed.flat_map(|automaton| &system.machines[automaton.machine].states);
-            let codels: Vec<usize> = states.map(|state| state.codel).collect();
+            let codels: Vec<CodelId> = states.map(|state| state.codel).collect();
             for other in codels {
                 system.exclude(all, other);
             }

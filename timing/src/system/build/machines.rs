@@ -5,7 +5,9 @@ use dotgen_analysis::model::{Codel as ModelCodel, CodelKind, CodelRef, Owner, Se
 use super::Builder;
 use super::times::TimeOf;
 use crate::diagnostic::remark::Remark;
-use crate::system::{Codel, CodelName, CodelSet, ComponentId, FOREVER, Machine, State, Yield};
+use crate::system::{
+    Codel, CodelId, CodelName, CodelSet, ComponentId, FOREVER, Machine, State, Yield,
+};
 
 impl Builder<'_> {
     /// Adds the state machine of a task or activity; returns `None` if it has no `start` codel.
@@ -90,7 +92,7 @@ impl Builder<'_> {
         index: u32,
         state: &str,
         codel: &ModelCodel,
-    ) -> usize {
+    ) -> CodelId {
         let name = if state.is_empty() {
             codel.name.as_str()
         } else {
@@ -124,7 +126,13 @@ impl Builder<'_> {
         id
     }
 
-    pub(super) fn attribute(&mut self, c: usize, number: ComponentId, s: u32, path: &str) -> usize {
+    pub(super) fn attribute(
+        &mut self,
+        c: usize,
+        number: ComponentId,
+        s: u32,
+        path: &str,
+    ) -> CodelId {
         let service = &self.names.components[c].component.services[s as usize];
         self.note_rounding((c, Owner::Service(s), u32::MAX, ""), None, path);
         let times = self.duration(c, Owner::Service(s), u32::MAX, "", None);
@@ -148,10 +156,10 @@ impl Builder<'_> {
         (lower, upper): (Seconds, Option<Seconds>),
         site: Option<(usize, CodelRef)>,
         time_of: &TimeOf,
-    ) -> usize {
+    ) -> CodelId {
         let lower = self.ticks(lower, time_of);
         let upper = upper.map_or(FOREVER, |ratio| self.ticks(ratio, time_of));
-        self.out.system.codels.push(Codel {
+        self.out.system.codels.push_and_get_key(Codel {
             path,
             component: number,
             lower,
@@ -160,7 +168,6 @@ impl Builder<'_> {
             throws: false,
             site,
             src: Some(time_of.place.src),
-        });
-        self.out.system.codels.len() - 1
+        })
     }
 }

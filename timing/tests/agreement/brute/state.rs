@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use dotgen_timing::system::{ClientAction, ComponentId, ServiceId};
+use dotgen_timing::system::{ClientAction, CodelId, ComponentId, ServiceId};
 use typed_index_collections::TiVec;
 
 use super::Brute;
@@ -192,7 +192,7 @@ impl Brute<'_> {
         }
     }
 
-    pub(super) fn codel(&self, s: &State, e: usize) -> usize {
+    pub(super) fn codel(&self, s: &State, e: usize) -> CodelId {
         let na = s.automata.len();
         if e < na {
             self.system.machine_of(e).states[s.automata[e].at].codel

@@ -2,8 +2,8 @@
 
 use dotgen_timing::property::{Atom, Predicate};
 use dotgen_timing::system::{
-    Automaton, Client, ClientAction, ClientStep, Codel, CodelSet, Component, ComponentId, Machine,
-    Policy, Service, ServiceId, State, Task, TimedSystem,
+    Automaton, Client, ClientAction, ClientStep, Codel, CodelId, CodelSet, Component, ComponentId,
+    Machine, Policy, Service, ServiceId, State, Task, TimedSystem,
 };
 use typed_index_collections::TiVec;
 
@@ -20,7 +20,7 @@ pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)
         tasks: Vec::new(),
         machines: Vec::new(),
         automata: Vec::new(),
-        codels: Vec::new(),
+        codels: TiVec::new(),
         services: TiVec::new(),
         clients: Vec::new(),
         ..one.clone()
@@ -35,7 +35,7 @@ pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)
     }
     between(&mut system, dice, (&one, copies, together));
     if dice.in_ten(2) && !system.codels.is_empty() {
-        let codel = dice.below(system.codels.len() as u32) as usize;
+        let codel = CodelId::from(dice.below(system.codels.len() as u32) as usize);
         system.codels[codel].upper = system.codels[codel].upper.saturating_add(1);
     }
     let mut asked = Vec::new();
@@ -108,7 +108,7 @@ fn between(
         for (a, b) in pairs(copies) {
             let (x, y) = (a * codels + c, b * codels + d);
             if x != y && ((a == b && inside) || (a != b && across)) {
-                system.exclude(x, y);
+                system.exclude(x.into(), y.into());
             }
         }
     }
@@ -131,6 +131,11 @@ fn shifted<I: From<usize> + Into<usize>>(id: I, by: usize) -> I {
     I::from(by + id.into())
 }
 
+/// Returns the indices of parts in a copy.
+fn all<I: Copy>(list: &[I], name: impl Fn(I) -> I) -> Vec<I> {
+    list.iter().map(|&id| name(id)).collect()
+}
+
 /// Adds one copy of a part to a system.
 struct Copier<'o> {
     one: &'o TimedSystem,
@@ -148,11 +153,8 @@ impl Copier<'_> {
         let task = |index: usize| copy * one.tasks.len() + index;
         let machine = |index: usize| copy * one.machines.len() + index;
         let automaton = |index: usize| copy * one.automata.len() + index;
-        let codel = |index: usize| copy * one.codels.len() + index;
+        let codel = |id: CodelId| shifted(id, copy * one.codels.len());
         let service = |id: ServiceId| shifted(id, copy * one.services.len());
-        let all = |list: &[usize], name: &dyn Fn(usize) -> usize| -> Vec<usize> {
-            list.iter().map(|&index| name(index)).collect()
-        };
         if system.components.next_key() <= self.component() {
             system.components.push(Component {
                 name: format!("c{copy}"),
@@ -166,7 +168,7 @@ impl Copier<'_> {
         system.tasks.extend(one.tasks.iter().map(|task| Task {
             component: self.component(),
             permanent: task.permanent.map(automaton),
-            slots: all(&task.slots, &automaton),
+            slots: all(&task.slots, automaton),
             ..task.clone()
         }));
         system.machines.extend(one.machines.iter().map(|machine| {
@@ -197,8 +199,8 @@ impl Copier<'_> {
             .extend(one.services.iter().map(|service| Service {
                 component: self.component(),
                 validate: service.validate.map(codel),
-                simple: all(&service.simple, &codel),
-                slots: all(&service.slots, &automaton),
+                simple: all(&service.simple, codel),
+                slots: all(&service.slots, automaton),
                 ..service.clone()
             }));
         system.clients.extend(one.clients.iter().map(|client| {

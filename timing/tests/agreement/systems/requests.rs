@@ -65,7 +65,7 @@ pub(crate) fn requests(dice: &mut Dice) -> TimedSystem {
     for one in 0..system.codels.len() {
         for other in 0..one {
             if dice.in_ten(2) {
-                system.exclude(one, other);
+                system.exclude(one.into(), other.into());
             }
         }
     }

@@ -25,7 +25,7 @@ use crate::explore::reductions::{Kind, Reason, Setting};
 use crate::explore::rules::Action;
 use crate::explore::rules::status::{control, permanent, slot, tracker};
 use crate::explore::state::{TaskStatus, phase};
-use crate::system::{Client, ClientAction, ComponentId, ServiceId, Yield};
+use crate::system::{Client, ClientAction, CodelId, ComponentId, ServiceId, Yield};
 
 /// A set of services.
 type Services = u128;
@@ -455,7 +455,7 @@ impl AmpleState<'_, '_> {
     }
 
     /// Returns true if a task with activities may want a lock of a codel at this moment.
-    pub(super) fn task_may_want(&self, task: usize, codel: usize) -> bool {
+    pub(super) fn task_may_want(&self, task: usize, codel: CodelId) -> bool {
         let l = self.layout();
         let system = self.system();
         let definition = &system.tasks[task];
@@ -493,7 +493,7 @@ impl AmpleState<'_, '_> {
     }
 
     /// Returns true if a control task may want a lock of a codel at this moment.
-    pub(super) fn control_may_want(&self, component: ComponentId, codel: usize) -> bool {
+    pub(super) fn control_may_want(&self, component: ComponentId, codel: CodelId) -> bool {
         let l = self.layout();
         let executor = l.control_executor(component);
         if !self.ample.requests.enabled {

@@ -15,7 +15,7 @@
 //! lazy. And there has to be a next hard moment: some task is periodic.
 
 use smallvec::SmallVec;
-use typed_index_collections::TiSlice;
+use typed_index_collections::{TiSlice, ti_vec};
 
 use super::rest;
 use crate::explore::reductions::{Deferrable, Kind, Reason, Setting};
@@ -58,7 +58,7 @@ impl LazyMembers {
         let control = |component: ComponentId| tasks + usize::from(component);
         let client = |client: usize| tasks + system.components.len() + client;
         let n = client(system.clients.len());
-        let mut owner = vec![usize::MAX; system.codels.len()];
+        let mut owner = ti_vec![usize::MAX; system.codels.len()];
         let mut lazy = vec![true; n];
         let mut group: Vec<usize> = (0..n).collect();
         let mut join = |one: usize, other: usize| {
@@ -135,7 +135,7 @@ impl LazyMembers {
             };
             lazy[task] &= fits && !visible.tasks[task];
         }
-        for (one, codel) in system.codels.iter().enumerate() {
+        for (one, codel) in system.codels.iter_enumerated() {
             for other in codel.conflicts.iter() {
                 let (Some(&a), Some(&b)) = (owner.get(one), owner.get(other)) else {
                     continue;

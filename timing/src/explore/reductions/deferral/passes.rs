@@ -10,7 +10,7 @@
 //! The reduction is off where components are not independent, see [`components`].
 
 use smallvec::SmallVec;
-use typed_index_collections::TiVec;
+use typed_index_collections::{TiVec, ti_vec};
 
 use super::rest;
 use crate::explore::reductions::components::{self, Groups};
@@ -18,7 +18,7 @@ use crate::explore::reductions::{Deferrable, Kind, Reason, Setting, Watched};
 use crate::explore::rules::SystemRules;
 use crate::explore::state::State;
 use crate::scn::semantics::{PauseRule, TickRule};
-use crate::system::{ClientAction, ComponentId, TimedSystem};
+use crate::system::{ClientAction, CodelId, ComponentId, TimedSystem};
 
 /// The lazy groups of components.
 #[derive(Debug)]
@@ -75,7 +75,7 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
     let requested = system.requested();
     let mut lazy: TiVec<ComponentId, bool> = about.iter().map(|about| !about).collect();
     let mut resting = Vec::new();
-    let mut owner = vec![usize::MAX; system.codels.len()];
+    let mut owner = ti_vec![usize::MAX; system.codels.len()];
     for automaton in &system.automata {
         for state in &system.machines[automaton.machine].states {
             owner[state.codel] = automaton.task;
@@ -87,7 +87,7 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
             lazy[number] &= definition.period.is_some() || !asked.measured[task];
             for &a in definition.permanent.iter().chain(&definition.slots) {
                 let machine = system.machine_of(a);
-                let slow = |codel: usize| system.codels[codel].lower > 0;
+                let slow = |codel: CodelId| system.codels[codel].lower > 0;
                 if !machine.states.iter().any(|state| slow(state.codel)) {
                     continue;
                 }
@@ -104,7 +104,7 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
                 // is postponed.
                 let unwaited = |&state: &usize| {
                     let codel = machine.states[state].codel;
-                    let mut others = system.codels.iter().enumerate();
+                    let mut others = system.codels.iter_enumerated();
                     others.all(|(index, other)| {
                         let own = owner[index] == task || owner[index] == usize::MAX;
                         own || !other.conflicts.contains(codel)

@@ -8,7 +8,7 @@ use super::renaming::Id;
 use crate::explore::reductions::Watched;
 use crate::explore::rules::{Part, Parts};
 use crate::property::{Atom, Predicate};
-use crate::system::{ClientAction, CodelSet, ComponentId, Policy, ServiceId, TimedSystem};
+use crate::system::{ClientAction, CodelId, CodelSet, ComponentId, Policy, ServiceId, TimedSystem};
 
 /// The watched properties of a task.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -246,7 +246,7 @@ impl<'s> Exchange<'s> {
 
     fn machine(&mut self, x: usize, y: usize) -> Option<()> {
         if self.pair(Part::Machine, x, y)? {
-            let codels = |machine: usize| -> Vec<usize> {
+            let codels = |machine: usize| -> Vec<CodelId> {
                 let states = self.system.machines[machine].states.iter();
                 states.map(|state| state.codel).collect()
             };
@@ -260,7 +260,7 @@ impl<'s> Exchange<'s> {
         if self.pair(Part::Service, x, y)? {
             let (one, other) = (&self.system.services[x], &self.system.services[y]);
             self.component(one.component, other.component)?;
-            let list = |optional: Option<usize>| optional.into_iter().collect::<Vec<_>>();
+            let list = |optional: Option<CodelId>| optional.into_iter().collect::<Vec<_>>();
             self.each(&list(one.validate), &list(other.validate), Self::codel)?;
             self.each(&one.simple, &other.simple, Self::codel)?;
             self.each(&one.slots, &other.slots, Self::automaton)?;
@@ -268,7 +268,7 @@ impl<'s> Exchange<'s> {
         Some(())
     }
 
-    fn codel(&mut self, x: usize, y: usize) -> Option<()> {
+    fn codel(&mut self, x: CodelId, y: CodelId) -> Option<()> {
         if self.pair(Part::Codel, x, y)? {
             let (one, other) = (&self.system.codels[x], &self.system.codels[y]);
             self.component(one.component, other.component)?;
@@ -389,8 +389,8 @@ impl<'s> Exchange<'s> {
 
     fn keeps_codels(&self) -> bool {
         let codels = &self.system.codels;
-        (0..codels.len()).all(|c| {
-            let (from, to) = (&codels[c], &codels[self.name(Part::Codel, c)]);
+        codels.iter_enumerated().all(|(c, from)| {
+            let to = &codels[self.name(Part::Codel, c)];
             let mut renamed = CodelSet::default();
             from.conflicts
                 .iter()

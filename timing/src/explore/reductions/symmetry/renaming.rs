@@ -208,7 +208,7 @@ impl Renaming {
                 phase,
             } => Atom::Handling {
                 service: self.name(Part::Service, service),
-                codel: codel.map(|codel| self.0[Part::Codel][codel]),
+                codel: codel.map(|codel| self.name(Part::Codel, codel)),
                 phase,
             },
             Atom::ControlBusy(component) => Atom::ControlBusy(self.component(component)),
