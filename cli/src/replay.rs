@@ -12,6 +12,7 @@ use dotgen_recording::replay::{
 };
 use dotgen_runtime::refine;
 use dotgen_timing::diagnostic::remark::together;
+use dotgen_timing::system::ClientId;
 use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
 
 use super::outputs::MCAP;
@@ -144,7 +145,7 @@ fn with_environment(
     prepared: &mut Prepared,
     about: &record::RunInfo,
     without_clients: bool,
-) -> Option<usize> {
+) -> Option<ClientId> {
     if !about.outside {
         return None;
     }

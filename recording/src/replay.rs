@@ -12,7 +12,7 @@
 mod step;
 
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Watched, Work};
-use dotgen_timing::system::{CodelId, FOREVER, Ticks, TimedSystem};
+use dotgen_timing::system::{ClientId, CodelId, FOREVER, Ticks, TimedSystem};
 use typed_index_collections::TiVec;
 
 pub use step::{Rule, Step};
@@ -84,7 +84,7 @@ pub struct Replay<'s> {
     /// Permission to throw in the specification, by codel.
     throws: TiVec<CodelId, bool>,
     /// First client that stands for requests from outside.
-    outside: usize,
+    outside: ClientId,
     /// Start of the work of executors, with its least and greatest time.
     begun: Vec<(u64, (Ticks, Ticks))>,
     /// Executors that took longer than their greatest time, and may continue.
@@ -110,14 +110,14 @@ pub fn with_any_exception(system: &TimedSystem) -> TimedSystem {
 impl<'s> Replay<'s> {
     /// Creates a replay. `system` is the [form with any exception](with_any_exception) of the `verified`
     /// system. Clients from `outside` on stand for requests from outside.
-    pub fn new(system: &'s TimedSystem, verified: &TimedSystem, outside: Option<usize>) -> Self {
+    pub fn new(system: &'s TimedSystem, verified: &TimedSystem, outside: Option<ClientId>) -> Self {
         let mut stepper = Stepper::new(system, &Watched::default());
         let mut seen = Vec::new();
         stepper.begin(&mut seen);
         let executors = stepper.executors();
         let mut out = Replay {
             throws: verified.codels.iter().map(|codel| codel.throws).collect(),
-            outside: outside.unwrap_or(system.clients.len()),
+            outside: outside.unwrap_or(system.clients.next_key()),
             begun: vec![(0, (0, FOREVER)); executors],
             longer: vec![false; executors],
             waited: vec![false; executors],

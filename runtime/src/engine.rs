@@ -131,8 +131,8 @@ pub(crate) fn forward_violations(
 fn deciding_executor(action: &Action) -> Option<(u8, usize)> {
     match *action {
         Action::Finish { executor, .. } => Some((0, executor)),
-        Action::Request { client, .. } => Some((1, client)),
-        Action::Proceed { client, .. } => Some((2, client)),
+        Action::Request { client, .. } => Some((1, client.into())),
+        Action::Proceed { client, .. } => Some((2, client.into())),
         _ => None,
     }
 }

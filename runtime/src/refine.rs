@@ -1,7 +1,7 @@
 //! The adaptation of a system to real codels: the rules are the same, but real codels may do more.
 
 use dotgen_timing::system::{
-    Client, ClientAction, ClientStep, CodelId, FOREVER, Ticks, TimedSystem,
+    Client, ClientAction, ClientId, ClientStep, CodelId, FOREVER, Ticks, TimedSystem,
 };
 use dotgen_timing::verify::{Prepared, Question};
 use num_rational::Ratio;
@@ -82,9 +82,9 @@ pub fn release(prepared: &mut Prepared, is_real: &dyn Fn(CodelId) -> bool) {
 
 /// Adds a client for each component that may send any of its requests at any time. These clients stand for
 /// requests from outside. Returns the index of the first one.
-pub fn add_outside(prepared: &mut Prepared) -> usize {
+pub fn add_outside(prepared: &mut Prepared) -> ClientId {
     let system = &mut prepared.built.system;
-    let first = system.clients.len();
+    let first = system.clients.next_key();
     for component in &system.components {
         let sends = component.services.iter().map(|&service| ClientStep {
             action: ClientAction::Send {

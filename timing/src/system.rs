@@ -1,8 +1,8 @@
 //! The timed system: components, a platform and clients as small integers.
 //!
-//! It holds only the data that the explorer needs: tables, and times in base units. Components, services and
-//! codels have index types of their own ([`ComponentId`], [`ServiceId`], [`CodelId`]); other tables are
-//! indexed by plain numbers.
+//! It holds only the data that the explorer needs: tables, and times in base units. Components, services,
+//! codels and clients have index types of their own ([`ComponentId`], [`ServiceId`], [`CodelId`],
+//! [`ClientId`]); other tables are indexed by plain numbers.
 //! [`build`] makes it from specifications and a scenario; tests make it by hand. "Section N" refers to the
 //! timed semantics of GenoM3 components, described for users in `docs/verification.md`.
 
@@ -24,7 +24,7 @@ use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use crate::scn::semantics::Semantics;
 
-pub use ids::{CodelId, ComponentId, ServiceId};
+pub use ids::{ClientId, CodelId, ComponentId, ServiceId};
 pub use locks::{SharedPorts, sources};
 pub use loops::{loop_contradictions, pauseless_cycles};
 pub use name::{CodelName, ThreadName};
@@ -56,7 +56,7 @@ pub struct TimedSystem {
     /// Services.
     pub services: TiVec<ServiceId, Service>,
     /// Clients.
-    pub clients: Vec<Client>,
+    pub clients: TiVec<ClientId, Client>,
     /// Cores, policies and lock order.
     pub platform: Platform,
 }

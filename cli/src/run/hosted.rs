@@ -13,7 +13,7 @@ use dotgen_runtime::live::{HostedComponent, HostedComponents};
 use dotgen_runtime::refine;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::settings::Settings;
-use dotgen_timing::system::{CodelId, ComponentId, Ticks};
+use dotgen_timing::system::{ClientId, CodelId, ComponentId, Ticks};
 use dotgen_timing::verify::{Interrupt, Prepared};
 
 use crate::codels::build;
@@ -177,7 +177,7 @@ pub(super) fn opened(
     parts: &HostedComponents<'_>,
     real: bool,
     without_clients: bool,
-) -> (Prepared, Ticks, Option<usize>) {
+) -> (Prepared, Ticks, Option<ClientId>) {
     let mut out = prepared.clone();
     let is_real = |codel: CodelId| parts.codel(codel).is_some();
     refine::open(&mut out, &is_real);

@@ -1,7 +1,7 @@
 //! The steps of a recorded run, and the possible actions of a model, in common names.
 
 use dotgen_timing::explore::{Action, Stepper, Work};
-use dotgen_timing::system::{ComponentId, TimedSystem, Yield};
+use dotgen_timing::system::{ClientId, ComponentId, TimedSystem, Yield};
 
 /// The outcome of a codel that throws an exception.
 pub(super) const EXCEPTION: &str = "exception";
@@ -97,7 +97,7 @@ impl Step {
     pub fn new(system: &TimedSystem, stepper: &Stepper, action: Action) -> Step {
         let task = |task: usize| system.task_path(task);
         let component = |component: ComponentId| system.components[component].name.clone();
-        let client = |client: usize| system.clients[client].name.clone();
+        let client = |client: ClientId| system.clients[client].name.clone();
         let thread = |executor: usize| match stepper.work(executor) {
             Some(work) => subject_name(system, &work),
             None => format!("#{executor}"),

@@ -4,7 +4,9 @@ use dotgen_analysis::model::{Name, Param, PortDir, Remote, ServiceKind};
 use dotgen_codegen::codels::value::{Values, is_input, is_output};
 use dotgen_timing::scn::names::{Member, Names};
 use dotgen_timing::system::settings::Settings;
-use dotgen_timing::system::{CodelId, ComponentId, FOREVER, ServiceId, TimedSystem, sources};
+use dotgen_timing::system::{
+    ClientId, CodelId, ComponentId, FOREVER, ServiceId, TimedSystem, sources,
+};
 use dotgen_timing::verify::Prepared;
 use num_rational::Ratio;
 use std::collections::HashSet;
@@ -53,7 +55,7 @@ pub struct HostedComponents<'s> {
     /// Services of the system that remotes stand for, by component and remote.
     remotes: TiVec<ComponentId, Vec<Option<ServiceId>>>,
     /// First client that stands for requests from outside. The clients are in the order of components.
-    first_outside: Option<usize>,
+    first_outside: Option<ClientId>,
 }
 
 impl<'s> HostedComponents<'s> {
@@ -173,21 +175,21 @@ impl<'s> HostedComponents<'s> {
 
     /// Adds clients for requests from outside. They follow the clients of the scenario: see
     /// [`refine`](crate::refine).
-    pub fn with_outside(mut self, first: usize) -> Self {
+    pub fn with_outside(mut self, first: ClientId) -> Self {
         self.first_outside = Some(first);
         self
     }
 
     /// Returns the component to which a client sends requests from outside.
-    pub fn outside(&self, client: usize) -> Option<ComponentId> {
-        client
-            .checked_sub(self.first_outside?)
-            .map(ComponentId::from)
+    pub fn outside(&self, client: ClientId) -> Option<ComponentId> {
+        let index = usize::from(client).checked_sub(self.first_outside?.into());
+        index.map(ComponentId::from)
     }
 
     /// Returns the client that sends the outside requests to a component.
-    pub fn client_of(&self, component: ComponentId) -> Option<usize> {
-        Some(self.first_outside? + usize::from(component))
+    pub fn client_of(&self, component: ComponentId) -> Option<ClientId> {
+        let first = usize::from(self.first_outside?);
+        Some(ClientId::from(first + usize::from(component)))
     }
 
     /// Returns the component, if it has a host.

@@ -4,7 +4,7 @@ use dotgen_timing::explore::{Stepper, Work};
 
 use super::{Instance, Live};
 use crate::hosts::{Call, Message, OutsideRequest, ReplyError, RequestReply};
-use dotgen_timing::system::{ComponentId, ServiceId};
+use dotgen_timing::system::{ClientId, ComponentId, ServiceId};
 
 /// Marks the numbers of requests by codels.
 const CODEL_REQUEST_BIT: u64 = 1 << 63;
@@ -53,7 +53,7 @@ impl Live<'_> {
         }
     }
 
-    pub(super) fn requested(&mut self, client: usize, service: ServiceId) {
+    pub(super) fn requested(&mut self, client: ClientId, service: ServiceId) {
         let component = self.system.services[service].component;
         let number = self.next_instance;
         self.next_instance += 1;
@@ -161,7 +161,7 @@ impl Live<'_> {
 
     /// Returns true if a client may proceed to a step after a delay. A client that stands for requests from
     /// outside waits for such a request.
-    pub fn may_proceed(&self, client: usize, step: usize) -> bool {
+    pub fn may_proceed(&self, client: ClientId, step: usize) -> bool {
         let Some(component) = self.parts.outside(client) else {
             return true;
         };

@@ -1,6 +1,6 @@
 //! Details of a line of a run, as data: blocked codels, requests, preemptions.
 
-use crate::system::{CodelId, ComponentId, ServiceId};
+use crate::system::{ClientId, CodelId, ComponentId, ServiceId};
 
 /// The details of a [moment](super::Moment) beyond its task and its codel.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -16,7 +16,7 @@ pub enum MomentDetails {
     /// The control task takes a request of a client.
     Requested {
         /// The client.
-        client: usize,
+        client: ClientId,
         /// The service.
         service: ServiceId,
     },

@@ -74,7 +74,7 @@ pub(crate) use self::system_rules::SystemRules;
 pub use self::work::Work;
 use super::state::{Clocks, Frame, State, TaskStatus};
 use crate::property::Atom;
-use crate::system::{ComponentId, ServiceId, Ticks, TimedSystem};
+use crate::system::{ClientId, ComponentId, ServiceId, Ticks, TimedSystem};
 
 /// An action: an event that takes no time. Executors are numbered: automata, then the control tasks of
 /// components, then clients. (With passes there are tasks instead of automata.)
@@ -83,7 +83,7 @@ pub enum Action {
     /// A client proceeds, because the event that it waited for has happened.
     Proceed {
         /// The client.
-        client: usize,
+        client: ClientId,
         /// Next step.
         next: usize,
     },
@@ -168,7 +168,7 @@ pub enum Action {
     /// The control task takes a client's request.
     Request {
         /// The client.
-        client: usize,
+        client: ClientId,
         /// Next step of the client.
         next: usize,
     },
@@ -282,7 +282,7 @@ pub(crate) trait Rules: Sized {
 
     /// Returns the step of a client; [`Client::done`](crate::system::Client::done) after the last step, one
     /// more before the first.
-    fn position(&self, s: &State, client: usize) -> usize;
+    fn position(&self, s: &State, client: ClientId) -> usize;
 
     /// Returns the number of places for activities, including permanent activities. They are numbered as in
     /// [`Work::State`].

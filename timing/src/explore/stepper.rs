@@ -9,7 +9,7 @@ use super::observe::{self, Observer};
 use super::rules::{Action, Enabled, Rules, SystemRules, Work};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
 use crate::property::Predicate;
-use crate::system::{ComponentId, ServiceId, Ticks, TimedSystem};
+use crate::system::{ClientId, ComponentId, ServiceId, Ticks, TimedSystem};
 
 /// The predicates to watch along a run, in addition to jobs and ticks.
 #[derive(Debug, Clone, Default)]
@@ -52,7 +52,7 @@ pub enum Seen {
     /// A control task has taken a request.
     Requested {
         /// The client that sent it.
-        client: usize,
+        client: ClientId,
         /// The service.
         service: ServiceId,
     },
@@ -155,7 +155,7 @@ impl<'s> Stepper<'s> {
     }
 
     /// Returns the service that a client requests next, if its next step is a request.
-    pub fn requests(&self, client: usize) -> Option<ServiceId> {
+    pub fn requests(&self, client: ClientId) -> Option<ServiceId> {
         self.walk.requests(client)
     }
 
@@ -249,7 +249,7 @@ trait Walk {
     fn perform(&mut self, action: Action, seen: &mut Vec<Seen>);
     fn decide(&mut self, executor: usize, time: Ticks);
     fn work(&self, executor: usize) -> Option<Work>;
-    fn requests(&self, client: usize) -> Option<ServiceId>;
+    fn requests(&self, client: ClientId) -> Option<ServiceId>;
     fn executors(&self) -> usize;
     fn window(&self, executor: usize) -> Option<(Ticks, Ticks)>;
     fn set_window(&mut self, executor: usize, window: (Ticks, Ticks));
@@ -451,7 +451,7 @@ impl<R: Rules> Walk for Walker<R> {
         known.then(|| self.rules.work(&self.s, executor)).flatten()
     }
 
-    fn requests(&self, client: usize) -> Option<ServiceId> {
+    fn requests(&self, client: ClientId) -> Option<ServiceId> {
         let at = self.rules.position(&self.s, client);
         let client = self.rules.system().clients.get(client)?;
         client.steps.get(at)?.requests()

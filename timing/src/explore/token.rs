@@ -25,7 +25,7 @@ use crate::cancel::Cancel;
 use crate::property::{Atom, Predicate, TaskState};
 use crate::scn::ast::ChainKind;
 use crate::system::chain::{Chain, DataPlace};
-use crate::system::{CodelId, ComponentId, FOREVER, ServiceId, Ticks, TimedSystem};
+use crate::system::{ClientId, CodelId, ComponentId, FOREVER, ServiceId, Ticks, TimedSystem};
 
 /// Finds the supremum of a chain, by exploring all runs. It is the only entry of `within` in the findings;
 /// `None` there if no write is ever marked.
@@ -515,7 +515,7 @@ impl<R: Rules> Rules for Tracked<'_, R> {
         self.rules.work(s, executor)
     }
 
-    fn position(&self, s: &State, client: usize) -> usize {
+    fn position(&self, s: &State, client: ClientId) -> usize {
         self.rules.position(s, client)
     }
 

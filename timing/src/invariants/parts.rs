@@ -2,7 +2,9 @@
 
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
 use crate::scn::semantics::TickRule;
-use crate::system::{CodelId, ComponentId, Machine, Policy, ServiceId, TimedSystem, Yield};
+use crate::system::{
+    ClientId, CodelId, ComponentId, Machine, Policy, ServiceId, TimedSystem, Yield,
+};
 
 /// A part of a system, which always is in one local state.
 #[derive(Debug)]
@@ -26,7 +28,7 @@ enum PartKind {
     /// The control task of a component.
     Control(ComponentId),
     /// A client.
-    Client(usize),
+    Client(ClientId),
 }
 
 /// A local state.
@@ -57,7 +59,7 @@ pub(super) enum Local {
         executes: bool,
     },
     /// A step of a client.
-    At(usize, usize),
+    At(ClientId, usize),
 }
 
 impl Local {
@@ -149,7 +151,7 @@ impl<'s> Parts<'s> {
             }
             out.push(PartKind::Control(component), locals);
         }
-        for (client, it) in system.clients.iter().enumerate() {
+        for (client, it) in system.clients.iter_enumerated() {
             // Before the first step, the steps, and after the last one.
             let steps = 0..=it.done() + 1;
             out.push(

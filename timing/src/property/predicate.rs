@@ -1,6 +1,6 @@
 //! Predicates on the discrete state.
 
-use crate::system::{CodelId, ComponentId, ServiceId};
+use crate::system::{ClientId, CodelId, ComponentId, ServiceId};
 
 /// A Boolean combination of atoms.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,7 +46,7 @@ pub enum Atom {
     /// The control task is handling some request, or its component is starting.
     ControlBusy(ComponentId),
     /// A client is at one of these steps ([`crate::system::Client::done`] after the last step).
-    Client(usize, Vec<usize>),
+    Client(ClientId, Vec<usize>),
 }
 
 /// State of a task.

@@ -184,7 +184,7 @@ fn client(built: &Built, path: &Path) -> Result<Option<Atom>, Diagnostic> {
         return Ok(None);
     };
     let clients = &built.system.clients;
-    let Some(k) = clients.iter().position(|client| client.name == first.value) else {
+    let Some(k) = clients.position(|client| client.name == first.value) else {
         return Ok(None);
     };
     let steps: Vec<usize> = match path.names.get(1) {

@@ -46,7 +46,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
                 automata: Vec::new(),
                 codels: TiVec::new(),
                 services: TiVec::new(),
-                clients: Vec::new(),
+                clients: TiVec::new(),
                 platform: Platform {
                     cores: settings.cores,
                     policy: match settings.policy() {

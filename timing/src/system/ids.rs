@@ -27,6 +27,8 @@ macro_rules! ids {
 }
 
 ids! {
+    /// A client: an index into [`TimedSystem::clients`](super::TimedSystem::clients).
+    ClientId
     /// A codel in one place of use: an index into [`TimedSystem::codels`](super::TimedSystem::codels).
     CodelId
     /// A component: an index into [`TimedSystem::components`](super::TimedSystem::components). Components of

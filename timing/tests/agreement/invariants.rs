@@ -9,7 +9,7 @@ use dotgen_timing::property::{Atom, Predicate, SlotStatus, StatePhase, TaskState
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
 use dotgen_timing::system::build::build;
-use dotgen_timing::system::{CodelId, ServiceId, TimedSystem};
+use dotgen_timing::system::{ClientId, CodelId, ServiceId, TimedSystem};
 use dotgen_timing::verify::{Cancel, Options, settings};
 
 use crate::servers::random::{Texts, requests, texts, varied};
@@ -58,7 +58,7 @@ fn atom(system: &TimedSystem, dice: &mut Dice) -> Atom {
         }
         3 => Atom::ControlBusy(below(dice, system.components.len()).into()),
         4 if !system.clients.is_empty() => {
-            let client = below(dice, system.clients.len());
+            let client = ClientId::from(below(dice, system.clients.len()));
             let step = below(dice, system.clients[client].done() + 1);
             Atom::Client(client, vec![step])
         }

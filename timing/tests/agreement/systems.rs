@@ -49,7 +49,7 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
         automata: Vec::new(),
         codels: TiVec::new(),
         services: TiVec::new(),
-        clients: Vec::new(),
+        clients: TiVec::new(),
         platform: Platform {
             cores: dice.pick(&[None, Some(1), Some(1), Some(2)]),
             policy: dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Any]),
@@ -320,7 +320,7 @@ fn empty(dice: &mut Dice) -> TimedSystem {
         automata: Vec::new(),
         codels: TiVec::new(),
         services: TiVec::new(),
-        clients: Vec::new(),
+        clients: TiVec::new(),
         platform: Platform {
             cores: dice.pick(&[None, Some(1), Some(2), Some(2), Some(3)]),
             policy: Policy::Fifo,

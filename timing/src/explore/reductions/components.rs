@@ -22,7 +22,7 @@ use crate::explore::rules::{Action, Enabled, SystemRules};
 use crate::explore::state::State;
 use crate::property::{Atom, Predicate};
 use crate::scn::semantics::PortRule;
-use crate::system::{ClientAction, ComponentId, TimedSystem};
+use crate::system::{ClientAction, ClientId, ComponentId, TimedSystem};
 
 /// The components of a system, and what connects them.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ pub(crate) struct Components {
     /// Components that a watched property is about, if the property is about several components or clients.
     asked: TiVec<ComponentId, bool>,
     /// Components that each client addresses.
-    addressed: Vec<Vec<ComponentId>>,
+    addressed: TiVec<ClientId, Vec<ComponentId>>,
 }
 
 /// Groups of components: one number for each component.
@@ -90,7 +90,7 @@ impl Components {
         let mut groups = Groups::new(self.asked.len());
         let asked = self.asked.iter_enumerated().filter(|(_, asked)| **asked);
         groups.join(asked.map(|(component, _)| component));
-        for (client, addressed) in self.addressed.iter().enumerate() {
+        for (client, addressed) in self.addressed.iter_enumerated() {
             if rules.is_active(s, client) {
                 groups.join(addressed.iter().copied());
             }
@@ -160,7 +160,7 @@ pub(super) fn independent(setting: &Setting) -> Result<(), Reason> {
 }
 
 /// Returns the components that each client addresses.
-pub(super) fn addressed(system: &TimedSystem) -> Vec<Vec<ComponentId>> {
+pub(super) fn addressed(system: &TimedSystem) -> TiVec<ClientId, Vec<ComponentId>> {
     let component = |action: &ClientAction| match *action {
         ClientAction::Send { service, .. } => Some(system.services[service].component),
         _ => None,

@@ -129,7 +129,7 @@ fn is_of_lazy(rules: &SystemRules, waiters: &Deferrable, action: Action) -> bool
             system.tasks.len() + usize::from(component)
         }
         Action::Request { client, .. } | Action::Proceed { client, .. } => {
-            system.tasks.len() + system.components.len() + client
+            system.tasks.len() + system.components.len() + usize::from(client)
         }
     };
     waiters.members[member]

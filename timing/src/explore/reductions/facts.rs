@@ -4,7 +4,9 @@ use typed_index_collections::{TiVec, ti_vec};
 
 use super::Watched;
 use crate::property::Atom;
-use crate::system::{CodelId, CodelSet, ComponentId, Machine, ServiceId, TimedSystem, Yield};
+use crate::system::{
+    ClientId, CodelId, CodelSet, ComponentId, Machine, ServiceId, TimedSystem, Yield,
+};
 
 /// The parts of a system that predicates observe.
 #[derive(Debug)]
@@ -27,7 +29,7 @@ pub(super) struct Parts {
     /// Services whose slots are observed.
     pub(super) slots: TiVec<ServiceId, bool>,
     /// Clients whose step is observed.
-    pub(super) clients: Vec<bool>,
+    pub(super) clients: TiVec<ClientId, bool>,
     /// Control tasks whose step is observed.
     pub(super) controls: TiVec<ComponentId, bool>,
 }
@@ -44,7 +46,7 @@ impl Visible {
             statuses: vec![false; system.tasks.len()],
             machines: vec![false; system.machines.len()],
             slots: ti_vec![false; system.services.len()],
-            clients: vec![false; system.clients.len()],
+            clients: ti_vec![false; system.clients.len()],
             controls: ti_vec![false; system.components.len()],
         };
         for predicate in predicates {

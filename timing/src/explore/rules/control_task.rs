@@ -8,11 +8,11 @@ use super::SystemRules;
 use super::points::Handling;
 use super::status::{control, slot, tracker};
 use crate::explore::state::{State, phase};
-use crate::system::{ClientAction, ComponentId, ServiceId};
+use crate::system::{ClientAction, ClientId, ComponentId, ServiceId};
 
 impl SystemRules<'_> {
     /// Takes a request.
-    pub(super) fn request(&self, s: &mut State, client: usize, next: usize) {
+    pub(super) fn request(&self, s: &mut State, client: ClientId, next: usize) {
         let l = &self.layout;
         let at = l.position(s, client) as usize;
         let step = &self.system.clients[client].steps[at];
@@ -32,7 +32,7 @@ impl SystemRules<'_> {
         l.set_outstanding(s, client, sent);
         let component = self.system.services[service].component;
         l.set_handled_number(s, component, usize::from(service) as u16 + 1);
-        l.set_sender(s, component, client as u16 + 1);
+        l.set_sender_number(s, component, usize::from(client) as u16 + 1);
         l.set_codel_number(s, component, 0);
         match self.points.handling {
             Handling::InSteps => self.assign_slot(s, component, service),
@@ -152,10 +152,10 @@ impl SystemRules<'_> {
     /// it examines all activities.
     pub(super) fn reply(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
-        let Some(service) = l.handled(s, component) else {
+        let (Some(service), Some(client)) = (l.handled(s, component), l.sender(s, component))
+        else {
             return;
         };
-        let client = l.sender(s, component) as usize - 1;
         let refused = l.refused(s, component) != 0;
         let given = (l.given(s, component) as usize).checked_sub(1);
         let mut tracked = tracker::NONE;
@@ -190,12 +190,12 @@ impl SystemRules<'_> {
     /// Answers the client, and gets ready for the next message.
     fn ready(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
-        if let Some(client) = (l.sender(s, component) as usize).checked_sub(1) {
+        if let Some(client) = l.sender(s, component) {
             l.set_outstanding(s, client, 0);
         }
         l.set_handled_number(s, component, 0);
         l.set_codel_number(s, component, 0);
-        l.set_sender(s, component, 0);
+        l.set_sender_number(s, component, 0);
         l.set_given(s, component, 0);
         l.set_refused(s, component, 0);
         l.set_phase(s, l.control_executor(component), phase::REST);
@@ -205,10 +205,7 @@ impl SystemRules<'_> {
     /// Accepts a request at once: gives an activity its slot, and interrupts.
     fn accept(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
-        let (Some(number), Some(client)) = (
-            l.handled(s, component),
-            (l.sender(s, component) as usize).checked_sub(1),
-        ) else {
+        let (Some(number), Some(client)) = (l.handled(s, component), l.sender(s, component)) else {
             return;
         };
         let service = &self.system.services[number];
@@ -236,7 +233,7 @@ impl SystemRules<'_> {
     /// Ends a message that is handled at once. Trackers are reset, unless the request has a slot.
     fn end_of_message(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;
-        if let Some(client) = (l.sender(s, component) as usize).checked_sub(1) {
+        if let Some(client) = l.sender(s, component) {
             for t in 0..self.system.clients[client].trackers {
                 if l.tracker(s, client, t) == tracker::HANDLED {
                     l.set_tracker(s, client, t, tracker::NONE);
@@ -392,7 +389,7 @@ impl SystemRules<'_> {
         l.set_mode(s, slot, slot::VOID);
         l.set_automaton(s, slot, None);
         l.set_at(s, slot, 0);
-        for (k, client) in self.system.clients.iter().enumerate() {
+        for (k, client) in self.system.clients.iter_enumerated() {
             for t in 0..client.trackers {
                 if l.tracker(s, k, t) == tracker::SLOT + slot as u16 {
                     let failed = !success && l.outcomes[k][t];

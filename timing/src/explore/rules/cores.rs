@@ -14,7 +14,7 @@
 use super::status::{control, flag, thread};
 use super::{Action, Enabled, SystemRules};
 use crate::explore::state::State;
-use crate::system::{ClientAction, ComponentId, Policy};
+use crate::system::{ClientAction, ClientId, ComponentId, Policy};
 
 /// A set of executors, as bits.
 pub(super) type Threads = u128;
@@ -46,14 +46,18 @@ impl SystemRules<'_> {
             control::QUEUED => self.may_leave(s, executor),
             control::READY => {
                 l.signal(s, component) != 0
-                    || (0..self.system.clients.len()).any(|client| self.asks(s, client, component))
+                    || self
+                        .system
+                        .clients
+                        .keys()
+                        .any(|client| self.asks(s, client, component))
             }
             _ => false,
         }
     }
 
     /// Returns true if a client has a request for a component that is not taken yet.
-    fn asks(&self, s: &State, client: usize, component: ComponentId) -> bool {
+    fn asks(&self, s: &State, client: ClientId, component: ComponentId) -> bool {
         let l = &self.layout;
         let steps = &self.system.clients[client].steps;
         let step = steps.get(l.position(s, client) as usize);

@@ -7,7 +7,7 @@ use super::layout::{EdfTimes, OF_COMPONENT, OF_TASK};
 use super::points::Cycle;
 use super::status::tracker;
 use crate::explore::state::State;
-use crate::system::{ComponentId, Policy, ServiceId};
+use crate::system::{ClientId, ComponentId, Policy, ServiceId};
 
 /// The kinds of parts that a state can name, or that belong to a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,7 +97,7 @@ impl SystemRules<'_> {
         let controls = parts[Part::Component].iter();
         let controls = controls.map(|&component| l.control_executor(component.into()));
         let clients = parts[Part::Client].iter();
-        let clients = clients.map(|&client| l.client_executor(client));
+        let clients = clients.map(|&client| l.client_executor(client.into()));
         let executors = threads.iter().copied().chain(controls).chain(clients);
         parts[Part::Executor] = executors.collect();
     }
@@ -138,7 +138,7 @@ impl SystemRules<'_> {
             }
             d.extend(l.shutdown[component]);
         }
-        for &client in &parts[Part::Client] {
+        for client in parts[Part::Client].iter().map(|&id| ClientId::from(id)) {
             let base = l.client_base[client];
             d.extend(base..base + 2 + self.system.clients[client].trackers);
         }
@@ -166,7 +166,7 @@ impl SystemRules<'_> {
             out.single.push((base + 4, Part::Client, 1));
             out.single.push((base + 5, Part::Place, 1));
         }
-        for (client, &base) in l.client_base.iter().enumerate() {
+        for (client, &base) in l.client_base.iter_enumerated() {
             let trackers = base + 2..base + 2 + self.system.clients[client].trackers;
             (out.single).extend(trackers.map(|place| (place, Part::Place, tracker::SLOT)));
         }

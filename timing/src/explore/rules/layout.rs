@@ -9,7 +9,7 @@ use super::status::{flag, slot, thread};
 use crate::explore::state::{Clocks, Frame, Places, State, TaskStatus};
 use crate::scn::semantics::LockRule;
 use crate::system::{
-    Builtin, Client, ClientAction, ComponentId, Policy, ServiceId, Ticks, TimedSystem,
+    Builtin, Client, ClientAction, ClientId, ComponentId, Policy, ServiceId, Ticks, TimedSystem,
 };
 
 /// Numbers per task.
@@ -37,7 +37,7 @@ pub(crate) struct Layout {
     /// For each slot, the first place and number of its counters of entered states.
     pub(crate) visits: Vec<(usize, usize)>,
     pub(super) component_base: usize,
-    pub(super) client_base: Vec<usize>,
+    pub(super) client_base: TiVec<ClientId, usize>,
     /// Length, then executors, at most this many.
     pub(super) core_queue: Option<(usize, usize)>,
     /// Length, then executors, of each component. With jobs, all components share one queue.
@@ -45,9 +45,9 @@ pub(crate) struct Layout {
     /// Place of the shutdown stage of each component that a client may kill; 0: not killed.
     pub(super) shutdown: TiVec<ComponentId, Option<usize>>,
     /// Clients for which the step that sent a request matters.
-    pub(super) follows: Vec<bool>,
+    pub(super) follows: TiVec<ClientId, bool>,
     /// By client and tracker, whether the outcome of a request matters.
-    pub(super) outcomes: Vec<Vec<bool>>,
+    pub(super) outcomes: TiVec<ClientId, Vec<bool>>,
     /// Place of the success of each service, if it matters.
     pub(super) success: TiVec<ServiceId, Option<usize>>,
     /// Places of the times that decide about cores under EDF.
@@ -219,26 +219,40 @@ impl Layout {
         number.map(ServiceId::from)
     }
 
+    /// Returns the client that sent the request that a control task handles, if it handles one.
+    #[inline]
+    pub(crate) fn sender(&self, s: &State, component: ComponentId) -> Option<ClientId> {
+        let number = (self.sender_number(s, component) as usize).checked_sub(1);
+        number.map(ClientId::from)
+    }
+
     pub(crate) fn control_executor(&self, component: ComponentId) -> usize {
         self.threads + usize::from(component)
     }
 
-    pub(crate) fn client_executor(&self, client: usize) -> usize {
-        self.threads + self.components + client
+    pub(crate) fn client_executor(&self, client: ClientId) -> usize {
+        self.threads + self.components + usize::from(client)
+    }
+
+    /// Returns the client that is an executor, if it is one.
+    #[inline]
+    pub(crate) fn client_of_executor(&self, executor: usize) -> Option<ClientId> {
+        let number = executor.checked_sub(self.threads + self.components);
+        number.map(ClientId::from)
     }
 
     #[inline]
-    pub(crate) fn tracker(&self, s: &State, client: usize, tracker: usize) -> u16 {
+    pub(crate) fn tracker(&self, s: &State, client: ClientId, tracker: usize) -> u16 {
         s.d[self.client_base[client] + 2 + tracker]
     }
 
     #[inline]
-    pub(super) fn set_tracker(&self, s: &mut State, client: usize, tracker: usize, value: u16) {
+    pub(super) fn set_tracker(&self, s: &mut State, client: ClientId, tracker: usize, value: u16) {
         s.d[self.client_base[client] + 2 + tracker] = value;
     }
 
     /// Returns the trackers of a client.
-    pub(crate) fn trackers<'s>(&self, s: &'s State, client: usize) -> &'s [u16] {
+    pub(crate) fn trackers<'s>(&self, s: &'s State, client: ClientId) -> &'s [u16] {
         let base = self.client_base[client] + 2;
         &s.d[base..base + self.outcomes[client].len()]
     }
@@ -507,7 +521,7 @@ fields! {
     /// Number of its control codel.
     codel_number set_codel_number (self, component: ComponentId) self.component_place(component) + 3;
     /// Client that sent the request, plus one.
-    sender set_sender (self, component: ComponentId) self.component_place(component) + 4;
+    sender_number set_sender_number (self, component: ComponentId) self.component_place(component) + 4;
     /// Slot of the request, plus one.
     given set_given (self, component: ComponentId) self.component_place(component) + 5;
     /// The request is refused.
@@ -515,8 +529,8 @@ fields! {
     /// The end of some activity was signalled.
     signal set_signal (self, component: ComponentId) self.component_place(component) + 7;
     /// Step of a client; one past the end: before the first.
-    position set_position (self, client: usize) self.client_base[client];
+    position set_position (self, client: ClientId) self.client_base[client];
     /// Request of the client without an answer: 0 for none. If the sending step matters, the number of the
     /// step plus one.
-    outstanding set_outstanding (self, client: usize) self.client_base[client] + 1;
+    outstanding set_outstanding (self, client: ClientId) self.client_base[client] + 1;
 }

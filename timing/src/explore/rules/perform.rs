@@ -5,7 +5,7 @@ use super::points::Cycle;
 use super::status::{control, flag, thread};
 use super::{Action, SystemRules};
 use crate::explore::state::{State, phase};
-use crate::system::{ClientAction, FOREVER, Policy};
+use crate::system::{ClientAction, ClientId, FOREVER, Policy};
 
 impl SystemRules<'_> {
     /// Performs an action that is enabled.
@@ -43,8 +43,8 @@ impl SystemRules<'_> {
             Action::Acquire { executor } => self.execute(s, executor),
             Action::Finish { executor, outcome } => {
                 l.set_window(s, executor, (0, 0));
-                if executor >= l.threads + l.components {
-                    self.client_to(s, executor - l.threads - l.components, outcome);
+                if let Some(client) = l.client_of_executor(executor) {
+                    self.client_to(s, client, outcome);
                 } else if executor >= l.threads {
                     l.set_phase(s, executor, phase::REST);
                     self.finish_control(s, (executor - l.threads).into(), outcome);
@@ -178,7 +178,7 @@ impl SystemRules<'_> {
         l.set_window(s, executor, (codel.lower, codel.upper));
     }
 
-    pub(super) fn client_to(&self, s: &mut State, client: usize, position: usize) {
+    pub(super) fn client_to(&self, s: &mut State, client: ClientId, position: usize) {
         let l = &self.layout;
         let executor = l.client_executor(client);
         l.set_position(s, client, position as u16);

@@ -7,7 +7,7 @@ use super::status::{control, flag, slot, thread, tracker};
 use super::{Action, Enabled, SystemRules};
 use crate::explore::state::{State, phase};
 use crate::scn::semantics::{LockRule, TickRule};
-use crate::system::{ClientAction, ComponentId, Policy, Yield};
+use crate::system::{ClientAction, ClientId, ComponentId, Policy, Yield};
 
 impl SystemRules<'_> {
     /// Lists the actions of the best rank present.
@@ -92,7 +92,7 @@ impl SystemRules<'_> {
 
     fn proceeding_clients(&self, s: &State, out: &mut Enabled) {
         let l = &self.layout;
-        for (k, client) in self.system.clients.iter().enumerate() {
+        for (k, client) in self.system.clients.iter_enumerated() {
             let position = l.position(s, k) as usize;
             let next = if position > client.done() {
                 &client.first
@@ -134,7 +134,7 @@ impl SystemRules<'_> {
     }
 
     /// Returns true if a tracked request has ended with this outcome.
-    fn has_outcome(&self, s: &State, client: usize, tracker: usize, success: bool) -> bool {
+    fn has_outcome(&self, s: &State, client: ClientId, tracker: usize, success: bool) -> bool {
         let wanted = match success {
             true => tracker::NONE,
             false => tracker::FAILED,
@@ -327,7 +327,7 @@ impl SystemRules<'_> {
 
     fn requests(&self, s: &State, out: &mut Enabled) {
         let l = &self.layout;
-        for (k, client) in self.system.clients.iter().enumerate() {
+        for (k, client) in self.system.clients.iter_enumerated() {
             let Some(step) = client.steps.get(l.position(s, k) as usize) else {
                 continue;
             };
@@ -386,8 +386,7 @@ impl SystemRules<'_> {
             if self.validates(s, component) || throws() {
                 push(1);
             }
-        } else {
-            let client = executor - l.threads - l.components;
+        } else if let Some(client) = l.client_of_executor(executor) {
             let step = &self.system.clients[client].steps[l.position(s, client) as usize];
             step.next.iter().for_each(|&next| push(next));
         }

@@ -3,7 +3,7 @@
 use super::status::{control, flag, slot, thread};
 use super::{Action, Rules, SystemRules};
 use crate::explore::state::{State, phase};
-use crate::system::{ClientAction, ComponentId};
+use crate::system::{ClientAction, ClientId, ComponentId};
 
 impl SystemRules<'_> {
     /// Returns the component of an action; `None` for actions of clients alone.
@@ -30,12 +30,10 @@ impl SystemRules<'_> {
     }
 
     /// Returns the client of an action.
-    pub(crate) fn client_of_action(&self, action: Action) -> Option<usize> {
+    pub(crate) fn client_of_action(&self, action: Action) -> Option<ClientId> {
         match action {
             Action::Proceed { client, .. } | Action::Request { client, .. } => Some(client),
-            Action::Finish { executor, .. } => {
-                executor.checked_sub(self.layout.threads + self.layout.components)
-            }
+            Action::Finish { executor, .. } => self.layout.client_of_executor(executor),
             _ => None,
         }
     }
@@ -50,7 +48,7 @@ impl SystemRules<'_> {
     }
 
     /// Returns true if a client may still interact with components.
-    pub(crate) fn is_active(&self, s: &State, client: usize) -> bool {
+    pub(crate) fn is_active(&self, s: &State, client: ClientId) -> bool {
         let l = &self.layout;
         let definition = &self.system.clients[client];
         l.outstanding(s, client) != 0

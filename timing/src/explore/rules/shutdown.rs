@@ -9,7 +9,7 @@ use super::SystemRules;
 use super::layout::EdfTimes;
 use super::status::{control, flag, slot, thread, tracker};
 use crate::explore::state::State;
-use crate::system::{Builtin, ClientAction, ComponentId};
+use crate::system::{Builtin, ClientAction, ClientId, ComponentId};
 
 /// The stage of a shutdown. Tasks are numbered among all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,7 +47,9 @@ impl SystemRules<'_> {
     /// Marks the instance that a client names. Returns true if there is one.
     fn abort(&self, s: &mut State, component: ComponentId) -> bool {
         let l = &self.layout;
-        let client = l.sender(s, component) as usize - 1;
+        let Some(client) = l.sender(s, component) else {
+            return false;
+        };
         let aborted = self.sent(s, client).and_then(|sent| match sent {
             ClientAction::Send { aborts, .. } => *aborts,
             _ => None,
@@ -64,7 +66,7 @@ impl SystemRules<'_> {
     }
 
     /// Returns the step by which a client sent the present request, if the step matters.
-    pub(super) fn sent(&self, s: &State, client: usize) -> Option<&ClientAction> {
+    pub(super) fn sent(&self, s: &State, client: ClientId) -> Option<&ClientAction> {
         let at = (self.layout.outstanding(s, client) as usize).checked_sub(1)?;
         let step = self.system.clients[client].steps.get(at)?;
         self.layout.follows[client].then_some(&step.action)

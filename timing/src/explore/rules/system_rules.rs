@@ -21,8 +21,8 @@ use crate::explore::state::{Clocks, Frame, State, TaskStatus, phase};
 use crate::property::Atom;
 use crate::scn::semantics::TickRule;
 use crate::system::{
-    ClientAction, Codel, CodelId, ComponentId, Machine, ServiceId, State as MachineState, Ticks,
-    TimedSystem,
+    ClientAction, ClientId, Codel, CodelId, ComponentId, Machine, ServiceId, State as MachineState,
+    Ticks, TimedSystem,
 };
 
 /// The rules applied to one system.
@@ -183,7 +183,7 @@ impl<'s> SystemRules<'s> {
                 }
             }
         }
-        for (k, client) in self.system.clients.iter().enumerate() {
+        for (k, client) in self.system.clients.iter_enumerated() {
             // One past the end: the position before the first step.
             l.set_position(&mut s, k, client.done() as u16 + 1);
         }
@@ -370,7 +370,7 @@ impl Rules for SystemRules<'_> {
             return (codel.lower, codel.upper);
         }
         let l = &self.layout;
-        let Some(client) = executor.checked_sub(l.threads + l.components) else {
+        let Some(client) = l.client_of_executor(executor) else {
             return (0, 0);
         };
         let steps = &self.system.clients[client].steps;
@@ -383,7 +383,7 @@ impl Rules for SystemRules<'_> {
 
     fn work(&self, s: &State, executor: usize) -> Option<Work> {
         let l = &self.layout;
-        if let Some(client) = executor.checked_sub(l.threads + l.components) {
+        if let Some(client) = l.client_of_executor(executor) {
             let waits = l.is_executing(s, executor);
             return waits.then_some(Work::Delay { client });
         }
@@ -408,7 +408,7 @@ impl Rules for SystemRules<'_> {
         })
     }
 
-    fn position(&self, s: &State, client: usize) -> usize {
+    fn position(&self, s: &State, client: ClientId) -> usize {
         self.layout.position(s, client) as usize
     }
 

@@ -1,6 +1,6 @@
 //! The work of executors.
 
-use crate::system::{CodelId, ServiceId};
+use crate::system::{ClientId, CodelId, ServiceId};
 
 /// The work of an executor. Numbers index into the tables of the [`TimedSystem`](crate::system::TimedSystem).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub enum Work {
     /// A delay of a client.
     Delay {
         /// The client.
-        client: usize,
+        client: ClientId,
     },
 }
 

@@ -3,7 +3,7 @@
 use super::state::{Doing, Mode, State, Step, Tracked};
 use super::{Brute, Results};
 use dotgen_timing::scn::semantics::LockRule;
-use dotgen_timing::system::{ComponentId, ServiceId};
+use dotgen_timing::system::{ClientId, ComponentId, ServiceId};
 
 impl Brute<'_> {
     pub(super) fn control_codel(&self, s: &mut State, c: ComponentId) {
@@ -51,7 +51,7 @@ impl Brute<'_> {
         s: &mut State,
         c: ComponentId,
         service: ServiceId,
-        client: usize,
+        client: ClientId,
         results: &mut Results,
     ) {
         let definition = &self.system.services[service];
@@ -93,7 +93,7 @@ impl Brute<'_> {
         }
     }
 
-    fn replied(&self, s: &mut State, c: ComponentId, client: usize) {
+    fn replied(&self, s: &mut State, c: ComponentId, client: ClientId) {
         s.clients[client].outstanding = false;
         for t in &mut s.clients[client].tracked {
             if *t == Tracked::Handled {

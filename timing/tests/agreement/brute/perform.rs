@@ -2,7 +2,7 @@
 
 use dotgen_timing::explore::Action;
 use dotgen_timing::scn::semantics::LockRule;
-use dotgen_timing::system::{ClientAction, ComponentId, Policy, Yield};
+use dotgen_timing::system::{ClientAction, ClientId, ComponentId, Policy, Yield};
 
 use super::state::{Doing, Mode, State, Status, Step, Tracked};
 use super::{Brute, Results};
@@ -54,7 +54,7 @@ impl Brute<'_> {
                 } else if executor < na + nc {
                     self.end_control(&mut n, (executor - na).into(), outcome, results);
                 } else {
-                    let client = &mut n.clients[executor - na - nc];
+                    let client = &mut n.clients[ClientId::from(executor - na - nc)];
                     client.at = Some(outcome);
                     client.clock = 0;
                 }

@@ -2,7 +2,7 @@
 
 use dotgen_timing::explore::Action;
 use dotgen_timing::scn::semantics::LockRule;
-use dotgen_timing::system::{ClientAction, ComponentId, FOREVER, Policy, Yield};
+use dotgen_timing::system::{ClientAction, ClientId, ComponentId, FOREVER, Policy, Yield};
 
 use super::Brute;
 use super::state::{Doing, Mode, State, Status, Step, Tracked};
@@ -12,7 +12,7 @@ impl Brute<'_> {
     pub(super) fn actions(&self, s: &State) -> (Vec<Action>, bool) {
         let sys = self.system;
         let mut out = Vec::new();
-        for (k, client) in s.clients.iter().enumerate() {
+        for (k, client) in s.clients.iter_enumerated() {
             let definition = &sys.clients[k];
             let over = |t: usize| client.tracked[t] == Tracked::Over;
             match client.at {
@@ -113,7 +113,7 @@ impl Brute<'_> {
                 urgent = true;
             }
         }
-        for (k, client) in s.clients.iter().enumerate() {
+        for (k, client) in s.clients.iter_enumerated() {
             let Some(step) = client.at.and_then(|at| sys.clients[k].steps.get(at)) else {
                 continue;
             };
@@ -155,7 +155,7 @@ impl Brute<'_> {
                 _ => vec![0],
             }
         } else {
-            let k = e - na - nc;
+            let k = ClientId::from(e - na - nc);
             self.system.clients[k].steps[s.clients[k].at.unwrap()]
                 .next
                 .clone()

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use dotgen_timing::system::{ClientAction, CodelId, ComponentId, ServiceId};
+use dotgen_timing::system::{ClientAction, ClientId, CodelId, ComponentId, ServiceId};
 use typed_index_collections::TiVec;
 
 use super::Brute;
@@ -64,8 +64,8 @@ pub(super) struct Automaton {
 pub(super) enum Step {
     Starting(usize),
     Ready,
-    Validate(ServiceId, usize),
-    Simple(ServiceId, usize, usize),
+    Validate(ServiceId, ClientId),
+    Simple(ServiceId, ClientId, usize),
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -96,7 +96,7 @@ pub(super) struct State {
     pub(super) tasks: Vec<Task>,
     pub(super) automata: Vec<Automaton>,
     pub(super) controls: TiVec<ComponentId, Control>,
-    pub(super) clients: Vec<Client>,
+    pub(super) clients: TiVec<ClientId, Client>,
     pub(super) queue: Vec<usize>,
     pub(super) lock_queue: Vec<usize>,
     /// Open obligations of each observer: number of responses so far, and age.
@@ -179,7 +179,7 @@ impl Brute<'_> {
         } else if e < na + nc {
             s.controls[ComponentId::from(e - na)].doing
         } else {
-            let k = e - na - nc;
+            let k = ClientId::from(e - na - nc);
             match s.clients[k]
                 .at
                 .and_then(|at| self.system.clients[k].steps.get(at))
@@ -211,8 +211,9 @@ impl Brute<'_> {
             let codel = &self.system.codels[self.codel(s, e)];
             (codel.lower, codel.upper)
         } else {
-            let at = s.clients[e - n].at.unwrap();
-            match self.system.clients[e - n].steps[at].action {
+            let k = ClientId::from(e - n);
+            let at = s.clients[k].at.unwrap();
+            match self.system.clients[k].steps[at].action {
                 ClientAction::Delay(a, b) => (a, b),
                 _ => unreachable!("not a delay"),
             }

@@ -1,6 +1,6 @@
 //! The passage of time.
 
-use dotgen_timing::system::{ComponentId, FOREVER};
+use dotgen_timing::system::{ClientId, ComponentId, FOREVER};
 
 use super::state::{Doing, State, Status};
 use super::{Brute, CAP};
@@ -29,7 +29,7 @@ impl Brute<'_> {
                 } else if e < na + nc {
                     n.controls[ComponentId::from(e - na)].doing = Doing::Executing(elapsed);
                 } else {
-                    n.clients[e - na - nc].clock = elapsed;
+                    n.clients[ClientId::from(e - na - nc)].clock = elapsed;
                 }
             }
         }

@@ -22,7 +22,7 @@ pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)
         automata: Vec::new(),
         codels: TiVec::new(),
         services: TiVec::new(),
-        clients: Vec::new(),
+        clients: TiVec::new(),
         ..one.clone()
     };
     for copy in 0..copies {

@@ -25,7 +25,7 @@ use crate::explore::reductions::{Kind, Reason, Setting};
 use crate::explore::rules::Action;
 use crate::explore::rules::status::{control, permanent, slot, tracker};
 use crate::explore::state::{TaskStatus, phase};
-use crate::system::{Client, ClientAction, CodelId, ComponentId, ServiceId, Yield};
+use crate::system::{Client, ClientAction, ClientId, CodelId, ComponentId, ServiceId, Yield};
 
 /// A set of services.
 type Services = u128;
@@ -37,7 +37,7 @@ pub(super) struct Requests {
     /// Reason why they have no ample sets.
     pub(super) off: Option<Reason>,
     /// By client and step, the services that can be requested in no time after the step.
-    after: Vec<Vec<Services>>,
+    after: TiVec<ClientId, Vec<Services>>,
     /// By service, the services that make a difference to it: they interrupt it, are interrupted by it or run
     /// on the same task.
     related: TiVec<ServiceId, Services>,
@@ -72,7 +72,7 @@ impl Requests {
         let mut out = Requests {
             enabled,
             off: off.or(system.clients.is_empty().then_some(Reason::NoClients)),
-            after: Vec::new(),
+            after: TiVec::new(),
             related: TiVec::new(),
             instant: 0,
             of_component: ti_vec![0; system.components.len()],
@@ -173,7 +173,7 @@ fn after(client: &Client) -> Vec<Services> {
 
 impl AmpleState<'_, '_> {
     /// Returns true if a request can be handled before anything else.
-    pub(super) fn request_alone(&self, client: usize) -> bool {
+    pub(super) fn request_alone(&self, client: ClientId) -> bool {
         let known = &self.ample.requests;
         let l = self.layout();
         let system = self.system();
@@ -241,14 +241,14 @@ impl AmpleState<'_, '_> {
     }
 
     /// Returns the services that clients may request at this moment.
-    fn requested_now(&self, counts: impl Fn(usize) -> bool) -> Services {
+    fn requested_now(&self, counts: impl Fn(ClientId) -> bool) -> Services {
         let known = &self.ample.requests;
         let l = self.layout();
         let later = |executor: usize| {
             let executing = l.phase(self.s, executor) & phase::EXECUTING != 0;
             executing && l.window(self.s, executor).0 > 0
         };
-        let of = |client: usize| {
+        let of = |client: ClientId| {
             let at = l.position(self.s, client) as usize;
             let Some(step) = self.system().clients[client].steps.get(at) else {
                 return 0;
@@ -270,7 +270,11 @@ impl AmpleState<'_, '_> {
                 | ClientAction::AwaitOutcome(..) => after,
             }
         };
-        let clients = (0..self.system().clients.len()).filter(|&client| counts(client));
+        let clients = self
+            .system()
+            .clients
+            .keys()
+            .filter(|&client| counts(client));
         clients.fold(0, |set, client| set | of(client))
     }
 
@@ -279,7 +283,7 @@ impl AmpleState<'_, '_> {
         let known = &self.ample.requests;
         let l = self.layout();
         let system = self.system();
-        let ended = |client: usize| {
+        let ended = |client: ClientId| {
             let values = l.trackers(self.s, client).iter();
             let mut slots = values.filter_map(|tracker| tracker.checked_sub(tracker::SLOT));
             slots.any(|a| l.mode(self.s, a as usize) == slot::ETHER)
@@ -299,7 +303,9 @@ impl AmpleState<'_, '_> {
                         _ => true,
                     })
                 })
-            && (0..system.clients.len())
+            && system
+                .clients
+                .keys()
                 .all(|client| !known.visible.clients[client] || !ended(client))
     }
 
@@ -352,7 +358,7 @@ impl AmpleState<'_, '_> {
                     _ => false,
                 })
             && (!system.needs_core(task) || self.cores_for_all());
-        let waits = |client: usize| {
+        let waits = |client: ClientId| {
             let at = l.position(self.s, client) as usize;
             let step = system.clients[client]
                 .steps
@@ -396,10 +402,9 @@ impl AmpleState<'_, '_> {
         else {
             return false;
         };
-        let (Some(service), Some(client)) = (
-            l.handled(self.s, component),
-            (l.sender(self.s, component) as usize).checked_sub(1),
-        ) else {
+        let (Some(service), Some(client)) =
+            (l.handled(self.s, component), l.sender(self.s, component))
+        else {
             return false;
         };
         if !known.enabled
@@ -522,7 +527,7 @@ impl AmpleState<'_, '_> {
     /// Returns true if the end of a client's delay can come before anything else.
     pub(super) fn delay_alone(&self, executor: usize) -> bool {
         let l = self.layout();
-        let client = executor.checked_sub(l.threads + l.components);
+        let client = l.client_of_executor(executor);
         client.is_some_and(|client| {
             self.ample.requests.enabled
                 && l.window(self.s, executor).1 == 0

@@ -22,7 +22,7 @@ use crate::explore::reductions::{Deferrable, Kind, Reason, Setting};
 use crate::explore::rules::SystemRules;
 use crate::explore::rules::status::permanent;
 use crate::explore::state::{State, phase};
-use crate::system::{ClientAction, ComponentId, ServiceId, TimedSystem};
+use crate::system::{ClientAction, ClientId, ComponentId, ServiceId, TimedSystem};
 
 /// The lazy groups. Tasks, control tasks and clients are numbered as *members*, in this order.
 #[derive(Debug)]
@@ -56,8 +56,8 @@ impl LazyMembers {
         let rests = !setting.without.contains(Kind::RestingLoops);
         let tasks = system.tasks.len();
         let control = |component: ComponentId| tasks + usize::from(component);
-        let client = |client: usize| tasks + system.components.len() + client;
-        let n = client(system.clients.len());
+        let client = |client: ClientId| tasks + system.components.len() + usize::from(client);
+        let n = client(system.clients.next_key());
         let mut owner = ti_vec![usize::MAX; system.codels.len()];
         let mut lazy = vec![true; n];
         let mut group: Vec<usize> = (0..n).collect();
@@ -93,7 +93,7 @@ impl LazyMembers {
                 }
             }
         }
-        for (k, definition) in system.clients.iter().enumerate() {
+        for (k, definition) in system.clients.iter_enumerated() {
             for step in &definition.steps {
                 match step.action {
                     ClientAction::Send { service, .. } => {

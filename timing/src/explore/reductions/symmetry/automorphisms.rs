@@ -8,7 +8,9 @@ use super::renaming::Id;
 use crate::explore::reductions::Watched;
 use crate::explore::rules::{Part, Parts};
 use crate::property::{Atom, Predicate};
-use crate::system::{ClientAction, CodelId, CodelSet, ComponentId, Policy, ServiceId, TimedSystem};
+use crate::system::{
+    ClientAction, ClientId, CodelId, CodelSet, ComponentId, Policy, ServiceId, TimedSystem,
+};
 
 /// The watched properties of a task.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -23,7 +25,7 @@ pub(crate) struct Label {
 pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Parts>> {
     let seeds = (system.components.keys())
         .map(Seed::Component)
-        .chain((0..system.clients.len()).map(Seed::Client))
+        .chain(system.clients.keys().map(Seed::Client))
         .chain((0..system.tasks.len()).map(Seed::Task));
     let seeds: Vec<Seed> = seeds.collect();
     let mut out: Vec<Vec<Parts>> = Vec::new();
@@ -70,7 +72,7 @@ fn closed(system: &TimedSystem, class: &[Parts]) -> bool {
         };
         let steps = unit[Part::Client]
             .iter()
-            .flat_map(|&unit| &system.clients[unit].steps);
+            .flat_map(|&unit| &system.clients[ClientId::from(unit)].steps);
         let mut sends = steps.filter_map(|step| match step.action {
             ClientAction::Send { service, .. } => Some(service),
             _ => None,
@@ -83,7 +85,7 @@ fn closed(system: &TimedSystem, class: &[Parts]) -> bool {
 #[derive(Debug, Clone, Copy)]
 enum Seed {
     Component(ComponentId),
-    Client(usize),
+    Client(ClientId),
     Task(usize),
 }
 
@@ -139,7 +141,7 @@ fn exchange(
 fn holds(unit: &Parts, seed: Seed) -> bool {
     match seed {
         Seed::Component(component) => unit[Part::Component].contains(&component.into()),
-        Seed::Client(client) => unit[Part::Client].contains(&client),
+        Seed::Client(client) => unit[Part::Client].contains(&client.into()),
         Seed::Task(task) => unit[Part::Task].contains(&task),
     }
 }
@@ -276,7 +278,7 @@ impl<'s> Exchange<'s> {
         Some(())
     }
 
-    fn client(&mut self, x: usize, y: usize) -> Option<()> {
+    fn client(&mut self, x: ClientId, y: ClientId) -> Option<()> {
         if self.pair(Part::Client, x, y)? {
             let (one, other) = (&self.system.clients[x], &self.system.clients[y]);
             if one.steps.len() != other.steps.len() {
@@ -425,8 +427,8 @@ impl<'s> Exchange<'s> {
 
     fn keeps_clients(&self) -> bool {
         let clients = &self.system.clients;
-        (0..clients.len()).all(|k| {
-            let (from, to) = (&clients[k], &clients[self.name(Part::Client, k)]);
+        clients.iter_enumerated().all(|(k, from)| {
+            let to = &clients[self.name(Part::Client, k)];
             (&from.first, from.trackers) == (&to.first, to.trackers)
                 && from.steps.len() == to.steps.len()
                 && from.steps.iter().zip(&to.steps).all(|(from, to)| {

@@ -2,7 +2,7 @@
 
 use crate::explore::rules::{Action, Part, Parts, Rules};
 use crate::property::Atom;
-use crate::system::{ComponentId, TimedSystem};
+use crate::system::{ClientId, ComponentId, TimedSystem};
 
 /// The index of a part of some kind.
 pub(super) trait Id: Copy + Ord + From<usize> + Into<usize> {}
@@ -112,8 +112,8 @@ impl Renaming {
         self.name(Part::Component, component)
     }
 
-    fn client(&self, client: usize) -> usize {
-        self.0[Part::Client][client]
+    fn client(&self, client: ClientId) -> ClientId {
+        self.name(Part::Client, client)
     }
 
     pub(crate) fn executor(&self, executor: usize) -> usize {
