@@ -1,6 +1,7 @@
 //! `dotgen check`
 
 mod fix;
+mod scenarios;
 
 use camino::Utf8PathBuf;
 use clap::{Args, ValueEnum};
@@ -86,6 +87,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
         if arguments.fix || arguments.diff {
             trouble.ok_or_report(fix::apply_fixes(&mut session, &mut changed, &mut made));
+            trouble.ok_or_report(scenarios::apply_fixes(
+                &mut session,
+                &mut changed,
+                &mut made,
+            ));
         }
         let before = std::mem::take(&mut report.diagnostics);
         check(&mut session, &mut report, &mut trouble);
@@ -187,9 +193,18 @@ fn print_release(session: &Session) -> anyhow::Result<()> {
 
 /// Returns the problems of a scenario: syntax, specifications, names.
 fn scenario(session: &Session, file: &SourceFile) -> anyhow::Result<Vec<Diagnostic>> {
+    let text = session.ask(&file.path, |analysis| analysis.text(&file.path))?;
+    scenario_with(session, file, &text.unwrap_or_default())
+}
+
+/// Returns the problems of a scenario with a text.
+fn scenario_with(
+    session: &Session,
+    file: &SourceFile,
+    text: &str,
+) -> anyhow::Result<Vec<Diagnostic>> {
     let problem = session.ask(&file.path, |analysis| {
-        let text = analysis.text(&file.path)?.unwrap_or_default().to_string();
-        Problem::from_scenario(&file.path, text, analysis, vfs::read)
+        Problem::from_scenario(&file.path, text.to_owned(), analysis, vfs::read)
     })?;
     let mut found = problem.errors.clone();
     if found.is_empty() {

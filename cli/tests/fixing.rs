@@ -70,6 +70,40 @@ fn plain_repairs_are_made_and_the_rest_is_reported() {
 }
 
 #[test]
+fn misspelt_words_and_names_of_a_scenario_are_corrected() {
+    let specification = "component c { task main { period 10 ms; }; };\n";
+    let wrong = "scenario s {\n  use \"c.gen\";\n  coers 2;\n  check schedulable c.mian;\n  check quick c.main;\n}\n";
+    let directory = Directory::new(&[("c.gen", specification), ("s.scn", wrong)]);
+    let text = || std::fs::read_to_string(directory.path().join("s.scn")).expect("it is there");
+    let diff = directory.run(&["check", "--diff", "s.scn"]);
+    assert_eq!(status(&diff), 1);
+    assert!(stdout(&diff).contains("+  cores 2;\n"), "{}", stdout(&diff));
+    assert_eq!(text(), wrong, "--diff changes nothing");
+    let fixed = directory.run(&["check", "--fix", "s.scn"]);
+    // No check is near to this word.
+    assert_eq!(status(&fixed), 1);
+    assert_eq!(
+        text(),
+        wrong.replace("coers", "cores"),
+        "{}",
+        stderr(&fixed)
+    );
+    let right = wrong.replace("  check quick c.main;\n", "");
+    directory.write("s.scn", right.as_bytes());
+    let fixed = directory.run(&["check", "--fix", "s.scn"]);
+    assert_eq!(status(&fixed), 0, "{}", stderr(&fixed));
+    assert_eq!(
+        text(),
+        right.replace("coers", "cores").replace("mian", "main")
+    );
+    assert!(
+        stderr(&fixed).contains("note: fixed `s.scn`: "),
+        "{}",
+        stderr(&fixed)
+    );
+}
+
+#[test]
 fn sarif_has_the_fixes() {
     let directory = Directory::new(&[("c.gen", SLIPS)]);
     let output = directory.run(&["check", "--format", "sarif", "c.gen"]);

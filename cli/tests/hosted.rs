@@ -249,8 +249,8 @@ fn priorities(process: u32) -> BTreeMap<String, u32> {
         let name = std::fs::read_to_string(entry.path().join("comm")).ok()?;
         let stat = std::fs::read_to_string(entry.path().join("stat")).ok()?;
         // After the name, which may contain blanks: the third field and those behind it.
-        let fields = stat.rsplit_once(')')?.1.split_whitespace();
-        let priority = fields.skip(37).next()?.parse().ok()?;
+        let mut fields = stat.rsplit_once(')')?.1.split_whitespace();
+        let priority = fields.nth(37)?.parse().ok()?;
         Some((name.trim_end().to_owned(), priority))
     };
     threads.flatten().filter_map(priority).collect()

@@ -1,5 +1,7 @@
 //! `dotgen mcp`, as an assistant uses it.
 
+mod defects;
+
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 

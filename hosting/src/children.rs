@@ -62,7 +62,7 @@ pub type Waiting = Box<dyn Fn(&str, u32)>;
 pub struct HostedComponent {
     /// Name.
     pub name: String,
-    /// Real-time priority of its control task; see [`realtime::priorities`].
+    /// Real-time priority of its control task; see [`priorities`](crate::realtime::priorities).
     pub priority: u8,
 }
 
@@ -73,7 +73,7 @@ pub struct HostedTask {
     pub component: ComponentId,
     /// Name, without the component.
     pub name: String,
-    /// Real-time priority; see [`realtime::priorities`].
+    /// Real-time priority; see [`priorities`](crate::realtime::priorities).
     pub priority: u8,
 }
 

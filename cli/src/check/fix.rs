@@ -13,7 +13,7 @@ use super::{ErrorReporter, FileReports, Outcome, Session, check};
 use crate::{codels, fmt, report, session};
 
 /// Maximum number of rounds. A fix may reveal other errors.
-const MAX_ROUNDS: usize = 20;
+pub(super) const MAX_ROUNDS: usize = 20;
 
 /// Maximum number of errors of one file for which fixes are found by trial.
 const MAX_TRIED: usize = 3;
@@ -167,7 +167,7 @@ pub(super) fn retain_unrefuted(session: &mut Session, found: &mut Vec<Diagnostic
 }
 
 /// Returns the specifications of a session and their codels, with the changed texts.
-fn project<'s>(session: &'s mut Session, changed: &ChangedTexts) -> Project<'s> {
+pub(super) fn project<'s>(session: &'s mut Session, changed: &ChangedTexts) -> Project<'s> {
     let mut project = codels::project(session);
     for (path, (_, new)) in changed {
         project.overlay(path.clone(), new.clone());

@@ -80,8 +80,11 @@ pub fn select(listing: &[Utf8PathBuf], makefile: Option<&str>, config: &FilesCon
     let mut all: Vec<Utf8PathBuf> = listing.to_vec();
     all.sort();
     all.dedup();
-    let mut out = CodelFiles::default();
-    out.headers = all.iter().filter(|path| is_header(path)).cloned().collect();
+    let headers = all.iter().filter(|path| is_header(path));
+    let mut out = CodelFiles {
+        headers: headers.cloned().collect(),
+        ..CodelFiles::default()
+    };
     let listed = makefile.filter(|_| config.makefile).map(makefile_sources);
     let listed = listed.unwrap_or_default();
     let listed = listed.into_iter().filter(|source| config.is_source(source));
