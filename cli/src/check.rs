@@ -41,6 +41,10 @@ pub(super) struct Arguments {
     #[arg(long)]
     diff: bool,
 
+    /// With --fix or --diff: also apply the first fix of errors that could be meant in another way
+    #[arg(long)]
+    unsafe_fixes: bool,
+
     /// Print the release of GenoM3 that specifications are read as, and the reason for it
     #[arg(long, short)]
     verbose: bool,
@@ -86,7 +90,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             print_release(&session)?;
         }
         if arguments.fix || arguments.diff {
-            trouble.ok_or_report(fix::apply_fixes(&mut session, &mut changed, &mut made));
+            let which = match arguments.unsafe_fixes {
+                true => fix::Applied::AlsoGuesses,
+                false => fix::Applied::Plain,
+            };
+            let found = fix::apply_fixes(&mut session, which, &mut changed, &mut made);
+            trouble.ok_or_report(found);
             trouble.ok_or_report(scenarios::apply_fixes(
                 &mut session,
                 &mut changed,

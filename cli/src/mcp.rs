@@ -76,6 +76,18 @@ struct Specifications {
     path: String,
 }
 
+/// Specifications to fix.
+#[derive(Debug, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+struct Fixes {
+    /// Specification (.gen), scenario (.scn), or a folder of them
+    #[serde(default = "here")]
+    path: String,
+    /// Also apply the first fix of errors that could be meant in another way
+    #[serde(default)]
+    unsafe_fixes: bool,
+}
+
 /// What to do with codels.
 #[derive(Debug, Deserialize, schemars::JsonSchema)]
 struct Codels {
@@ -179,11 +191,19 @@ impl Tools {
     )]
     async fn fix(
         &self,
-        Parameters(parameter): Parameters<Specifications>,
+        Parameters(parameter): Parameters<Fixes>,
         context: Context,
     ) -> CallToolResult {
-        self.command(["check", "--fix", "--", &parameter.path], &context)
-            .await
+        match parameter.unsafe_fixes {
+            false => {
+                self.command(["check", "--fix", "--", &parameter.path], &context)
+                    .await
+            }
+            true => {
+                let words = ["check", "--fix", "--unsafe-fixes", "--", &parameter.path];
+                self.command(words, &context).await
+            }
+        }
     }
 
     #[tool(

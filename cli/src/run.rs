@@ -4,11 +4,15 @@ pub(super) mod bounds;
 mod execute;
 #[cfg(unix)]
 mod hosted;
+#[cfg(unix)]
+mod params;
 mod record;
 mod recorder;
 mod scenario;
 #[cfg(unix)]
 mod serve;
+#[cfg(unix)]
+mod systemd;
 mod text;
 
 use std::io::Write;
@@ -63,6 +67,16 @@ pub(super) struct Arguments {
     /// Inputs of the scenario's requests, for example pump.fill={"height": 2}
     #[arg(long = "input", value_name = "SERVICE=JSON", action = clap::ArgAction::Append)]
     inputs: Vec<String>,
+
+    /// Set attributes when the run begins, with --clock real; FILE is JSON, for example
+    /// {"pump": {"set_limit": {"limit": 2}}}
+    #[arg(long, value_name = "FILE")]
+    params: Option<Utf8PathBuf>,
+
+    /// Print a systemd unit that starts this run with the machine, instead of running
+    #[cfg(unix)]
+    #[arg(long)]
+    systemd: bool,
 
     /// Socket for `dotgen call`, with --clock real [default: NAME.sock in a folder of this user]
     #[arg(long, value_name = "PATH")]
@@ -309,6 +323,10 @@ impl Arguments {
                 "`--socket` needs `--clock real`: no request can come in time on the virtual clock",
             ),
             (
+                self.params.is_some() && virtually,
+                "`--params` needs `--clock real`; on the virtual clock, a client of the scenario sets attributes",
+            ),
+            (
                 self.listen.is_some() && virtually,
                 "`--listen` needs `--clock real`: no request can come in time on the virtual clock",
             ),
@@ -339,6 +357,16 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let interrupt = interrupt::on_signals();
     let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
     arguments.check(all.len())?;
+    #[cfg(unix)]
+    if arguments.systemd {
+        let titles: Vec<&str> = all
+            .iter()
+            .map(|(_, problem)| problem.path.file_stem().unwrap_or_default())
+            .collect();
+        let unit = systemd::unit(&titles.join(", "), std::env::args_os().skip(1))?;
+        std::io::stdout().write_all(unit.as_bytes())?;
+        return Ok(trouble.outcome(Outcome::Fine));
+    }
     let output = |path, endings| Output { path, endings };
     let log = arguments.profile.iter().map(|profile| output(profile, &[]));
     let trace = arguments.trace.iter();

@@ -14,6 +14,8 @@ use dotgen_syntax::{
     preproc::{MacroEnv, NoIncludes, PpError, preprocess},
 };
 
+use rustc_hash::FxHashSet;
+
 use super::TextFix;
 use crate::{codes::is_environment, diagnostic::FixKind, source_map::text_range};
 
@@ -53,6 +55,8 @@ struct CandidateFix {
     edits: Vec<(Range<usize>, String)>,
     /// Lower is more likely.
     cost: u32,
+    /// Set if it can be nothing but a slip: a mark that stands twice.
+    plain: bool,
 }
 
 /// The repairs of a syntax error at a place of a text, the best first: those after which the fewest errors
@@ -63,18 +67,23 @@ pub(crate) fn repairs(text: &str, at: TextRange) -> Vec<TextFix> {
     }
     let before = errors_in(text);
     let mut kept: Vec<(usize, CandidateFix)> = Vec::new();
-    for trial in trials(text, at) {
-        let left = errors_in(&applied(text, &trial.edits));
-        if left < before {
+    // Which one of two equal marks is removed makes no difference.
+    let mut seen: FxHashSet<String> = FxHashSet::default();
+    let mut trials = trials(text, at);
+    trials.sort_by_key(|trial| trial.cost);
+    for trial in trials {
+        let new = applied(text, &trial.edits);
+        let left = errors_in(&new);
+        if left < before && seen.insert(new) {
             kept.push((left, trial));
         }
     }
-    kept.sort_by_key(|(left, trial)| (*left, trial.cost));
+    kept.sort_by_key(|(left, _)| *left);
     let best = kept.first().map(|pair| pair.0);
     kept.retain(|pair| Some(pair.0) == best);
     kept.truncate(MOST_KEPT);
     let fix = |(_, trial): (usize, CandidateFix)| TextFix {
-        kind: FixKind::Guess,
+        kind: FixKind::of(trial.plain),
         title: trial.title,
         edits: trial
             .edits
@@ -168,18 +177,19 @@ fn trials(text: &str, at: TextRange) -> Vec<CandidateFix> {
 
 /// Removals: a mark, a word, or the whole range of the error.
 fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<CandidateFix>) {
-    let mut remove = |range: Range<usize>, cost: u32| {
+    let mut remove = |range: Range<usize>, cost: u32, plain: bool| {
         let title = format!("Remove `{}`", window.text[range.clone()].trim());
         let range = with_blank(window.text, range);
         out.push(CandidateFix {
             title,
             edits: vec![(range, String::new())],
             cost,
+            plain,
         });
     };
     let whole = usize::from(at.start())..usize::from(at.end());
     if !whole.is_empty() && !window.text[whole.clone()].contains('\n') {
-        remove(whole, 24);
+        remove(whole, 24, false);
     }
     for first in window.around() {
         let is_doubled = first > 0 && window.token(first) == window.token(first - 1);
@@ -196,6 +206,7 @@ fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<CandidateFix>) {
             remove(
                 range,
                 base + 6 * (last - first) as u32 + window.distance(first),
+                is_doubled && first == last && window.is_mark(first),
             );
         }
     }
@@ -210,6 +221,7 @@ fn replacements(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: format!("Change `{token}` to `{with}`"),
                 edits: vec![(range.clone(), with.to_owned())],
                 cost: cost + window.distance(number),
+                plain: false,
             });
         };
         match window.kind(number) {
@@ -264,6 +276,7 @@ fn insertions(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: format!("Insert `{}`", what.trim()),
                 edits: vec![(at..at, what.to_owned())],
                 cost: base + window.distance(number),
+                plain: false,
             });
         }
     }
@@ -288,6 +301,7 @@ fn exchanges(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: format!("Write `{other} {one}`"),
                 edits: vec![(a.start..b.end, format!("{other}{between}{one}"))],
                 cost: 10 + window.distance(first),
+                plain: false,
             });
         }
         if !between.is_empty() {
@@ -295,6 +309,7 @@ fn exchanges(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: format!("Write `{one}{other}`"),
                 edits: vec![(a.start..b.end, format!("{one}{other}"))],
                 cost: 9 + window.distance(first),
+                plain: false,
             });
         }
         // `octet[4] code`
@@ -311,6 +326,7 @@ fn exchanges(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: format!("Write `{length}` behind `{}`", window.token(close + 1)),
                 edits: vec![(group.clone(), String::new()), (name.end..name.end, length)],
                 cost: 5,
+                plain: false,
             });
         }
     }
@@ -331,6 +347,7 @@ fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: "Change `char *` to `string`".to_owned(),
                 edits: vec![(range, if glued { "string " } else { "string" }.to_owned())],
                 cost: 1,
+                plain: false,
             });
         }
     }
@@ -343,6 +360,7 @@ fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
             title: "Remove `typedef`".to_owned(),
             edits: vec![(range, String::new())],
             cost: 20,
+            plain: false,
         });
     }
     for number in window.around() {
@@ -355,6 +373,7 @@ fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: "Close the text with `\"`".to_owned(),
                 edits: vec![(at..at, "\"".to_owned())],
                 cost: 1,
+                plain: false,
             });
         }
     }
@@ -372,6 +391,7 @@ fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: "Change `* /` to `*/`".to_owned(),
                 edits: vec![(at..at + 3, "*/".to_owned())],
                 cost: 1,
+                plain: false,
             });
         }
     }

@@ -18,6 +18,22 @@ pub(super) const MAX_ROUNDS: usize = 20;
 /// Maximum number of errors of one file for which fixes are found by trial.
 const MAX_TRIED: usize = 3;
 
+/// The fixes that are applied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Applied {
+    /// Those without an alternative.
+    Plain,
+    /// Also the first proposal for an error.
+    AlsoGuesses,
+}
+
+impl Applied {
+    fn includes(self, fix: &Fix, severity: Severity) -> bool {
+        let is_guess = fix.kind == FixKind::Guess && severity == Severity::Error;
+        fix.kind == FixKind::Plain || is_guess && self == Applied::AlsoGuesses
+    }
+}
+
 /// Original and new texts, by file.
 pub(super) type ChangedTexts = BTreeMap<Utf8PathBuf, (String, String)>;
 
@@ -28,6 +44,7 @@ pub(super) type AppliedFixes = BTreeMap<Utf8PathBuf, BTreeMap<String, usize>>;
 /// [`judge`](dotgen_codegen::codels::command::judge).
 pub(super) fn apply_fixes(
     session: &mut Session,
+    which: Applied,
     changed: &mut ChangedTexts,
     titles: &mut AppliedFixes,
 ) -> anyhow::Result<()> {
@@ -36,11 +53,17 @@ pub(super) fn apply_fixes(
         let mut report = FileReports::default();
         // Files that cannot be read are reported once, with the final report.
         check(session, &mut report, &mut ErrorReporter::silent());
+        match which {
+            Applied::Plain => add_trials(&project(session, changed), &mut report.diagnostics),
+            // The first proposal may be one that the judge refuses.
+            Applied::AlsoGuesses => judge(session, changed, &mut report.diagnostics),
+        }
         let found = report.diagnostics.iter();
-        let plain = found.filter_map(|diagnostic| Some((diagnostic.fixes.first()?, diagnostic)));
-        let plain = plain
-            .filter(|pair| pair.0.kind == FixKind::Plain && is_within_arguments(session, pair.0));
-        let edits: Vec<(Edit, &Diagnostic)> = plain
+        let first = found.filter_map(|diagnostic| Some((diagnostic.fixes.first()?, diagnostic)));
+        let first = first.filter(|(fix, finding)| {
+            which.includes(fix, finding.severity) && is_within_arguments(session, fix)
+        });
+        let edits: Vec<(Edit, &Diagnostic)> = first
             .map(|pair| (Edit::of(&pair.0.edits), pair.1))
             .collect();
         let mut project = project(session, changed);
@@ -77,6 +100,18 @@ pub(super) fn apply_fixes(
         }
     }
     Ok(())
+}
+
+/// Adds the fixes that are found by trial to errors without a fix.
+fn add_trials(project: &Project<'_>, found: &mut [Diagnostic]) {
+    let is_open = |found: &&Diagnostic| found.severity == Severity::Error && found.fixes.is_empty();
+    for number in (0..found.len())
+        .filter(|&number| is_open(&&found[number]))
+        .take(MAX_TRIED)
+        .collect::<Vec<_>>()
+    {
+        found[number].fixes = project.trials(&found[number], found);
+    }
 }
 
 /// Keeps the fixes of findings that are whole. Fixes that cannot be tried within the limit are left out.

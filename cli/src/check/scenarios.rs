@@ -15,7 +15,7 @@ struct Corrected {
     titles: Vec<String>,
 }
 
-/// Applies fixes to the scenarios of a session, in memory. A fix is applied if fewer errors are left with it.
+/// Applies fixes to the scenarios of a session, in memory. A fix is applied if fewer errors of its kind are left.
 pub(super) fn apply_fixes(
     session: &mut Session,
     changed: &mut ChangedTexts,
@@ -58,21 +58,22 @@ fn corrected(session: &Session, file: &SourceFile, text: String) -> anyhow::Resu
     Ok(now)
 }
 
-/// Returns the scenario with the first plain fix that leaves fewer errors.
+/// Returns the scenario with the first plain fix that leaves fewer errors of its kind.
 fn next(
     session: &Session,
     file: &SourceFile,
     now: &Corrected,
 ) -> anyhow::Result<Option<Corrected>> {
-    let fixes = now.found.iter().filter_map(|finding| finding.fixes.first());
-    for fix in fixes.filter(|fix| fix.kind == FixKind::Plain) {
+    let findings = now.found.iter();
+    let fixes = findings.filter_map(|finding| Some((finding.fixes.first()?, finding.code)));
+    for (fix, code) in fixes.filter(|(fix, _)| fix.kind == FixKind::Plain) {
         let edit = Edit::of(&fix.edits);
         let Some(edits) = edit.changed.get(&file.path) else {
             continue;
         };
         let text = apply(&now.text, edits);
         let found = scenario_with(session, file, &text)?;
-        if errors(&found) < errors(&now.found) {
+        if errors(&found, code) < errors(&now.found, code) {
             let titles = now.titles.iter().cloned().chain([fix.title.clone()]);
             return Ok(Some(Corrected {
                 titles: titles.collect(),
@@ -84,9 +85,10 @@ fn next(
     Ok(None)
 }
 
-fn errors(found: &[Diagnostic]) -> usize {
-    let severities = found.iter().map(|finding| finding.severity);
-    severities
-        .filter(|severity| *severity == Severity::Error)
-        .count()
+/// Returns the number of errors of a kind. Others may appear: names are looked up when the syntax is right.
+fn errors(found: &[Diagnostic], code: &str) -> usize {
+    let errors = found
+        .iter()
+        .filter(|finding| finding.severity == Severity::Error);
+    errors.filter(|finding| finding.code == code).count()
 }

@@ -11,6 +11,7 @@ use dotgen_timing::verify::Prepared;
 use std::os::unix::fs::DirBuilderExt as _;
 
 use super::Arguments;
+use super::params::Params;
 use crate::report;
 use dotgen_hosting::children::Children;
 use dotgen_hosting::components::KnownComponent;
@@ -51,6 +52,8 @@ pub(super) fn start(
             sockets::socket(name)?
         }
     };
+    let params = arguments.params.as_ref();
+    let params = params.map(|path| Params::read(path, names)).transpose()?;
     let built = &prepared.built;
     let mut known: BTreeMap<ComponentId, KnownComponent> = BTreeMap::new();
     for (name, member) in names.components.iter().enumerate() {
@@ -101,6 +104,9 @@ pub(super) fn start(
         });
     }
     report::note(&format!("listening at `{}`", path.display()));
+    if let Some(params) = params {
+        params.set_at(path);
+    }
     Ok(RunServer {
         server,
         #[cfg(feature = "zenoh")]

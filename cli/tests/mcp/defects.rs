@@ -114,11 +114,11 @@ fn seeded_defects_are_found_and_mended_with_the_tools_alone() {
             }
         };
         directory.write("work/it.gen", wrong.as_bytes());
-        let path = json!({ "path": "work/it.gen" });
-        let (told, _) = client.call("check", path.clone());
+        let (told, _) = client.call("check", json!({ "path": "work/it.gen" }));
         if told.contains("error[") {
             found += 1;
-            client.call("fix", path);
+            let all = json!({ "path": "work/it.gen", "unsafe-fixes": true });
+            client.call("fix", all);
         }
         let now = directory.read("work/it.gen");
         if meaning(&now) == meaning(right) {

@@ -194,7 +194,9 @@ fn leaves_body(p: &Parser<'_>, fragment: Fragment) -> bool {
 fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
     let m = p.start();
     if p.at(SEMICOLON) {
+        let at = p.position();
         p.error_here(Parsing::ExtraSemicolon);
+        p.replace(at..at + 1, "", true);
         p.bump(SEMICOLON);
         m.complete(p, ERROR);
         return;

@@ -1,0 +1,89 @@
+//! `dotgen run --systemd`: a unit that starts the same run with the machine.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use dotgen_hosting::realtime;
+
+/// The option itself, which the unit leaves out.
+const OPTION: &str = "--systemd";
+
+/// Returns the unit of a run of this program with these arguments, in the current folder.
+///
+/// # Errors
+/// The program or the folder has no path as text.
+pub(super) fn unit(
+    title: &str,
+    arguments: impl Iterator<Item = OsString>,
+) -> anyhow::Result<String> {
+    let program = std::env::current_exe()?;
+    let folder = std::env::current_dir()?;
+    let mut words = vec![quoted(&text(program.into())?)];
+    for argument in arguments.filter(|argument| argument != OPTION) {
+        words.push(quoted(&text(argument)?));
+    }
+    Ok(format!(
+        "[Unit]\n\
+         Description=GenoM3 components: {title}\n\
+         After=network-online.target\n\
+         Wants=network-online.target\n\
+         \n\
+         [Service]\n\
+         WorkingDirectory={folder}\n\
+         ExecStart={command}\n\
+         Restart=on-failure\n\
+         # Real-time priority and locked memory for codels.\n\
+         LimitRTPRIO={priority}\n\
+         LimitMEMLOCK=infinity\n\
+         \n\
+         [Install]\n\
+         WantedBy=default.target\n",
+        title = title.replace('%', "%%"),
+        folder = escaped(&text(PathBuf::from(folder).into())?),
+        command = words.join(" "),
+        priority = realtime::ENGINE_PRIORITY,
+    ))
+}
+
+fn text(argument: OsString) -> anyhow::Result<String> {
+    let wrong = |argument: OsString| format!("{argument:?} is no UTF-8");
+    argument
+        .into_string()
+        .map_err(wrong)
+        .map_err(anyhow::Error::msg)
+        .context("no unit can name it")
+}
+
+/// A word of a command line, as systemd reads it: `%` and `$` stand for themselves.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word.to_owned();
+    }
+    let word = escaped(word)
+        .replace('\\', "\\\\")
+        .replace('"', "\\\"")
+        .replace('$', "$$");
+    format!("\"{word}\"")
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('%', "%%")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_stay_whole() {
+        assert_eq!(quoted("pump.scn"), "pump.scn");
+        assert_eq!(
+            quoted("pump.fill={\"height\": 2}"),
+            "\"pump.fill={\\\"height\\\": 2}\""
+        );
+        assert_eq!(quoted("a $b 5%"), "\"a $$b 5%%\"");
+        assert_eq!(quoted(""), "\"\"");
+    }
+}
