@@ -1,4 +1,4 @@
-//! Shared objects that a host can run: the codels of a component with their [`glue`](super::glue).
+//! Shared objects that a host can run: the codels of a component with their [`glue`].
 
 use camino::Utf8Path;
 use dotgen_analysis::model::Name;
