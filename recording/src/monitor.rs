@@ -27,7 +27,7 @@ mod ticks;
 use std::collections::BTreeMap;
 
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::system::{CodelId, Ticks, TimedSystem};
+use dotgen_timing::system::{CodelId, MachineId, Ticks, TimedSystem};
 use rustc_hash::FxHashMap;
 use typed_index_collections::{TiVec, ti_vec};
 
@@ -147,11 +147,11 @@ pub struct Monitor<'s> {
     kinds: LineKinds,
     resolved: Vec<ResolvedKind>,
     instances: FxHashMap<String, u32>,
-    machines: FxHashMap<(u32, usize), Machine>,
+    machines: FxHashMap<(u32, MachineId), Machine>,
     tasks: FxHashMap<(u32, usize), Task>,
     codels: TiVec<CodelId, Codel>,
     /// Number of runs, by machine, state and outcome.
-    taken: FxHashMap<(usize, usize, usize), u64>,
+    taken: FxHashMap<(MachineId, usize, usize), u64>,
     order: RunOrder,
     foreign: BTreeMap<String, u64>,
     runs: u64,

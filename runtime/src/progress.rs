@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
 use dotgen_timing::report::{TimeUnit, Value};
-use dotgen_timing::system::{Ticks, TimedSystem, Yield};
+use dotgen_timing::system::{AutomatonId, Ticks, TimedSystem, Yield};
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
@@ -54,7 +54,7 @@ pub struct ActivityState {
 #[derive(Debug, Default)]
 pub(crate) struct ActivityStates {
     /// By automaton and place: the state, and whether a codel of the state has begun.
-    at: BTreeMap<(usize, usize), (usize, bool)>,
+    at: BTreeMap<(AutomatonId, usize), (usize, bool)>,
 }
 
 impl ActivityStates {

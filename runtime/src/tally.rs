@@ -1,7 +1,7 @@
 //! Counts along runs.
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
-use dotgen_timing::system::{CodelId, ServiceId, Ticks, TimedSystem};
+use dotgen_timing::system::{CodelId, MachineId, ServiceId, Ticks, TimedSystem};
 use typed_index_collections::{TiVec, ti_vec};
 
 /// Statistics of repeated times, in base units.
@@ -85,7 +85,7 @@ pub struct Tally {
     pub codels: TiVec<CodelId, CodelTally>,
     /// By machine, state and outcome (the last one: an exception), the times of the codels that ended with
     /// this outcome.
-    pub transitions: Vec<Vec<Vec<Times>>>,
+    pub transitions: TiVec<MachineId, Vec<Vec<Times>>>,
     pub(crate) busy: Vec<ActiveWork>,
 }
 

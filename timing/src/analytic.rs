@@ -42,7 +42,7 @@ pub use self::reaction::reaction_bound;
 use self::rivals::{Rivals, excluded};
 use self::ways::{Ways, resumed};
 use crate::scn::semantics::Semantics;
-use crate::system::{CodelId, CodelSet, FOREVER, Ticks, TimedSystem};
+use crate::system::{AutomatonId, CodelId, CodelSet, FOREVER, Ticks, TimedSystem};
 
 /// Returns a bound on the response time of every task, or `None` where this method finds none. Under the
 /// semantics of the servers other things delay a job, and a separate method applies (see `queue`). If single
@@ -89,9 +89,9 @@ const MAX_GROWTH_ROUNDS: usize = 100;
 struct Analysis<'s> {
     system: &'s TimedSystem,
     /// Turns in jobs, by automaton.
-    turns: Vec<Ways>,
+    turns: TiVec<AutomatonId, Ways>,
     /// Sets of automata that can have turns in the same job, by task.
-    parties: Vec<Vec<Vec<usize>>>,
+    parties: Vec<Vec<Vec<AutomatonId>>>,
     /// Work that can keep each codel waiting for its locks.
     of_codel: TiVec<CodelId, Rivals>,
     /// Work that can keep the codels of each party waiting.
@@ -109,7 +109,7 @@ impl<'s> Analysis<'s> {
         let tasks = 0..system.tasks.len();
         let mut analysis = Analysis {
             system,
-            turns: (0..system.automata.len())
+            turns: (system.automata.keys())
                 .map(|automaton| turns_in_jobs(system, automaton))
                 .collect(),
             parties: instances::of_one_job(system),
@@ -132,7 +132,7 @@ impl<'s> Analysis<'s> {
         analysis.of_codel = (excluded.iter().zip(owner))
             .map(|(codel_set, owner)| analysis.rivals(codel_set, owner, &|_| true))
             .collect();
-        let of_party = |task: usize, party: &[usize]| {
+        let of_party = |task: usize, party: &[AutomatonId]| {
             let mut all = CodelSet::default();
             for &automaton in party {
                 let machine = system.machine_of(automaton);
@@ -266,7 +266,7 @@ impl<'s> Analysis<'s> {
 
     /// Returns the greatest duration of turns of these automata in one job, together, with the given cost of
     /// each codel.
-    fn turns(&self, party: &[usize], cost: &dyn Fn(CodelId) -> Option<u64>) -> Option<u64> {
+    fn turns(&self, party: &[AutomatonId], cost: &dyn Fn(CodelId) -> Option<u64>) -> Option<u64> {
         party.iter().try_fold(0u64, |sum, &automaton| {
             let machine = self.system.machine_of(automaton);
             let cost = |state: usize| cost(machine.states[state].codel);
@@ -276,7 +276,11 @@ impl<'s> Analysis<'s> {
 
     /// Returns the greatest duration of the first turn of a permanent activity, with the given cost of each
     /// codel.
-    fn start_up(&self, automaton: usize, cost: &dyn Fn(CodelId) -> Option<u64>) -> Option<u64> {
+    fn start_up(
+        &self,
+        automaton: AutomatonId,
+        cost: &dyn Fn(CodelId) -> Option<u64>,
+    ) -> Option<u64> {
         let machine = self.system.machine_of(automaton);
         let cost = |state: usize| cost(machine.states[state].codel);
         Ways::turns(machine, [machine.start]).costliest(&cost)
@@ -334,7 +338,7 @@ impl<'s> Analysis<'s> {
     }
 }
 
-fn turns_in_jobs(system: &TimedSystem, automaton: usize) -> Ways {
+fn turns_in_jobs(system: &TimedSystem, automaton: AutomatonId) -> Ways {
     let entry = &system.automata[automaton];
     let machine = system.machine_of(automaton);
     if system.tasks[entry.task].period.is_none() || system.runs_apart(entry.task) {

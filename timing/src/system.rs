@@ -1,8 +1,9 @@
 //! The timed system: components, a platform and clients as small integers.
 //!
-//! It holds only the data that the explorer needs: tables, and times in base units. Components, services,
-//! codels and clients have index types of their own ([`ComponentId`], [`ServiceId`], [`CodelId`],
-//! [`ClientId`]); other tables are indexed by plain numbers.
+//! It holds only the data that the explorer needs: tables, and times in base units. Components, state
+//! machines, their instances, services, codels and clients have index types of their own ([`ComponentId`],
+//! [`MachineId`], [`AutomatonId`], [`ServiceId`], [`CodelId`], [`ClientId`]); tasks are indexed by plain
+//! numbers.
 //! [`build`] makes it from specifications and a scenario; tests make it by hand. "Section N" refers to the
 //! timed semantics of GenoM3 components, described for users in `docs/verification.md`.
 
@@ -24,7 +25,7 @@ use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use crate::scn::semantics::Semantics;
 
-pub use ids::{ClientId, CodelId, ComponentId, ServiceId};
+pub use ids::{AutomatonId, ClientId, CodelId, ComponentId, MachineId, ServiceId};
 pub use locks::{SharedPorts, sources};
 pub use loops::{loop_contradictions, pauseless_cycles};
 pub use name::{CodelName, ThreadName};
@@ -48,9 +49,9 @@ pub struct TimedSystem {
     /// Execution tasks. Those of one component are consecutive, in order of declaration.
     pub tasks: Vec<Task>,
     /// State machines of permanent activities and activities.
-    pub machines: Vec<Machine>,
+    pub machines: TiVec<MachineId, Machine>,
     /// The instances of machines: one per permanent activity and one per slot.
-    pub automata: Vec<Automaton>,
+    pub automata: TiVec<AutomatonId, Automaton>,
     /// Codels, one for each place of use.
     pub codels: TiVec<CodelId, Codel>,
     /// Services.
@@ -117,10 +118,10 @@ pub struct Task {
     /// Without work, the task keeps the tick instead of dropping it (section 4).
     pub keep_idle_tick: bool,
     /// The automaton of the permanent activity (one that has a `start` codel).
-    pub permanent: Option<usize>,
+    pub permanent: Option<AutomatonId>,
     /// Automata of the slots, in slot order. Under the semantics of the servers there is one automaton per
     /// activity, whatever the number of instances.
-    pub slots: Vec<usize>,
+    pub slots: Vec<AutomatonId>,
     /// Number of activities that can run at the same time, including the permanent one (servers).
     pub places: u32,
     /// The `priority`; the lower number goes first.
@@ -186,7 +187,7 @@ pub struct Automaton {
     /// Task that executes it.
     pub task: usize,
     /// Machine.
-    pub machine: usize,
+    pub machine: MachineId,
     /// Service of the slot; `None` for a permanent activity.
     pub service: Option<ServiceId>,
 }
@@ -282,7 +283,7 @@ pub struct Service {
     /// Codels that the control task executes, in order (functions and attributes).
     pub simple: Vec<CodelId>,
     /// Automata of the slots; empty unless the service is an activity.
-    pub slots: Vec<usize>,
+    pub slots: Vec<AutomatonId>,
     /// The service is an activity.
     pub activity: bool,
     /// Services that it interrupts.
@@ -430,7 +431,7 @@ impl TimedSystem {
     }
 
     /// Returns the machine of an automaton.
-    pub fn machine_of(&self, automaton: usize) -> &Machine {
+    pub fn machine_of(&self, automaton: AutomatonId) -> &Machine {
         &self.machines[self.automata[automaton].machine]
     }
 

@@ -2,7 +2,9 @@
 
 use dotgen_analysis::model::Owner;
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::system::{CodelId, ComponentId, FOREVER, Policy, Ticks, TimedSystem, Yield};
+use dotgen_timing::system::{
+    CodelId, ComponentId, FOREVER, MachineId, Policy, Ticks, TimedSystem, Yield,
+};
 use num_rational::Ratio;
 use rustc_hash::FxHashMap;
 
@@ -44,7 +46,7 @@ pub(super) enum ResolvedKind {
 pub(super) struct StateOutcome {
     pub(super) instance: u32,
     pub(super) task: usize,
-    pub(super) machine: usize,
+    pub(super) machine: MachineId,
     pub(super) permanent: bool,
     pub(super) state: usize,
     pub(super) start: usize,
@@ -148,7 +150,7 @@ impl<'s> Model<'s> {
         codel.map_or(String::new(), |codel| codel.path.own().to_owned())
     }
 
-    pub(super) fn state_name(&self, machine: usize, state: usize) -> String {
+    pub(super) fn state_name(&self, machine: MachineId, state: usize) -> String {
         let machine = self.system.machines.get(machine);
         let state = machine.and_then(|machine| machine.states.get(state));
         state.map_or(String::new(), |state| state.name.clone())
@@ -272,7 +274,13 @@ impl<'s> Model<'s> {
         }
     }
 
-    fn at(&self, task: usize, number: usize, state: &str, kind: &LineKind) -> Option<StateOutcome> {
+    fn at(
+        &self,
+        task: usize,
+        number: MachineId,
+        state: &str,
+        kind: &LineKind,
+    ) -> Option<StateOutcome> {
         let machine = self.system.machines.get(number)?;
         let place = machine
             .states
@@ -363,7 +371,7 @@ impl<'s> Model<'s> {
     /// Returns the transitions that were not taken.
     pub(super) fn untaken_transitions(
         &self,
-        taken: &FxHashMap<(usize, usize, usize), u64>,
+        taken: &FxHashMap<(MachineId, usize, usize), u64>,
     ) -> Vec<UntakenTransition> {
         let mut out = Vec::new();
         for automaton in &self.system.automata {

@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 
 use super::refusal::Refusal;
 use crate::system::loops::{Visited, beginning, followers};
-use crate::system::{CodelId, Machine, State, TimedSystem, Yield};
+use crate::system::{CodelId, Machine, MachineId, State, TimedSystem, Yield};
 
 /// Number of places and rests above which a task is refused.
 const MAX_SITUATIONS: usize = 5_000;
@@ -65,7 +65,7 @@ impl CycleAutomaton {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Activity {
     /// Its machine.
-    pub(super) machine: usize,
+    pub(super) machine: MachineId,
     pub(super) permanent: bool,
     /// The activity can be requested again after its end.
     pub(super) again: bool,

@@ -2,8 +2,8 @@
 
 use super::Analysis;
 use super::demand::Demand;
-use crate::system::Policy;
 use crate::system::loops::can_pause;
+use crate::system::{AutomatonId, Policy};
 
 impl Analysis<'_> {
     /// Returns the longest time, in base units, for which a job can wait for a core, given the longest times
@@ -86,7 +86,7 @@ impl Analysis<'_> {
 
     /// Returns true if the first cycle of a task always lasts for ever.
     fn always_endless(&self, task: usize) -> bool {
-        let endless = |a: usize| self.system.machine_of(a).is_endless();
+        let endless = |a: AutomatonId| self.system.machine_of(a).is_endless();
         let permanent = self.system.tasks[task].permanent;
         permanent.is_some_and(endless) && !self.system.runs_apart(task)
     }

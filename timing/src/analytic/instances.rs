@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::system::{Client, ClientAction, ServiceId, TimedSystem};
+use crate::system::{AutomatonId, Client, ClientAction, ServiceId, TimedSystem};
 
 /// Number of situations of a client above which all slots are assumed to be in use.
 const MAX_SITUATIONS: usize = 2_000;
@@ -14,7 +14,7 @@ const COMBINATIONS: usize = 32;
 ///
 /// An activity that has had a turn in a job keeps its slot until the job has ended, so all of these slots are
 /// in use at its end.
-pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
+pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<AutomatonId>>> {
     let live: Vec<Option<FxHashSet<ActiveInstances>>> = system
         .clients
         .iter()
@@ -22,7 +22,7 @@ pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
         .collect();
     let of_task = |task: usize| {
         let definition = &system.tasks[task];
-        let permanent: Vec<usize> = definition.permanent.into_iter().collect();
+        let permanent: Vec<AutomatonId> = definition.permanent.into_iter().collect();
         let all = || FxHashSet::from_iter([[&permanent[..], &definition.slots[..]].concat()]);
         // An activity with threads of its own frees its slot at its end, independently of jobs.
         if system.runs_apart(task) {
@@ -30,18 +30,18 @@ pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
         }
         let mut sets = FxHashSet::from_iter([permanent.clone()]);
         for live in &live {
-            let with = |set: &Vec<usize>| -> Option<Vec<Vec<usize>>> {
+            let with = |set: &Vec<AutomatonId>| -> Option<Vec<Vec<AutomatonId>>> {
                 let live = live.as_ref()?.iter();
                 let more = live.map(|live| with_slots(system, task, set, live));
                 Some(more.collect())
             };
-            let next: Option<Vec<Vec<Vec<usize>>>> = sets.iter().map(with).collect();
+            let next: Option<Vec<Vec<Vec<AutomatonId>>>> = sets.iter().map(with).collect();
             let Some(next) = next else {
                 sets = all();
                 break;
             };
             sets = next.into_iter().flatten().collect();
-            let within = |one: &Vec<usize>, other: &Vec<usize>| {
+            let within = |one: &Vec<AutomatonId>, other: &Vec<AutomatonId>| {
                 one.len() < other.len() && one.iter().all(|index| other.contains(index))
             };
             let most = sets
@@ -62,9 +62,9 @@ pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
 fn with_slots(
     system: &TimedSystem,
     task: usize,
-    set: &[usize],
+    set: &[AutomatonId],
     live: &ActiveInstances,
-) -> Vec<usize> {
+) -> Vec<AutomatonId> {
     let mut out = set.to_vec();
     for &(service, _) in live {
         let slots = system.services[service].slots.iter();

@@ -10,7 +10,7 @@ use crate::report::Value;
 use crate::scn::ast::{Path, Scenario};
 use crate::scn::names::Names;
 use crate::system::build::build;
-use crate::system::{CodelId, FOREVER, TimedSystem};
+use crate::system::{CodelId, FOREVER, MachineId, TimedSystem};
 use crate::verify::{Cancel, Options, SystemInput, settings};
 
 /// The sensitivity of a system: its distance from missing a deadline, or from meeting all of them.
@@ -164,7 +164,7 @@ fn questions(system: &TimedSystem) -> Vec<Parameter> {
             .automata
             .iter()
             .filter(|automaton| automaton.task == task);
-        let machines: Vec<usize> = automata.map(|automaton| automaton.machine).collect();
+        let machines: Vec<MachineId> = automata.map(|automaton| automaton.machine).collect();
         let is_own = |codel: &CodelId| {
             let mut states = machines
                 .iter()

@@ -27,7 +27,7 @@ use super::rules::{Action, Enabled, Rules, SystemRules};
 use super::state::State;
 use super::store::Encoded;
 use crate::property::Predicate;
-use crate::system::{Ticks, TimedSystem};
+use crate::system::{AutomatonId, Ticks, TimedSystem};
 
 /// A sleep set: the actions held back for now. Executors from bit 0 on, ticks from bit 64 on.
 pub(crate) type SleepSet = u128;
@@ -164,7 +164,7 @@ impl Deferrable {
     /// Returns true if the end of an executor's work can be postponed.
     pub(crate) fn can_be_deferred(&self, system: &TimedSystem, executor: usize) -> bool {
         let automata = &system.automata;
-        let member = match automata.get(executor) {
+        let member = match automata.get(AutomatonId::from(executor)) {
             _ if !self.automata => executor,
             Some(automaton) => automaton.task,
             None => executor - automata.len() + system.tasks.len(),

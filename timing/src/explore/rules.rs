@@ -74,7 +74,7 @@ pub(crate) use self::system_rules::SystemRules;
 pub use self::work::Work;
 use super::state::{Clocks, Frame, State, TaskStatus};
 use crate::property::Atom;
-use crate::system::{ClientId, ComponentId, ServiceId, Ticks, TimedSystem};
+use crate::system::{AutomatonId, ClientId, ComponentId, ServiceId, Ticks, TimedSystem};
 
 /// An action: an event that takes no time. Executors are numbered: automata, then the control tasks of
 /// components, then clients. (With passes there are tasks instead of automata.)
@@ -289,7 +289,7 @@ pub(crate) trait Rules: Sized {
     fn places(&self) -> usize;
 
     /// Returns the automaton of the activity in a place: accepted, running, or ended and not yet reported.
-    fn activity(&self, s: &State, place: usize) -> Option<usize>;
+    fn activity(&self, s: &State, place: usize) -> Option<AutomatonId>;
 
     /// Interrupts the activity in a place, like a service that interrupts it.
     fn interrupt_activity(&self, s: &mut State, place: usize);

@@ -9,7 +9,7 @@ use super::observe::{self, Observer};
 use super::rules::{Action, Enabled, Rules, SystemRules, Work};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
 use crate::property::Predicate;
-use crate::system::{ClientId, ComponentId, ServiceId, Ticks, TimedSystem};
+use crate::system::{AutomatonId, ClientId, ComponentId, ServiceId, Ticks, TimedSystem};
 
 /// The predicates to watch along a run, in addition to jobs and ticks.
 #[derive(Debug, Clone, Default)]
@@ -211,7 +211,7 @@ impl<'s> Stepper<'s> {
     }
 
     /// Returns the automaton of the activity in a place: accepted, running, or ended and not yet reported.
-    pub fn activity(&self, place: usize) -> Option<usize> {
+    pub fn activity(&self, place: usize) -> Option<AutomatonId> {
         self.walk.activity(place)
     }
 
@@ -258,7 +258,7 @@ trait Walk {
     fn job(&self, task: usize) -> Option<Ticks>;
     fn awaited(&self, within: usize) -> Option<Ticks>;
     fn places(&self) -> usize;
-    fn activity(&self, place: usize) -> Option<usize>;
+    fn activity(&self, place: usize) -> Option<AutomatonId>;
     fn interrupt(&mut self, place: usize);
     fn handling(&self, component: ComponentId) -> Option<(ServiceId, bool)>;
     fn has_refused(&self, service: ServiceId) -> bool;
@@ -499,7 +499,7 @@ impl<R: Rules> Walk for Walker<R> {
         self.rules.places()
     }
 
-    fn activity(&self, place: usize) -> Option<usize> {
+    fn activity(&self, place: usize) -> Option<AutomatonId> {
         self.rules.activity(&self.s, place)
     }
 

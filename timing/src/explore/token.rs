@@ -25,7 +25,9 @@ use crate::cancel::Cancel;
 use crate::property::{Atom, Predicate, TaskState};
 use crate::scn::ast::ChainKind;
 use crate::system::chain::{Chain, DataPlace};
-use crate::system::{ClientId, CodelId, ComponentId, FOREVER, ServiceId, Ticks, TimedSystem};
+use crate::system::{
+    AutomatonId, ClientId, CodelId, ComponentId, FOREVER, ServiceId, Ticks, TimedSystem,
+};
 
 /// Finds the supremum of a chain, by exploring all runs. It is the only entry of `within` in the findings;
 /// `None` there if no write is ever marked.
@@ -523,7 +525,7 @@ impl<R: Rules> Rules for Tracked<'_, R> {
         self.rules.places()
     }
 
-    fn activity(&self, s: &State, place: usize) -> Option<usize> {
+    fn activity(&self, s: &State, place: usize) -> Option<AutomatonId> {
         self.rules.activity(s, place)
     }
 

@@ -3,7 +3,8 @@
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
 use crate::scn::semantics::TickRule;
 use crate::system::{
-    ClientId, CodelId, ComponentId, Machine, Policy, ServiceId, TimedSystem, Yield,
+    AutomatonId, ClientId, CodelId, ComponentId, Machine, MachineId, Policy, ServiceId,
+    TimedSystem, Yield,
 };
 
 /// A part of a system, which always is in one local state.
@@ -22,7 +23,7 @@ enum PartKind {
     /// The status of a task that executes jobs.
     Status(usize),
     /// An automaton of a task that executes jobs.
-    Automaton(usize),
+    Automaton(AutomatonId),
     /// The slots of a service.
     Slots(ServiceId),
     /// The control task of a component.
@@ -39,7 +40,7 @@ pub(super) enum Local {
     /// A codel of a state machine: waiting for locks, or executing.
     Codel {
         task: usize,
-        machine: usize,
+        machine: MachineId,
         state: usize,
         codel: CodelId,
         executes: bool,
@@ -102,13 +103,13 @@ impl<'s> Parts<'s> {
             jobs,
             parts: Vec::new(),
         };
-        let executed = |&automaton: &usize| {
+        let executed = |&automaton: &AutomatonId| {
             let service = system.automata[automaton].service;
             service.is_none_or(|service| requested[service])
         };
         for (task, it) in system.tasks.iter().enumerate() {
             let automata = it.permanent.iter().chain(&it.slots).copied();
-            let automata: Vec<usize> = automata.filter(executed).collect();
+            let automata: Vec<AutomatonId> = automata.filter(executed).collect();
             let states = [TaskState::Idle, TaskState::Waiting, TaskState::Running];
             let mut locals: Vec<Local> = states.map(|state| Local::Task(task, state)).into();
             if jobs {
@@ -167,7 +168,7 @@ impl<'s> Parts<'s> {
     }
 
     /// Returns the codels of an automaton in the states that its machine can reach.
-    fn codels(&self, automaton: usize) -> Vec<Local> {
+    fn codels(&self, automaton: AutomatonId) -> Vec<Local> {
         let it = &self.system.automata[automaton];
         let machine = &self.system.machines[it.machine];
         let states = reachable(machine).into_iter();
@@ -192,7 +193,8 @@ impl<'s> Parts<'s> {
                 of_kind(&|kind| kind == PartKind::Thread(task) || kind == PartKind::Status(task))
             }
             Atom::State { machine, .. } => {
-                let runs = |automaton: usize| self.system.automata[automaton].machine == machine;
+                let runs =
+                    |automaton: AutomatonId| self.system.automata[automaton].machine == machine;
                 let parts = of_kind(&|kind| match kind {
                     PartKind::Automaton(automaton) => runs(automaton),
                     PartKind::Thread(task) => {

@@ -1,6 +1,6 @@
 //! Predicates on the discrete state.
 
-use crate::system::{ClientId, CodelId, ComponentId, ServiceId};
+use crate::system::{ClientId, CodelId, ComponentId, MachineId, ServiceId};
 
 /// A Boolean combination of atoms.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub enum Atom {
     /// One of the automata of a machine is in a codel state.
     State {
         /// The machine.
-        machine: usize,
+        machine: MachineId,
         /// Its state.
         state: usize,
         /// Waiting for locks, executing, or either.

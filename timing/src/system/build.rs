@@ -20,7 +20,7 @@ use typed_index_collections::TiVec;
 use super::indexed::Built;
 use super::locks::exclude_codels;
 use super::settings::Settings;
-use super::{Platform, Policy, TimedSystem};
+use super::{MachineId, Platform, Policy, TimedSystem};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::scn::ast;
 use crate::scn::names::Names;
@@ -42,8 +42,8 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
                 unit: Ratio::new(1, 1000),
                 components: TiVec::new(),
                 tasks: Vec::new(),
-                machines: Vec::new(),
-                automata: Vec::new(),
+                machines: TiVec::new(),
+                automata: TiVec::new(),
                 codels: TiVec::new(),
                 services: TiVec::new(),
                 clients: TiVec::new(),
@@ -124,7 +124,7 @@ struct Builder<'b> {
     /// Overridden durations by component, owner, index of the codel and state.
     durations: HashMap<(usize, Owner, u32, String), usize>,
     /// Places of the loop limits of machines, in the scenario.
-    loop_rules: HashMap<usize, Range<usize>>,
+    loop_rules: HashMap<MachineId, Range<usize>>,
     /// Numbers of slots of activities, if the scenario states them.
     slots: HashMap<(usize, u32), u32>,
     /// Numbers of activities of tasks, if the scenario states them.

@@ -27,6 +27,8 @@ macro_rules! ids {
 }
 
 ids! {
+    /// An instance of a state machine: an index into [`TimedSystem::automata`](super::TimedSystem::automata).
+    AutomatonId
     /// A client: an index into [`TimedSystem::clients`](super::TimedSystem::clients).
     ClientId
     /// A codel in one place of use: an index into [`TimedSystem::codels`](super::TimedSystem::codels).
@@ -34,6 +36,8 @@ ids! {
     /// A component: an index into [`TimedSystem::components`](super::TimedSystem::components). Components of
     /// specifications, in [`Names::components`](crate::scn::names::Names::components), have other numbers.
     ComponentId
+    /// A state machine: an index into [`TimedSystem::machines`](super::TimedSystem::machines).
+    MachineId
     /// A service: an index into [`TimedSystem::services`](super::TimedSystem::services).
     ServiceId
 }

@@ -8,7 +8,7 @@ use dotgen_analysis::model::{Owner, Seconds};
 use super::TimedSystem;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::scn::ast::Path;
-use crate::system::{ComponentId, ServiceId};
+use crate::system::{ComponentId, MachineId, ServiceId};
 
 /// A system, with tables that find its parts.
 #[derive(Debug, Clone)]
@@ -20,7 +20,7 @@ pub struct Built {
     /// Services, by component and index.
     pub services: HashMap<(usize, u32), ServiceId>,
     /// Machines of tasks and activities.
-    pub machines: HashMap<(usize, Owner), usize>,
+    pub machines: HashMap<(usize, Owner), MachineId>,
     /// Components, by index in the scenario.
     pub components: HashMap<usize, ComponentId>,
     /// Problems found. Without errors, verification goes on.

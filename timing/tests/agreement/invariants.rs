@@ -9,7 +9,7 @@ use dotgen_timing::property::{Atom, Predicate, SlotStatus, StatePhase, TaskState
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
 use dotgen_timing::system::build::build;
-use dotgen_timing::system::{ClientId, CodelId, ServiceId, TimedSystem};
+use dotgen_timing::system::{ClientId, CodelId, MachineId, ServiceId, TimedSystem};
 use dotgen_timing::verify::{Cancel, Options, settings};
 
 use crate::servers::random::{Texts, requests, texts, varied};
@@ -64,7 +64,7 @@ fn atom(system: &TimedSystem, dice: &mut Dice) -> Atom {
         }
         _ if system.machines.is_empty() => Atom::Task(0, TaskState::Active),
         _ => {
-            let machine = below(dice, system.machines.len());
+            let machine = MachineId::from(below(dice, system.machines.len()));
             let state = below(dice, system.machines[machine].states.len());
             Atom::State {
                 machine,
@@ -86,7 +86,7 @@ fn literal(system: &TimedSystem, dice: &mut Dice) -> Predicate {
 /// Returns the pairs of codels, in states of machines, of which one waits for the other: often in one
 /// direction only.
 fn waiting_pairs(system: &TimedSystem) -> Vec<Predicate> {
-    let machines = system.machines.iter().enumerate();
+    let machines = system.machines.iter_enumerated();
     let states: Vec<(Atom, CodelId)> = machines
         .flat_map(|(machine, it)| {
             let states = it.states.iter().enumerate();

@@ -7,9 +7,9 @@ pub(crate) mod requests;
 use dotgen_timing::property::{Atom, Predicate, StatePhase, TaskState};
 use dotgen_timing::scn::semantics::{LockRule, Semantics};
 use dotgen_timing::system::{
-    Automaton, Client, ClientAction, ClientStep, Codel, CodelId, CodelName, CodelSet, Component,
-    ComponentId, FOREVER, Machine, Platform, Policy, Service, ServiceId, State, Task, TimedSystem,
-    Yield, loop_contradictions,
+    Automaton, AutomatonId, Client, ClientAction, ClientStep, Codel, CodelId, CodelName, CodelSet,
+    Component, ComponentId, FOREVER, Machine, MachineId, Platform, Policy, Service, ServiceId,
+    State, Task, TimedSystem, Yield, loop_contradictions,
 };
 use proptest::prelude::Rng;
 use proptest::test_runner::{RngAlgorithm, TestRng};
@@ -45,8 +45,8 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
         unit: dotgen_analysis::model::Seconds::new(1, 1000),
         components: TiVec::new(),
         tasks: Vec::new(),
-        machines: Vec::new(),
-        automata: Vec::new(),
+        machines: TiVec::new(),
+        automata: TiVec::new(),
         codels: TiVec::new(),
         services: TiVec::new(),
         clients: TiVec::new(),
@@ -259,7 +259,7 @@ pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
                 }
             })
             .collect();
-        system.machines.push(Machine {
+        let machine = system.machines.push_and_get_key(Machine {
             name: name.clone(),
             states,
             start: 0,
@@ -267,7 +267,6 @@ pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
             loop_limit: (t == 0 && dice.in_ten(7)).then_some(1),
             rounds: true,
         });
-        let machine = system.machines.len() - 1;
         let permanent = automaton(&mut system, t, machine, None);
         system.tasks.push(Task {
             places: 16,
@@ -316,8 +315,8 @@ fn empty(dice: &mut Dice) -> TimedSystem {
         unit: dotgen_analysis::model::Seconds::new(1, 1000),
         components: TiVec::new(),
         tasks: Vec::new(),
-        machines: Vec::new(),
-        automata: Vec::new(),
+        machines: TiVec::new(),
+        automata: TiVec::new(),
         codels: TiVec::new(),
         services: TiVec::new(),
         clients: TiVec::new(),
@@ -334,15 +333,14 @@ fn empty(dice: &mut Dice) -> TimedSystem {
 fn automaton(
     system: &mut TimedSystem,
     task: usize,
-    machine: usize,
+    machine: MachineId,
     service: Option<ServiceId>,
-) -> usize {
-    system.automata.push(Automaton {
+) -> AutomatonId {
+    system.automata.push_and_get_key(Automaton {
         task,
         machine,
         service,
-    });
-    system.automata.len() - 1
+    })
 }
 
 fn codel(
@@ -375,7 +373,7 @@ fn machine(
     dice: &mut Dice,
     component: ComponentId,
     name: String,
-) -> usize {
+) -> MachineId {
     let n = 1 + dice.below(3) as usize;
     let states = (0..n)
         .map(|i| {
@@ -411,8 +409,7 @@ fn machine(
     if !loop_contradictions(&machine).is_empty() {
         machine.loop_limit = None;
     }
-    system.machines.push(machine);
-    system.machines.len() - 1
+    system.machines.push_and_get_key(machine)
 }
 
 fn service(system: &mut TimedSystem, dice: &mut Dice, v: usize) {
@@ -517,6 +514,7 @@ pub(crate) fn predicate(system: &TimedSystem, dice: &mut Dice) -> Predicate {
         Atom::Task(0, TaskState::Active)
     } else {
         let machine = dice.below(system.machines.len() as u32) as usize;
+        let machine = MachineId::from(machine);
         let states = system.machines[machine].states.len() as u32;
         Atom::State {
             machine,

@@ -168,8 +168,12 @@ impl AmpleState<'_, '_> {
         let l = self.layout();
         let permanent = self.system().tasks[task].permanent;
         l.started(self.s, task)
-            && permanent
-                .is_none_or(|a| matches!(l.mode(self.s, a), permanent::NORMAL | permanent::ENDED))
+            && permanent.is_none_or(|a| {
+                matches!(
+                    l.mode(self.s, l.number_of(a)),
+                    permanent::NORMAL | permanent::ENDED
+                )
+            })
     }
 
     /// Returns true for a plain task past its start-up.
@@ -202,7 +206,7 @@ impl AmpleState<'_, '_> {
         self.facts.active[task]
             || definition
                 .permanent
-                .is_some_and(|a| l.mode(self.s, a) != permanent::ENDED)
+                .is_some_and(|a| l.mode(self.s, l.number_of(a)) != permanent::ENDED)
     }
 
     /// Returns true if no task has to wait for a core at this moment, whatever happens.
@@ -252,14 +256,16 @@ impl AmpleState<'_, '_> {
     /// Returns true if the jobs of a plain task end as soon as they get a core, and their response time is
     /// not measured.
     fn has_nothing_to_do(&self, task: usize) -> bool {
+        let l = self.layout();
         let permanent = self.system().tasks[task].permanent;
         !self.facts.measured[task]
-            && permanent.is_none_or(|a| self.layout().mode(self.s, a) == permanent::ENDED)
+            && permanent.is_none_or(|a| l.mode(self.s, l.number_of(a)) == permanent::ENDED)
     }
 
     fn end_alone(&self, executor: usize) -> bool {
         let l = self.layout();
-        let Some(automaton) = self.system().automata.get(executor) else {
+        let id = l.automaton_numbered(executor);
+        let Some(automaton) = self.system().automata.get(id) else {
             return false;
         };
         let task = automaton.task;
@@ -271,7 +277,7 @@ impl AmpleState<'_, '_> {
         {
             return false;
         }
-        let state = &self.system().machine_of(executor).states[l.at(self.s, executor) as usize];
+        let state = &self.system().machine_of(id).states[l.at(self.s, executor) as usize];
         if state
             .yields
             .iter()
@@ -340,14 +346,16 @@ impl AmpleState<'_, '_> {
     }
 
     fn runs(&self, executor: usize, task: usize) -> bool {
-        let automaton = self.system().automata.get(executor);
+        let automaton = self.layout().automaton_numbered(executor);
+        let automaton = self.system().automata.get(automaton);
         automaton.is_some_and(|automaton| automaton.task == task)
     }
 
     /// Returns true if an acquisition by this executor changes nothing that is observed, and cannot be
     /// repeated for ever in no time.
     fn may_acquire_alone(&self, executor: usize) -> bool {
-        match self.system().automata.get(executor) {
+        let automaton = self.layout().automaton_numbered(executor);
+        match self.system().automata.get(automaton) {
             Some(automaton) if automaton.service.is_none() => {
                 self.settled(automaton.task) && !self.facts.visible.tasks[automaton.task]
             }
@@ -364,16 +372,17 @@ impl AmpleState<'_, '_> {
         if !self.settled(task) || self.due(task) || l.pending(self.s, task) {
             return Rivalry::Later;
         }
-        let Some(a) = self.system().tasks[task].permanent else {
+        let Some(automaton) = self.system().tasks[task].permanent else {
             return Rivalry::None;
         };
+        let a = l.number_of(automaton);
         let periodic = self.system().tasks[task].period.is_some();
         match l.status(self.s, task) {
             TaskStatus::Idle if periodic || l.mode(self.s, a) == permanent::ENDED => Rivalry::None,
             TaskStatus::Running if periodic || self.facts.endless[task] => {
                 let conflicts = &self.system().codels[codel].conflicts;
                 let state = l.at(self.s, a) as usize;
-                let later = self.facts.later[a][state]
+                let later = self.facts.later[automaton][state]
                     .iter()
                     .any(|index| conflicts.contains(index));
                 match l.phase(self.s, a) {

@@ -5,7 +5,8 @@ use typed_index_collections::{TiVec, ti_vec};
 use super::Watched;
 use crate::property::Atom;
 use crate::system::{
-    ClientId, CodelId, CodelSet, ComponentId, Machine, ServiceId, TimedSystem, Yield,
+    AutomatonId, ClientId, CodelId, CodelSet, ComponentId, Machine, MachineId, ServiceId,
+    TimedSystem, Yield,
 };
 
 /// The parts of a system that predicates observe.
@@ -25,7 +26,7 @@ pub(super) struct Parts {
     /// Tasks whose status is observed.
     pub(super) statuses: Vec<bool>,
     /// State machines whose state is observed.
-    pub(super) machines: Vec<bool>,
+    pub(super) machines: TiVec<MachineId, bool>,
     /// Services whose slots are observed.
     pub(super) slots: TiVec<ServiceId, bool>,
     /// Clients whose step is observed.
@@ -44,7 +45,7 @@ impl Visible {
         let mut others = false;
         let mut parts = Parts {
             statuses: vec![false; system.tasks.len()],
-            machines: vec![false; system.machines.len()],
+            machines: ti_vec![false; system.machines.len()],
             slots: ti_vec![false; system.services.len()],
             clients: ti_vec![false; system.clients.len()],
             controls: ti_vec![false; system.components.len()],
@@ -106,7 +107,7 @@ pub(crate) struct Facts {
     /// Tasks with activities that can run.
     pub(super) active: Vec<bool>,
     /// By automaton and state, the codels that the same turn can reach after the state.
-    pub(super) later: Vec<Vec<CodelSet>>,
+    pub(super) later: TiVec<AutomatonId, Vec<CodelSet>>,
 }
 
 impl Facts {
@@ -163,7 +164,7 @@ impl Facts {
                 .clone()
                 .map(|task| system.has_activities(task, &requested))
                 .collect(),
-            later: (0..system.automata.len())
+            later: (system.automata.keys())
                 .map(|a| later(system.machine_of(a)))
                 .collect(),
         }
@@ -185,7 +186,7 @@ impl Facts {
     }
 
     /// Returns the codels that the same turn of an automaton can reach after a state.
-    pub(super) fn later(&self, automaton: usize, state: usize) -> &CodelSet {
+    pub(super) fn later(&self, automaton: AutomatonId, state: usize) -> &CodelSet {
         &self.later[automaton][state]
     }
 }

@@ -183,7 +183,7 @@ fn settled(rules: &SystemRules, s: &State, task: usize) -> bool {
     rules.layout.started(s, task)
         && rules.system.tasks[task].permanent.is_none_or(|a| {
             matches!(
-                rules.layout.mode(s, a),
+                rules.layout.mode(s, rules.layout.number_of(a)),
                 permanent::NORMAL | permanent::ENDED
             )
         })
@@ -253,7 +253,8 @@ impl DueState<'_, '_> {
                 let Action::Finish { executor, .. } = action else {
                     continue;
                 };
-                let task = self.rules.system.automata[executor].task;
+                let task =
+                    self.rules.system.automata[self.rules.layout.automaton_numbered(executor)].task;
                 if all && useful >> task & 1 == 1 {
                     out.push((action, due));
                 }
@@ -295,7 +296,7 @@ impl DueState<'_, '_> {
                     || (needs && system.platform.policy != Policy::Fifo && self.on_core(q))
             });
         }
-        let own = system.automata[bit].task;
+        let own = system.automata[self.rules.layout.automaton_numbered(bit)].task;
         if self.rules.layout.phase(self.s, bit) == phase::EXECUTING {
             let joins = self.may_join(own);
             return set(&|q| joins && q != own && self.may_join(q));
@@ -331,9 +332,10 @@ impl DueState<'_, '_> {
     fn can_come_to(&self, task: usize, codels: &CodelSet) -> bool {
         let l = &self.rules.layout;
         let system = self.rules.system;
-        let Some(a) = system.tasks[task].permanent else {
+        let Some(automaton) = system.tasks[task].permanent else {
             return false;
         };
+        let a = l.number_of(automaton);
         if !settled(self.rules, self.s, task)
             && self.overtake.started_after[task].intersects(codels)
         {
@@ -345,8 +347,8 @@ impl DueState<'_, '_> {
             return self.overtake.all[task].intersects(codels);
         }
         let at = l.at(self.s, a) as usize;
-        let here = codels.contains(system.machine_of(a).states[at].codel);
-        let later = || self.facts.later(a, at).intersects(codels);
+        let here = codels.contains(system.machine_of(automaton).states[at].codel);
+        let later = || self.facts.later(automaton, at).intersects(codels);
         match l.phase(self.s, a) {
             phase::EXECUTING => l.window(self.s, a).0 == 0 && later(),
             phase::LOCKING => here || later(),
@@ -368,8 +370,9 @@ impl DueState<'_, '_> {
         if self.due(task) && self.held >> (TICKS + task) & 1 == 0 {
             return true;
         }
-        self.rules.system.tasks[task]
-            .permanent
+        let permanent = self.rules.system.tasks[task].permanent;
+        permanent
+            .map(|automaton| l.number_of(automaton))
             .is_some_and(|a| match l.phase(self.s, a) {
                 phase::EXECUTING => l.window(self.s, a).0 == 0,
                 phase::LOCKING => self.held >> a & 1 == 0 && self.rules.may_leave(self.s, a),
@@ -397,7 +400,7 @@ impl DueState<'_, '_> {
                 let Some(codel) = self.rules.codel(self.s, holder) else {
                     continue;
                 };
-                let other = system.automata[holder].task;
+                let other = system.automata[l.automaton_numbered(holder)].task;
                 if other != task && self.can_come_to(task, &system.codels[codel].conflicts) {
                     add(other);
                 }

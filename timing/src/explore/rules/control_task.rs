@@ -210,9 +210,9 @@ impl SystemRules<'_> {
         };
         let service = &self.system.services[number];
         if service.activity {
-            let mut slots = service.slots.iter();
-            match slots.find(|&&slot| l.mode(s, slot) == slot::VOID) {
-                Some(&slot) => {
+            let mut slots = (service.slots.iter()).map(|&automaton| l.number_of(automaton));
+            match slots.find(|&slot| l.mode(s, slot) == slot::VOID) {
+                Some(slot) => {
                     l.set_mode(s, slot, slot::INIT);
                     for t in 0..self.system.clients[client].trackers {
                         if l.tracker(s, client, t) == tracker::HANDLED {
@@ -342,8 +342,9 @@ impl SystemRules<'_> {
     fn is_held(&self, s: &State, service: ServiceId, slot: usize) -> bool {
         let mut interrupted = self.system.services[service].interrupts.iter();
         interrupted.any(|&other| {
-            let mut slots = self.system.services[other].slots.iter();
-            slots.any(|&instance| instance != slot && self.layout.mode(s, instance) != slot::VOID)
+            let slots = self.system.services[other].slots.iter();
+            let mut slots = slots.map(|&automaton| self.layout.number_of(automaton));
+            slots.any(|instance| instance != slot && self.layout.mode(s, instance) != slot::VOID)
         })
     }
 

@@ -5,7 +5,7 @@
 use super::SystemRules;
 use super::status::{control, flag, permanent, slot, thread};
 use crate::explore::state::{State, TaskStatus, phase};
-use crate::system::{CodelId, ComponentId, Yield};
+use crate::system::{AutomatonId, CodelId, ComponentId, Yield};
 
 impl SystemRules<'_> {
     /// Starts tasks of a component, from the one in `starting` up to one that has to run its first codel.
@@ -20,7 +20,7 @@ impl SystemRules<'_> {
                 l.set_timer(s, task, self.first_tick(task));
             }
             if let Some(automaton) = self.system.tasks[task].permanent {
-                l.set_mode(s, automaton, permanent::FIRST_CODEL);
+                l.set_mode(s, l.number_of(automaton), permanent::FIRST_CODEL);
                 self.enter_turn(s, automaton, self.system.machine_of(automaton).start);
                 return;
             }
@@ -68,12 +68,12 @@ impl SystemRules<'_> {
         let l = &self.layout;
         let slots = l.slots(task);
         (from..slots.len()).find(|&index| {
-            let automaton = slots[index];
-            let can_run = match self.system.automata[automaton].service {
-                None => l.mode(s, automaton) == permanent::NORMAL,
-                Some(_) => matches!(l.activity(s, automaton), slot::RUN | slot::STOP),
+            let slot = slots[index];
+            let can_run = match self.system.automata[l.automaton_numbered(slot)].service {
+                None => l.mode(s, slot) == permanent::NORMAL,
+                Some(_) => matches!(l.activity(s, slot), slot::RUN | slot::STOP),
             };
-            can_run && l.phase(s, automaton) == phase::REST
+            can_run && l.phase(s, slot) == phase::REST
         })
     }
 
@@ -82,19 +82,20 @@ impl SystemRules<'_> {
         let l = &self.layout;
         while let Some(index) = self.next_turn(s, task, from) {
             from = index + 1;
-            let automaton = l.slots(task)[index];
-            let mut state = l.at(s, automaton) as usize;
-            if l.mode(s, automaton) & slot::MARK != 0 {
+            let slot = l.slots(task)[index];
+            let automaton = l.automaton_numbered(slot);
+            let mut state = l.at(s, slot) as usize;
+            if l.mode(s, slot) & slot::MARK != 0 {
                 let Some(stop) = self.system.machine_of(automaton).stop else {
-                    self.end_slot(s, automaton);
+                    self.end_slot(s, slot);
                     continue;
                 };
-                l.set_mode(s, automaton, slot::STOP);
+                l.set_mode(s, slot, slot::STOP);
                 state = stop;
             }
             l.set_turn_number(s, task, 1 + index as u16);
             self.enter_turn(s, automaton, state);
-            if l.phase(s, automaton) & phase::ASYNC == 0 {
+            if l.phase(s, slot) & phase::ASYNC == 0 {
                 return;
             }
         }
@@ -106,7 +107,7 @@ impl SystemRules<'_> {
         if definition
             .slots
             .iter()
-            .any(|&automaton| l.mode(s, automaton) == slot::ETHER)
+            .any(|&automaton| l.mode(s, l.number_of(automaton)) == slot::ETHER)
         {
             l.set_signal(s, definition.component, 1);
         }
@@ -116,22 +117,24 @@ impl SystemRules<'_> {
     }
 
     /// Begins the turn of an automaton in a state.
-    fn enter_turn(&self, s: &mut State, automaton: usize, state: usize) {
-        self.layout.set_at(s, automaton, state as u16);
-        self.begin_turn(s, automaton);
+    fn enter_turn(&self, s: &mut State, automaton: AutomatonId, state: usize) {
+        let slot = self.layout.number_of(automaton);
+        self.layout.set_at(s, slot, state as u16);
+        self.begin_turn(s, slot);
         self.wait_for_locks(s, automaton);
     }
 
     /// Lets an automaton wait for the locks of its present codel, unless the codel excludes no other codel.
-    fn wait_for_locks(&self, s: &mut State, automaton: usize) {
+    fn wait_for_locks(&self, s: &mut State, automaton: AutomatonId) {
         let l = &self.layout;
+        let number = l.number_of(automaton);
         let entry = &self.system.automata[automaton];
-        let state = &self.system.machine_of(automaton).states[l.at(s, automaton) as usize];
-        let first_turn = entry.service.is_none() && l.mode(s, automaton) != permanent::NORMAL;
+        let state = &self.system.machine_of(automaton).states[l.at(s, number) as usize];
+        let first_turn = entry.service.is_none() && l.mode(s, number) != permanent::NORMAL;
         let separate = state.is_async && self.system.platform.async_free && !first_turn;
         let flag = if separate { phase::ASYNC } else { 0 };
-        l.set_phase(s, automaton, phase::LOCKING | flag);
-        self.lock(s, automaton, state.codel);
+        l.set_phase(s, number, phase::LOCKING | flag);
+        self.lock(s, number, state.codel);
     }
 
     /// Begins the present codel of an executor if it excludes no other codel, else queues for its locks.
@@ -143,11 +146,12 @@ impl SystemRules<'_> {
         }
     }
 
-    /// Ends a codel of an automaton.
+    /// Ends a codel of the automaton that has the number `a`.
     pub(super) fn finish_state(&self, s: &mut State, a: usize, outcome: usize) {
         let l = &self.layout;
-        let automaton = &self.system.automata[a];
-        let machine = self.system.machine_of(a);
+        let id = l.automaton_numbered(a);
+        let automaton = &self.system.automata[id];
+        let machine = self.system.machine_of(id);
         let successor = machine.states[l.at(s, a) as usize].yields[outcome];
         let is_permanent = automaton.service.is_none();
         let first_codel = is_permanent && l.mode(s, a) == permanent::FIRST_CODEL;
@@ -169,7 +173,7 @@ impl SystemRules<'_> {
                     l.set_mode(s, a, permanent::FIRST_TURN);
                 }
                 self.enter(s, a, state, &successor);
-                self.wait_for_locks(s, a);
+                self.wait_for_locks(s, id);
             }
             Yield::Next(state) | Yield::Pause(state) => {
                 self.clear_visits(s, a);
@@ -204,9 +208,9 @@ impl SystemRules<'_> {
     }
 
     /// Ends an activity: it is to be reported.
-    pub(super) fn end_slot(&self, s: &mut State, automaton: usize) {
-        self.clear_visits(s, automaton);
-        self.layout.set_at(s, automaton, 0);
-        self.layout.set_mode(s, automaton, slot::ETHER);
+    pub(super) fn end_slot(&self, s: &mut State, slot: usize) {
+        self.clear_visits(s, slot);
+        self.layout.set_at(s, slot, 0);
+        self.layout.set_mode(s, slot, slot::ETHER);
     }
 }

@@ -9,7 +9,8 @@ use super::status::{flag, slot, thread};
 use crate::explore::state::{Clocks, Frame, Places, State, TaskStatus};
 use crate::scn::semantics::LockRule;
 use crate::system::{
-    Builtin, Client, ClientAction, ClientId, ComponentId, Policy, ServiceId, Ticks, TimedSystem,
+    AutomatonId, Builtin, Client, ClientAction, ClientId, ComponentId, Policy, ServiceId, Ticks,
+    TimedSystem,
 };
 
 /// Numbers per task.
@@ -192,18 +193,36 @@ impl Layout {
 
     /// Returns the automaton of a slot; `None` for a permanent activity without codels, or a free slot.
     #[inline]
-    pub(crate) fn automaton(&self, s: &State, slot: usize) -> Option<usize> {
+    pub(crate) fn automaton(&self, s: &State, slot: usize) -> Option<AutomatonId> {
         match self.of_slot {
-            2 => Some(slot),
-            _ => (s.d[self.slot_base + 3 * slot + 2] as usize).checked_sub(1),
+            2 => Some(self.automaton_numbered(slot)),
+            _ => {
+                let number = (s.d[self.slot_base + 3 * slot + 2] as usize).checked_sub(1);
+                number.map(AutomatonId::from)
+            }
         }
     }
 
-    pub(super) fn set_automaton(&self, s: &mut State, slot: usize, automaton: Option<usize>) {
+    pub(super) fn set_automaton(&self, s: &mut State, slot: usize, automaton: Option<AutomatonId>) {
         if self.of_slot == 3 {
-            let number = automaton.map_or(0, |automaton| automaton as u16 + 1);
+            let number = automaton.map_or(0, |automaton| usize::from(automaton) as u16 + 1);
             s.d[self.slot_base + 3 * slot + 2] = number;
         }
+    }
+
+    /// Returns the number of an automaton among slots and among executors (jobs).
+    #[inline]
+    pub(crate) fn number_of(&self, automaton: AutomatonId) -> usize {
+        debug_assert_eq!(self.of_slot, 2, "slots are automata only with jobs");
+        usize::from(automaton)
+    }
+
+    /// Returns the automaton with a number among slots or among executors (jobs). Control tasks and clients
+    /// have numbers after the last automaton.
+    #[inline]
+    pub(crate) fn automaton_numbered(&self, number: usize) -> AutomatonId {
+        debug_assert_eq!(self.of_slot, 2, "slots are automata only with jobs");
+        AutomatonId::from(number)
     }
 
     /// Returns the place of the numbers of a component.
@@ -375,12 +394,8 @@ fn slots(system: &TimedSystem, jobs: bool) -> Vec<Vec<usize>> {
     let of_task = |task: usize| {
         let definition = &system.tasks[task];
         if jobs {
-            return definition
-                .permanent
-                .iter()
-                .chain(&definition.slots)
-                .copied()
-                .collect();
+            let automata = definition.permanent.iter().chain(&definition.slots);
+            return automata.map(|&automaton| automaton.into()).collect();
         }
         let first = next;
         next += most_slots(system, task);
@@ -396,12 +411,12 @@ fn visits(
     jobs: bool,
     places: &mut Places,
 ) -> Vec<(usize, usize)> {
-    let counted = |automaton: usize| {
+    let counted = |automaton: AutomatonId| {
         let machine = system.machine_of(automaton);
         machine.loop_limit.map_or(0, |_| machine.states.len())
     };
     if jobs {
-        let counters = (0..system.automata.len()).map(counted);
+        let counters = system.automata.keys().map(counted);
         return counters.map(|most| (places.discrete(most), most)).collect();
     }
     let mut out = Vec::new();

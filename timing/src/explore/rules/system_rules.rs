@@ -21,8 +21,8 @@ use crate::explore::state::{Clocks, Frame, State, TaskStatus, phase};
 use crate::property::Atom;
 use crate::scn::semantics::TickRule;
 use crate::system::{
-    ClientAction, ClientId, Codel, CodelId, ComponentId, Machine, ServiceId, State as MachineState,
-    Ticks, TimedSystem,
+    AutomatonId, ClientAction, ClientId, Codel, CodelId, ComponentId, Machine, ServiceId,
+    State as MachineState, Ticks, TimedSystem,
 };
 
 /// The rules applied to one system.
@@ -67,11 +67,11 @@ impl<'s> SystemRules<'s> {
     pub(crate) fn task_of_executor(&self, executor: usize) -> Option<usize> {
         match self.points.cycle {
             Cycle::Passes => (executor < self.layout.tasks).then_some(executor),
-            Cycle::Jobs => self
-                .system
-                .automata
-                .get(executor)
-                .map(|automaton| automaton.task),
+            Cycle::Jobs => {
+                let automaton = self.layout.automaton_numbered(executor);
+                let automaton = self.system.automata.get(automaton);
+                automaton.map(|automaton| automaton.task)
+            }
         }
     }
 
@@ -305,8 +305,8 @@ impl Rules for SystemRules<'_> {
             }
             StartUp::FirstCodel if !l.started(s, task) => starting,
             StartUp::FirstCodel => {
-                let in_first_turn = |&automaton: &usize| {
-                    let mode = l.mode(s, automaton);
+                let in_first_turn = |&automaton: &AutomatonId| {
+                    let mode = l.mode(s, l.number_of(automaton));
                     mode == permanent::FIRST_CODEL || mode == permanent::FIRST_TURN
                 };
                 let own = self.system.tasks[task].permanent;
@@ -416,7 +416,7 @@ impl Rules for SystemRules<'_> {
         self.layout.all_slots()
     }
 
-    fn activity(&self, s: &State, place: usize) -> Option<usize> {
+    fn activity(&self, s: &State, place: usize) -> Option<AutomatonId> {
         let l = &self.layout;
         match l.activity(s, place) {
             slot::VOID => None,

@@ -1,6 +1,6 @@
 //! The work of executors.
 
-use crate::system::{ClientId, CodelId, ServiceId};
+use crate::system::{AutomatonId, ClientId, CodelId, ServiceId};
 
 /// The work of an executor. Numbers index into the tables of the [`TimedSystem`](crate::system::TimedSystem).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,7 +12,7 @@ pub enum Work {
         /// The task that executes it.
         task: usize,
         /// The automaton: the permanent activity, or an activity.
-        automaton: usize,
+        automaton: AutomatonId,
         /// The state of its machine.
         state: usize,
         /// Place of the activity, which it keeps to its end.

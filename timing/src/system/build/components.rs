@@ -45,12 +45,11 @@ impl Builder<'_> {
             let permanent = self
                 .machine(c, number, Owner::Task(t), &path)
                 .map(|machine| {
-                    self.out.system.automata.push(Automaton {
+                    self.out.system.automata.push_and_get_key(Automaton {
                         task: id,
                         machine,
                         service: None,
-                    });
-                    self.out.system.automata.len() - 1
+                    })
                 });
             // The servers have no such rule.
             let keep = self.idle_rule(c, t) && self.settings.semantics().is_published();
@@ -152,12 +151,11 @@ impl Builder<'_> {
                     true => self.slots.get(&(c, s)).copied().unwrap_or(DEFAULT_SLOTS),
                 };
                 for _ in 0..count {
-                    self.out.system.automata.push(Automaton {
+                    slots.push(self.out.system.automata.push_and_get_key(Automaton {
                         task,
                         machine,
                         service: Some(id),
-                    });
-                    slots.push(self.out.system.automata.len() - 1);
+                    }));
                 }
                 self.out.system.tasks[task].slots.extend(&slots);
             }

@@ -11,7 +11,7 @@ impl Builder<'_> {
     /// Determines how loop limits count, and reports cycles without a limit and contradictory limits.
     pub(super) fn loops(&mut self) {
         let mut found = Vec::new();
-        for machine in 0..self.out.system.machines.len() {
+        for machine in self.out.system.machines.keys() {
             let system = &self.out.system;
             let used = system
                 .automata

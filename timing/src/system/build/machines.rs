@@ -6,7 +6,7 @@ use super::Builder;
 use super::times::TimeOf;
 use crate::diagnostic::remark::Remark;
 use crate::system::{
-    Codel, CodelId, CodelName, CodelSet, ComponentId, FOREVER, Machine, State, Yield,
+    Codel, CodelId, CodelName, CodelSet, ComponentId, FOREVER, Machine, MachineId, State, Yield,
 };
 
 impl Builder<'_> {
@@ -17,7 +17,7 @@ impl Builder<'_> {
         number: ComponentId,
         owner: Owner,
         path: &str,
-    ) -> Option<usize> {
+    ) -> Option<MachineId> {
         let component = self.names.components[c].component;
         let codels = component.codels_of(owner);
         let mut names: Vec<(String, u32)> = Vec::new();
@@ -69,7 +69,7 @@ impl Builder<'_> {
                 }
             })
             .collect();
-        let id = self.out.system.machines.len();
+        let id = self.out.system.machines.next_key();
         let (loop_limit, rule) = self.loop_limit(c, owner);
         self.loop_rules.extend(rule.map(|rule| (id, rule)));
         self.out.machines.insert((c, owner), id);

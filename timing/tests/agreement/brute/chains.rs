@@ -9,7 +9,7 @@ use dotgen_timing::system::chain::{Chain, ChainKind, DataPlace};
 
 use super::state::{Doing, Mode, State, Step};
 use super::{Brute, CAP};
-use dotgen_timing::system::ComponentId;
+use dotgen_timing::system::{AutomatonId, ComponentId};
 
 /// A place: shared, or the variable of an instance, or of the request that a control task handles.
 type Datum = (DataPlace, Option<usize>);
@@ -114,11 +114,14 @@ impl Brute<'_> {
             && e >= automata
         {
             // The variables of a request become those of its instance.
-            let born =
-                |&a: &usize| s.automata[a].mode == Mode::Void && n.automata[a].mode != Mode::Void;
-            for a in (0..automata).filter(born) {
+            let born = |&a: &AutomatonId| {
+                s.automata[a].mode == Mode::Void && n.automata[a].mode != Mode::Void
+            };
+            for a in s.automata.keys().filter(born) {
                 let of_request = followed.places.iter().filter(|place| place.1 == Some(e));
-                let own: Vec<Datum> = of_request.map(|request| (request.0, Some(a))).collect();
+                let own: Vec<Datum> = of_request
+                    .map(|request| (request.0, Some(a.into())))
+                    .collect();
                 followed.places.extend(own);
             }
         }
@@ -127,7 +130,7 @@ impl Brute<'_> {
             self.read(chain, followed, &n, &began);
             // Variables last as long as the instance, or the handling of the request.
             followed.places.retain(|place| match place.1 {
-                Some(e) if e < automata => n.automata[e].mode != Mode::Void,
+                Some(e) if e < automata => n.automata[AutomatonId::from(e)].mode != Mode::Void,
                 Some(e) => !matches!(
                     n.controls[ComponentId::from(e - automata)].step,
                     Step::Ready

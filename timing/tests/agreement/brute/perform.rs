@@ -2,7 +2,7 @@
 
 use dotgen_timing::explore::Action;
 use dotgen_timing::scn::semantics::LockRule;
-use dotgen_timing::system::{ClientAction, ClientId, ComponentId, Policy, Yield};
+use dotgen_timing::system::{AutomatonId, ClientAction, ClientId, ComponentId, Policy, Yield};
 
 use super::state::{Doing, Mode, State, Status, Step, Tracked};
 use super::{Brute, Results};
@@ -41,7 +41,7 @@ impl Brute<'_> {
             Action::Acquire { executor } => {
                 n.lock_queue.retain(|&lock_queue| lock_queue != executor);
                 if executor < n.automata.len() {
-                    n.automata[executor].doing = Doing::Executing(0);
+                    n.automata[AutomatonId::from(executor)].doing = Doing::Executing(0);
                 } else {
                     let na = n.automata.len();
                     n.controls[ComponentId::from(executor - na)].doing = Doing::Executing(0);
@@ -50,7 +50,7 @@ impl Brute<'_> {
             Action::Finish { executor, outcome } => {
                 let (na, nc) = (n.automata.len(), n.controls.len());
                 if executor < na {
-                    self.end_state(&mut n, executor, outcome);
+                    self.end_state(&mut n, executor.into(), outcome);
                 } else if executor < na + nc {
                     self.end_control(&mut n, (executor - na).into(), outcome, results);
                 } else {
@@ -144,7 +144,7 @@ impl Brute<'_> {
         }
     }
 
-    fn enter(&self, s: &mut State, a: usize, state: usize) {
+    fn enter(&self, s: &mut State, a: AutomatonId, state: usize) {
         let entry = &self.system.machine_of(a).states[state];
         let in_cycle = !matches!(s.automata[a].mode, Mode::FirstCodel | Mode::FirstRun);
         let automaton = &mut s.automata[a];
@@ -158,12 +158,12 @@ impl Brute<'_> {
         } else {
             automaton.doing = Doing::Locking;
             if self.system.platform.semantics.locks == LockRule::Fifo {
-                s.lock_queue.push(a);
+                s.lock_queue.push(a.into());
             }
         }
     }
 
-    fn end_state(&self, s: &mut State, a: usize, outcome: usize) {
+    fn end_state(&self, s: &mut State, a: AutomatonId, outcome: usize) {
         let t = self.system.automata[a].task;
         let c = self.system.tasks[t].component;
         let machine = self.system.machine_of(a);
@@ -225,12 +225,12 @@ impl Brute<'_> {
         }
     }
 
-    pub(super) fn to_ether(&self, s: &mut State, a: usize) {
+    pub(super) fn to_ether(&self, s: &mut State, a: AutomatonId) {
         self.to_void(s, a);
         s.automata[a].mode = Mode::Ether;
     }
 
-    pub(super) fn to_void(&self, s: &mut State, a: usize) {
+    pub(super) fn to_void(&self, s: &mut State, a: AutomatonId) {
         let automaton = &mut s.automata[a];
         automaton.mode = Mode::Void;
         automaton.stopping = false;

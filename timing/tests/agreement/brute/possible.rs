@@ -2,7 +2,9 @@
 
 use dotgen_timing::explore::Action;
 use dotgen_timing::scn::semantics::LockRule;
-use dotgen_timing::system::{ClientAction, ClientId, ComponentId, FOREVER, Policy, Yield};
+use dotgen_timing::system::{
+    AutomatonId, ClientAction, ClientId, ComponentId, FOREVER, Policy, Yield,
+};
 
 use super::Brute;
 use super::state::{Doing, Mode, State, Status, Step, Tracked};
@@ -135,8 +137,9 @@ impl Brute<'_> {
     fn outcomes(&self, s: &State, e: usize) -> Vec<usize> {
         let (na, nc) = (s.automata.len(), s.controls.len());
         if e < na {
-            let machine = self.system.machine_of(e);
-            let automaton = &s.automata[e];
+            let a = AutomatonId::from(e);
+            let machine = self.system.machine_of(a);
+            let automaton = &s.automata[a];
             let yields = &machine.states[automaton.at].yields;
             let fresh = |y: &Yield| match (y, machine.loop_limit) {
                 (&Yield::Next(to), Some(limit)) => automaton.visits[to] < limit,
@@ -193,13 +196,13 @@ impl Brute<'_> {
         self.order(t).iter().any(|&a| self.can_run(s, a))
     }
 
-    pub(super) fn can_run(&self, s: &State, a: usize) -> bool {
+    pub(super) fn can_run(&self, s: &State, a: AutomatonId) -> bool {
         s.automata[a].doing == Doing::Nothing
             && matches!(s.automata[a].mode, Mode::Normal | Mode::Run | Mode::Stop)
     }
 
     /// Returns the automata of a task in the order of turns.
-    pub(super) fn order(&self, t: usize) -> Vec<usize> {
+    pub(super) fn order(&self, t: usize) -> Vec<AutomatonId> {
         let task = &self.system.tasks[t];
         task.permanent.iter().chain(&task.slots).copied().collect()
     }

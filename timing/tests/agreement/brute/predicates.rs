@@ -58,7 +58,7 @@ impl Brute<'_> {
                 machine,
                 state,
                 phase,
-            } => (0..s.automata.len()).any(|a| {
+            } => s.automata.keys().any(|a| {
                 self.system.automata[a].machine == machine
                     && s.automata[a].at == state
                     && match s.automata[a].doing {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use dotgen_timing::system::{ClientAction, ClientId, CodelId, ComponentId, ServiceId};
+use dotgen_timing::system::{AutomatonId, ClientAction, ClientId, CodelId, ComponentId, ServiceId};
 use typed_index_collections::TiVec;
 
 use super::Brute;
@@ -79,7 +79,7 @@ pub(super) struct Control {
 pub(super) enum Tracked {
     Over,
     Handled,
-    Slot(usize),
+    Slot(AutomatonId),
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -94,7 +94,7 @@ pub(super) struct Client {
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct State {
     pub(super) tasks: Vec<Task>,
-    pub(super) automata: Vec<Automaton>,
+    pub(super) automata: TiVec<AutomatonId, Automaton>,
     pub(super) controls: TiVec<ComponentId, Control>,
     pub(super) clients: TiVec<ClientId, Client>,
     pub(super) queue: Vec<usize>,
@@ -175,7 +175,7 @@ impl Brute<'_> {
     pub(super) fn doing(&self, s: &State, e: usize) -> Doing {
         let (na, nc) = (s.automata.len(), s.controls.len());
         if e < na {
-            s.automata[e].doing
+            s.automata[AutomatonId::from(e)].doing
         } else if e < na + nc {
             s.controls[ComponentId::from(e - na)].doing
         } else {
@@ -195,7 +195,8 @@ impl Brute<'_> {
     pub(super) fn codel(&self, s: &State, e: usize) -> CodelId {
         let na = s.automata.len();
         if e < na {
-            self.system.machine_of(e).states[s.automata[e].at].codel
+            let a = AutomatonId::from(e);
+            self.system.machine_of(a).states[s.automata[a].at].codel
         } else {
             match s.controls[ComponentId::from(e - na)].step {
                 Step::Validate(service, _) => self.system.services[service].validate.unwrap(),

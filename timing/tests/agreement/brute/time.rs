@@ -1,6 +1,6 @@
 //! The passage of time.
 
-use dotgen_timing::system::{ClientId, ComponentId, FOREVER};
+use dotgen_timing::system::{AutomatonId, ClientId, ComponentId, FOREVER};
 
 use super::state::{Doing, State, Status};
 use super::{Brute, CAP};
@@ -25,7 +25,7 @@ impl Brute<'_> {
                 };
                 let (na, nc) = (n.automata.len(), n.controls.len());
                 if e < na {
-                    n.automata[e].doing = Doing::Executing(elapsed);
+                    n.automata[AutomatonId::from(e)].doing = Doing::Executing(elapsed);
                 } else if e < na + nc {
                     n.controls[ComponentId::from(e - na)].doing = Doing::Executing(elapsed);
                 } else {

@@ -2,8 +2,8 @@
 
 use dotgen_timing::property::{Atom, Predicate};
 use dotgen_timing::system::{
-    Automaton, Client, ClientAction, ClientStep, Codel, CodelId, CodelSet, Component, ComponentId,
-    Machine, Policy, Service, ServiceId, State, Task, TimedSystem,
+    Automaton, AutomatonId, Client, ClientAction, ClientStep, Codel, CodelId, CodelSet, Component,
+    ComponentId, Machine, MachineId, Policy, Service, ServiceId, State, Task, TimedSystem,
 };
 use typed_index_collections::TiVec;
 
@@ -18,8 +18,8 @@ pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)
     let mut system = TimedSystem {
         components: TiVec::new(),
         tasks: Vec::new(),
-        machines: Vec::new(),
-        automata: Vec::new(),
+        machines: TiVec::new(),
+        automata: TiVec::new(),
         codels: TiVec::new(),
         services: TiVec::new(),
         clients: TiVec::new(),
@@ -151,8 +151,8 @@ impl Copier<'_> {
     fn add_to(&self, system: &mut TimedSystem) {
         let (one, copy) = (self.one, self.copy);
         let task = |index: usize| copy * one.tasks.len() + index;
-        let machine = |index: usize| copy * one.machines.len() + index;
-        let automaton = |index: usize| copy * one.automata.len() + index;
+        let machine = |id: MachineId| shifted(id, copy * one.machines.len());
+        let automaton = |id: AutomatonId| shifted(id, copy * one.automata.len());
         let codel = |id: CodelId| shifted(id, copy * one.codels.len());
         let service = |id: ServiceId| shifted(id, copy * one.services.len());
         if system.components.next_key() <= self.component() {
@@ -238,7 +238,7 @@ fn renamed(predicate: &Predicate, one: &TimedSystem, copy: usize) -> Predicate {
             state,
             phase,
         } => Atom::State {
-            machine: copy * one.machines.len() + machine,
+            machine: shifted(machine, copy * one.machines.len()),
             state,
             phase,
         },

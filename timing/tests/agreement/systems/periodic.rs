@@ -22,20 +22,21 @@ pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
         if task.permanent.is_none() {
             let component = task.component;
             let codel = codel(&mut system, dice, component, format!("t{t}.s0"));
-            system.machines.push(dotgen_timing::system::Machine {
-                name: format!("t{t}"),
-                states: vec![State {
-                    name: "s0".to_owned(),
-                    codel,
-                    yields: vec![Yield::Pause(0)],
-                    is_async: false,
-                }],
-                start: 0,
-                stop: None,
-                loop_limit: None,
-                rounds: false,
-            });
-            let machine = system.machines.len() - 1;
+            let machine = system
+                .machines
+                .push_and_get_key(dotgen_timing::system::Machine {
+                    name: format!("t{t}"),
+                    states: vec![State {
+                        name: "s0".to_owned(),
+                        codel,
+                        yields: vec![Yield::Pause(0)],
+                        is_async: false,
+                    }],
+                    start: 0,
+                    stop: None,
+                    loop_limit: None,
+                    rounds: false,
+                });
             system.tasks[t].permanent = Some(automaton(&mut system, t, machine, None));
         }
     }

@@ -25,7 +25,9 @@ use crate::explore::reductions::{Kind, Reason, Setting};
 use crate::explore::rules::Action;
 use crate::explore::rules::status::{control, permanent, slot, tracker};
 use crate::explore::state::{TaskStatus, phase};
-use crate::system::{Client, ClientAction, ClientId, CodelId, ComponentId, ServiceId, Yield};
+use crate::system::{
+    AutomatonId, Client, ClientAction, ClientId, CodelId, ComponentId, ServiceId, Yield,
+};
 
 /// A set of services.
 type Services = u128;
@@ -46,7 +48,7 @@ pub(super) struct Requests {
     /// Services of each component.
     of_component: TiVec<ComponentId, Services>,
     /// Automata of activities whose turns eventually take time, on tasks without separate threads.
-    ordinary: Vec<bool>,
+    ordinary: TiVec<AutomatonId, bool>,
     /// Parts that predicates observe.
     visible: Parts,
 }
@@ -76,7 +78,7 @@ impl Requests {
             related: TiVec::new(),
             instant: 0,
             of_component: ti_vec![0; system.components.len()],
-            ordinary: Vec::new(),
+            ordinary: TiVec::new(),
             visible: setting.facts.visible.parts.clone(),
         };
         if !enabled {
@@ -204,7 +206,7 @@ impl AmpleState<'_, '_> {
         let definition = &system.services[service];
         let all = |service: ServiceId, is: &dyn Fn(u16) -> bool| {
             let mut slots = system.services[service].slots.iter();
-            slots.all(|&a| is(l.mode(self.s, a)))
+            slots.all(|&a| is(l.mode(self.s, l.number_of(a))))
         };
         let void = |service: ServiceId| all(service, &|void| void == slot::VOID);
         let waits_for_it =
@@ -236,7 +238,7 @@ impl AmpleState<'_, '_> {
             && definition
                 .slots
                 .iter()
-                .all(|&a| l.mode(self.s, a) == slot::VOID)
+                .all(|&a| l.mode(self.s, l.number_of(a)) == slot::VOID)
             && (!self.system().needs_core(task) || self.cores_for_all())
     }
 
@@ -296,7 +298,7 @@ impl AmpleState<'_, '_> {
                     let mut slots = system.services[service]
                         .slots
                         .iter()
-                        .map(|&a| l.mode(self.s, a));
+                        .map(|&a| l.mode(self.s, l.number_of(a)));
                     slots.all(|it_is| match it_is {
                         slot::INIT => false,
                         slot::ETHER => !known.visible.slots[service],
@@ -314,7 +316,8 @@ impl AmpleState<'_, '_> {
         let known = &self.ample.requests;
         let l = self.layout();
         let system = self.system();
-        let Some(automaton) = system.automata.get(executor) else {
+        let id = l.automaton_numbered(executor);
+        let Some(automaton) = system.automata.get(id) else {
             return false;
         };
         let Some(service) = automaton.service else {
@@ -322,14 +325,14 @@ impl AmpleState<'_, '_> {
         };
         let task = automaton.task;
         if !known.enabled
-            || !known.ordinary[executor]
+            || !known.ordinary[id]
             || l.window(self.s, executor).1 > 0
             || known.visible.machines[automaton.machine]
             || known.visible.statuses[task]
         {
             return false;
         }
-        let state = &system.machine_of(executor).states[l.at(self.s, executor) as usize];
+        let state = &system.machine_of(id).states[l.at(self.s, executor) as usize];
         if state
             .yields
             .iter()
@@ -347,12 +350,12 @@ impl AmpleState<'_, '_> {
                 .all(|transition| !matches!(transition, Yield::Pause(_))))
             && !known.visible.slots[service];
         let nothing_else = (definition.slots.iter())
-            .all(|&a| a == executor || self.cannot_change(a, service))
+            .all(|&a| a == id || self.cannot_change(a, service))
             && !self.due(task)
             && !l.pending(self.s, task)
             && definition
                 .permanent
-                .is_none_or(|a| match l.mode(self.s, a) {
+                .is_none_or(|a| match l.mode(self.s, l.number_of(a)) {
                     permanent::ENDED => true,
                     permanent::NORMAL => definition.period.is_some(),
                     _ => false,
@@ -376,10 +379,11 @@ impl AmpleState<'_, '_> {
 
     /// Returns true if a slot of the activity's task does not change, as the task sees it, until that
     /// activity has ended, provided that no client requests a related service.
-    fn cannot_change(&self, slot: usize, activity: ServiceId) -> bool {
+    fn cannot_change(&self, slot: AutomatonId, activity: ServiceId) -> bool {
+        let l = self.layout();
         let system = self.system();
         let automaton = &system.automata[slot];
-        match self.layout().mode(self.s, slot) {
+        match l.mode(self.s, l.number_of(slot)) {
             slot::VOID | slot::ETHER => true,
             slot::INIT => (automaton.service)
                 .is_some_and(|service| system.services[service].interrupts.contains(&activity)),
@@ -434,7 +438,7 @@ impl AmpleState<'_, '_> {
             let slots = &self.system().services[service].slots;
             slots
                 .iter()
-                .all(|&a| !matches!(l.mode(self.s, a), slot::INIT | slot::ETHER))
+                .all(|&a| !matches!(l.mode(self.s, l.number_of(a)), slot::INIT | slot::ETHER))
         })
     }
 
@@ -445,10 +449,11 @@ impl AmpleState<'_, '_> {
         if !known.enabled {
             return false;
         }
-        match self.system().automata.get(executor) {
+        let id = self.layout().automaton_numbered(executor);
+        match self.system().automata.get(id) {
             // During its start-up a task may want locks twice.
             Some(automaton) => {
-                known.ordinary[executor]
+                known.ordinary[id]
                     && !known.visible.machines[automaton.machine]
                     && self.started_up(automaton.task)
             }

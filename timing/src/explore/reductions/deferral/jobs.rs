@@ -22,7 +22,7 @@ use crate::explore::reductions::{Deferrable, Kind, Reason, Setting};
 use crate::explore::rules::SystemRules;
 use crate::explore::rules::status::permanent;
 use crate::explore::state::{State, phase};
-use crate::system::{ClientAction, ClientId, ComponentId, ServiceId, TimedSystem};
+use crate::system::{AutomatonId, ClientAction, ClientId, ComponentId, ServiceId, TimedSystem};
 
 /// The lazy groups. Tasks, control tasks and clients are numbered as *members*, in this order.
 #[derive(Debug)]
@@ -31,7 +31,7 @@ pub(crate) struct LazyMembers {
     /// Group of each member.
     group: Vec<usize>,
     /// Automata with a resting place, and the state.
-    pub(super) rest: Vec<(usize, usize)>,
+    pub(super) rest: Vec<(AutomatonId, usize)>,
     /// Tasks whose start-up is lazy.
     starts: Vec<bool>,
 }
@@ -67,12 +67,12 @@ impl LazyMembers {
             members.for_each(|member| *member = to);
         };
         let requested = system.requested();
-        let live = |a: usize| {
+        let live = |a: AutomatonId| {
             system.automata[a]
                 .service
                 .is_none_or(|service| requested[service])
         };
-        for (a, automaton) in system.automata.iter().enumerate() {
+        for (a, automaton) in system.automata.iter_enumerated() {
             if live(a) {
                 for state in &system.machine_of(a).states {
                     owner[state.codel] = automaton.task;
@@ -111,7 +111,7 @@ impl LazyMembers {
             lazy[tasks..].fill(false);
         }
         let mut rest = Vec::new();
-        for (a, automaton) in system.automata.iter().enumerate() {
+        for (a, automaton) in system.automata.iter_enumerated() {
             if !live(a) {
                 continue;
             }
@@ -182,7 +182,7 @@ impl LazyMembers {
             .zip(&self.members)
             .enumerate()
             .all(|(task, (entry, &lazy))| {
-                let normal = |a| match l.mode(s, a) {
+                let normal = |a| match l.mode(s, l.number_of(a)) {
                     permanent::NORMAL | permanent::ENDED => true,
                     permanent::FIRST_CODEL | permanent::FIRST_TURN => self.starts[task],
                     _ => false,
@@ -194,7 +194,9 @@ impl LazyMembers {
         }
         let mut out: SmallVec<[bool; 24]> = SmallVec::from_slice(&self.members);
         for &(a, state) in &self.rest {
-            let resting = l.phase(s, a) == phase::EXECUTING && l.at(s, a) as usize == state;
+            let number = l.number_of(a);
+            let resting =
+                l.phase(s, number) == phase::EXECUTING && l.at(s, number) as usize == state;
             if !resting {
                 let group = self.group[rules.system.automata[a].task];
                 for (member, slice) in out.iter_mut().enumerate() {

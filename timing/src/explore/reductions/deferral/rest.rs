@@ -14,7 +14,7 @@
 use rustc_hash::FxHashSet;
 use typed_index_collections::TiSlice;
 
-use crate::system::{CodelId, FOREVER, Machine, TimedSystem, Yield};
+use crate::system::{AutomatonId, CodelId, FOREVER, Machine, TimedSystem, Yield};
 
 /// Upper limit on the combinations of state and visits that are examined.
 const COMBINATIONS: usize = 10_000;
@@ -22,7 +22,7 @@ const COMBINATIONS: usize = 10_000;
 /// Returns the resting place of the machine of an automaton. `owner` gives the thread of each codel.
 pub(super) fn place(
     system: &TimedSystem,
-    automaton: usize,
+    automaton: AutomatonId,
     owner: &TiSlice<CodelId, usize>,
 ) -> Option<usize> {
     let machine = system.machine_of(automaton);
@@ -47,7 +47,7 @@ pub(super) fn place(
 
 /// Returns true if a codel is executed only at the start of its task. Nothing is lazy before that is over.
 pub(super) fn start_up_only(system: &TimedSystem, codel: CodelId) -> bool {
-    let mut uses = (0..system.automata.len()).flat_map(|a| {
+    let mut uses = system.automata.keys().flat_map(|a| {
         let machine = system.machine_of(a);
         let states = machine.states.iter().enumerate();
         states

@@ -9,7 +9,8 @@ use crate::explore::reductions::Watched;
 use crate::explore::rules::{Part, Parts};
 use crate::property::{Atom, Predicate};
 use crate::system::{
-    ClientAction, ClientId, CodelId, CodelSet, ComponentId, Policy, ServiceId, TimedSystem,
+    AutomatonId, ClientAction, ClientId, CodelId, CodelSet, ComponentId, MachineId, Policy,
+    ServiceId, TimedSystem,
 };
 
 /// The watched properties of a task.
@@ -221,7 +222,7 @@ impl<'s> Exchange<'s> {
         if self.pair(Part::Task, x, y)? {
             let (one, other) = (&self.system.tasks[x], &self.system.tasks[y]);
             self.component(one.component, other.component)?;
-            let list = |optional: Option<usize>| optional.into_iter().collect::<Vec<_>>();
+            let list = |optional: Option<AutomatonId>| optional.into_iter().collect::<Vec<_>>();
             self.each(
                 &list(one.permanent),
                 &list(other.permanent),
@@ -232,7 +233,7 @@ impl<'s> Exchange<'s> {
         Some(())
     }
 
-    fn automaton(&mut self, x: usize, y: usize) -> Option<()> {
+    fn automaton(&mut self, x: AutomatonId, y: AutomatonId) -> Option<()> {
         if self.pair(Part::Automaton, x, y)? {
             let (one, other) = (&self.system.automata[x], &self.system.automata[y]);
             self.task(one.task, other.task)?;
@@ -246,9 +247,9 @@ impl<'s> Exchange<'s> {
         Some(())
     }
 
-    fn machine(&mut self, x: usize, y: usize) -> Option<()> {
+    fn machine(&mut self, x: MachineId, y: MachineId) -> Option<()> {
         if self.pair(Part::Machine, x, y)? {
-            let codels = |machine: usize| -> Vec<CodelId> {
+            let codels = |machine: MachineId| -> Vec<CodelId> {
                 let states = self.system.machines[machine].states.iter();
                 states.map(|state| state.codel).collect()
             };
@@ -360,7 +361,7 @@ impl<'s> Exchange<'s> {
                 && same_list(&from.slots, &to.slots, self.to.of(Part::Automaton))
         });
         tasks
-            && (0..system.automata.len()).all(|a| {
+            && system.automata.keys().all(|a| {
                 let (from, to) = (
                     &system.automata[a],
                     &system.automata[self.name(Part::Automaton, a)],
@@ -376,7 +377,7 @@ impl<'s> Exchange<'s> {
 
     fn keeps_machines(&self) -> bool {
         let machines = &self.system.machines;
-        (0..machines.len()).all(|m| {
+        machines.keys().all(|m| {
             let (from, to) = (&machines[m], &machines[self.name(Part::Machine, m)]);
             (from.start, from.stop, from.loop_limit, from.rounds)
                 == (to.start, to.stop, to.loop_limit, to.rounds)

@@ -197,7 +197,7 @@ impl Renaming {
                 state,
                 phase,
             } => Atom::State {
-                machine: self.0[Part::Machine][machine],
+                machine: self.name(Part::Machine, machine),
                 state,
                 phase,
             },
