@@ -22,6 +22,7 @@ use crate::scn::ast::{CheckKind, Durations, Path, Scenario};
 use crate::scn::names::{Names, Target};
 use crate::system::TimedSystem;
 use crate::system::build::build;
+use crate::system::indexed::DeclaredTask;
 use crate::system::indexed::not_a;
 use crate::system::settings::Settings;
 use crate::verify::tasks_with_jobs::tasks_with_jobs;
@@ -394,7 +395,7 @@ fn same_codel(
 struct Variation<'v> {
     asked: &'v DerivationContext<'v>,
     settings: Settings,
-    tasks: Vec<(usize, u32)>,
+    tasks: Vec<DeclaredTask>,
 }
 
 impl<'v> Variation<'v> {
@@ -425,7 +426,10 @@ impl<'v> Variation<'v> {
             for (c, member) in names.components.iter().enumerate() {
                 let periodic = member.component.tasks.iter().enumerate();
                 let periodic = periodic.filter(|(_, task)| task.period.is_some());
-                tasks.extend(periodic.map(|(t, _)| (c, t as u32)));
+                tasks.extend(periodic.map(|(index, _)| DeclaredTask {
+                    component: c,
+                    index: index as u32,
+                }));
             }
         }
         if !errors.is_empty() {

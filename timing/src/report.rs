@@ -3,6 +3,7 @@
 
 mod time_unit;
 
+use crate::system::indexed::DeclaredTask;
 use std::sync::Arc;
 
 use dotgen_analysis::model::Src;
@@ -111,16 +112,13 @@ impl std::fmt::Display for Layer {
     }
 }
 
-/// A task: the number of its component, as in [`crate::scn::names::Names::components`], and its index there.
-pub type TaskId = (usize, u32);
-
 /// The check to which an answer belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct CheckId {
     /// Index among the checks of the scenario, or among the checks that replace them.
     pub written: usize,
     /// Task, if the check is about one. A check of all tasks has an answer for each.
-    pub task: Option<TaskId>,
+    pub task: Option<DeclaredTask>,
 }
 
 /// The limit of a value.

@@ -10,6 +10,7 @@ use dotgen_timing::explore::Limits;
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{Value, Verdict};
 use dotgen_timing::scn::parse_check;
+use dotgen_timing::system::indexed::DeclaredTask;
 use dotgen_timing::system::{Ticks, TimedSystem};
 use dotgen_timing::verify::{Cancel, Interrupt, Options, Prepared};
 
@@ -82,7 +83,7 @@ fn analysed(source: Source, system: &TimedSystem) -> Vec<Option<Ticks>> {
 /// A verification of response times.
 pub(super) struct BoundVerification {
     /// Tasks by component and number, as in the report.
-    tasks: HashMap<(usize, u32), usize>,
+    tasks: HashMap<DeclaredTask, usize>,
     /// A base unit, in the unit of the report.
     tick: f64,
     /// The proved bounds, by task; `None` before the verification has ended.

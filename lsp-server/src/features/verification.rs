@@ -15,8 +15,9 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::language;
 use dotgen_analysis::source_map::Locations;
-use dotgen_timing::report::{CheckReport, TaskId, Verdict};
+use dotgen_timing::report::{CheckReport, Verdict};
 use dotgen_timing::scn::names::Names;
+use dotgen_timing::system::indexed::DeclaredTask;
 use serde_json::{Value, json};
 
 use crate::features::codels::judged_actions::JudgedActions;
@@ -33,7 +34,7 @@ pub(crate) use trace::{TraceResult, trace};
 
 /// A task of a document: its name and place.
 struct TaskLocation {
-    id: TaskId,
+    id: DeclaredTask,
     range: Range<usize>,
 }
 
@@ -47,7 +48,10 @@ fn tasks(problem: &Problem, path: &Utf8Path) -> Vec<TaskLocation> {
             let place = unit.locations.locate(task.src);
             if let Some(place) = place.filter(|place| place.path == path) {
                 out.push(TaskLocation {
-                    id: (c, t),
+                    id: DeclaredTask {
+                        component: c,
+                        index: t,
+                    },
                     range: place.range,
                 });
             }

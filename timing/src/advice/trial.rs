@@ -234,7 +234,7 @@ impl<'t> Trial<'t> {
     /// Returns the component of a task, as in [`Names::components`], and the index of the task there.
     fn declared(&self, task: usize) -> Option<(usize, usize)> {
         let mut tasks = self.built.tasks.iter();
-        let ((c, t), _) = tasks.find(|candidate| *candidate.1 == task)?;
-        Some((*c, *t as usize))
+        let (declared, _) = tasks.find(|candidate| *candidate.1 == task)?;
+        Some((declared.component, declared.index as usize))
     }
 }

@@ -7,6 +7,7 @@ use crate::diagnostic::Diagnostic;
 use crate::scn::ast::{Path, Pred};
 use crate::scn::names::{Names, STATUSES, Target};
 use crate::system::indexed::Built;
+use crate::system::indexed::DeclaredTask;
 
 /// Appends the components of a predicate, which must not be separated.
 pub(crate) fn components_of(names: &Names, built: &Built, pred: &Pred, out: &mut Vec<usize>) {
@@ -100,7 +101,13 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
                 "running" => TaskState::Running,
                 _ => return wrong(),
             };
-            Atom::Task(built.tasks[&(*c, *t)], state)
+            Atom::Task(
+                built.tasks[&DeclaredTask {
+                    component: *c,
+                    index: *t,
+                }],
+                state,
+            )
         }
         Target::Service(c, s) => {
             let service = built.services[&(*c, *s)];
@@ -205,9 +212,9 @@ fn client(built: &Built, path: &Path) -> Result<Option<Atom>, Diagnostic> {
 }
 
 /// Returns the task of a path, for checks of tasks.
-pub(crate) fn task(names: &Names, path: &Path) -> Result<(usize, u32), Diagnostic> {
+pub(crate) fn task(names: &Names, path: &Path) -> Result<DeclaredTask, Diagnostic> {
     let message = match names.resolve(path)? {
-        Target::Task(c, t) => return Ok((c, t)),
+        Target::Task(component, index) => return Ok(DeclaredTask { component, index }),
         Target::State(c, Owner::Task(_), ..) | Target::Component(c) => {
             let tasks: Vec<&str> = names.components[c]
                 .component

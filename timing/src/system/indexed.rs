@@ -10,13 +10,22 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::scn::ast::Path;
 use crate::system::{ComponentId, MachineId, ServiceId};
 
+/// A task of a specification.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct DeclaredTask {
+    /// Component, as in [`Names::components`](crate::scn::names::Names::components).
+    pub component: usize,
+    /// Index in the component.
+    pub index: u32,
+}
+
 /// A system, with tables that find its parts.
 #[derive(Debug, Clone)]
 pub struct Built {
     /// The system.
     pub system: TimedSystem,
-    /// Tasks by component (as in [`Names::components`](crate::scn::names::Names::components)) and index.
-    pub tasks: HashMap<(usize, u32), usize>,
+    /// Tasks, by declaration.
+    pub tasks: HashMap<DeclaredTask, usize>,
     /// Services, by component and index.
     pub services: HashMap<(usize, u32), ServiceId>,
     /// Machines of tasks and activities.

@@ -8,10 +8,11 @@ use super::units::{limit_text, seconds};
 use crate::explore::{Bound, Findings, Found, LivenessQuery, Measured, Stop, liveness};
 use crate::property::{Atom, Predicate, resolve};
 use crate::report::{
-    CheckId, CheckReport, Event, GaveUp, Limit, Report, Soundness, TaskId, Value, Verdict,
+    CheckId, CheckReport, Event, GaveUp, Limit, Report, Soundness, Value, Verdict,
 };
 use crate::scn::ast::{Durations, Pred};
 use crate::system::ThreadName;
+use crate::system::indexed::DeclaredTask;
 use crate::system::loops::{can_be_limited, pauseless_cycles};
 
 /// The note for a `within` check whose first predicate is never true.
@@ -38,8 +39,9 @@ impl Group<'_> {
         };
         let stated = bound.map(|bound| Limit::Stated(self.unit.from_seconds(seconds(bound))));
         let period = || match check.what {
-            What::Response((c, t), _) => {
-                let task = &self.names.components[c].component.tasks[t as usize];
+            What::Response(of, _) => {
+                let tasks = &self.names.components[of.component].component.tasks;
+                let task = &tasks[of.index as usize];
                 let period = task.period.as_ref()?.value;
                 Some(Limit::Period(self.unit.from_seconds(period)))
             }
@@ -165,7 +167,7 @@ impl Group<'_> {
     }
 
     /// Returns the loop without a pause that makes the jobs of a task unbounded, and a remedy.
-    fn loop_of(&self, task: (usize, u32)) -> Option<String> {
+    fn loop_of(&self, task: DeclaredTask) -> Option<String> {
         let system = &self.built.system;
         let task = &system.tasks[self.built.tasks[&task]];
         let machines = task
@@ -293,7 +295,7 @@ impl Group<'_> {
     }
 
     /// Returns the reason why no job of a task is ever released, if no job was seen.
-    fn never_released(&self, task: TaskId, found: &Findings) -> Option<String> {
+    fn never_released(&self, task: DeclaredTask, found: &Findings) -> Option<String> {
         let (system, task) = (&self.built.system, self.built.tasks[&task]);
         let start_up = found.absent.job(task)?.start_up;
         let why = start_up.map(|start_up| {
@@ -351,9 +353,9 @@ impl Group<'_> {
         ThreadName::of_component(check.components.last().map_or("", name))
     }
 
-    fn task_name(&self, (c, t): TaskId) -> ThreadName {
-        let component = self.names.components[c].component;
-        ThreadName::of_task(&component.name, &component.tasks[t as usize].name)
+    fn task_name(&self, task: DeclaredTask) -> ThreadName {
+        let component = self.names.components[task.component].component;
+        ThreadName::of_task(&component.name, &component.tasks[task.index as usize].name)
     }
 }
 

@@ -2,11 +2,12 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::property::{PropertyKind, resolve};
-use crate::report::TaskId;
+
 use crate::scn::ast::{Bound, ChainKind, ChainPath, Check, CheckKind, Path, Pred};
 use crate::scn::names::Names;
 use crate::system::flow;
 use crate::system::indexed::Built;
+use crate::system::indexed::DeclaredTask;
 use crate::system::settings::Settings;
 
 /// A check of a single subject.
@@ -47,7 +48,7 @@ impl What<'_> {
     }
 
     /// Returns the task of the check.
-    pub(super) fn task(&self) -> Option<TaskId> {
+    pub(super) fn task(&self) -> Option<DeclaredTask> {
         match *self {
             What::Schedulable(pair) | What::NoOverdue(pair) | What::Response(pair, _) => Some(pair),
             _ => None,
@@ -57,9 +58,9 @@ impl What<'_> {
 
 /// The subject of a check, with `*` expanded.
 pub(super) enum What<'c> {
-    Schedulable((usize, u32)),
-    NoOverdue((usize, u32)),
-    Response((usize, u32), Bound),
+    Schedulable(DeclaredTask),
+    NoOverdue(DeclaredTask),
+    Response(DeclaredTask, Bound),
     Within(&'c Pred, &'c [Pred], Bound),
     Chain(ChainOf<'c>),
     LeadsTo(&'c Pred, &'c Pred),
@@ -96,9 +97,9 @@ pub(super) fn expand<'c>(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Vec<Single<'c>> {
     let mut out = Vec::new();
-    let tasks = |path: &Option<Path>, periodic: bool| -> Result<Vec<(usize, u32)>, Diagnostic> {
-        let has_period = |&(c, t): &(usize, u32)| {
-            names.components[c].component.tasks[t as usize]
+    let tasks = |path: &Option<Path>, periodic: bool| -> Result<Vec<DeclaredTask>, Diagnostic> {
+        let has_period = |task: &DeclaredTask| {
+            names.components[task.component].component.tasks[task.index as usize]
                 .period
                 .is_some()
         };
@@ -113,11 +114,15 @@ pub(super) fn expand<'c>(
             }
             return Ok(vec![task]);
         }
-        let all =
-            names.components.iter().enumerate().flat_map(|(c, member)| {
-                (0..member.component.tasks.len() as u32).map(move |t| (c, t))
+        let all = names
+            .components
+            .iter()
+            .enumerate()
+            .flat_map(|(component, member)| {
+                let indices = 0..member.component.tasks.len() as u32;
+                indices.map(move |index| DeclaredTask { component, index })
             });
-        Ok(all.filter(|pair| !periodic || has_period(pair)).collect())
+        Ok(all.filter(|task| !periodic || has_period(task)).collect())
     };
     for (written, check) in settings.checks.iter().enumerate() {
         let mut push = |what, components| {
@@ -141,15 +146,15 @@ pub(super) fn expand<'c>(
         let result: Result<(), Diagnostic> = match &check.kind {
             CheckKind::Schedulable(path) => tasks(path, true).map(|task| {
                 task.into_iter()
-                    .for_each(|task| push(What::Schedulable(task), vec![task.0]))
+                    .for_each(|task| push(What::Schedulable(task), vec![task.component]))
             }),
             CheckKind::NoOverdue(path) => tasks(path, true).map(|task| {
                 task.into_iter()
-                    .for_each(|task| push(What::NoOverdue(task), vec![task.0]))
+                    .for_each(|task| push(What::NoOverdue(task), vec![task.component]))
             }),
             CheckKind::Response(path, bound) => tasks(path, false).map(|task| {
                 task.into_iter()
-                    .for_each(|task| push(What::Response(task, *bound), vec![task.0]));
+                    .for_each(|task| push(What::Response(task, *bound), vec![task.component]));
             }),
             CheckKind::Within(p, responses, bound) => {
                 let list: Vec<&Pred> = std::iter::once(p).chain(responses).collect();

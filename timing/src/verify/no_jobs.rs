@@ -61,7 +61,7 @@ impl Group<'_> {
 
     /// Handles a component that has no execution times at all.
     fn without_times(&self, check: &Single) -> Option<CheckReport> {
-        let (c, _) = check.what.task()?;
+        let c = check.what.task()?.component;
         let number = *self.built.components.get(&c)?;
         let system = &self.built.system;
         let component = self.names.components[c].component;

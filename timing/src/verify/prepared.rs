@@ -13,6 +13,7 @@ use crate::scn::names::Names;
 use crate::system::Ticks;
 use crate::system::build::build;
 use crate::system::indexed::Built;
+use crate::system::indexed::DeclaredTask;
 use dotgen_analysis::model::Seconds;
 
 /// A system, and the questions of its checks.
@@ -126,7 +127,7 @@ impl Group<'_> {
     /// Returns the question of a check; `None` if the check names something that does not exist, which was
     /// reported.
     fn question(&self, check: &Single) -> Option<Question> {
-        let task = |pair: &(usize, u32)| self.built.tasks.get(pair).copied();
+        let task = |pair: &DeclaredTask| self.built.tasks.get(pair).copied();
         let predicate = |predicate: &Pred| resolve::resolve(self.names, self.built, predicate).ok();
         Some(match &check.what {
             What::Schedulable(pair) => Question::Schedulable(task(pair)?),

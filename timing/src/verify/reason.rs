@@ -4,7 +4,8 @@ use num_rational::Ratio;
 
 use super::Group;
 use crate::explore::{Moment, MomentKind, Run};
-use crate::report::{Awaited, Delay, Holder, TaskId};
+use crate::report::{Awaited, Delay, Holder};
+use crate::system::indexed::DeclaredTask;
 use crate::system::{CodelId, ThreadName, TimedSystem};
 
 /// A wait for the locks of a codel, or for a core.
@@ -23,7 +24,7 @@ struct Possession {
 
 impl Group<'_> {
     /// Returns the waits of the last job of a task in a run, each with the holders of the resource.
-    pub(super) fn reason(&self, run: &Run, task: Option<TaskId>) -> Vec<Delay> {
+    pub(super) fn reason(&self, run: &Run, task: Option<DeclaredTask>) -> Vec<Delay> {
         let Some(task) = task.and_then(|task| self.built.tasks.get(&task)) else {
             return Vec::new();
         };

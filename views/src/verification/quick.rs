@@ -2,9 +2,10 @@
 
 use dotgen_analysis::model::Seconds;
 use dotgen_timing::analytic::response_bounds;
-use dotgen_timing::report::TaskId;
+
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
+use dotgen_timing::system::indexed::DeclaredTask;
 use dotgen_timing::verify::{Options, settings};
 use num_rational::Ratio;
 
@@ -15,7 +16,7 @@ use dotgen_timing::report::TimeUnit;
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskBound {
     /// The task.
-    pub id: TaskId,
+    pub id: DeclaredTask,
     /// `component.task`
     pub task: String,
     /// The bound, in the unit of the report.
@@ -33,7 +34,7 @@ pub fn quick_bounds(problem: &Problem, options: &Options) -> Vec<TaskBound> {
     }
     let (unit, system) = (TimeUnit::of(&settings), &built.system);
     let bounds = response_bounds(system);
-    let of_task = |(&id, &task): (&TaskId, &usize)| {
+    let of_task = |(&id, &task): (&DeclaredTask, &usize)| {
         let bound: Seconds = system.unit * Ratio::from_integer(i128::from(bounds[task]?));
         Some(TaskBound {
             id,

@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{
-    Awaited, CheckReport, Delay, Report, Soundness, TaskId, TimeUnit, Value, Verdict,
+    Awaited, CheckReport, Delay, Report, Soundness, TimeUnit, Value, Verdict,
 };
 use dotgen_timing::scn::ast::{Check, CheckKind, Item, Scenario};
+use dotgen_timing::system::indexed::DeclaredTask;
 use dotgen_timing::verify::{Options, settings};
 
 use super::Problem;
@@ -153,7 +154,7 @@ impl<'r> View<'r> {
     }
 
     /// The results of a task.
-    pub fn of_task(&self, task: TaskId) -> impl Iterator<Item = (usize, &CheckView<'r>)> {
+    pub fn of_task(&self, task: DeclaredTask) -> impl Iterator<Item = (usize, &CheckView<'r>)> {
         let all = self.checks.iter().enumerate();
         all.filter(move |pair| pair.1.report.id.task == Some(task))
     }

@@ -7,7 +7,8 @@ use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::markdown;
 use dotgen_timing::explore::Stop;
 use dotgen_timing::property::PropertyKind;
-use dotgen_timing::report::{TaskId, Verdict};
+use dotgen_timing::report::Verdict;
+use dotgen_timing::system::indexed::DeclaredTask;
 use dotgen_timing::verify::settings;
 use serde_json::Value;
 
@@ -181,7 +182,7 @@ fn refutes(entry: &Entry, check: usize) -> bool {
 }
 
 /// The check to show for a task: a refuted one, else its response time.
-fn shown(entry: &Entry, task: TaskId) -> Option<usize> {
+fn shown(entry: &Entry, task: DeclaredTask) -> Option<usize> {
     let view = entry.known()?.view();
     let of_task = || {
         view.of_task(task)
@@ -251,7 +252,7 @@ impl Mark {
 
 /// The verdict on a task in a few words. `None` if there was nothing to verify, or if errors prevent the
 /// verification.
-fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
+fn verdict(entry: &Entry, task: DeclaredTask) -> Option<(Mark, String)> {
     let say = |mark: Mark, text: &str| Some((mark, format!("{} {text}", mark.sign())));
     if entry.status == Status::Blocked {
         return None;
@@ -330,7 +331,7 @@ fn undecided_causes(answer: &Answer, check: &CheckView) -> String {
 }
 
 /// Every result of a task, a line each.
-fn details(entry: &Entry, task: TaskId) -> Vec<String> {
+fn details(entry: &Entry, task: DeclaredTask) -> Vec<String> {
     let mut out: Vec<String> = of_task(entry, task).into_iter().collect();
     if let Some(answer) = entry.known() {
         let view = answer.view();
@@ -353,7 +354,7 @@ fn details(entry: &Entry, task: TaskId) -> Vec<String> {
 }
 
 /// The results of a task; `None` if the verification has none.
-fn of_task(entry: &Entry, task: TaskId) -> Option<String> {
+fn of_task(entry: &Entry, task: DeclaredTask) -> Option<String> {
     let bound = entry.bounds.iter().find(|bound| bound.id == task);
     let bound = bound.filter(|_| entry.status == Status::Running);
     let bound = bound.map(|bound| format!("R ≤ {}", unit_of(entry).show(bound.bound)));

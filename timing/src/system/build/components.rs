@@ -9,6 +9,7 @@ use super::Builder;
 use super::times::TimeOf;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::scn::ast::{DEFAULT_PLACES, DEFAULT_SLOTS};
+use crate::system::indexed::DeclaredTask;
 use crate::system::{Automaton, Component, ComponentId, Service, ServiceId, Task};
 
 impl Builder<'_> {
@@ -53,7 +54,13 @@ impl Builder<'_> {
                 });
             // The servers have no such rule.
             let keep = self.idle_rule(c, t) && self.settings.semantics().is_published();
-            self.out.tasks.insert((c, t), id);
+            self.out.tasks.insert(
+                DeclaredTask {
+                    component: c,
+                    index: t,
+                },
+                id,
+            );
             self.out.system.components[number].tasks.push(id);
             self.out.system.tasks.push(Task {
                 name: task.name.to_string(),
@@ -143,7 +150,11 @@ impl Builder<'_> {
                 && let Some(machine) = self.machine(c, number, owner, &path)
                 && let Some(task) = service
                     .task
-                    .and_then(|t| self.out.tasks.get(&(c, t)).copied())
+                    .map(|index| DeclaredTask {
+                        component: c,
+                        index,
+                    })
+                    .and_then(|task| self.out.tasks.get(&task).copied())
                 && self.requested.contains(&(c, s))
             {
                 let count = match self.settings.semantics().is_published() {
