@@ -74,6 +74,10 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    anyhow::ensure!(
+        !arguments.unsafe_fixes || arguments.fix || arguments.diff,
+        "`--unsafe-fixes` needs `--fix` or `--diff`"
+    );
     let (files, mut trouble) = session::usable_files(&arguments.paths, &[SPECIFICATION]);
     if files.is_empty() {
         return Ok(trouble.outcome(Outcome::Fine));
@@ -98,6 +102,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             trouble.ok_or_report(found);
             trouble.ok_or_report(scenarios::apply_fixes(
                 &mut session,
+                which,
                 &mut changed,
                 &mut made,
             ));

@@ -327,6 +327,10 @@ impl Arguments {
                 "`--params` needs `--clock real`; on the virtual clock, a client of the scenario sets attributes",
             ),
             (
+                self.is_unit() && virtually,
+                "`--systemd` needs `--clock real`: a run on the virtual clock ends at once",
+            ),
+            (
                 self.listen.is_some() && virtually,
                 "`--listen` needs `--clock real`: no request can come in time on the virtual clock",
             ),
@@ -429,6 +433,14 @@ impl Arguments {
                 let _ = writeln!(out, "{line}").and_then(|()| out.flush());
             }
         })
+    }
+
+    /// Returns true if a unit for systemd is wanted.
+    fn is_unit(&self) -> bool {
+        #[cfg(unix)]
+        return self.systemd;
+        #[cfg(not(unix))]
+        false
     }
 
     /// Returns true if port data is exchanged with other machines.

@@ -90,7 +90,16 @@ fn misspelt_words_and_names_of_a_scenario_are_corrected() {
     );
     let right = wrong.replace("  check quick c.main;\n", "");
     directory.write("s.scn", right.as_bytes());
+    // A name is a guess: the scenario would check another task.
     let fixed = directory.run(&["check", "--fix", "s.scn"]);
+    assert_eq!(status(&fixed), 1);
+    assert_eq!(text(), right.replace("coers", "cores"));
+    assert_eq!(
+        status(&directory.run(&["check", "--unsafe-fixes", "s.scn"])),
+        2
+    );
+    directory.write("s.scn", right.as_bytes());
+    let fixed = directory.run(&["check", "--fix", "--unsafe-fixes", "s.scn"]);
     assert_eq!(status(&fixed), 0, "{}", stderr(&fixed));
     assert_eq!(
         text(),

@@ -327,9 +327,9 @@ fn attributes_are_set_when_the_run_begins() {
     for (wrong, said) in [
         (r#"{ "d": {} }"#, "there is no component `d`"),
         (r#"{ "c": { "put": {} } }"#, "`c` has no attribute `put`"),
-        (r#"{ "c": { "go": {} } }"#, "`c.go` is no attribute"),
+        (r#"{ "c": { "go": {} } }"#, "`c.go` is not an attribute"),
         (r#"{ "c": { "set": { "n": "x" } } }"#, "`c.set`"),
-        ("[]", "is no JSON object"),
+        ("[]", "is not a JSON object"),
     ] {
         directory.write("wrong.json", wrong.as_bytes());
         let output = directory.run(&[&run[..], &["--params", "wrong.json"]].concat());

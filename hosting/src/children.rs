@@ -20,6 +20,7 @@ use rustix::process::Pid;
 
 use super::host::{COMMAND, HostOptions, HostThread};
 use super::orphans;
+use super::realtime;
 use super::shared_data::SharedData;
 use super::wire::{HostCommand, HostMessage};
 use dotgen_platform::process::System;
@@ -84,6 +85,8 @@ pub struct Children {
     /// By lane.
     tasks: Vec<HostedTask>,
     real: bool,
+    /// True if the system has granted the engine its real-time priority.
+    raised: bool,
     /// Set if hosts wait for a debugger: the function to call, and no timeouts.
     debug: Option<Waiting>,
     interrupt: Interrupt,
@@ -146,6 +149,7 @@ impl Children {
             components,
             tasks,
             real,
+            raised: false,
             debug: None,
             interrupt,
             started: 0,
@@ -164,6 +168,11 @@ impl Children {
     /// The rights that the system does not grant to hosts, as text.
     pub fn denied(&self) -> &BTreeSet<String> {
         &self.denied
+    }
+
+    /// Gives threads of hosts real-time priority: the system has granted that of the engine, the highest one.
+    pub fn raise_priorities(&mut self) {
+        self.raised = true;
     }
 
     /// Makes hosts wait for a debugger before they begin.
@@ -209,6 +218,7 @@ impl Children {
             tasks: tasks.map(|(lane, task)| (lane, thread(task))).collect(),
             control_priority: *priority,
             real_time: self.real,
+            raised: self.raised,
             debug: self.debug.is_some(),
         };
         let wrong = |error: std::io::Error| format!("cannot start a host for `{name}`: {error}");
@@ -230,8 +240,11 @@ impl Children {
             rustix::fs::fcntl_setfl(input, flags | OFlags::NONBLOCK)
                 .map_err(|error| wrong(error.into()))?;
         }
-        let (sender, started) = (self.sender.clone(), self.started);
+        let (sender, started, raised) = (self.sender.clone(), self.started, self.raised);
         std::thread::spawn(move || {
+            if raised {
+                realtime::raise_priority(realtime::ENGINE_PRIORITY);
+            }
             let mut output = BufReader::new(output);
             while let Ok(Some(reply)) = HostMessage::receive(&mut output) {
                 if sender

@@ -35,8 +35,10 @@ pub(super) struct HostOptions {
     pub(super) tasks: BTreeMap<u32, HostThread>,
     /// Real-time priority of the thread of the control task.
     pub(super) control_priority: u8,
-    /// True if threads have real-time priority and locked memory.
+    /// True if memory is locked and threads are bound to cores.
     pub(super) real_time: bool,
+    /// True if threads have real-time priority: the system has granted that of the engine.
+    pub(super) raised: bool,
     /// True if the host waits for a debugger before it begins.
     pub(super) debug: bool,
 }
@@ -104,6 +106,10 @@ fn remote_call(output: Output, waiting: Arc<Mutex<Waiting>>) -> RemoteCall {
 fn serve(library: &Path, manner: &HostOptions) -> io::Result<()> {
     realtime::name_process(&manner.component);
     let real = manner.real_time;
+    if manner.raised {
+        // This thread passes on what the engine commands.
+        realtime::raise_priority(realtime::ENGINE_PRIORITY);
+    }
     let (mut input, output) = channels()?;
     let component = match Component::load(library) {
         Ok(component) => Arc::new(component),
@@ -161,6 +167,7 @@ fn serve(library: &Path, manner: &HostOptions) -> io::Result<()> {
                     let task = manner.tasks.get(&lane);
                     let name = task.map_or(CONTROL, |task| &task.name);
                     let priority = task.map_or(manner.control_priority, |task| task.priority);
+                    let priority = manner.raised.then_some(priority);
                     start(name, &component, &output, real.then_some((priority, core)))
                 });
                 let _ = thread.send((ticket, codel, instance));
@@ -187,19 +194,20 @@ fn tell(output: &Output, reply: &HostMessage) -> io::Result<()> {
 }
 
 /// Starts a thread that executes the codels of a task, one after the other. `real` has its real-time
-/// priority, and the core to which it is bound.
+/// priority, and the core to which it is bound, if it has these.
 fn start(
     name: &str,
     component: &Arc<Component>,
     output: &Output,
-    real: Option<(u8, Option<u32>)>,
+    real: Option<(Option<u8>, Option<u32>)>,
 ) -> Sender<(u32, u32, u32)> {
     let (orders, queue) = channel::<(u32, u32, u32)>();
     let (component, output) = (component.clone(), output.clone());
     let work = move || {
         if let Some((priority, core)) = real {
-            // The engine makes such a request, too, and reports a refusal.
-            realtime::raise_priority(priority);
+            if let Some(priority) = priority {
+                realtime::raise_priority(priority);
+            }
             if let Some(core) = core.filter(|&core| !realtime::pin(core)) {
                 // Without a channel nothing can be reported.
                 let _ = tell(&output, &HostMessage::Denied(format!("core {core}")));

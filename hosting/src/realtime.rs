@@ -73,8 +73,8 @@ pub fn priorities(ranks: &[u64]) -> Vec<u8> {
     ranks.iter().map(priority).collect()
 }
 
-/// Gives this thread a real-time priority (`SCHED_FIFO`) and exact timers. Returns false if the system
-/// refuses.
+/// Gives this thread a real-time priority (`SCHED_FIFO`) and exact timers. Threads and processes that it
+/// starts do not have this priority. Returns false if the system refuses.
 pub fn raise_priority(priority: u8) -> bool {
     #[cfg(target_os = "linux")]
     // SAFETY: the structure is complete, and the kernel only reads it.
@@ -82,7 +82,8 @@ pub fn raise_priority(priority: u8) -> bool {
         libc::prctl(libc::PR_SET_TIMERSLACK, 1 as libc::c_ulong, 0, 0, 0);
         let mut parameter: libc::sched_param = std::mem::zeroed();
         parameter.sched_priority = priority.into();
-        return libc::sched_setscheduler(0, libc::SCHED_FIFO, &parameter) == 0;
+        let policy = libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK;
+        return libc::sched_setscheduler(0, policy, &parameter) == 0;
     }
     #[cfg(not(target_os = "linux"))]
     let _ = priority;

@@ -31,10 +31,19 @@ pub struct Diagnostic {
     pub range: Range<usize>,
     /// Places in the specifications, the most important one first.
     pub places: Vec<Place>,
-    /// The name that the author probably meant at [`Diagnostic::range`].
-    pub suggestion: Option<String>,
+    /// The text that the author probably meant at [`Diagnostic::range`].
+    pub suggestion: Option<Suggestion>,
     /// The remark, if several problems of its kind can be reported as one, see [`remark::together`].
     pub remark: Option<Box<Remark>>,
+}
+
+/// A text that the author probably meant.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Suggestion {
+    /// The text.
+    pub text: String,
+    /// A word of the language, of which there are few; otherwise a name, and another one may be meant.
+    pub is_word: bool,
 }
 
 /// A place in a specification.
@@ -69,9 +78,21 @@ impl Diagnostic {
     }
 
     /// Adds the name that the author probably meant, also to the message.
-    pub(crate) fn suggest(mut self, name: &str) -> Self {
-        self.message.push_str(&format!("; did you mean `{name}`?"));
-        self.suggestion = Some(name.to_owned());
+    pub(crate) fn suggest_name(self, name: &str) -> Self {
+        self.suggest(name, false)
+    }
+
+    /// Adds the word of the language that the author probably meant, also to the message.
+    pub(crate) fn suggest_word(self, word: &str) -> Self {
+        self.suggest(word, true)
+    }
+
+    fn suggest(mut self, text: &str, is_word: bool) -> Self {
+        self.message.push_str(&format!("; did you mean `{text}`?"));
+        self.suggestion = Some(Suggestion {
+            text: text.to_owned(),
+            is_word,
+        });
         self
     }
 

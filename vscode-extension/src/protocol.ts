@@ -293,7 +293,7 @@ export interface Remedy {
 /** The run of a check as data (docs/trace.md); null when there is none. With `after`, that run up to a step, continued by chosen steps. */
 export const trace = new RequestType<
   { textDocument: TextDocumentIdentifier; check?: number; whatIf?: WhatIf; after?: number; take?: number[] },
-  (Trace & { next?: NextSteps; remedies?: Remedy[] }) | null,
+  (Trace & { check: number; next?: NextSteps; remedies?: Remedy[] }) | null,
   void
 >('dotgen/trace');
 

@@ -28,7 +28,7 @@ pub(super) enum Applied {
 }
 
 impl Applied {
-    fn includes(self, fix: &Fix, severity: Severity) -> bool {
+    pub(super) fn includes(self, fix: &Fix, severity: Severity) -> bool {
         let is_guess = fix.kind == FixKind::Guess && severity == Severity::Error;
         fix.kind == FixKind::Plain || is_guess && self == Applied::AlsoGuesses
     }
@@ -102,15 +102,20 @@ pub(super) fn apply_fixes(
     Ok(())
 }
 
-/// Adds the fixes that are found by trial to errors without a fix.
+/// Adds the fixes that are found by trial to syntax errors without a fix.
 fn add_trials(project: &Project<'_>, found: &mut [Diagnostic]) {
-    let is_open = |found: &&Diagnostic| found.severity == Severity::Error && found.fixes.is_empty();
-    for number in (0..found.len())
-        .filter(|&number| is_open(&&found[number]))
-        .take(MAX_TRIED)
-        .collect::<Vec<_>>()
-    {
-        found[number].fixes = project.trials(&found[number], found);
+    let mut tried: BTreeMap<Utf8PathBuf, usize> = BTreeMap::new();
+    for number in 0..found.len() {
+        let finding = &found[number];
+        let is_open = finding.severity == Severity::Error && finding.fixes.is_empty();
+        if !is_open || dotgen_syntax::codes::find(finding.code).is_none() {
+            continue;
+        }
+        let count = tried.entry(finding.path.clone()).or_default();
+        if *count < MAX_TRIED {
+            *count += 1;
+            found[number].fixes = project.trials(finding, found);
+        }
     }
 }
 

@@ -1,9 +1,9 @@
 //! `dotgen check --fix` and `--diff` for scenarios.
 
-use dotgen_analysis::diagnostic::{Diagnostic, FixKind, Severity};
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_codegen::codels::edit::{Edit, apply};
 
-use super::fix::{AppliedFixes, ChangedTexts, MAX_ROUNDS, project};
+use super::fix::{Applied, AppliedFixes, ChangedTexts, MAX_ROUNDS, project};
 use super::scenario_with;
 use crate::session::{Session, SourceFile};
 
@@ -18,6 +18,7 @@ struct Corrected {
 /// Applies fixes to the scenarios of a session, in memory. A fix is applied if fewer errors of its kind are left.
 pub(super) fn apply_fixes(
     session: &mut Session,
+    which: Applied,
     changed: &mut ChangedTexts,
     titles: &mut AppliedFixes,
 ) -> anyhow::Result<()> {
@@ -25,7 +26,7 @@ pub(super) fn apply_fixes(
     for file in session.files.iter().filter(|file| file.is_scenario()) {
         let text = session.ask(&file.path, |analysis| analysis.text(&file.path))?;
         let before = text.unwrap_or_default().to_string();
-        let corrected = corrected(session, file, before.clone())?;
+        let corrected = corrected(session, file, which, before.clone())?;
         if !corrected.titles.is_empty() {
             all.push((file.path.clone(), before, corrected));
         }
@@ -43,14 +44,19 @@ pub(super) fn apply_fixes(
     Ok(())
 }
 
-fn corrected(session: &Session, file: &SourceFile, text: String) -> anyhow::Result<Corrected> {
+fn corrected(
+    session: &Session,
+    file: &SourceFile,
+    which: Applied,
+    text: String,
+) -> anyhow::Result<Corrected> {
     let mut now = Corrected {
         found: scenario_with(session, file, &text)?,
         text,
         titles: Vec::new(),
     };
     for _ in 0..MAX_ROUNDS {
-        let Some(next) = next(session, file, &now)? else {
+        let Some(next) = next(session, file, which, &now)? else {
             break;
         };
         now = next;
@@ -58,22 +64,23 @@ fn corrected(session: &Session, file: &SourceFile, text: String) -> anyhow::Resu
     Ok(now)
 }
 
-/// Returns the scenario with the first plain fix that leaves fewer errors of its kind.
+/// Returns the scenario with the first fix that leaves fewer errors of its kind.
 fn next(
     session: &Session,
     file: &SourceFile,
+    which: Applied,
     now: &Corrected,
 ) -> anyhow::Result<Option<Corrected>> {
     let findings = now.found.iter();
-    let fixes = findings.filter_map(|finding| Some((finding.fixes.first()?, finding.code)));
-    for (fix, code) in fixes.filter(|(fix, _)| fix.kind == FixKind::Plain) {
+    let fixes = findings.filter_map(|finding| Some((finding.fixes.first()?, finding)));
+    for (fix, finding) in fixes.filter(|(fix, finding)| which.includes(fix, finding.severity)) {
         let edit = Edit::of(&fix.edits);
         let Some(edits) = edit.changed.get(&file.path) else {
             continue;
         };
         let text = apply(&now.text, edits);
         let found = scenario_with(session, file, &text)?;
-        if errors(&found, code) < errors(&now.found, code) {
+        if errors(&found, finding.code) < errors(&now.found, finding.code) {
             let titles = now.titles.iter().cloned().chain([fix.title.clone()]);
             return Ok(Some(Corrected {
                 titles: titles.collect(),

@@ -310,7 +310,13 @@ impl Context<'_, '_> {
             nanos: hosted::nanos(&opened),
         });
         if real {
-            notes.extend(real_time());
+            match real_time() {
+                true => children.raise_priorities(),
+                false => notes.push(format!(
+                    "the system does not grant the real-time priority {}: times depend on what else runs",
+                    dotgen_hosting::realtime::ENGINE_PRIORITY
+                )),
+            }
         }
         let serving = match real {
             true => Some(super::serve::start(
@@ -386,17 +392,14 @@ impl Context<'_, '_> {
     }
 }
 
-/// Gives this process real-time scheduling and locked memory. Returns a note if the system does not grant the
-/// scheduling; hosts report the other rights.
+/// Gives the engine its real-time priority and locked memory; hosts report what they lack. Returns false if
+/// the system does not grant the priority.
 #[cfg(unix)]
-fn real_time() -> Option<String> {
+fn real_time() -> bool {
     use dotgen_hosting::realtime;
 
-    let granted = realtime::raise_priority(realtime::ENGINE_PRIORITY);
     realtime::lock_memory(realtime::Pages::Present);
-    (!granted).then(|| {
-        "the system grants no real-time scheduling: times depend on what else runs".to_owned()
-    })
+    realtime::raise_priority(realtime::ENGINE_PRIORITY)
 }
 
 /// Ends a recording.

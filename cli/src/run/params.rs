@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail, ensure};
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::host::FileContent;
 use dotgen_analysis::model::ServiceKind;
 use dotgen_codegen::codels::value::Values;
 use dotgen_timing::scn::names::Names;
@@ -12,7 +11,6 @@ use serde_json::{Map, Value, json};
 
 use crate::call::RunConnection;
 use crate::report;
-use dotgen_platform::files::vfs;
 
 /// The attributes to set, in the order of the file.
 pub(super) struct Params(Vec<Param>);
@@ -31,11 +29,10 @@ impl Params {
     /// The file cannot be read, or it names something that is no attribute of the run, or a value has another
     /// type.
     pub(super) fn read(path: &Utf8Path, names: &Names<'_>) -> anyhow::Result<Params> {
-        let FileContent::Text(text) = vfs::read(path) else {
-            bail!("cannot read `{path}`");
-        };
+        let text = std::fs::read_to_string(path);
+        let text = text.with_context(|| format!("cannot read `{path}`"))?;
         let all: Map<String, Value> = serde_json::from_str(&text).with_context(|| {
-            format!("`{path}` is no JSON object, such as {{\"pump\": {{\"set_limit\": {{\"limit\": 2}}}}}}")
+            format!("`{path}` is not a JSON object, such as {{\"pump\": {{\"set_limit\": {{\"limit\": 2}}}}}}")
         })?;
         let mut out = Vec::new();
         for (component, attributes) in all {
@@ -44,7 +41,7 @@ impl Params {
                 bail!("`{path}`: there is no component `{component}`");
             };
             let Value::Object(attributes) = attributes else {
-                bail!("`{path}`: `{component}` is no object with attributes");
+                bail!("`{path}`: `{component}` is not an object with attributes");
             };
             for (attribute, input) in attributes {
                 let own = format!("{component}.{attribute}");
@@ -54,10 +51,10 @@ impl Params {
                 };
                 ensure!(
                     service.kind == ServiceKind::Attribute,
-                    "`{path}`: `{own}` is no attribute; a client of a scenario can request it"
+                    "`{path}`: `{own}` is not an attribute; a client of a scenario can request it"
                 );
                 let Value::Object(input) = input else {
-                    bail!("`{path}`: `{own}` is no object with the values of its inputs");
+                    bail!("`{path}`: `{own}` is not an object with the values of its inputs");
                 };
                 let encoded = Values::new(member.spec).inputs(service, &input);
                 encoded.map_err(|error| anyhow::anyhow!("`{path}`: `{own}`: {error}"))?;
@@ -82,19 +79,25 @@ impl Params {
         let mut run = RunConnection::begin(Some(&socket))?;
         for (id, Param { path, input }) in self.0.iter().enumerate() {
             run.say(&json!({"id": id, "call": path, "input": input}))?;
-            loop {
-                let message = run
-                    .hear()?
-                    .context("the run has ended before all are set")?;
+            let why = loop {
+                let message = match run.hear() {
+                    Ok(message) => message.context("the run has ended before all are set")?,
+                    Err(refused) => break Some(refused.to_string()),
+                };
                 match message["event"].as_str() {
-                    Some("done") => break,
+                    Some("done") => break None,
                     Some("failed") => {
                         let exception = message["exception"].as_str().unwrap_or("an exception");
-                        report::note(&format!("`--params`: `{path}` is not set: {exception}"));
-                        break;
+                        break Some(match &message["detail"] {
+                            Value::Null => exception.to_owned(),
+                            detail => format!("{exception} {detail}"),
+                        });
                     }
                     _ => {}
                 }
+            };
+            if let Some(why) = why {
+                report::note(&format!("`--params`: `{path}` is not set: {why}"));
             }
         }
         Ok(())

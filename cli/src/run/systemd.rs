@@ -3,7 +3,6 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use anyhow::Context;
 use dotgen_hosting::realtime;
 
 /// The option itself, which the unit leaves out.
@@ -30,16 +29,21 @@ pub(super) fn unit(
          Wants=network-online.target\n\
          \n\
          [Service]\n\
+         User={user}\n\
          WorkingDirectory={folder}\n\
          ExecStart={command}\n\
+         # 3: the run was stopped; 2: nothing can be run.\n\
+         SuccessExitStatus=3\n\
          Restart=on-failure\n\
+         RestartPreventExitStatus=2\n\
          # Real-time priority and locked memory for codels.\n\
          LimitRTPRIO={priority}\n\
          LimitMEMLOCK=infinity\n\
          \n\
          [Install]\n\
-         WantedBy=default.target\n",
+         WantedBy=multi-user.target\n",
         title = title.replace('%', "%%"),
+        user = rustix::process::getuid().as_raw(),
         folder = escaped(&text(PathBuf::from(folder).into())?),
         command = words.join(" "),
         priority = realtime::ENGINE_PRIORITY,
@@ -47,12 +51,11 @@ pub(super) fn unit(
 }
 
 fn text(argument: OsString) -> anyhow::Result<String> {
-    let wrong = |argument: OsString| format!("{argument:?} is no UTF-8");
+    let wrong = |argument: OsString| format!("{argument:?} is not UTF-8: a unit cannot contain it");
     argument
         .into_string()
         .map_err(wrong)
         .map_err(anyhow::Error::msg)
-        .context("no unit can name it")
 }
 
 /// A word of a command line, as systemd reads it: `%` and `$` stand for themselves.
@@ -64,7 +67,8 @@ fn quoted(word: &str) -> String {
     let word = escaped(word)
         .replace('\\', "\\\\")
         .replace('"', "\\\"")
-        .replace('$', "$$");
+        .replace('$', "$$")
+        .replace('\n', "\\n");
     format!("\"{word}\"")
 }
 

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use camino::Utf8PathBuf;
 pub use dotgen_analysis::diagnostic::Severity;
-use dotgen_analysis::model::{CodelRef, Name, Owner, Src, TypeId};
+use dotgen_analysis::model::{CodelRef, Component, Name, Owner, Src, TypeId};
 use rustc_hash::FxHashSet;
 
 use self::finding::Difference;
@@ -321,7 +321,6 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
     let mut renamed = FxHashSet::default();
     for expected in all.iter().filter(|expected| are_here(expected, sources)) {
         let known = names::KnownNames::new();
-        let (first, mut defined) = (out.len(), 0);
         for function in &expected.functions {
             if options.trust.is_faulty(expected, function) {
                 continue;
@@ -346,14 +345,11 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
                 }
                 continue;
             }
-            defined += 1;
             signature::check(&check, &definitions, &mut out);
             flow::check(&check, &definitions, &mut out);
             names::check(&check, &definitions, &known, &mut out);
             comment::check(&check, &definitions, &mut out);
         }
-        let unwritten = unwritten(expected, &mut out[first..], defined);
-        out.extend(unwritten);
         members::check(expected, sources, options, &mut out);
     }
     let alone = |input: &&FunctionIn<'_>| !renamed.contains(&input.place());
@@ -368,9 +364,19 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
 const FEW: usize = 2;
 
 /// While most codels of a component have no function, its sources are being written: one warning says so, and
-/// the findings at the codels become hints. `defined` is the number of codels with a function.
-fn unwritten(expected: &Expected<'_>, found: &mut [Drift], defined: usize) -> Option<Drift> {
-    let is_missing = |drift: &&mut Drift| drift.code == DriftCode::MissingDefinition;
+/// the findings at the codels become hints. `found` are all findings about the component that are reported,
+/// and `defined` is the number of its codels with a function.
+pub(super) fn unwritten(
+    component: (u32, &Component),
+    found: &mut [Drift],
+    defined: usize,
+) -> Option<Drift> {
+    let usual = DriftCode::MissingDefinition.severity();
+    let is_missing = |drift: &&mut Drift| {
+        let of_component = drift.component == component.0;
+        // A severity that the user has chosen stays.
+        of_component && drift.code == DriftCode::MissingDefinition && drift.severity == usual
+    };
     let count = found.iter_mut().filter(is_missing).count();
     if count <= defined.max(FEW) {
         return None;
@@ -378,17 +384,15 @@ fn unwritten(expected: &Expected<'_>, found: &mut [Drift], defined: usize) -> Op
     for drift in found.iter_mut().filter(is_missing) {
         drift.severity = Severity::Hint;
     }
-    let component = expected.component();
-    let kind = Difference::Unwritten {
-        component: component.name.clone(),
-        count: count as u64,
-    };
     Some(Drift {
         code: DriftCode::MissingDefinition,
-        severity: DriftCode::MissingDefinition.severity(),
-        kind,
-        component: expected.component,
-        spec: vec![component.src],
+        severity: usual,
+        kind: Difference::Unwritten {
+            component: component.1.name.clone(),
+            count: count as u64,
+        },
+        component: component.0,
+        spec: vec![component.1.src],
         source: None,
         expected: None,
         found: None,

@@ -95,7 +95,11 @@ impl Folder {
     /// those that are switched off or allowed.
     pub fn adjust(&self, findings: Vec<Drift>, analysis: &Analysis) -> Cancellable<Vec<Drift>> {
         let mut out = Vec::with_capacity(findings.len());
+        let mut missing: BTreeMap<u32, usize> = BTreeMap::new();
         for mut drift in findings {
+            if drift.code == DriftCode::MissingDefinition {
+                *missing.entry(drift.component).or_default() += 1;
+            }
             let source = drift.source.as_ref();
             let file = source
                 .and_then(|source| Some((self.sources.file(&source.path)?, source.range.start)));
@@ -111,6 +115,14 @@ impl Folder {
                 drift.severity = diagnostic.severity;
                 out.push(drift);
             }
+        }
+        for (index, count) in missing {
+            let component = &self.unit.spec.components[index as usize];
+            let codels = component.all_codels().map(|at| &component.codel(at).name);
+            let functions = codels.collect::<FxHashSet<_>>().len();
+            let defined = functions.saturating_sub(count);
+            let unwritten = drift::unwritten((index, component), &mut out, defined);
+            out.extend(unwritten);
         }
         Ok(out)
     }

@@ -200,7 +200,7 @@ impl<'a> Names<'a> {
         }
         let error = Diagnostic::error("scn-unknown-name", name.range.clone(), message);
         match near {
-            Some(near) => error.suggest(near),
+            Some(near) => error.suggest_name(near),
             None => error,
         }
     }

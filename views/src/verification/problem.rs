@@ -74,13 +74,16 @@ pub fn diagnostic(entry: &dotgen_timing::diagnostic::Diagnostic, path: &Utf8Path
         dotgen_timing::diagnostic::Severity::Error => Severity::Error,
         dotgen_timing::diagnostic::Severity::Warning => Severity::Warning,
     };
-    let fixes = entry.suggestion.iter().map(|name| Fix {
-        title: format!("Change to `{name}`"),
-        kind: FixKind::Plain,
+    let fixes = entry.suggestion.iter().map(|suggestion| Fix {
+        title: format!("Change to `{}`", suggestion.text),
+        kind: match suggestion.is_word {
+            true => FixKind::Plain,
+            false => FixKind::Guess,
+        },
         edits: vec![FileEdit {
             path: path.to_owned(),
             range: entry.range.clone(),
-            new_text: name.clone(),
+            new_text: suggestion.text.clone(),
         }],
     });
     Diagnostic {

@@ -40,6 +40,8 @@ export type FromPage =
   | { type: 'choices'; step: number }
   /** The run goes on with one of these choices. */
   | { type: 'take'; choice: number }
+  /** No preview is wanted any more. */
+  | { type: 'unpreview' }
   /** The run with this remedy is wanted. */
   | { type: 'preview'; remedy: number }
   /** This remedy is to be written. */

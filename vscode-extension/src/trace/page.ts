@@ -76,7 +76,7 @@ const BODY = `<header aria-label="Trace">
 <span class="group"><button id="go" title="To the codel in the text (Enter)">Codel</button></span>
 </header>
 <div id="notice" role="status" aria-live="polite" hidden><span></span><button id="refresh">Show the present one</button></div>
-<section id="remedies" aria-label="What repairs it" hidden></section>
+<section id="remedies" aria-label="Changes that repair the check" hidden></section>
 <canvas id="overview" aria-hidden="true" title="The whole run: a click or a drag shows another part" hidden></canvas>
 <main>
 <div id="run" hidden>

@@ -38,8 +38,11 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
   private chosen: Chosen | undefined;
   /** The choices before the steps that are listed. */
   private listed: Chosen | undefined;
-  /** What repairs what the trace shows. */
+  /** What repairs what the trace shows, and the number of its check. */
   private remedies: Remedy[] = [];
+  private check: number | undefined;
+  /** Ends the search for a preview. */
+  private previewed: vscode.CancellationTokenSource | undefined;
   /** The text has changed since the trace was made. */
   private stale = false;
   private ready = false;
@@ -66,7 +69,7 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
         if (contentChanges.length === 0 || ![LANGUAGE, SCENARIO].includes(document.languageId)) return;
         this.machines.clear();
         const uri = document.uri.toString();
-        const concerned = this.trace?.places.some((it) => it?.uri === uri) ?? false;
+        const concerned = this.target?.uri === uri || (this.trace?.places.some((it) => it?.uri === uri) ?? false);
         if (concerned && this.target !== undefined) {
           this.stale = true;
           this.send({ type: 'notice', text: OLD });
@@ -109,7 +112,7 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     }
     const asked = ++this.asked;
     await vscode.commands.executeCommand(`${VIEW}.focus`);
-    let trace: (Trace & { remedies?: Remedy[] }) | null;
+    let trace: (Trace & { check: number; remedies?: Remedy[] }) | null;
     try {
       const { uri, check, whatIf } = wanted;
       trace = await client.sendRequest(traceRequest, {
@@ -125,6 +128,7 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     this.target = wanted;
     this.stale = false;
     this.remedies = trace?.remedies ?? [];
+    this.check = trace?.check;
     this.present(trace ?? undefined, 'There is no run to show: no check of this document is refuted or has a longest run, or it is not verified yet.');
   }
 
@@ -178,6 +182,8 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
         return this.take(message.choice);
       case 'preview':
         return this.preview(message.remedy);
+      case 'unpreview':
+        return this.previewed?.cancel();
       case 'remedy':
         return this.write(message.remedy);
       case 'open':
@@ -200,15 +206,20 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
   /** Shows the run with a remedy. */
   private async preview(remedy: number): Promise<void> {
     const { running: client } = this.server;
-    const { target, asked } = this;
+    const { target, asked, check } = this;
     const whatIf = this.remedies[remedy]?.whatIf ?? undefined;
-    if (client === undefined || target === undefined || whatIf === undefined || this.stale) return;
-    const { uri, check } = target;
+    if (client === undefined || target === undefined || check === undefined || whatIf === undefined || this.stale) return;
+    this.previewed?.cancel();
+    const source = new vscode.CancellationTokenSource();
+    this.previewed = source;
     try {
-      const trace = await client.sendRequest(traceRequest, { textDocument: { uri }, ...(typeof check === 'number' ? { check } : {}), whatIf });
+      const trace = await client.sendRequest(traceRequest, { textDocument: { uri: target.uri }, check, whatIf }, source.token);
       if (asked === this.asked) this.send({ type: 'preview', remedy, trace });
     } catch {
-      // Overtaken by an edit.
+      // Cancelled, or overtaken by an edit.
+    } finally {
+      source.dispose();
+      if (this.previewed === source) this.previewed = undefined;
     }
   }
 
@@ -218,8 +229,10 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     const { edit, title } = this.remedies[remedy] ?? {};
     if (client === undefined || edit === undefined) return;
     if (this.stale) return this.send({ type: 'notice', text: OLD });
-    await vscode.workspace.applyEdit(await client.protocol2CodeConverter.asWorkspaceEdit(edit));
-    this.send({ type: 'notice', text: `Done: ${title}. The run is the one before.` });
+    // An edit that is written twice would be another one.
+    this.stale = true;
+    const done = await vscode.workspace.applyEdit(await client.protocol2CodeConverter.asWorkspaceEdit(edit));
+    this.send({ type: 'notice', text: done ? `Done: ${title?.replaceAll('`', '') ?? ''}. The run is the one before.` : OLD });
   }
 
   /** Lists the steps that may follow a step. The choices that led to it are kept. */

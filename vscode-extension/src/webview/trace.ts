@@ -109,6 +109,7 @@ function showRemedies(remedies: Remedy[]): void {
     button.title = previews ? 'Writes this change. Pointing at it shows the run with it' : 'Writes this change';
     button.addEventListener('click', () => {
       unpreview();
+      showRemedies([]);
       host.postMessage({ type: 'remedy', remedy: i });
     });
     if (previews) {
@@ -131,7 +132,8 @@ function preview(remedy: number, trace: Trace | null): void {
   if (remedy !== wanted || model === undefined || shown === undefined) return;
   behind ??= { model, shown, step };
   element('remedies').children[remedy]?.classList.add('previewed');
-  const title = trace?.title ?? 'no run misses anything';
+  const title = trace?.title ?? 'there is no run to show';
+  element('position').textContent = '';
   element('title').textContent = element('told').textContent = `With this change: ${title}`;
   if (trace === null) return;
   model = new Model(trace);
@@ -143,6 +145,7 @@ function preview(remedy: number, trace: Trace | null): void {
 
 /** Back to the run before the preview. */
 function unpreview(): void {
+  if (wanted !== undefined) host.postMessage({ type: 'unpreview' });
   wanted = undefined;
   if (behind === undefined) return;
   ({ model, shown, step } = behind);
@@ -150,6 +153,7 @@ function unpreview(): void {
   for (const button of element('remedies').children) button.classList.remove('previewed');
   element('title').textContent = model.trace.title;
   swapped();
+  choose(step, false);
 }
 
 /** Draws another run than before. */
@@ -546,6 +550,8 @@ const KEYS: Record<string, string> = { ArrowLeft: 'previous', ArrowRight: 'next'
 function key(event: KeyboardEvent): void {
   if (event.ctrlKey || event.metaKey || event.altKey || model === undefined || shown === undefined) return;
   if (event.target === search) return;
+  // A preview is only looked at.
+  if (behind !== undefined) return;
   // Buttons keep their own keys, and the side its scrolling.
   const inside = event.target === view;
   if (event.target instanceof HTMLButtonElement && (event.key === 'Enter' || event.key === ' ')) return;

@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 use super::{FileChange, project::Project};
 use crate::codels::{
     diagnostics::{Side, diagnostics},
-    drift::{Drift, DriftCode, Repair},
+    drift::{Drift, DriftCode, Repair, finding::Difference},
     edit::{Edit, line_edits},
     folder::Folder,
 };
@@ -319,7 +319,9 @@ impl Findings {
                 continue;
             }
             let all = folder.check(&folder.expected());
-            let found = project.adjusted(&folder, all.clone());
+            let mut found = project.adjusted(&folder, all.clone());
+            // The number of missing functions is no finding of its own.
+            found.retain(|drift| !matches!(drift.kind, Difference::Unwritten { .. }));
             let shown = diagnostics(&found, &*folder.unit.locations, Side::First);
             out.all.extend(shown);
             let index = compared.len();

@@ -35,7 +35,7 @@ findings! {
         "codel/missing-definition" Missing { folder: Name, codel: Name }
             => "no source in `{folder}/` defines the function of codel `{codel}`";
         "codel/missing-definition" Unwritten { component: Name, count: u64 }
-            => "{count} codels of `{component}` have no function yet", "write stubs of them";
+            => "{count} codels of `{component}` have no function yet", "run `dotgen codels stub`";
         "codel/signature-mismatch" Signature { function: Name, differences: Clauses }
             => "`{function}` does not have the prototype of its codel: {differences}";
         "codel/undeclared-yield" ReturnsOk { function: Name, event: Name, yields: States }

@@ -78,7 +78,7 @@ pub(super) fn check(
         used: FxHashSet::default(),
         parameters: BTreeMap::new(),
     };
-    if sources.all().any(uses_members) {
+    if !mapped.is_empty() && sources.all().any(uses_members) {
         for file in sources.all() {
             types.read(&file.text, file.index.grammar);
         }

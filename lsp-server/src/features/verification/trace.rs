@@ -24,6 +24,8 @@ const MAX_TAKEN: usize = 1000;
 pub(crate) struct TraceResult {
     #[serde(flatten)]
     trace: Trace<Option<Location>>,
+    /// The number of the check.
+    check: usize,
     /// The steps that may follow, if the request has `after`.
     #[serde(skip_serializing_if = "Option::is_none")]
     next: Option<Next>,
@@ -50,9 +52,14 @@ pub(crate) fn trace(
         return Ok(None);
     };
     let report = &answer.report;
-    let Some(number) = chosen(report, question.params.check()) else {
+    let wanted = question.params.check();
+    let Some(number) = chosen(report, wanted) else {
         return Ok(None);
     };
+    // A variation is about the check that the client has asked for, and about no other.
+    if question.params.is_varied() && wanted.is_some_and(|wanted| wanted != number) {
+        return Ok(None);
+    }
     let check = &report.checks[number];
     let simulation = simulated(answer, check, question);
     let mut trace = of_run(&TraceInput {
@@ -92,6 +99,7 @@ pub(crate) fn trace(
     });
     Ok(Some(TraceResult {
         trace,
+        check: number,
         next,
         remedies,
     }))

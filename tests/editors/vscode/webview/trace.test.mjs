@@ -156,7 +156,7 @@ test('a remedy shows the run with it while it is pointed at, and is written by a
   assert.deepEqual((await it.said()).filter((one) => one.type === 'preview').length, 1);
   await buttons.first().hover();
   await it.send({ type: 'preview', remedy: 0, trace: null });
-  assert.equal(await title(), 'With this change: no run misses anything');
+  assert.equal(await title(), 'With this change: there is no run to show');
   await buttons.first().click();
   assert.deepEqual((await it.said()).filter((one) => one.type === 'remedy'), [{ type: 'remedy', remedy: 0 }]);
   assert.equal(await title(), run.title);

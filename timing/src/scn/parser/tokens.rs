@@ -66,7 +66,7 @@ impl<'t> Parser<'t> {
             Some(near) => {
                 let message = format!("`{word}` has no meaning here");
                 let error = Diagnostic::error("scn-syntax", self.range(), message);
-                self.errors.push(error.suggest(near));
+                self.errors.push(error.suggest_word(near));
             }
             None => self.expected(&match words {
                 [one] => format!("`{one}`"),
