@@ -549,3 +549,32 @@ fn the_manual_is_part_of_the_program() {
         stderr(&output)
     );
 }
+
+#[test]
+fn sources_that_are_being_written_lack_one_warning() {
+    let function = |name: &str| format!("  function {name}() {{ codel c_{name}(); }};\n");
+    let names = ["a", "b", "d", "e", "f"];
+    let specification = |before: &str| {
+        let functions = names.map(|name| format!("{before}{}", function(name)));
+        format!("component c {{\n{}}};\n", functions.concat())
+    };
+    let source = "genom_event c_a(const genom_context self)\n{\n  return genom_ok;\n}\n";
+    let directory = Directory::new(&[("c.gen", &specification("")), ("codels/c_codels.c", source)]);
+    let severities = || {
+        let output = directory.run(&["codels", "check", "--format", "json", "c.gen"]);
+        let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+        let all = document["diagnostics"].as_array().expect("a list").clone();
+        let severity = |found: &Value| found["severity"].as_str().unwrap_or_default().to_owned();
+        let mut all: Vec<String> = all.iter().map(severity).collect();
+        all.sort();
+        all
+    };
+    assert_eq!(severities(), ["hint", "hint", "hint", "hint", "warning"]);
+    let allowed = specification("  // dotgen: allow(codel/missing-definition) made by a script\n");
+    directory.write("c.gen", allowed.as_bytes());
+    assert_eq!(
+        severities(),
+        ["information"],
+        "the comment of the function that exists"
+    );
+}

@@ -15,7 +15,8 @@ struct Corrected {
     titles: Vec<String>,
 }
 
-/// Applies fixes to the scenarios of a session, in memory. A fix is applied if fewer errors of its kind are left.
+/// Applies fixes to the scenarios of a session, in memory. A fix is applied if fewer errors of its kind are
+/// left.
 pub(super) fn apply_fixes(
     session: &mut Session,
     which: Applied,

@@ -38,8 +38,8 @@ fn tokens(text: &str) -> Vec<(usize, String)> {
         .collect()
 }
 
-/// A random word of at least three letters: its byte range. A word that occurs once may be any name, so that a
-/// slip in it is no defect.
+/// A random word of at least three letters: its byte range. A word that occurs once may be any name, so
+/// that a slip in it is no defect.
 fn word(text: &str, random: &mut fastrand::Rng) -> std::ops::Range<usize> {
     let tokens = tokens(text);
     let is_word =
