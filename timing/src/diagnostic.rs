@@ -32,7 +32,7 @@ pub struct Diagnostic {
     /// Places in the specifications, the most important one first.
     pub places: Vec<Place>,
     /// The text that the author probably meant at [`Diagnostic::range`].
-    pub suggestion: Option<Suggestion>,
+    pub suggestion: Option<Box<Suggestion>>,
     /// The remark, if several problems of its kind can be reported as one, see [`remark::together`].
     pub remark: Option<Box<Remark>>,
 }
@@ -89,10 +89,10 @@ impl Diagnostic {
 
     fn suggest(mut self, text: &str, is_word: bool) -> Self {
         self.message.push_str(&format!("; did you mean `{text}`?"));
-        self.suggestion = Some(Suggestion {
+        self.suggestion = Some(Box::new(Suggestion {
             text: text.to_owned(),
             is_word,
-        });
+        }));
         self
     }
 

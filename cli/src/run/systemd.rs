@@ -1,7 +1,6 @@
 //! `dotgen run --systemd`: a unit that starts the same run with the machine.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
 
 use dotgen_hosting::realtime;
 
@@ -44,7 +43,7 @@ pub(super) fn unit(
          WantedBy=multi-user.target\n",
         title = title.replace('%', "%%"),
         user = rustix::process::getuid().as_raw(),
-        folder = escaped(&text(PathBuf::from(folder).into())?),
+        folder = escaped(&text(folder.into())?),
         command = words.join(" "),
         priority = realtime::ENGINE_PRIORITY,
     ))
