@@ -574,7 +574,7 @@ fn sources_that_are_being_written_lack_one_warning() {
     directory.write("c.gen", allowed.as_bytes());
     assert_eq!(
         severities(),
-        ["information"],
+        ["hint"],
         "the comment of the function that exists"
     );
 }
