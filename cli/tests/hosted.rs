@@ -325,7 +325,7 @@ fn attributes_are_set_when_the_run_begins() {
         "run", "c.gen", "--clock", "real", "--bounds", "none", "--until", "50ms",
     ];
     for (wrong, said) in [
-        (r#"{ "d": {} }"#, "there is no component `d`"),
+        (r#"{ "d": {} }"#, "`d` is not a component of this run"),
         (r#"{ "c": { "put": {} } }"#, "`c` has no attribute `put`"),
         (r#"{ "c": { "go": {} } }"#, "`c.go` is not an attribute"),
         (r#"{ "c": { "set": { "n": "x" } } }"#, "`c.set`"),

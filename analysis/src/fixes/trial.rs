@@ -55,8 +55,6 @@ struct CandidateFix {
     edits: Vec<(Range<usize>, String)>,
     /// Lower is more likely.
     cost: u32,
-    /// Set if it can be nothing but a slip: a mark that stands twice.
-    plain: bool,
 }
 
 /// The repairs of a syntax error at a place of a text, the best first: those after which the fewest errors
@@ -83,7 +81,7 @@ pub(crate) fn repairs(text: &str, at: TextRange) -> Vec<TextFix> {
     kept.retain(|pair| Some(pair.0) == best);
     kept.truncate(MOST_KEPT);
     let fix = |(_, trial): (usize, CandidateFix)| TextFix {
-        kind: FixKind::of(trial.plain),
+        kind: FixKind::Guess,
         title: trial.title,
         edits: trial
             .edits
@@ -177,19 +175,18 @@ fn trials(text: &str, at: TextRange) -> Vec<CandidateFix> {
 
 /// Removals: a mark, a word, or the whole range of the error.
 fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<CandidateFix>) {
-    let mut remove = |range: Range<usize>, cost: u32, plain: bool| {
+    let mut remove = |range: Range<usize>, cost: u32| {
         let title = format!("Remove `{}`", window.text[range.clone()].trim());
         let range = with_blank(window.text, range);
         out.push(CandidateFix {
             title,
             edits: vec![(range, String::new())],
             cost,
-            plain,
         });
     };
     let whole = usize::from(at.start())..usize::from(at.end());
     if !whole.is_empty() && !window.text[whole.clone()].contains('\n') {
-        remove(whole, 24, false);
+        remove(whole, 24);
     }
     for first in window.around() {
         let is_doubled = first > 0 && window.token(first) == window.token(first - 1);
@@ -206,7 +203,6 @@ fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<CandidateFix>) {
             remove(
                 range,
                 base + 6 * (last - first) as u32 + window.distance(first),
-                is_doubled && first == last && window.is_mark(first),
             );
         }
     }
@@ -221,7 +217,6 @@ fn replacements(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: format!("Change `{token}` to `{with}`"),
                 edits: vec![(range.clone(), with.to_owned())],
                 cost: cost + window.distance(number),
-                plain: false,
             });
         };
         match window.kind(number) {
@@ -276,7 +271,6 @@ fn insertions(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: format!("Insert `{}`", what.trim()),
                 edits: vec![(at..at, what.to_owned())],
                 cost: base + window.distance(number),
-                plain: false,
             });
         }
     }
@@ -301,7 +295,6 @@ fn exchanges(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: format!("Write `{other} {one}`"),
                 edits: vec![(a.start..b.end, format!("{other}{between}{one}"))],
                 cost: 10 + window.distance(first),
-                plain: false,
             });
         }
         if !between.is_empty() {
@@ -309,7 +302,6 @@ fn exchanges(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: format!("Write `{one}{other}`"),
                 edits: vec![(a.start..b.end, format!("{one}{other}"))],
                 cost: 9 + window.distance(first),
-                plain: false,
             });
         }
         // `octet[4] code`
@@ -326,7 +318,6 @@ fn exchanges(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: format!("Write `{length}` behind `{}`", window.token(close + 1)),
                 edits: vec![(group.clone(), String::new()), (name.end..name.end, length)],
                 cost: 5,
-                plain: false,
             });
         }
     }
@@ -347,7 +338,6 @@ fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: "Change `char *` to `string`".to_owned(),
                 edits: vec![(range, if glued { "string " } else { "string" }.to_owned())],
                 cost: 1,
-                plain: false,
             });
         }
     }
@@ -360,7 +350,6 @@ fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
             title: "Remove `typedef`".to_owned(),
             edits: vec![(range, String::new())],
             cost: 20,
-            plain: false,
         });
     }
     for number in window.around() {
@@ -373,7 +362,6 @@ fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: "Close the text with `\"`".to_owned(),
                 edits: vec![(at..at, "\"".to_owned())],
                 cost: 1,
-                plain: false,
             });
         }
     }
@@ -391,7 +379,6 @@ fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 title: "Change `* /` to `*/`".to_owned(),
                 edits: vec![(at..at + 3, "*/".to_owned())],
                 cost: 1,
-                plain: false,
             });
         }
     }

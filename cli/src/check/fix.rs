@@ -53,10 +53,9 @@ pub(super) fn apply_fixes(
         let mut report = FileReports::default();
         // Files that cannot be read are reported once, with the final report.
         check(session, &mut report, &mut ErrorReporter::silent());
-        match which {
-            Applied::Plain => add_trials(&project(session, changed), &mut report.diagnostics),
-            // The first proposal may be one that the judge refuses.
-            Applied::AlsoGuesses => judge(session, changed, &mut report.diagnostics),
+        if which == Applied::AlsoGuesses {
+            // The first proposal may be one that the judge refuses, and others are found by trial.
+            judge(session, changed, &mut report.diagnostics);
         }
         let found = report.diagnostics.iter();
         let first = found.filter_map(|diagnostic| Some((diagnostic.fixes.first()?, diagnostic)));
@@ -100,23 +99,6 @@ pub(super) fn apply_fixes(
         }
     }
     Ok(())
-}
-
-/// Adds the fixes that are found by trial to syntax errors without a fix.
-fn add_trials(project: &Project<'_>, found: &mut [Diagnostic]) {
-    let mut tried: BTreeMap<Utf8PathBuf, usize> = BTreeMap::new();
-    for number in 0..found.len() {
-        let finding = &found[number];
-        let is_open = finding.severity == Severity::Error && finding.fixes.is_empty();
-        if !is_open || dotgen_syntax::codes::find(finding.code).is_none() {
-            continue;
-        }
-        let count = tried.entry(finding.path.clone()).or_default();
-        if *count < MAX_TRIED {
-            *count += 1;
-            found[number].fixes = project.trials(finding, found);
-        }
-    }
 }
 
 /// Keeps the fixes of findings that are whole. Fixes that cannot be tried within the limit are left out.

@@ -26,7 +26,7 @@ impl Params {
     /// Reads a file: a JSON object with the values of the inputs, by component, attribute and input.
     ///
     /// # Errors
-    /// The file cannot be read, or it names something that is no attribute of the run, or a value has another
+    /// The file cannot be read, or it names something that is not an attribute of the run, or a value has another
     /// type.
     pub(super) fn read(path: &Utf8Path, names: &Names<'_>) -> anyhow::Result<Params> {
         let text = std::fs::read_to_string(path);
@@ -38,7 +38,7 @@ impl Params {
         for (component, attributes) in all {
             let mut members = names.components.iter();
             let Some(member) = members.find(|member| member.component.name == component) else {
-                bail!("`{path}`: there is no component `{component}`");
+                bail!("`{path}`: `{component}` is not a component of this run");
             };
             let Value::Object(attributes) = attributes else {
                 bail!("`{path}`: `{component}` is not an object with attributes");

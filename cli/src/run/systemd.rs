@@ -41,7 +41,7 @@ pub(super) fn unit(
          \n\
          [Install]\n\
          WantedBy=multi-user.target\n",
-        title = title.replace('%', "%%"),
+        title = escaped(&text(title.into())?),
         user = rustix::process::getuid().as_raw(),
         folder = escaped(&text(folder.into())?),
         command = words.join(" "),
@@ -50,11 +50,13 @@ pub(super) fn unit(
 }
 
 fn text(argument: OsString) -> anyhow::Result<String> {
-    let wrong = |argument: OsString| format!("{argument:?} is not UTF-8: a unit cannot contain it");
-    argument
-        .into_string()
-        .map_err(wrong)
-        .map_err(anyhow::Error::msg)
+    match argument.into_string() {
+        Ok(text) if !text.contains(char::is_control) => Ok(text),
+        Ok(text) => anyhow::bail!(
+            "{text:?} has a line end or another control character: a unit cannot contain it"
+        ),
+        Err(argument) => anyhow::bail!("{argument:?} is not UTF-8: a unit cannot contain it"),
+    }
 }
 
 /// A word of a command line, as systemd reads it: `%` and `$` stand for themselves.
@@ -66,8 +68,7 @@ fn quoted(word: &str) -> String {
     let word = escaped(word)
         .replace('\\', "\\\\")
         .replace('"', "\\\"")
-        .replace('$', "$$")
-        .replace('\n', "\\n");
+        .replace('$', "$$");
     format!("\"{word}\"")
 }
 

@@ -39,7 +39,7 @@ fn tokens(text: &str) -> Vec<(usize, String)> {
 }
 
 /// A random word of at least three letters: its byte range. A word that occurs once may be any name, so
-/// that a slip in it is no defect.
+/// that a slip in it is not a defect.
 fn word(text: &str, random: &mut fastrand::Rng) -> std::ops::Range<usize> {
     let tokens = tokens(text);
     let is_word =

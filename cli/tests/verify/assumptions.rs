@@ -1,4 +1,4 @@
-//! What is assumed, and what cannot be verified without execution times.
+//! Assumptions, and checks that need execution times.
 
 use super::{VAGUE, json_of};
 use crate::directory::{Directory, stderr};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::codes::CODEL;
-use dotgen_analysis::diagnostic::Diagnostic;
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::host::{Analysis, Cancellable, UnitResult};
 use dotgen_analysis::model::{ComponentKind, Missing, Name};
 use dotgen_analysis::source_map::Locations;
@@ -106,13 +106,8 @@ impl Folder {
             if file.is_some_and(|(file, at)| is_allowed(file, at, drift.code.as_str())) {
                 continue;
             }
-            let one = diagnostics(
-                std::slice::from_ref(&drift),
-                &*self.unit.locations,
-                Side::First,
-            );
-            if let Some(diagnostic) = analysis.adjusted(one)?.first() {
-                drift.severity = diagnostic.severity;
+            if let Some(severity) = self.severity(&drift, analysis)? {
+                drift.severity = severity;
                 out.push(drift);
             }
         }
@@ -121,10 +116,25 @@ impl Folder {
             let codels = component.all_codels().map(|at| &component.codel(at).name);
             let functions = codels.collect::<FxHashSet<_>>().len();
             let defined = functions.saturating_sub(count);
-            let unwritten = drift::unwritten((index, component), &mut out, defined);
-            out.extend(unwritten);
+            if let Some(unwritten) = drift::unwritten((index, component), &mut out, defined)
+                && self.severity(&unwritten, analysis)?.is_some()
+            {
+                out.push(unwritten);
+            }
         }
         Ok(out)
+    }
+
+    /// The severity of a finding by the configuration; `None` if it is switched off, or a comment of the
+    /// specification allows it.
+    fn severity(&self, drift: &Drift, analysis: &Analysis) -> Cancellable<Option<Severity>> {
+        let one = diagnostics(
+            std::slice::from_ref(drift),
+            &*self.unit.locations,
+            Side::First,
+        );
+        let adjusted = analysis.adjusted(one)?;
+        Ok(adjusted.first().map(|diagnostic| diagnostic.severity))
     }
 }
 

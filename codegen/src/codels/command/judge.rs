@@ -320,7 +320,7 @@ impl Findings {
             }
             let all = folder.check(&folder.expected());
             let mut found = project.adjusted(&folder, all.clone());
-            // The number of missing functions is no finding of its own.
+            // The number of missing functions is not a finding of its own.
             found.retain(|drift| !matches!(drift.kind, Difference::Unwritten { .. }));
             let shown = diagnostics(&found, &*folder.unit.locations, Side::First);
             out.all.extend(shown);
