@@ -1,6 +1,7 @@
 // The trace viewer, in the panel below the text: steps through a run, a counterexample or a recorded one, and shows each step
 // in the text and in its state machine.
 import * as vscode from 'vscode';
+import type { WorkspaceEdit } from 'vscode-languageclient/node';
 import type { Server } from '../client';
 import { notRunning } from '../commands/server';
 import { range, reveal } from '../panel/reveal';
@@ -20,6 +21,12 @@ interface Chosen {
   after: number;
   take: number[];
   before: number[];
+}
+
+/** The files that an edit changes: their text has to be the one that the edit was made for. */
+function changed({ changes = {}, documentChanges = [] }: WorkspaceEdit): string[] {
+  const edited = documentChanges.flatMap((it) => ('textDocument' in it ? [it.textDocument.uri] : []));
+  return [...Object.keys(changes), ...edited];
 }
 
 /** Argument of the command. */
@@ -69,7 +76,8 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
         if (contentChanges.length === 0 || ![LANGUAGE, SCENARIO].includes(document.languageId)) return;
         this.machines.clear();
         const uri = document.uri.toString();
-        const concerned = this.target?.uri === uri || (this.trace?.places.some((it) => it?.uri === uri) ?? false);
+        const shown = this.trace?.places.some((it) => it?.uri === uri) ?? false;
+        const concerned = shown || this.target?.uri === uri || this.remedies.some(({ edit }) => changed(edit).includes(uri));
         if (concerned && this.target !== undefined) {
           this.stale = true;
           this.send({ type: 'notice', text: OLD });
