@@ -26,8 +26,8 @@ impl Params {
     /// Reads a file: a JSON object with the values of the inputs, by component, attribute and input.
     ///
     /// # Errors
-    /// The file cannot be read, or it names something that is not an attribute of the run, or a value has another
-    /// type.
+    /// The file cannot be read, or it names something that is not an attribute of the run, or a value has
+    /// another type.
     pub(super) fn read(path: &Utf8Path, names: &Names<'_>) -> anyhow::Result<Params> {
         let text = std::fs::read_to_string(path);
         let text = text.with_context(|| format!("cannot read `{path}`"))?;
