@@ -241,6 +241,8 @@ struct Machine {
     activity: bool,
     /// True for an interface: the component may have more codels.
     open: bool,
+    /// True for an interface that no component of the specification provides.
+    unprovided: bool,
 }
 
 impl Machine {
@@ -255,11 +257,16 @@ impl Machine {
             closing: Vec::new(),
             activity: body == BodyKind::Activity,
             open: false,
+            unprovided: false,
         };
         let Some(component) = names.component() else {
             return machine;
         };
         machine.open = component.kind == ComponentKind::Interface;
+        let number = names.component_number();
+        let mut components = names.spec().components.iter();
+        machine.unprovided = machine.open
+            && !components.any(|other| number.is_some_and(|own| other.provides.contains(&own)));
         for (kind, name, codels) in names.owners() {
             if kind == body && owner.as_ref() == Some(name) {
                 for codel in codels {
@@ -300,7 +307,8 @@ impl Machine {
         if yields {
             known.extend(self.states.iter().map(SmolStr::as_str));
             known.extend(self.here.iter().map(SmolStr::as_str));
-            if self.open {
+            // The components that provide an interface may have no codel for another state.
+            if self.unprovided {
                 known.extend(["start", "stop"]);
             }
         } else {

@@ -136,6 +136,11 @@ impl<'a, 'db> Names<'a, 'db> {
         self.spec().components.get(self.component? as usize)
     }
 
+    /// The index of the component around the cursor in [`Spec::components`](crate::model::Spec).
+    pub(super) fn component_number(&self) -> Option<u32> {
+        self.component
+    }
+
     /// Tasks and services of the component around the cursor, each with its body, its name and its codels.
     pub(super) fn owners(&self) -> impl Iterator<Item = (BodyKind, &'a Name, &'a [Codel])> {
         let component = self.component().into_iter();
