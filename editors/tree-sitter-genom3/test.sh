@@ -5,7 +5,8 @@
 #   DOTGEN_SPECIFICATIONS   more folders of specifications to parse, separated by `:`
 #   DOTGEN                  dotgen's program; if set, files in which `dotgen check` finds errors are left out
 #
-# Without `tree-sitter`, Neovim parses the files and compiles the queries, and the other tests are skipped.
+# Without `tree-sitter`, Neovim parses the files and compiles the queries; the trees of test/corpus and the tags are not
+# compared.
 set -uo pipefail
 cd "$(dirname "$0")"
 here=$PWD
@@ -111,7 +112,7 @@ if [ "$has_program" ]; then
   for grammar in . scenario; do test_with_program "$grammar"; done
 fi
 
-# ---- Error nodes and queries, in Neovim
+# ---- Error nodes, queries and highlights, in Neovim
 
 test_in_neovim() { # GRAMMAR LANGUAGE
   local folder=$temporary/neovim sources=("$1/src/parser.c") line
@@ -123,7 +124,7 @@ test_in_neovim() { # GRAMMAR LANGUAGE
     return
   fi
   timeout 120 nvim --headless -u NONE --cmd "set rtp+=$folder" --cmd "let g:language = '$2'" \
-    --cmd "let g:list = '$(files "$1")'" +"luafile $here/test/neovim.lua" >"$temporary/output" 2>&1
+    --cmd "let g:list = '$(files "$1")'" --cmd "let g:captures = '$temporary/captures'" +"luafile $here/test/neovim.lua" >"$temporary/output" 2>&1
   grep -vE '^\s*$|^[0-9]+ parsed\s*$' "$temporary/output" >"$temporary/errors"
   if [ -s "$temporary/errors" ] || ! grep -qE '^[1-9][0-9]* parsed' "$temporary/output"; then
     cat "$temporary/errors" >&2
@@ -131,6 +132,7 @@ test_in_neovim() { # GRAMMAR LANGUAGE
   else
     pass
   fi
+  if node test/highlights.mjs "$temporary/captures" "$1"; then pass; else fail "the highlights of $2"; fi
 }
 if [ "$has_neovim" ]; then
   test_in_neovim . genom3

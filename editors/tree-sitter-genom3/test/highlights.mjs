@@ -1,4 +1,4 @@
-// Checks highlights, as `tree-sitter query --captures` prints them:
+// Checks highlights, as `tree-sitter query --captures` or test/neovim.lua prints them:
 //
 //   node test/highlights.mjs CAPTURES GRAMMAR
 //

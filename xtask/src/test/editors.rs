@@ -5,6 +5,7 @@ use anyhow::{Context, Result};
 use super::{Outcome, copy, count};
 use crate::extension::{self, Profile};
 use crate::run::{self, step};
+use crate::shared::shared;
 use crate::tools;
 use crate::workbench::Workbench;
 
@@ -21,7 +22,26 @@ pub(super) fn neovim() -> Result<Outcome> {
         &*script.to_string_lossy(),
         "maneuver.gen",
     ];
-    editor("neovim", "nvim", &arguments)
+    let mut outcome = editor("neovim", "nvim", &arguments)?;
+    let highlights = tree_sitter()?;
+    outcome.passed += usize::from(highlights);
+    outcome.failed += usize::from(!highlights);
+    Ok(outcome)
+}
+
+/// Parses the examples and, if there are some, the published specifications with the tree-sitter grammar, and compares
+/// its highlights with those of VS Code. True if all is well.
+fn tree_sitter() -> Result<bool> {
+    step("Testing the tree-sitter grammar");
+    extension::install_packages(&extension::directory())?;
+    let server = extension::build_server(Profile::Dev)?;
+    let grammar = crate::root().join("editors/tree-sitter-genom3");
+    let mut command = run::command(&grammar, "timeout", &["--kill-after=5", "300", "./test.sh"]);
+    command.env("DOTGEN", server);
+    if let Some(published) = shared("corpus") {
+        command.env("DOTGEN_SPECIFICATIONS", published);
+    }
+    run::watch(command, |_| {})
 }
 
 pub(super) fn emacs() -> Result<Outcome> {
