@@ -27,7 +27,7 @@ mod ticks;
 use std::collections::BTreeMap;
 
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::system::{CodelId, MachineId, Ticks, TimedSystem};
+use dotgen_timing::system::{CodelId, MachineId, TaskId, Ticks, TimedSystem};
 use rustc_hash::FxHashMap;
 use typed_index_collections::{TiVec, ti_vec};
 
@@ -496,7 +496,7 @@ impl<'s> Monitor<'s> {
                 .filter(|&bound| response > bound + 1)
                 .map(|bound| DeviationKind::Response { response, bound });
         }
-        let name = || self.model.system.task_path(at.task);
+        let name = || self.model.system.task_path(TaskId::from(at.task));
         if let Some(off) = off {
             self.report(run, name(), off);
         } else if let Some(beyond) = beyond {
@@ -516,7 +516,7 @@ impl<'s> Monitor<'s> {
                 greatest = greatest.max(task.greatest);
             }
             TaskTimes {
-                task: system.task_path(task),
+                task: system.task_path(TaskId::from(task)),
                 chains,
                 greatest,
                 bound: limits.bound,

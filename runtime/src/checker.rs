@@ -1,7 +1,7 @@
 //! The comparison of a run with the checks of its scenario and with proved bounds.
 
 use dotgen_timing::explore::{Seen, Stepper};
-use dotgen_timing::system::Ticks;
+use dotgen_timing::system::{TaskId, Ticks};
 use dotgen_timing::verify::{Prepared, Question};
 
 use crate::engine::End;
@@ -198,7 +198,8 @@ impl<'p> RunChecker<'p> {
         if let CodelViolation::Lost { component, .. } = &violation {
             let system = &self.prepared.built.system;
             for (task, gone) in self.gone.iter_mut().enumerate() {
-                *gone |= system.components[system.tasks[task].component].name == *component;
+                *gone |= system.components[system.tasks[TaskId::from(task)].component].name
+                    == *component;
             }
         }
         let known = self

@@ -1,7 +1,7 @@
 //! Counts of tasks and state machines, as data: for reports, and for the progress of a run.
 
 use dotgen_timing::report::Value;
-use dotgen_timing::system::{Ticks, TimedSystem, Yield};
+use dotgen_timing::system::{TaskId, Ticks, TimedSystem, Yield};
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
@@ -65,7 +65,7 @@ pub fn has_times(system: &TimedSystem, task: usize) -> bool {
     let machines = system
         .automata
         .iter()
-        .filter(|automaton| automaton.task == task);
+        .filter(|automaton| automaton.task == TaskId::from(task));
     let mut states = machines.flat_map(|machine| &system.machines[machine.machine].states);
     states.any(|state| system.codels[state.codel].upper > 0)
 }
@@ -97,7 +97,7 @@ pub(crate) fn tasks(
     };
     let tasks = system.tasks.iter().zip(&tally.tasks).enumerate();
     let tasks = tasks.map(|(task, (entry, counted))| TaskCounts {
-        task: system.task_path(task),
+        task: system.task_path(TaskId::from(task)),
         jobs: counted.jobs.count,
         greatest: counted.greatest.map(value),
         mean: mean(&counted.jobs),

@@ -10,7 +10,7 @@ mod requests;
 use std::collections::{HashMap, VecDeque};
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
-use dotgen_timing::system::{CodelId, ComponentId, ServiceId, TimedSystem, Yield};
+use dotgen_timing::system::{CodelId, ComponentId, ServiceId, TaskId, TimedSystem, Yield};
 use typed_index_collections::{TiVec, ti_vec};
 
 use crate::hosts::{
@@ -238,7 +238,7 @@ impl<'p> Live<'p> {
             },
             ticket: u32::try_from(executor).unwrap_or(u32::MAX),
             core: match work {
-                Work::State { task, .. } => self.system.tasks[task].affinity,
+                Work::State { task, .. } => self.system.tasks[TaskId::from(task)].affinity,
                 _ => None,
             },
             codel: number,

@@ -11,7 +11,7 @@ use std::io::{self, Write};
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::system::{CodelId, TimedSystem, Yield};
+use dotgen_timing::system::{CodelId, TaskId, TimedSystem, Yield};
 use num_rational::Ratio;
 use typed_index_collections::TiVec;
 
@@ -110,7 +110,7 @@ impl<'s, W: Write> Profile<'s, W> {
             } => {
                 let machine = system.machine_of(automaton);
                 let name = |index: usize| machine.states.get(index).map_or("", |state| &state.name);
-                task = system.tasks[of].name.clone();
+                task = system.tasks[TaskId::from(of)].name.clone();
                 service = match system.automata[automaton].service {
                     Some(service) => system.services[service].name.clone(),
                     None => PERMANENT.to_owned(),

@@ -3,7 +3,7 @@
 use dotgen_analysis::model::Seconds;
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{TimeUnit, Value};
-use dotgen_timing::system::Ticks;
+use dotgen_timing::system::{TaskId, Ticks};
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
@@ -306,7 +306,7 @@ impl ReportBuilder<'_> {
                     response,
                     bound,
                 } => Violated::BeyondBound {
-                    task: system.task_path(task),
+                    task: system.task_path(TaskId::from(task)),
                     response: self.value(response),
                     bound: self.value(bound),
                 },

@@ -78,14 +78,14 @@ impl Recorder {
                 .task
                 .and_then(|task| prepared.built.tasks.get(&task));
             if let (Some(&task), Some(Value::Time(time))) = (task, check.value) {
-                bounds[task] = Some((time / prepared.time(1)).round() as Ticks);
+                bounds[usize::from(task)] = Some((time / prepared.time(1)).round() as Ticks);
             }
         }
         bounds
     }
 
     fn monitor(&self, prepared: &Prepared, log: &str) -> MonitorReport {
-        self.monitor_with(prepared, response_bounds(&prepared.built.system), log)
+        self.monitor_with(prepared, response_bounds(&prepared.built.system).raw, log)
     }
 
     fn monitor_with(

@@ -209,11 +209,11 @@ fn codel<'s>(system: &'s mut TimedSystem, path: &str) -> &'s mut dotgen_timing::
 /// Systems with one changed rule.
 const CHANGES: &[Change] = &[
     ("a longer period", &[Rule::Tick], |system| {
-        let period = system.tasks[0].period.as_mut().expect("periodic");
+        let period = system.tasks.raw[0].period.as_mut().expect("periodic");
         *period += *period / 2;
     }),
     ("a shorter period", &[Rule::Tick], |system| {
-        let period = system.tasks[1].period.as_mut().expect("periodic");
+        let period = system.tasks.raw[1].period.as_mut().expect("periodic");
         *period /= 2;
     }),
     ("a codel that takes longer", &[Rule::End], |system| {

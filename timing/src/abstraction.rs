@@ -41,7 +41,8 @@ use self::search::Search;
 use self::state::MISSED;
 use self::thread::Thread;
 use crate::cancel::Cancel;
-use crate::system::{Ticks, TimedSystem};
+use crate::system::{TaskId, Ticks, TimedSystem};
+use typed_index_collections::{TiVec, ti_vec};
 
 /// Upper limits on the number and size of abstract states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,15 +75,15 @@ pub fn abstract_bounds(
     system: &TimedSystem,
     budget: Budget,
     cancel: &Cancel,
-) -> Vec<Result<Ticks, Refusal>> {
+) -> TiVec<TaskId, Result<Ticks, Refusal>> {
     // Tasks that are not followed: they execute any of their codels at any time.
-    let mut left: Vec<Option<Refusal>> = vec![None; system.tasks.len()];
+    let mut left: TiVec<TaskId, Option<Refusal>> = ti_vec![None; system.tasks.len()];
     loop {
         let parts = match models(system, &mut left) {
             Ok(parts) => parts,
-            Err(refusal) => return vec![Err(refusal); left.len()],
+            Err(refusal) => return ti_vec![Err(refusal); left.len()],
         };
-        let mut out: Vec<Result<Ticks, Refusal>> = left
+        let mut out: TiVec<TaskId, Result<Ticks, Refusal>> = left
             .iter()
             .map(|refusal| Err(refusal.unwrap_or(Refusal::Cancelled)))
             .collect();

@@ -42,12 +42,12 @@ pub use self::reaction::reaction_bound;
 use self::rivals::{Rivals, excluded};
 use self::ways::{Ways, resumed};
 use crate::scn::semantics::Semantics;
-use crate::system::{AutomatonId, CodelId, CodelSet, FOREVER, Ticks, TimedSystem};
+use crate::system::{AutomatonId, CodelId, CodelSet, FOREVER, TaskId, Ticks, TimedSystem};
 
 /// Returns a bound on the response time of every task, or `None` where this method finds none. Under the
 /// semantics of the servers other things delay a job, and a separate method applies (see `queue`). If single
 /// points of the semantics are changed, there are no bounds.
-pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
+pub fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Ticks>> {
     if !system.platform.semantics.is_published() {
         // A client of `abort`, `kill` or `connect` causes `stop` codels, and stops the queue, at any time.
         let plain = !system.has_builtin(|_| true);
@@ -55,7 +55,7 @@ pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
         return match queued {
             true if system.preempts() => preempted::response_bounds(system),
             true => queue::response_bounds(system),
-            false => vec![None; system.tasks.len()],
+            false => ti_vec![None; system.tasks.len()],
         };
     }
     let mut analysis = Analysis::new(system);
@@ -70,7 +70,7 @@ pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
             }
         }
         if round == MAX_GROWTH_ROUNDS * (2 + system.tasks.len()) {
-            return vec![None; system.tasks.len()];
+            return ti_vec![None; system.tasks.len()];
         }
     }
     analysis.bounds
@@ -78,7 +78,7 @@ pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
 
 /// Returns true if a bound on the response time of a task proves that the task meets its deadlines. A kept
 /// idle tick may be taken any time before the next tick, so that nothing follows for its task.
-pub fn meets_deadlines(system: &TimedSystem, task: usize, bound: Option<Ticks>) -> bool {
+pub fn meets_deadlines(system: &TimedSystem, task: TaskId, bound: Option<Ticks>) -> bool {
     let task = &system.tasks[task];
     bound.is_some_and(|bound| !task.keep_idle_tick && Some(bound) < task.period)
 }
@@ -91,22 +91,22 @@ struct Analysis<'s> {
     /// Turns in jobs, by automaton.
     turns: TiVec<AutomatonId, Ways>,
     /// Sets of automata that can have turns in the same job, by task.
-    parties: Vec<Vec<Vec<AutomatonId>>>,
+    parties: TiVec<TaskId, Vec<Vec<AutomatonId>>>,
     /// Work that can keep each codel waiting for its locks.
     of_codel: TiVec<CodelId, Rivals>,
     /// Work that can keep the codels of each party waiting.
-    of_party: Vec<Vec<Rivals>>,
+    of_party: TiVec<TaskId, Vec<Rivals>>,
     /// Latest end of the start-up of each task, in base units.
-    started: Vec<Option<u64>>,
+    started: TiVec<TaskId, Option<u64>>,
     /// Tasks that may have a tick waiting when a job ends.
-    late: Vec<bool>,
+    late: TiVec<TaskId, bool>,
     /// Lower limits of the bounds on response times, raised until they are fixed.
-    bounds: Vec<Option<Ticks>>,
+    bounds: TiVec<TaskId, Option<Ticks>>,
 }
 
 impl<'s> Analysis<'s> {
     fn new(system: &'s TimedSystem) -> Self {
-        let tasks = 0..system.tasks.len();
+        let tasks = system.tasks.keys();
         let mut analysis = Analysis {
             system,
             turns: (system.automata.keys())
@@ -114,13 +114,13 @@ impl<'s> Analysis<'s> {
                 .collect(),
             parties: instances::of_one_job(system),
             of_codel: TiVec::new(),
-            of_party: Vec::new(),
-            started: Vec::new(),
+            of_party: TiVec::new(),
+            started: TiVec::new(),
             late: tasks
                 .clone()
                 .map(|task| may_be_late(system, task))
                 .collect(),
-            bounds: vec![Some(0); system.tasks.len()],
+            bounds: ti_vec![Some(0); system.tasks.len()],
         };
         let excluded = excluded(system);
         let mut owner: TiVec<CodelId, _> = ti_vec![None; system.codels.len()];
@@ -132,7 +132,7 @@ impl<'s> Analysis<'s> {
         analysis.of_codel = (excluded.iter().zip(owner))
             .map(|(codel_set, owner)| analysis.rivals(codel_set, owner, &|_| true))
             .collect();
-        let of_party = |task: usize, party: &[AutomatonId]| {
+        let of_party = |task: TaskId, party: &[AutomatonId]| {
             let mut all = CodelSet::default();
             for &automaton in party {
                 let machine = system.machine_of(automaton);
@@ -143,7 +143,7 @@ impl<'s> Analysis<'s> {
             }
             analysis.rivals(&all, Some(task), &|_| true)
         };
-        analysis.of_party = (analysis.parties.iter().enumerate())
+        analysis.of_party = (analysis.parties.iter_enumerated())
             .map(|(task, parties)| parties.iter().map(|party| of_party(task, party)).collect())
             .collect();
         analysis.started = tasks
@@ -154,7 +154,7 @@ impl<'s> Analysis<'s> {
 
     /// Returns the latest end of the start-up of a task. The start-up comes after that of earlier tasks of
     /// the component, and waits for other tasks in their start-up and in their first jobs.
-    fn started(&self, task: usize, excluded: &TiSlice<CodelId, CodelSet>) -> Option<u64> {
+    fn started(&self, task: TaskId, excluded: &TiSlice<CodelId, CodelSet>) -> Option<u64> {
         let system = self.system;
         let definition = &system.tasks[task];
         let mut work = 0u64;
@@ -191,7 +191,7 @@ impl<'s> Analysis<'s> {
             work = work.checked_add(own?)?;
         }
         // Until the first codel ends, later tasks of the component wait, and there are no requests.
-        let waits = |other: usize| {
+        let waits = |other: TaskId| {
             let component = system.tasks[other].component;
             let own_cycles = other == task && definition.period.is_none();
             component == definition.component && (own_cycles || (other >= task && !more))
@@ -218,24 +218,24 @@ impl<'s> Analysis<'s> {
     }
 
     /// Improves the bounds once. Returns, by task, whether a bound was found.
-    fn improve(&mut self) -> Vec<bool> {
+    fn improve(&mut self) -> TiVec<TaskId, bool> {
         let bounds = self.next_bounds();
-        let growing = |task: usize| {
+        let growing = |task: TaskId| {
             let gets_late = !self.late[task] && !meets_deadlines(self.system, task, bounds[task]);
             gets_late || bounds[task] != self.bounds[task]
         };
-        let growing = (0..bounds.len()).map(growing).collect();
-        for (task, late) in self.late.iter_mut().enumerate() {
+        let growing = bounds.keys().map(growing).collect();
+        for (task, late) in self.late.iter_mut_enumerated() {
             *late |= !meets_deadlines(self.system, task, bounds[task]);
         }
         self.bounds = bounds;
         growing
     }
 
-    fn next_bounds(&self) -> Vec<Option<Ticks>> {
-        let tasks = 0..self.system.tasks.len();
-        let held: Vec<Option<u64>> = tasks.clone().map(|task| self.held(task)).collect();
-        let response = |task: usize| {
+    fn next_bounds(&self) -> TiVec<TaskId, Option<Ticks>> {
+        let tasks = self.system.tasks.keys();
+        let held: TiVec<TaskId, Option<u64>> = tasks.clone().map(|task| self.held(task)).collect();
+        let response = |task: TaskId| {
             let response = held[task]?.checked_add(self.core_wait(task, &held)?)?;
             u32::try_from(response)
                 .ok()
@@ -245,7 +245,7 @@ impl<'s> Analysis<'s> {
     }
 
     /// Returns the greatest duration of all turns of one job.
-    fn held(&self, task: usize) -> Option<u64> {
+    fn held(&self, task: TaskId) -> Option<u64> {
         let alone = self.alone(task);
         let waits: TiVec<CodelId, _> = ti_vec![OnceCell::new(); self.system.codels.len()];
         let with_wait = |codel: CodelId| {
@@ -288,7 +288,7 @@ impl<'s> Analysis<'s> {
 
     /// Returns the longest time for which `work` and rivals can keep a job of a task busy. `alone`: no job of
     /// another periodic task can be under way.
-    fn longest_busy(&self, task: usize, rivals: &Rivals, work: u64, alone: bool) -> Option<u64> {
+    fn longest_busy(&self, task: TaskId, rivals: &Rivals, work: u64, alone: bool) -> Option<u64> {
         let mut demand = Demand {
             jobs: Vec::new(),
             stretches: rivals.stretches.iter().copied().collect::<Option<_>>()?,
@@ -314,7 +314,7 @@ impl<'s> Analysis<'s> {
 
     /// Returns the jobs of a task with this much work in each, if the task is periodic. Each job takes at
     /// most its bound, or `over`.
-    fn jobs(&self, task: usize, work: u64, over: u64) -> Option<Jobs> {
+    fn jobs(&self, task: TaskId, work: u64, over: u64) -> Option<Jobs> {
         let period = self.system.tasks[task].period?;
         let bound = self.bounds[task].map(|bound| over.max(work).max(u64::from(bound)));
         let kind = match bound {
@@ -332,7 +332,7 @@ impl<'s> Analysis<'s> {
     }
 
     /// Returns the time before which no job of a task begins.
-    fn first_tick(&self, task: usize) -> u64 {
+    fn first_tick(&self, task: TaskId) -> u64 {
         let task = &self.system.tasks[task];
         u64::from(task.period.unwrap_or(0)) + u64::from(task.delay)
     }
@@ -351,7 +351,7 @@ fn turns_in_jobs(system: &TimedSystem, automaton: AutomatonId) -> Ways {
 }
 
 /// Returns true if more than one job of a task may be under way, whatever bound is known.
-fn may_be_late(system: &TimedSystem, task: usize) -> bool {
+fn may_be_late(system: &TimedSystem, task: TaskId) -> bool {
     let definition = &system.tasks[task];
     definition.keep_idle_tick || definition.period.is_none() || system.runs_apart(task)
 }

@@ -20,11 +20,11 @@ use crate::property::resolve;
 use crate::report::{TimeUnit, Value, Verdict};
 use crate::scn::ast::{CheckKind, Durations, Path, Scenario};
 use crate::scn::names::{Names, Target};
-use crate::system::TimedSystem;
 use crate::system::build::build;
 use crate::system::indexed::DeclaredTask;
 use crate::system::indexed::not_a;
 use crate::system::settings::Settings;
+use crate::system::{TaskId, TimedSystem};
 use crate::verify::tasks_with_jobs::tasks_with_jobs;
 use crate::verify::{Cancel, Options, SystemInput, settings};
 pub use sensitivity::{InterimResult, NextToBreak, Progress, Quantity, Sensitivity, sensitivity};
@@ -451,13 +451,13 @@ impl<'v> Variation<'v> {
         if built.has_errors() {
             return Verdict::Unknown;
         }
-        let tasks: Vec<usize> = self.tasks.iter().map(|task| built.tasks[task]).collect();
+        let tasks: Vec<TaskId> = self.tasks.iter().map(|task| built.tasks[task]).collect();
         let bounds = response_bounds(&built.system);
         // A bound proves nothing of a task that may have no job.
         let released = tasks_with_jobs(&built.system);
         let proved =
-            |task: usize| released[task] && meets_deadlines(&built.system, task, bounds[task]);
-        let open: Vec<usize> = tasks.into_iter().filter(|&task| !proved(task)).collect();
+            |task: TaskId| released[task] && meets_deadlines(&built.system, task, bounds[task]);
+        let open: Vec<TaskId> = tasks.into_iter().filter(|&task| !proved(task)).collect();
         let watch = Watch {
             schedulable: open.clone(),
             stop_at_first: true,

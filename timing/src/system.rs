@@ -1,9 +1,8 @@
 //! The timed system: components, a platform and clients as small integers.
 //!
 //! It holds only the data that the explorer needs: tables, and times in base units. Components, state
-//! machines, their instances, services, codels and clients have index types of their own ([`ComponentId`],
-//! [`MachineId`], [`AutomatonId`], [`ServiceId`], [`CodelId`], [`ClientId`]); tasks are indexed by plain
-//! numbers.
+//! machines, their instances, services, codels, clients and tasks have index types of their own ([`ComponentId`],
+//! [`MachineId`], [`AutomatonId`], [`ServiceId`], [`CodelId`], [`ClientId`], [`TaskId`]).
 //! [`build`] makes it from specifications and a scenario; tests make it by hand. "Section N" refers to the
 //! timed semantics of GenoM3 components, described for users in `docs/verification.md`.
 
@@ -25,7 +24,7 @@ use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use crate::scn::semantics::Semantics;
 
-pub use ids::{AutomatonId, ClientId, CodelId, ComponentId, MachineId, ServiceId};
+pub use ids::{AutomatonId, ClientId, CodelId, ComponentId, MachineId, ServiceId, TaskId};
 pub use locks::{SharedPorts, sources};
 pub use loops::{loop_contradictions, pauseless_cycles};
 pub use name::{CodelName, ThreadName};
@@ -47,7 +46,7 @@ pub struct TimedSystem {
     /// Components.
     pub components: TiVec<ComponentId, Component>,
     /// Execution tasks. Those of one component are consecutive, in order of declaration.
-    pub tasks: Vec<Task>,
+    pub tasks: TiVec<TaskId, Task>,
     /// State machines of permanent activities and activities.
     pub machines: TiVec<MachineId, Machine>,
     /// The instances of machines: one per permanent activity and one per slot.
@@ -99,7 +98,7 @@ pub struct Component {
     /// Name.
     pub name: String,
     /// Tasks, in order of declaration.
-    pub tasks: Vec<usize>,
+    pub tasks: Vec<TaskId>,
     /// Services, in order of declaration.
     pub services: Vec<ServiceId>,
 }
@@ -185,7 +184,7 @@ pub enum Yield {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Automaton {
     /// Task that executes it.
-    pub task: usize,
+    pub task: TaskId,
     /// Machine.
     pub machine: MachineId,
     /// Service of the slot; `None` for a permanent activity.
@@ -411,12 +410,12 @@ pub enum ClientAction {
 
 impl TimedSystem {
     /// Returns `component.task`.
-    pub fn task_path(&self, task: usize) -> String {
+    pub fn task_path(&self, task: TaskId) -> String {
         self.task_name(task).to_string()
     }
 
     /// Returns the name of a task, with its component.
-    pub fn task_name(&self, task: usize) -> ThreadName {
+    pub fn task_name(&self, task: TaskId) -> ThreadName {
         let task = &self.tasks[task];
         ThreadName::of_task(&self.components[task.component].name, &task.name)
     }
@@ -436,7 +435,7 @@ impl TimedSystem {
     }
 
     /// Returns true if a task needs a core to run.
-    pub fn needs_core(&self, task: usize) -> bool {
+    pub fn needs_core(&self, task: TaskId) -> bool {
         self.platform.cores.is_some()
             && (self.tasks[task].period.is_some() || self.platform.aperiodic_core)
     }
@@ -466,7 +465,7 @@ impl TimedSystem {
     }
 
     /// Returns true if a separate thread executes some codel of a task, possibly after the end of its job.
-    pub(crate) fn runs_apart(&self, task: usize) -> bool {
+    pub(crate) fn runs_apart(&self, task: TaskId) -> bool {
         let task = &self.tasks[task];
         let mut automata = task.permanent.iter().chain(&task.slots);
         self.platform.async_free
@@ -517,7 +516,11 @@ impl TimedSystem {
     }
 
     /// Returns true if some activity of a task can run, given the [`requested`](Self::requested) services.
-    pub(crate) fn has_activities(&self, task: usize, requested: &TiSlice<ServiceId, bool>) -> bool {
+    pub(crate) fn has_activities(
+        &self,
+        task: TaskId,
+        requested: &TiSlice<ServiceId, bool>,
+    ) -> bool {
         let mut slots = self.tasks[task].slots.iter();
         slots.any(|&a| {
             self.automata[a]

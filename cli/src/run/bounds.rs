@@ -76,7 +76,7 @@ pub(super) fn at_once(
 fn analysed(source: Source, system: &TimedSystem) -> Vec<Option<Ticks>> {
     match source {
         Source::None => vec![None; system.tasks.len()],
-        Source::Proved | Source::Analysed => response_bounds(system),
+        Source::Proved | Source::Analysed => response_bounds(system).raw,
     }
 }
 
@@ -99,7 +99,9 @@ struct Answers {
 impl BoundVerification {
     fn new(prepared: &Prepared) -> BoundVerification {
         BoundVerification {
-            tasks: prepared.built.tasks.clone(),
+            tasks: (prepared.built.tasks.iter())
+                .map(|(&task, &id)| (task, usize::from(id)))
+                .collect(),
             tick: prepared.time(1),
             proved: Mutex::default(),
         }

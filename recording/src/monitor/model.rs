@@ -3,7 +3,7 @@
 use dotgen_analysis::model::Owner;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::{
-    CodelId, ComponentId, FOREVER, MachineId, Policy, Ticks, TimedSystem, Yield,
+    CodelId, ComponentId, FOREVER, MachineId, Policy, TaskId, Ticks, TimedSystem, Yield,
 };
 use num_rational::Ratio;
 use rustc_hash::FxHashMap;
@@ -107,7 +107,11 @@ impl<'s> Model<'s> {
     }
 
     pub(super) fn of_task(&self, task: usize) -> Limits {
-        let period = self.system.tasks.get(task).and_then(|task| task.period);
+        let period = self
+            .system
+            .tasks
+            .get(TaskId::from(task))
+            .and_then(|task| task.period);
         let period = period.map(|period| self.nanos(period));
         let known = self.bounds.get(task).copied().flatten();
         let known = known.map(|bound| self.nanos(bound));
@@ -168,15 +172,20 @@ impl<'s> Model<'s> {
 
     pub(super) fn core(&self, task: usize, is_async: bool) -> Option<Option<u32>> {
         let own = is_async && self.system.platform.async_free;
-        let needs = !own && !self.preempts && self.system.needs_core(task);
-        needs.then(|| self.system.tasks.get(task).and_then(|task| task.affinity))
+        let needs = !own && !self.preempts && self.system.needs_core(TaskId::from(task));
+        needs.then(|| {
+            self.system
+                .tasks
+                .get(TaskId::from(task))
+                .and_then(|task| task.affinity)
+        })
     }
 
     /// If threads with priorities are preempted, returns the core to which a task is bound, and its priority.
     pub(super) fn core_and_priority(&self, task: usize, is_async: bool) -> Option<(u32, u64)> {
         let own = is_async && self.system.platform.async_free;
         let priorities = self.preempts && self.system.platform.policy == Policy::Priority;
-        let core = self.system.tasks.get(task)?.affinity;
+        let core = self.system.tasks.get(TaskId::from(task))?.affinity;
         let core = core.filter(|_| priorities && !own)?;
         Some((core, self.priorities.get(task).copied()?))
     }
@@ -220,7 +229,7 @@ impl<'s> Model<'s> {
                 let Some(automaton) = automaton else {
                     return none;
                 };
-                let at = self.at(automaton.task, automaton.machine, state, kind);
+                let at = self.at(usize::from(automaton.task), automaton.machine, state, kind);
                 at.map_or(none, |at| {
                     ResolvedKind::State(StateOutcome {
                         instance,

@@ -1,7 +1,7 @@
 //! The steps of a recorded run, and the possible actions of a model, in common names.
 
 use dotgen_timing::explore::{Action, Stepper, Work};
-use dotgen_timing::system::{ClientId, ComponentId, TimedSystem, Yield};
+use dotgen_timing::system::{ClientId, ComponentId, TaskId, TimedSystem, Yield};
 
 /// The outcome of a codel that throws an exception.
 pub(super) const EXCEPTION: &str = "exception";
@@ -95,7 +95,7 @@ pub struct Step {
 impl Step {
     /// Returns the step that corresponds to a possible action.
     pub fn new(system: &TimedSystem, stepper: &Stepper, action: Action) -> Step {
-        let task = |task: usize| system.task_path(task);
+        let task = |task: usize| system.task_path(TaskId::from(task));
         let component = |component: ComponentId| system.components[component].name.clone();
         let client = |client: ClientId| system.clients[client].name.clone();
         let thread = |executor: usize| match stepper.work(executor) {
@@ -199,7 +199,7 @@ impl Step {
 /// Returns the subject that executes some work.
 fn subject_name(system: &TimedSystem, work: &Work) -> String {
     match *work {
-        Work::State { task, .. } => system.task_path(task),
+        Work::State { task, .. } => system.task_path(TaskId::from(task)),
         Work::Control { service, .. } => system.components[system.services[service].component]
             .name
             .clone(),

@@ -2,16 +2,20 @@
 
 use super::cycle_automaton::Activity;
 use super::refusal::Refusal;
-use crate::system::{ServiceId, TimedSystem};
+use crate::system::{ServiceId, TaskId, TimedSystem};
+use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 /// Number of instances of one activity above which its task is not followed.
 const INSTANCES: usize = 3;
 
 /// Returns, by task, the permanent activity and the activities that clients may request. Tasks with too many
 /// instances are added to `left`.
-pub(super) fn activities(system: &TimedSystem, left: &mut [Option<Refusal>]) -> Vec<Vec<Activity>> {
-    let mut out: Vec<Vec<Activity>> = vec![Vec::new(); system.tasks.len()];
-    for (task, entry) in system.tasks.iter().enumerate() {
+pub(super) fn activities(
+    system: &TimedSystem,
+    left: &mut TiSlice<TaskId, Option<Refusal>>,
+) -> TiVec<TaskId, Vec<Activity>> {
+    let mut out: TiVec<TaskId, Vec<Activity>> = ti_vec![Vec::new(); system.tasks.len()];
+    for (task, entry) in system.tasks.iter_enumerated() {
         let permanent = entry.permanent.map(|automaton| Activity {
             machine: system.automata[automaton].machine,
             permanent: true,

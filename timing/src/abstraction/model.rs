@@ -1,6 +1,6 @@
 //! The model of the middle tier, and the systems that it refuses.
 
-use typed_index_collections::{TiVec, ti_vec};
+use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use super::activities::activities;
 use super::cycle_automaton::{Activity, CycleAutomaton, cycle_automaton};
@@ -11,7 +11,8 @@ use super::thread::{Start, Thread};
 use crate::scn::semantics::LockRule;
 use crate::scn::semantics::Semantics;
 use crate::system::{
-    CodelId, CodelSet, FOREVER, Machine, Policy, Ticks, TimedSystem, Yield, pauseless_cycles,
+    CodelId, CodelSet, FOREVER, Machine, Policy, TaskId, Ticks, TimedSystem, Yield,
+    pauseless_cycles,
 };
 
 /// Number of jobs in a hyperperiod above which a system is refused.
@@ -21,7 +22,7 @@ const JOBS: i64 = 20_000;
 const MAX_INITIAL_COMBINATIONS: usize = 64;
 
 /// The tasks of a part of a system, and its model or the reason for a refusal.
-pub(super) type Part<'s> = (Vec<usize>, Result<Model<'s>, Refusal>);
+pub(super) type Part<'s> = (Vec<TaskId>, Result<Model<'s>, Refusal>);
 
 /// Tasks that are analysed together.
 #[derive(Debug)]
@@ -55,7 +56,7 @@ impl Model<'_> {
 /// refusal. `left` are the tasks that are not followed, with the reason. More tasks are added.
 pub(super) fn models<'s>(
     system: &'s TimedSystem,
-    left: &mut [Option<Refusal>],
+    left: &mut TiSlice<TaskId, Option<Refusal>>,
 ) -> Result<Vec<Part<'s>>, Refusal> {
     let platform = &system.platform;
     let servers = platform.semantics == Semantics::SERVERS;
@@ -66,7 +67,7 @@ pub(super) fn models<'s>(
     if (asked && !servers) || system.has_builtin(|_| true) {
         return Err(Refusal::Requests);
     }
-    let needing = (0..system.tasks.len()).filter(|&task| system.needs_core(task));
+    let needing = system.tasks.keys().filter(|&task| system.needs_core(task));
     let needing = needing.count();
     let enough = platform.cores.is_none_or(|core| core as usize >= needing);
     let tied = system.tasks.iter().any(|task| task.affinity.is_some());
@@ -78,12 +79,12 @@ pub(super) fn models<'s>(
         return Err(Refusal::Preemption);
     }
     let activities = activities(system, left);
-    let codels: Vec<CodelSet> = activities
+    let codels: TiVec<TaskId, CodelSet> = activities
         .iter()
         .map(|activity| codels(system, activity))
         .collect();
     let mut threads: Vec<Thread> = Vec::new();
-    for (task, entry) in system.tasks.iter().enumerate() {
+    for (task, entry) in system.tasks.iter_enumerated() {
         if servers && system.runs_apart(task) {
             return Err(Refusal::Apart);
         }
@@ -98,7 +99,7 @@ pub(super) fn models<'s>(
             Err(refusal) => return Err(refusal),
         }
     }
-    let followed = |task: usize| left[task].is_none();
+    let followed = |task: TaskId| left[task].is_none();
     let others = others(system, &codels, followed);
     let groups = group(system, &mut threads, (&codels, &others), servers);
     if !servers
@@ -123,12 +124,14 @@ pub(super) fn models<'s>(
             let of_group: Vec<OtherThread> = of_group.cloned().collect();
             interference.push(self::interference(system, &of_group));
         }
-        let lends = |index: &usize| !followed(*index) && system.needs_core(*index);
-        let lent = (0..system.tasks.len()).filter(lends).count();
+        let lends = |index: &TaskId| !followed(*index) && system.needs_core(*index);
+        let lent = system.tasks.keys().filter(lends).count();
         if cores.is_some_and(|cores| cores <= lent) {
             // The reason that counts is that of a task with a period, if there is one.
-            let periodic =
-                (0..system.tasks.len()).filter(|&task| system.tasks[task].period.is_some());
+            let periodic = system
+                .tasks
+                .keys()
+                .filter(|&task| system.tasks[task].period.is_some());
             return Err(periodic
                 .filter_map(|task| left[task])
                 .next()
@@ -148,10 +151,10 @@ pub(super) fn models<'s>(
         })
     };
     if !enough {
-        let tasks: Vec<usize> = threads.iter().map(|thread| thread.task).collect();
+        let tasks: Vec<TaskId> = threads.iter().map(|thread| thread.task).collect();
         for thread in &mut threads {
-            let number = |next: usize| tasks.iter().position(|&task| task == next);
-            thread.successor = thread.successor.and_then(number);
+            let number = |next: TaskId| tasks.iter().position(|&task| task == next);
+            thread.successor = thread.next_task.and_then(number);
         }
         let cores = platform.cores.map(|core| core as usize);
         return Ok(vec![(tasks, whole(threads, cores, groups))]);
@@ -166,11 +169,11 @@ pub(super) fn models<'s>(
         let mut numbers: Vec<usize> = own.iter().map(|thread| thread.group).collect();
         numbers.sort_unstable();
         numbers.dedup();
-        let tasks: Vec<usize> = own.iter().map(|thread| thread.task).collect();
+        let tasks: Vec<TaskId> = own.iter().map(|thread| thread.task).collect();
         for thread in &mut own {
             thread.group = numbers.binary_search(&thread.group).unwrap_or(0);
             thread.successor = thread
-                .successor
+                .next_task
                 .and_then(|next| tasks.iter().position(|&task| task == next));
         }
         (tasks, whole(own, None, numbers.len()))
@@ -190,7 +193,7 @@ fn codels(system: &TimedSystem, activities: &[Activity]) -> CodelSet {
 
 fn thread(
     system: &TimedSystem,
-    task: usize,
+    task: TaskId,
     period: Ticks,
     activities: &[Activity],
     servers: bool,
@@ -240,6 +243,7 @@ fn thread(
         group: 0,
         contends: false,
         paused,
+        next_task: None,
         successor: None,
         started: false,
         start: Start::AT_ONCE,
@@ -290,11 +294,11 @@ fn waited_for(system: &TimedSystem) -> TiVec<CodelId, bool> {
 fn group(
     system: &TimedSystem,
     threads: &mut [Thread],
-    (codels, others): (&[CodelSet], &[OtherThread]),
+    (codels, others): (&TiSlice<TaskId, CodelSet>, &[OtherThread]),
     servers: bool,
 ) -> usize {
-    let component = |task: usize| system.tasks[task].component;
-    let tasks: Vec<usize> = threads.iter().map(|thread| thread.task).collect();
+    let component = |task: TaskId| system.tasks[task].component;
+    let tasks: Vec<TaskId> = threads.iter().map(|thread| thread.task).collect();
     // True if others of its component wait for a task, or the task for them, or others for each other.
     let disturbed = |thread: usize| {
         let own = component(tasks[thread]);
@@ -320,7 +324,7 @@ fn group(
             if !waits(one, other) {
                 continue;
             }
-            let of_component = |task: usize| component(tasks[task]) == component(tasks[one]);
+            let of_component = |thread: usize| component(tasks[thread]) == component(tasks[one]);
             let joined = |thread: usize| {
                 thread == one || thread == other || (servers && of_component(thread))
             };
@@ -352,7 +356,7 @@ fn group(
 }
 
 /// Returns sets of tasks that are connected by groups or by starting one another, as numbers in the system.
-fn parts(threads: &[Thread]) -> Vec<Vec<usize>> {
+fn parts(threads: &[Thread]) -> Vec<Vec<TaskId>> {
     let mut of: Vec<usize> = (0..threads.len()).collect();
     let mut join = |one: usize, other: usize| {
         let (from, to) = (of[one].max(of[other]), of[one].min(of[other]));
@@ -361,7 +365,7 @@ fn parts(threads: &[Thread]) -> Vec<Vec<usize>> {
             .for_each(|thread| *thread = to);
     };
     for (one, thread) in threads.iter().enumerate() {
-        if let Some(next) = thread.successor
+        if let Some(next) = thread.next_task
             && let Some(next) = threads.iter().position(|thread| thread.task == next)
         {
             join(one, next);
@@ -369,7 +373,7 @@ fn parts(threads: &[Thread]) -> Vec<Vec<usize>> {
         let same = |other: &usize| threads[*other].group == thread.group;
         (0..one).filter(same).for_each(|other| join(one, other));
     }
-    let mut out: Vec<Vec<usize>> = Vec::new();
+    let mut out: Vec<Vec<TaskId>> = Vec::new();
     for first in 0..threads.len() {
         if of[first] == first {
             let own = (0..threads.len()).filter(|&thread| of[thread] == first);

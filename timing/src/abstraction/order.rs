@@ -6,12 +6,15 @@
 use super::others::{OtherThread, interference};
 use super::span::Span;
 use super::thread::{Start, Thread};
-use crate::system::{CodelSet, FOREVER, TimedSystem};
+use crate::system::{CodelSet, FOREVER, TaskId, TimedSystem};
 
-/// Sets the starts and successors of all tasks, and the interference with their first passes. For now
-/// successors are numbers of tasks. `enough`: no task waits for a core.
+/// Sets the starts and successors of all tasks, and the interference with their first passes.
+/// `enough`: no task waits for a core.
 pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) {
-    let periodic = (0..system.tasks.len()).filter(|&task| system.tasks[task].period.is_some());
+    let periodic = system
+        .tasks
+        .keys()
+        .filter(|&task| system.tasks[task].period.is_some());
     let first_tick = periodic.map(|task| first_tick(system, task)).min();
     for component in &system.components {
         let mut before: Option<usize> = None;
@@ -29,7 +32,7 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
                 thread.start = start;
                 thread.started = before.is_some() && start.after.is_some();
                 if let Some(before) = before.filter(|_| start.after.is_some()) {
-                    threads[before].successor = Some(task);
+                    threads[before].next_task = Some(task);
                 }
                 (before, start) = (Some(number), Start::AT_ONCE);
             } else {
@@ -58,7 +61,7 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
 }
 
 /// Returns the first tick of a task with a period, under the semantics of the servers.
-pub(super) fn first_tick(system: &TimedSystem, task: usize) -> i64 {
+pub(super) fn first_tick(system: &TimedSystem, task: TaskId) -> i64 {
     let task = &system.tasks[task];
     i64::from(match task.delay {
         0 => task.period.unwrap_or(0),
@@ -67,7 +70,7 @@ pub(super) fn first_tick(system: &TimedSystem, task: usize) -> i64 {
 }
 
 /// Returns the length of the first pass of a task that is not followed. `others` are the tasks before it.
-fn first_pass(system: &TimedSystem, task: usize, others: &[OtherThread], has_core: bool) -> Start {
+fn first_pass(system: &TimedSystem, task: TaskId, others: &[OtherThread], has_core: bool) -> Start {
     let unknown = Start {
         after: None,
         fails: true,

@@ -4,9 +4,9 @@
 //! The times of their tickets are left open. Each of these threads has at most one ticket at a time. So when
 //! a codel takes a ticket, at most one codel of each thread is before it: executing, or ahead in the queue.
 
-use typed_index_collections::{TiVec, ti_vec};
+use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
-use crate::system::{CodelId, CodelSet, ComponentId, FOREVER, TimedSystem};
+use crate::system::{CodelId, CodelSet, ComponentId, FOREVER, TaskId, TimedSystem};
 
 /// The codels of a control task, or of a task that is not followed.
 #[derive(Debug, Clone)]
@@ -32,8 +32,8 @@ pub(super) fn waits(system: &TimedSystem, first: &CodelSet, second: &CodelSet) -
 /// that are followed.
 pub(super) fn others(
     system: &TimedSystem,
-    codels: &[CodelSet],
-    followed: impl Fn(usize) -> bool,
+    codels: &TiSlice<TaskId, CodelSet>,
+    followed: impl Fn(TaskId) -> bool,
 ) -> Vec<OtherThread> {
     let requested = system.requested();
     let mut out: Vec<OtherThread> = Vec::new();

@@ -1,5 +1,6 @@
 //! The reasons why the middle tier has no bound for a task.
 
+use crate::system::TaskId;
 use std::fmt;
 
 /// The reason why a task has no bound from the middle tier.
@@ -22,7 +23,7 @@ pub enum Refusal {
     /// A codel of a task has no longest time, or may wait for a codel that has none.
     Endless {
         /// The task.
-        task: usize,
+        task: TaskId,
     },
     /// Published models: start-up takes time, or can lead to too many places.
     StartUp,
@@ -38,7 +39,7 @@ pub enum Refusal {
     /// A job may still be under way when the next tick of its task comes.
     MayMiss {
         /// The task.
-        task: usize,
+        task: TaskId,
     },
     /// The verification was cancelled, or the time limit is reached.
     Cancelled,
@@ -46,7 +47,7 @@ pub enum Refusal {
 
 impl Refusal {
     /// Returns the task that cannot be followed, if other tasks can.
-    pub(super) fn task(self) -> Option<usize> {
+    pub(super) fn task(self) -> Option<TaskId> {
         match self {
             Refusal::MayMiss { task } | Refusal::Endless { task } => Some(task),
             _ => None,

@@ -3,6 +3,7 @@
 use super::cycle_automaton::CycleAutomaton;
 use super::others::Interference;
 use super::span::Span;
+use crate::system::TaskId;
 
 /// The start of a followed task.
 #[derive(Debug, Clone, Copy)]
@@ -35,7 +36,7 @@ impl Start {
 #[derive(Debug)]
 pub(super) struct Thread {
     /// Number of the task in the system.
-    pub(super) task: usize,
+    pub(super) task: TaskId,
     pub(super) period: i64,
     /// First tick, in base units.
     pub(super) first: i64,
@@ -47,7 +48,9 @@ pub(super) struct Thread {
     pub(super) contends: bool,
     /// Possible rests before the first tick. Servers: none, as the task begins with the first rest.
     pub(super) paused: Vec<usize>,
-    /// Servers: thread that is started after the first pass of this one.
+    /// Servers: task that is started after the first pass of this one.
+    pub(super) next_task: Option<TaskId>,
+    /// The thread of that task in the model.
     pub(super) successor: Option<usize>,
     /// Servers: another thread starts this one.
     pub(super) started: bool,

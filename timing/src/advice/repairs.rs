@@ -13,7 +13,7 @@ use crate::questions;
 use crate::report::{CheckReport, Report, Verdict};
 use crate::scn::ast::{Policy, Scenario};
 use crate::scn::names::Names;
-use crate::system::{CodelName, FOREVER};
+use crate::system::{CodelName, FOREVER, TaskId};
 use crate::verify::{Cancel, Options, SystemInput, settings};
 
 /// Policies to try. The other policies leave the order open, and prove nothing that these do not.
@@ -46,13 +46,13 @@ enum Candidate {
     Cores,
     Wcet(CodelName),
     Lock(CodelName, CodelName),
-    Period(usize),
-    Delay(usize),
+    Period(TaskId),
+    Delay(TaskId),
 }
 
 impl Candidate {
     fn describe(&self, trial: &Trial) -> String {
-        let task = |task: &usize| trial.built().system.task_path(*task);
+        let task = |task: &TaskId| trial.built().system.task_path(*task);
         match self {
             Candidate::Policy(policy) => format!("policy {}", policy.name()),
             Candidate::Cores => "more cores".to_owned(),
@@ -173,10 +173,12 @@ fn candidates(trial: &Trial, missed: &[&CheckReport]) -> Vec<Candidate> {
         .filter(of_system);
     let others = codels.iter().map(|codel| codel.path.clone());
     let blamed_tasks = distinct(missed.iter().flat_map(|report| tasks(report)));
-    let mut tasks: Vec<usize> = (0..system.tasks.len())
+    let mut tasks: Vec<TaskId> = system
+        .tasks
+        .keys()
         .filter(|&task| system.tasks[task].period.is_some())
         .collect();
-    let place = |index: &usize| {
+    let place = |index: &TaskId| {
         let path = system.task_name(*index);
         let place = blamed_tasks.iter().position(|task| *task == path);
         place.unwrap_or(usize::MAX)

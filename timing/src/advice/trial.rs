@@ -14,7 +14,7 @@ use crate::scn::names::Names;
 use crate::system::build::build;
 use crate::system::indexed::Built;
 use crate::system::settings::Settings;
-use crate::system::{Codel, CodelName, FOREVER, SharedPorts, Ticks};
+use crate::system::{Codel, CodelName, FOREVER, SharedPorts, TaskId, Ticks};
 use crate::verify::{Cancel, verify_settings};
 
 /// Number of additional cores that are tried.
@@ -126,7 +126,7 @@ impl<'t> Trial<'t> {
 
     /// Finds a longer period of a task with which the checks hold, up to four times the present one, next to
     /// a period with which they do not hold.
-    pub(super) fn period(&self, task: usize) -> Option<Change> {
+    pub(super) fn period(&self, task: TaskId) -> Option<Change> {
         let (c, declared) = self.declared(task)?;
         let path = self.built.system.task_path(task);
         let now = self.built.system.tasks[task].period?;
@@ -160,7 +160,7 @@ impl<'t> Trial<'t> {
     }
 
     /// Finds an offset of a task with which the checks hold: the first of some parts of its period.
-    pub(super) fn delay(&self, task: usize) -> Option<Change> {
+    pub(super) fn delay(&self, task: TaskId) -> Option<Change> {
         let (c, declared) = self.declared(task)?;
         let definition = &self.built.system.tasks[task];
         let (path, period, now) = (
@@ -232,7 +232,7 @@ impl<'t> Trial<'t> {
     }
 
     /// Returns the component of a task, as in [`Names::components`], and the index of the task there.
-    fn declared(&self, task: usize) -> Option<(usize, usize)> {
+    fn declared(&self, task: TaskId) -> Option<(usize, usize)> {
         let mut tasks = self.built.tasks.iter();
         let (declared, _) = tasks.find(|candidate| *candidate.1 == task)?;
         Some((declared.component, declared.index as usize))

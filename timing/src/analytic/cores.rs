@@ -3,12 +3,17 @@
 use super::Analysis;
 use super::demand::Demand;
 use crate::system::loops::can_pause;
-use crate::system::{AutomatonId, Policy};
+use crate::system::{AutomatonId, Policy, TaskId};
+use typed_index_collections::TiSlice;
 
 impl Analysis<'_> {
     /// Returns the longest time, in base units, for which a job can wait for a core, given the longest times
     /// for which jobs of all tasks hold theirs.
-    pub(super) fn core_wait(&self, task: usize, held: &[Option<u64>]) -> Option<u64> {
+    pub(super) fn core_wait(
+        &self,
+        task: TaskId,
+        held: &TiSlice<TaskId, Option<u64>>,
+    ) -> Option<u64> {
         let system = self.system;
         let Some(cores) = system.platform.cores else {
             return Some(0);
@@ -16,8 +21,10 @@ impl Analysis<'_> {
         if !system.needs_core(task) {
             return Some(0);
         }
-        let others =
-            (0..system.tasks.len()).filter(|&index| index != task && system.needs_core(index));
+        let others = system
+            .tasks
+            .keys()
+            .filter(|&index| index != task && system.needs_core(index));
         let mut demand = Demand::default();
         // Number of other tasks that may hold a core for ever, and of those that do so even after a single
         // grant.
@@ -55,16 +62,16 @@ impl Analysis<'_> {
     /// Returns true if no job of a periodic task can be under way while a job of this task has its core: all
     /// other cores are taken for ever before the first tick of any periodic task, and no codel runs without a
     /// core.
-    pub(super) fn alone(&self, task: usize) -> bool {
+    pub(super) fn alone(&self, task: TaskId) -> bool {
         let system = self.system;
         let Some(cores) = system.platform.cores else {
             return false;
         };
-        let on_cores = (0..system.tasks.len()).filter(|&task| system.needs_core(task));
-        let (periodic, endless): (Vec<usize>, Vec<usize>) =
+        let on_cores = system.tasks.keys().filter(|&task| system.needs_core(task));
+        let (periodic, endless): (Vec<TaskId>, Vec<TaskId>) =
             on_cores.partition(|&task| system.tasks[task].period.is_some());
         let first_tick = periodic.iter().map(|&index| self.first_tick(index)).min();
-        let at_once = |&task: &usize| {
+        let at_once = |&task: &TaskId| {
             let asks = self.started[task];
             self.always_endless(task) && asks.is_some_and(|number| Some(number) < first_tick)
         };
@@ -75,7 +82,7 @@ impl Analysis<'_> {
     }
 
     /// Returns true if a cycle of an aperiodic task can last for ever.
-    fn may_be_endless(&self, task: usize) -> bool {
+    fn may_be_endless(&self, task: TaskId) -> bool {
         let task = &self.system.tasks[task];
         task.period.is_none()
             && task.permanent.is_some_and(|a| {
@@ -85,7 +92,7 @@ impl Analysis<'_> {
     }
 
     /// Returns true if the first cycle of a task always lasts for ever.
-    fn always_endless(&self, task: usize) -> bool {
+    fn always_endless(&self, task: TaskId) -> bool {
         let endless = |a: AutomatonId| self.system.machine_of(a).is_endless();
         let permanent = self.system.tasks[task].permanent;
         permanent.is_some_and(endless) && !self.system.runs_apart(task)

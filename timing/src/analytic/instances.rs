@@ -1,8 +1,9 @@
 //! The activities that can be under way at the same time, according to the order of requests.
 
 use rustc_hash::FxHashSet;
+use typed_index_collections::TiVec;
 
-use crate::system::{AutomatonId, Client, ClientAction, ServiceId, TimedSystem};
+use crate::system::{AutomatonId, Client, ClientAction, ServiceId, TaskId, TimedSystem};
 
 /// Number of situations of a client above which all slots are assumed to be in use.
 const MAX_SITUATIONS: usize = 2_000;
@@ -14,13 +15,13 @@ const COMBINATIONS: usize = 32;
 ///
 /// An activity that has had a turn in a job keeps its slot until the job has ended, so all of these slots are
 /// in use at its end.
-pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<AutomatonId>>> {
+pub(super) fn of_one_job(system: &TimedSystem) -> TiVec<TaskId, Vec<Vec<AutomatonId>>> {
     let live: Vec<Option<FxHashSet<ActiveInstances>>> = system
         .clients
         .iter()
         .map(|client| situations(system, client))
         .collect();
-    let of_task = |task: usize| {
+    let of_task = |task: TaskId| {
         let definition = &system.tasks[task];
         let permanent: Vec<AutomatonId> = definition.permanent.into_iter().collect();
         let all = || FxHashSet::from_iter([[&permanent[..], &definition.slots[..]].concat()]);
@@ -55,13 +56,13 @@ pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<AutomatonId>>> {
         }
         sets.into_iter().collect()
     };
-    (0..system.tasks.len()).map(of_task).collect()
+    system.tasks.keys().map(of_task).collect()
 }
 
 /// Adds slots for the live instances.
 fn with_slots(
     system: &TimedSystem,
-    task: usize,
+    task: TaskId,
     set: &[AutomatonId],
     live: &ActiveInstances,
 ) -> Vec<AutomatonId> {

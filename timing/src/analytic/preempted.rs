@@ -20,10 +20,10 @@
 //! Nothing here depends on the times at which codels end: the bounds hold for any duration up to the longest,
 //! also if it is not a whole number of units.
 
-use typed_index_collections::TiSlice;
+use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use super::queue::{cycle, is_within_components, requests, work};
-use crate::system::{CodelId, Policy, ServiceId, Ticks, TimedSystem};
+use crate::system::{CodelId, Policy, ServiceId, TaskId, Ticks, TimedSystem};
 
 /// A thread, as a demand on others.
 struct Thread {
@@ -35,7 +35,11 @@ struct Thread {
 /// The greatest work of a thread.
 enum Work {
     /// A task with a period: greatest work of each cycle.
-    Cycles { task: usize, period: u64, each: u64 },
+    Cycles {
+        task: TaskId,
+        period: u64,
+        each: u64,
+    },
     /// A control task: greatest work in total.
     Total(u64),
     /// Not known.
@@ -46,20 +50,25 @@ enum Work {
 const ROUNDS: usize = 1000;
 
 /// Returns a bound on the response time of every task; `None` if there is none.
-pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
-    let none = || vec![None; system.tasks.len()];
+pub(super) fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Ticks>> {
+    let none = || ti_vec![None; system.tasks.len()];
     if !is_within_components(system) {
         return none();
     }
     let requests = requests(system);
     let priorities = system.priorities();
     let threads = threads(system, &priorities, &requests);
-    let lengths: Vec<Option<Ticks>> = (0..system.tasks.len())
+    let lengths: TiVec<TaskId, Option<Ticks>> = system
+        .tasks
+        .keys()
         .map(|task| cycle(system, task, &requests))
         .collect();
-    let mut bounds: Vec<Option<u64>> = lengths.iter().map(|length| length.map(u64::from)).collect();
+    let mut bounds: TiVec<TaskId, Option<u64>> =
+        lengths.iter().map(|length| length.map(u64::from)).collect();
     for _ in 0..ROUNDS {
-        let next: Vec<Option<u64>> = (0..system.tasks.len())
+        let next: TiVec<TaskId, Option<u64>> = system
+            .tasks
+            .keys()
             .map(|task| {
                 let others = delaying(system, &priorities, &threads, task);
                 let others = meanwhile(system, &others, &bounds, bounds[task]?)?;
@@ -70,11 +79,11 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
             })
             .collect();
         if next == bounds {
-            let bound = |task: usize| {
+            let bound = |task: TaskId| {
                 after_tick(system, &bounds, task)?;
                 bounds[task].and_then(|bound| Ticks::try_from(bound).ok())
             };
-            return (0..system.tasks.len()).map(bound).collect();
+            return system.tasks.keys().map(bound).collect();
         }
         bounds = next;
     }
@@ -84,7 +93,11 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
 /// Returns the greatest time, in base units, from a tick to the end of the cycle that serves the tick; `None`
 /// if a tick may be kept again and again. A first cycle may begin between two ticks, except for the first
 /// task of a component. Then the next cycle begins late, and ends before the tick after that.
-fn after_tick(system: &TimedSystem, bounds: &[Option<u64>], task: usize) -> Option<u64> {
+fn after_tick(
+    system: &TimedSystem,
+    bounds: &TiSlice<TaskId, Option<u64>>,
+    task: TaskId,
+) -> Option<u64> {
     let definition = &system.tasks[task];
     let first = system.components[definition.component].tasks.first() == Some(&task);
     let most = if first {
@@ -107,7 +120,7 @@ struct WindowWork {
 fn meanwhile(
     system: &TimedSystem,
     threads: &[&Thread],
-    bounds: &[Option<u64>],
+    bounds: &TiSlice<TaskId, Option<u64>>,
     window: u64,
 ) -> Option<WindowWork> {
     let mut out = WindowWork {
@@ -157,7 +170,7 @@ fn threads(
     let requested = |service: ServiceId| requests[service] != Some(0);
     let upper = |codel: CodelId| u64::from(system.codels[codel].upper);
     let mut out = Vec::new();
-    for (task, entry) in system.tasks.iter().enumerate() {
+    for (task, entry) in system.tasks.iter_enumerated() {
         let machines = entry
             .permanent
             .iter()
@@ -177,7 +190,7 @@ fn threads(
             _ => Work::Endless,
         };
         if system.needs_core(task) {
-            let priority = priorities[task];
+            let priority = priorities[usize::from(task)];
             out.push(Thread { priority, work });
         }
     }
@@ -211,13 +224,16 @@ fn delaying<'t>(
     system: &TimedSystem,
     priorities: &[u64],
     threads: &'t [Thread],
-    task: usize,
+    task: TaskId,
 ) -> Vec<&'t Thread> {
     let is_own =
         |thread: &Thread| matches!(thread.work, Work::Cycles { task: of, .. } if of == task);
     // Threads of the same component can delay the task, even at the head of the queue without a core.
     let own = system.components[system.tasks[task].component].tasks.iter();
-    let last = own.map(|&task| priorities[task]).max().unwrap_or(u64::MAX);
+    let last = own
+        .map(|&task| priorities[usize::from(task)])
+        .max()
+        .unwrap_or(u64::MAX);
     let any = system.platform.policy != Policy::Priority;
     let others = threads.iter().filter(|thread| !is_own(thread));
     others

@@ -22,17 +22,17 @@ use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use crate::system::loops::pauseless_cycles;
 use crate::system::{
-    ClientAction, CodelId, FOREVER, Machine, Policy, ServiceId, Ticks, TimedSystem, Yield,
+    ClientAction, CodelId, FOREVER, Machine, Policy, ServiceId, TaskId, Ticks, TimedSystem, Yield,
 };
 
 /// Returns a bound on the response time of every task; `None` if there is none.
-pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
+pub(super) fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Ticks>> {
     let requests = requests(system);
-    let tasks = 0..system.tasks.len();
-    let cycles: Vec<Option<Ticks>> = (tasks.clone())
+    let tasks = system.tasks.keys();
+    let cycles: TiVec<TaskId, Option<Ticks>> = (tasks.clone())
         .map(|task| cycle(system, task, &requests))
         .collect();
-    let bound = |task: usize| {
+    let bound = |task: TaskId| {
         let length = cycles[task]?.checked_add(core_wait(system, task, &cycles)?)?;
         let definition = &system.tasks[task];
         let first = system.components[definition.component].tasks.first() == Some(&task);
@@ -49,11 +49,17 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
 
 /// Returns the longest time for which a task waits for a core, in base units. `cycles` are the lengths of the
 /// cycles of all tasks, from the grant of a core on; `None`: a cycle may hold its core for ever.
-fn core_wait(system: &TimedSystem, task: usize, cycles: &[Option<Ticks>]) -> Option<Ticks> {
-    let needing = |index: &usize| system.needs_core(*index);
-    let others = (0..cycles.len()).filter(|cycle| *cycle != task && needing(cycle));
+fn core_wait(
+    system: &TimedSystem,
+    task: TaskId,
+    cycles: &TiSlice<TaskId, Option<Ticks>>,
+) -> Option<Ticks> {
+    let needing = |index: &TaskId| system.needs_core(*index);
+    let others = cycles
+        .keys()
+        .filter(|cycle| *cycle != task && needing(cycle));
     // An aperiodic task that is woken continues its cycle, and may begin more in it.
-    let is_bounded = |task: &usize| system.tasks[*task].period.is_some();
+    let is_bounded = |task: &TaskId| system.tasks[*task].period.is_some();
     let others: Vec<Option<Ticks>> = others
         .map(|cycle| cycles[cycle].filter(|_| is_bounded(&cycle)))
         .collect();
@@ -97,7 +103,7 @@ pub(super) fn requests(system: &TimedSystem) -> TiVec<ServiceId, Option<u32>> {
 /// Returns the longest time of a cycle, including its waits in the lock queue, in base units.
 pub(super) fn cycle(
     system: &TimedSystem,
-    task: usize,
+    task: TaskId,
     requests: &TiSlice<ServiceId, Option<u32>>,
 ) -> Option<Ticks> {
     let definition = &system.tasks[task];
@@ -120,7 +126,7 @@ pub(super) fn cycle(
 /// Returns the longest time of the codels of a cycle, with this blocking for each.
 pub(super) fn work(
     system: &TimedSystem,
-    task: usize,
+    task: TaskId,
     requests: &TiSlice<ServiceId, Option<u32>>,
     blocking: Ticks,
 ) -> Option<Ticks> {
@@ -148,7 +154,7 @@ pub(super) fn work(
     (length < FOREVER / 4).then_some(length)
 }
 
-fn codels_of(system: &TimedSystem, task: usize) -> Vec<CodelId> {
+fn codels_of(system: &TimedSystem, task: TaskId) -> Vec<CodelId> {
     let task = &system.tasks[task];
     let machines = task.permanent.iter().chain(&task.slots);
     let states = machines.flat_map(|&a| &system.machine_of(a).states);

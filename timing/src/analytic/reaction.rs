@@ -18,7 +18,7 @@ use typed_index_collections::TiSlice;
 use super::queue;
 use crate::scn::semantics::Semantics;
 use crate::system::loops::pauseless_cycles;
-use crate::system::{CodelId, Machine, ServiceId, Ticks, TimedSystem, Yield};
+use crate::system::{CodelId, Machine, ServiceId, TaskId, Ticks, TimedSystem, Yield};
 
 /// Returns a bound on the reaction time of a chain, in base units. The data go by any of some paths; each
 /// path lists the codels that carry the data, in order. Returns `None` if this method finds no bound.
@@ -46,7 +46,7 @@ struct Tasks<'s> {
 
 /// Codels of one path that every cycle of a task executes one after the other.
 struct Stage<'s> {
-    task: usize,
+    task: TaskId,
     machine: &'s Machine,
     first: CodelId,
     last: CodelId,
@@ -81,10 +81,10 @@ impl Tasks<'_> {
     }
 
     /// Returns the task whose permanent activity executes a codel in every cycle, except possibly the first.
-    fn executes(&self, codel: CodelId) -> Option<(usize, &Machine)> {
+    fn executes(&self, codel: CodelId) -> Option<(TaskId, &Machine)> {
         let system = self.system;
         let has = |machine: &Machine| machine.states.iter().any(|state| state.codel == codel);
-        let mut all = system.tasks.iter().enumerate().filter_map(|(task, entry)| {
+        let mut all = system.tasks.iter_enumerated().filter_map(|(task, entry)| {
             let machine = system.machine_of(entry.permanent?);
             has(machine).then_some((task, machine))
         });
@@ -103,7 +103,7 @@ impl Tasks<'_> {
 
     /// Returns a period and the length of a cycle: less than two periods, for a later task less than one and
     /// a half (see `queue`).
-    fn round(&self, task: usize) -> Option<Ticks> {
+    fn round(&self, task: TaskId) -> Option<Ticks> {
         let period = self.system.tasks[task].period?;
         let length = self.length(task)?;
         let in_time = match self.place(task)? {
@@ -113,12 +113,12 @@ impl Tasks<'_> {
         period.checked_add(length).filter(|_| in_time)
     }
 
-    fn length(&self, task: usize) -> Option<Ticks> {
+    fn length(&self, task: TaskId) -> Option<Ticks> {
         queue::cycle(self.system, task, self.requests)
     }
 
     /// Returns the index of a task in its component.
-    fn place(&self, task: usize) -> Option<usize> {
+    fn place(&self, task: TaskId) -> Option<usize> {
         let component = &self.system.components[self.system.tasks[task].component];
         component.tasks.iter().position(|index| *index == task)
     }

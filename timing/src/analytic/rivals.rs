@@ -6,7 +6,9 @@ use super::Analysis;
 use super::demand::Stretches;
 use super::ways::Ways;
 use crate::scn::semantics::LockRule;
-use crate::system::{Client, ClientAction, CodelId, CodelSet, FOREVER, Machine, TimedSystem};
+use crate::system::{
+    Client, ClientAction, CodelId, CodelSet, FOREVER, Machine, TaskId, TimedSystem,
+};
 
 /// The work that can keep codels waiting for their locks.
 #[derive(Debug, Default)]
@@ -22,7 +24,7 @@ pub(super) struct Rivals {
 /// A periodic task, and its work that keeps others waiting.
 #[derive(Debug)]
 pub(super) struct Rival {
-    pub(super) task: usize,
+    pub(super) task: TaskId,
     /// Work in its start-up.
     pub(super) start: Option<u64>,
     /// Work in one job.
@@ -62,8 +64,8 @@ impl Analysis<'_> {
     pub(super) fn rivals(
         &self,
         excluded: &CodelSet,
-        own: Option<usize>,
-        of: &dyn Fn(usize) -> bool,
+        own: Option<TaskId>,
+        of: &dyn Fn(TaskId) -> bool,
     ) -> Rivals {
         let mut out = Rivals {
             control: Some(0),
@@ -79,8 +81,7 @@ impl Analysis<'_> {
         for (task, entry) in self
             .system
             .tasks
-            .iter()
-            .enumerate()
+            .iter_enumerated()
             .filter(|pair| of(pair.0))
         {
             if entry.period.is_some() {

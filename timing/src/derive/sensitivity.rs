@@ -10,7 +10,7 @@ use crate::report::Value;
 use crate::scn::ast::{Path, Scenario};
 use crate::scn::names::Names;
 use crate::system::build::build;
-use crate::system::{CodelId, FOREVER, MachineId, TimedSystem};
+use crate::system::{CodelId, FOREVER, MachineId, TaskId, TimedSystem};
 use crate::verify::{Cancel, Options, SystemInput, settings};
 
 /// The sensitivity of a system: its distance from missing a deadline, or from meeting all of them.
@@ -141,12 +141,12 @@ pub fn sensitivity(
 fn questions(system: &TimedSystem) -> Vec<Parameter> {
     let bounds = response_bounds(system);
     // The part of its period that a task may take; a task without a bound comes first.
-    let near = |task: usize| match (system.tasks[task].period, bounds[task]) {
+    let near = |task: TaskId| match (system.tasks[task].period, bounds[task]) {
         (None, _) => 0.0,
         (Some(_), None) => f64::INFINITY,
         (Some(period), Some(bound)) => f64::from(bound) / f64::from(period),
     };
-    let mut tasks: Vec<usize> = (0..system.tasks.len()).collect();
+    let mut tasks: Vec<TaskId> = system.tasks.keys().collect();
     tasks.sort_by(|&a, &b| near(b).total_cmp(&near(a)));
     let executed = system.executed();
     let asked = |id: &CodelId| {

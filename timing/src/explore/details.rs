@@ -1,6 +1,6 @@
 //! Details of a line of a run, as data: blocked codels, requests, preemptions.
 
-use crate::system::{ClientId, CodelId, ComponentId, ServiceId};
+use crate::system::{ClientId, CodelId, ComponentId, ServiceId, TaskId};
 
 /// The details of a [moment](super::Moment) beyond its task and its codel.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -23,7 +23,7 @@ pub enum MomentDetails {
     /// A control task allows an activity of a task to go on.
     Released {
         /// The task.
-        task: usize,
+        task: TaskId,
     },
     /// A thread is preempted.
     Preempted(Executing),
@@ -33,7 +33,7 @@ pub enum MomentDetails {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Executing {
     /// A task.
-    Task(usize),
+    Task(TaskId),
     /// The control task of a component.
     Control(ComponentId),
 }

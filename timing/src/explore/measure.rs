@@ -92,7 +92,7 @@ impl Gauge {
         let responses = watch.response.iter();
         let responses = responses.map(|response| {
             (
-                Timing::Response(response.task),
+                Timing::Response(usize::from(response.task)),
                 response.limit,
                 response.most,
             )

@@ -5,6 +5,7 @@ use super::rules::Rules;
 use super::state::{State, TaskStatus};
 use super::watch::Watch;
 use crate::property::{Atom, Predicate};
+use crate::system::TaskId;
 
 /// The tasks without a job, and the atoms that never hold, among the subjects of a [`Watch`].
 #[derive(Debug, Clone, Default)]
@@ -17,9 +18,9 @@ pub struct NeverObserved {
 /// A task without any released job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TaskWithoutJob {
-    task: usize,
+    task: TaskId,
     /// Task whose start-up the task awaits in the run that comes furthest; `None` if the start-up is over.
-    pub start_up: Option<usize>,
+    pub start_up: Option<TaskId>,
 }
 
 impl NeverObserved {
@@ -30,7 +31,7 @@ impl NeverObserved {
         let mut jobs: Vec<TaskWithoutJob> = Vec::new();
         for &task in tasks.chain(responses) {
             if jobs.iter().all(|job| job.task != task) {
-                let start_up = Some(0);
+                let start_up = Some(TaskId::default());
                 jobs.push(TaskWithoutJob { task, start_up });
             }
         }
@@ -57,11 +58,14 @@ impl NeverObserved {
     pub(super) fn look<R: Rules>(&mut self, rules: &R, s: &State, orbits: &Orbits) {
         let has_job = |&task: &usize| rules.job(s, task) != TaskStatus::Idle;
         self.jobs
-            .retain(|job| !orbits.of_task(job.task).iter().any(has_job));
+            .retain(|job| !orbits.of_task(usize::from(job.task)).iter().any(has_job));
         for job in &mut self.jobs {
             let now = rules.awaits_start_up(s, job.task);
             // Tasks are started in order, so the later one counts.
-            job.start_up = job.start_up.zip(now).map(|(one, other)| one.max(other));
+            job.start_up = job
+                .start_up
+                .zip(now)
+                .map(|(one, other)| one.max(TaskId::from(other)));
         }
         self.atoms.retain(|(atom, alike)| {
             !rules.atom(s, atom) && !alike.iter().any(|atom| rules.atom(s, atom))
@@ -69,8 +73,11 @@ impl NeverObserved {
     }
 
     /// Returns the reason why a task has no job; `None` if the task has a job.
-    pub fn job(&self, task: usize) -> Option<TaskWithoutJob> {
-        self.jobs.iter().copied().find(|job| job.task == task)
+    pub fn job(&self, task: TaskId) -> Option<TaskWithoutJob> {
+        self.jobs
+            .iter()
+            .copied()
+            .find(|job| job.task == TaskId::from(task))
     }
 
     /// Returns true if an atom never holds.

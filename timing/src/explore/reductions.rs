@@ -166,7 +166,7 @@ impl Deferrable {
         let automata = &system.automata;
         let member = match automata.get(AutomatonId::from(executor)) {
             _ if !self.automata => executor,
-            Some(automaton) => automaton.task,
+            Some(automaton) => usize::from(automaton.task),
             None => executor - automata.len() + system.tasks.len(),
         };
         self.members[member]

@@ -74,7 +74,7 @@ pub(crate) use self::system_rules::SystemRules;
 pub use self::work::Work;
 use super::state::{Clocks, Frame, State, TaskStatus};
 use crate::property::Atom;
-use crate::system::{AutomatonId, ClientId, ComponentId, ServiceId, Ticks, TimedSystem};
+use crate::system::{AutomatonId, ClientId, ComponentId, ServiceId, TaskId, Ticks, TimedSystem};
 
 /// An action: an event that takes no time. Executors are numbered: automata, then the control tasks of
 /// components, then clients. (With passes there are tasks instead of automata.)
@@ -236,7 +236,7 @@ pub(crate) trait Rules: Sized {
 
     /// Returns the task whose start-up a task awaits before its first job: an earlier one of its component,
     /// or itself. `None`: the start-up is over.
-    fn awaits_start_up(&self, s: &State, task: usize) -> Option<usize>;
+    fn awaits_start_up(&self, s: &State, task: TaskId) -> Option<TaskId>;
 
     /// Returns true if a tick of a task has come before its job has ended.
     fn missed(&self, s: &State, task: usize) -> bool;
@@ -245,7 +245,7 @@ pub(crate) trait Rules: Sized {
     /// task must be measured.
     fn overdue(&self, s: &State, task: usize) -> bool {
         let (period, clock) = (
-            self.system().tasks[task].period,
+            self.system().tasks[TaskId::from(task)].period,
             self.frame().response[task],
         );
         let (Some(period), Some(clock)) = (period, clock) else {

@@ -26,7 +26,7 @@ use crate::property::{Atom, Predicate, TaskState};
 use crate::scn::ast::ChainKind;
 use crate::system::chain::{Chain, DataPlace};
 use crate::system::{
-    AutomatonId, ClientId, CodelId, ComponentId, FOREVER, ServiceId, Ticks, TimedSystem,
+    AutomatonId, ClientId, CodelId, ComponentId, FOREVER, ServiceId, TaskId, Ticks, TimedSystem,
 };
 
 /// Finds the supremum of a chain, by exploring all runs. It is the only entry of `within` in the findings;
@@ -39,7 +39,7 @@ pub fn explore_chain(
     cancel: &Cancel,
 ) -> Findings {
     let never = || {
-        let atom = Predicate::Atom(Atom::Task(0, TaskState::Idle));
+        let atom = Predicate::Atom(Atom::Task(TaskId::default(), TaskState::Idle));
         Predicate::And(
             Box::new(atom.clone()),
             Box::new(Predicate::Not(Box::new(atom))),
@@ -478,7 +478,7 @@ impl<R: Rules> Rules for Tracked<'_, R> {
         self.rules.job(s, task)
     }
 
-    fn awaits_start_up(&self, s: &State, task: usize) -> Option<usize> {
+    fn awaits_start_up(&self, s: &State, task: TaskId) -> Option<TaskId> {
         self.rules.awaits_start_up(s, task)
     }
 

@@ -3,15 +3,15 @@
 use super::reductions::Kinds;
 use crate::cancel::Cancel;
 use crate::property::Predicate;
-use crate::system::Ticks;
+use crate::system::{TaskId, Ticks};
 
 /// The questions of one exploration.
 #[derive(Debug, Clone, Default)]
 pub struct Watch {
     /// Tasks whose ticks must not come before their jobs have ended.
-    pub schedulable: Vec<usize>,
+    pub schedulable: Vec<TaskId>,
     /// Tasks that must not wait for a core for their whole period.
-    pub overdue: Vec<usize>,
+    pub overdue: Vec<TaskId>,
     /// Response times to measure.
     pub response: Vec<ResponseTime>,
     /// Predicates to reach.
@@ -30,7 +30,7 @@ pub struct Watch {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ResponseTime {
     /// The task.
-    pub task: usize,
+    pub task: TaskId,
     /// Limit in base units. If the time exceeds the limit, the shortest such run is searched for.
     pub limit: Option<Ticks>,
     /// Upper bound from analysis, in base units. A job that takes as long ends the search for this time.

@@ -3,7 +3,7 @@
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
 use crate::scn::semantics::TickRule;
 use crate::system::{
-    AutomatonId, ClientId, CodelId, ComponentId, Machine, MachineId, Policy, ServiceId,
+    AutomatonId, ClientId, CodelId, ComponentId, Machine, MachineId, Policy, ServiceId, TaskId,
     TimedSystem, Yield,
 };
 
@@ -19,9 +19,9 @@ pub(super) struct Part {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum PartKind {
     /// The thread of a task that executes passes: its status, and its codel.
-    Thread(usize),
+    Thread(TaskId),
     /// The status of a task that executes jobs.
-    Status(usize),
+    Status(TaskId),
     /// An automaton of a task that executes jobs.
     Automaton(AutomatonId),
     /// The slots of a service.
@@ -36,10 +36,10 @@ enum PartKind {
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Local {
     /// A task without a codel.
-    Task(usize, TaskState),
+    Task(TaskId, TaskState),
     /// A codel of a state machine: waiting for locks, or executing.
     Codel {
-        task: usize,
+        task: TaskId,
         machine: MachineId,
         state: usize,
         codel: CodelId,
@@ -107,7 +107,7 @@ impl<'s> Parts<'s> {
             let service = system.automata[automaton].service;
             service.is_none_or(|service| requested[service])
         };
-        for (task, it) in system.tasks.iter().enumerate() {
+        for (task, it) in system.tasks.iter_enumerated() {
             let automata = it.permanent.iter().chain(&it.slots).copied();
             let automata: Vec<AutomatonId> = automata.filter(executed).collect();
             let states = [TaskState::Idle, TaskState::Waiting, TaskState::Running];

@@ -1,6 +1,6 @@
 //! Predicates on the discrete state.
 
-use crate::system::{ClientId, CodelId, ComponentId, MachineId, ServiceId};
+use crate::system::{ClientId, CodelId, ComponentId, MachineId, ServiceId, TaskId};
 
 /// A Boolean combination of atoms.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub enum Predicate {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Atom {
     /// A task is in a state.
-    Task(usize, TaskState),
+    Task(TaskId, TaskState),
     /// One of the automata of a machine is in a codel state.
     State {
         /// The machine.

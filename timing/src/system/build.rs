@@ -41,7 +41,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
             system: TimedSystem {
                 unit: Ratio::new(1, 1000),
                 components: TiVec::new(),
-                tasks: Vec::new(),
+                tasks: TiVec::new(),
                 machines: TiVec::new(),
                 automata: TiVec::new(),
                 codels: TiVec::new(),
@@ -102,7 +102,10 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
         0
     };
     let needing = control_tasks
-        + (0..out.system.tasks.len())
+        + out
+            .system
+            .tasks
+            .keys()
             .filter(|&task| out.system.needs_core(task))
             .count();
     // Tasks bound to the same core wait for each other, however many other cores there are.

@@ -40,4 +40,6 @@ ids! {
     MachineId
     /// A service: an index into [`TimedSystem::services`](super::TimedSystem::services).
     ServiceId
+    /// An execution task: an index into [`TimedSystem::tasks`](super::TimedSystem::tasks).
+    TaskId
 }

@@ -8,7 +8,7 @@ use dotgen_analysis::model::{Owner, Seconds};
 use super::TimedSystem;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::scn::ast::Path;
-use crate::system::{ComponentId, MachineId, ServiceId};
+use crate::system::{ComponentId, MachineId, ServiceId, TaskId};
 
 /// A task of a specification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -25,7 +25,7 @@ pub struct Built {
     /// The system.
     pub system: TimedSystem,
     /// Tasks, by declaration.
-    pub tasks: HashMap<DeclaredTask, usize>,
+    pub tasks: HashMap<DeclaredTask, TaskId>,
     /// Services, by component and index.
     pub services: HashMap<(usize, u32), ServiceId>,
     /// Machines of tasks and activities.

@@ -4,6 +4,7 @@
 //! Such an answer needs no exploration, and remains valid if an exploration is given up.
 
 use std::cell::OnceCell;
+use typed_index_collections::{TiVec, ti_vec};
 
 use super::Group;
 use super::checks::{Single, What};
@@ -12,19 +13,19 @@ use crate::abstraction::{Budget, Refusal, abstract_bounds};
 use crate::analytic::{meets_deadlines, response_bounds};
 use crate::cancel::Cancel;
 use crate::report::{CheckReport, Layer, Soundness, Value, Verdict};
-use crate::system::Ticks;
 use crate::system::indexed::Built;
+use crate::system::{TaskId, Ticks};
 
 /// Bounds on the response times of the tasks of a system.
 pub(super) struct ResponseBounds<'b> {
     built: &'b Built,
-    bounds: Vec<Option<Ticks>>,
+    bounds: TiVec<TaskId, Option<Ticks>>,
     /// The analysis that found the bound, by task.
-    layers: Vec<Layer>,
+    layers: TiVec<TaskId, Layer>,
     /// The middle tier has treated the system.
     abstracted: bool,
     /// Tasks of which a run with a job is known, by task.
-    released: OnceCell<Vec<bool>>,
+    released: OnceCell<TiVec<TaskId, bool>>,
 }
 
 impl<'b> ResponseBounds<'b> {
@@ -32,7 +33,7 @@ impl<'b> ResponseBounds<'b> {
         ResponseBounds {
             built,
             bounds: response_bounds(&built.system),
-            layers: vec![Layer::ResponseTimeAnalysis; built.system.tasks.len()],
+            layers: ti_vec![Layer::ResponseTimeAnalysis; built.system.tasks.len()],
             abstracted: false,
             released: OnceCell::new(),
         }
@@ -44,18 +45,18 @@ impl<'b> ResponseBounds<'b> {
         &mut self,
         bytes: usize,
         cancel: &Cancel,
-    ) -> Result<Vec<(usize, Refusal)>, Refusal> {
+    ) -> Result<Vec<(TaskId, Refusal)>, Refusal> {
         let budget = Budget {
             bytes,
             ..Budget::default()
         };
         let system = &self.built.system;
         let found = abstract_bounds(system, budget, cancel);
-        let periodic = |task: &usize| system.tasks[*task].period.is_some();
-        let open = (0..found.len()).filter(periodic);
+        let periodic = |task: &TaskId| system.tasks[*task].period.is_some();
+        let open = found.keys().filter(periodic);
         let open = open.filter_map(|task| Some((task, found[task].err()?)));
-        let open: Vec<(usize, Refusal)> = open.collect();
-        for (task, &found) in found.iter().enumerate() {
+        let open: Vec<(TaskId, Refusal)> = open.collect();
+        for (task, &found) in found.iter_enumerated() {
             let bound = &mut self.bounds[task];
             if let Ok(found) = found
                 && bound.is_none_or(|bound| found < bound)
@@ -72,7 +73,7 @@ impl<'b> ResponseBounds<'b> {
     }
 
     /// Returns the path of a task.
-    pub(super) fn path(&self, task: usize) -> String {
+    pub(super) fn path(&self, task: TaskId) -> String {
         self.built.system.task_path(task)
     }
 
@@ -120,7 +121,7 @@ impl<'b> ResponseBounds<'b> {
     }
 
     /// Returns true if the task certainly has jobs.
-    fn is_released(&self, task: usize) -> bool {
+    fn is_released(&self, task: TaskId) -> bool {
         self.released
             .get_or_init(|| tasks_with_jobs(&self.built.system))[task]
     }

@@ -34,7 +34,9 @@ pub(super) fn groups(names: &Names, whole: &Built, checks: &[Single]) -> Vec<Vec
         }
     }
     if system.platform.cores.is_some() {
-        let on_cores: Vec<usize> = (0..system.tasks.len())
+        let on_cores: Vec<usize> = system
+            .tasks
+            .keys()
             .filter(|&task| system.needs_core(task))
             .map(|task| outer[system.tasks[task].component])
             .collect();

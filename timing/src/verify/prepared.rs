@@ -127,7 +127,7 @@ impl Group<'_> {
     /// Returns the question of a check; `None` if the check names something that does not exist, which was
     /// reported.
     fn question(&self, check: &Single) -> Option<Question> {
-        let task = |pair: &DeclaredTask| self.built.tasks.get(pair).copied();
+        let task = |pair: &DeclaredTask| self.built.tasks.get(pair).map(|&task| usize::from(task));
         let predicate = |predicate: &Pred| resolve::resolve(self.names, self.built, predicate).ok();
         Some(match &check.what {
             What::Schedulable(pair) => Question::Schedulable(task(pair)?),

@@ -6,7 +6,7 @@ use super::Group;
 use crate::explore::{Moment, MomentKind, Run};
 use crate::report::{Awaited, Delay, Holder};
 use crate::system::indexed::DeclaredTask;
-use crate::system::{CodelId, ThreadName, TimedSystem};
+use crate::system::{CodelId, TaskId, ThreadName, TimedSystem};
 
 /// A wait for the locks of a codel, or for a core.
 struct Wait {
@@ -74,7 +74,7 @@ struct Intervals {
 }
 
 impl Intervals {
-    fn new(system: &TimedSystem, moments: &[Moment], task: usize, end: u64) -> Self {
+    fn new(system: &TimedSystem, moments: &[Moment], task: TaskId, end: u64) -> Self {
         let mut out = Intervals {
             waits: Vec::new(),
             possessions: Vec::new(),

@@ -8,7 +8,7 @@ use super::{Group, SystemInput, events};
 use crate::explore::{Action, NextStep, Run, SystemRun};
 use crate::report::{Event, TimeUnit};
 use crate::scn::names::Names;
-use crate::system::{ComponentId, ThreadName, TimedSystem};
+use crate::system::{ComponentId, TaskId, ThreadName, TimedSystem};
 
 /// A run up to one of its events, continued by chosen steps.
 #[derive(Debug, Clone)]
@@ -92,8 +92,8 @@ impl SystemRun {
 
 /// Describes an action without an event.
 fn silent(system: &TimedSystem, action: Action) -> String {
-    let executor = |task: usize| match task.checked_sub(system.tasks.len()) {
-        None => system.task_path(task),
+    let executor = |index: usize| match index.checked_sub(system.tasks.len()) {
+        None => system.task_path(TaskId::from(index)),
         Some(component) => (system.components.get(ComponentId::from(component)))
             .map_or_else(String::new, |component| component.name.clone()),
     };
@@ -101,11 +101,11 @@ fn silent(system: &TimedSystem, action: Action) -> String {
     match action {
         Action::Ticket { executor: index } => format!("{} queues for its locks", executor(index)),
         Action::Ready { executor: index } => format!("{} becomes ready", executor(index)),
-        Action::Begin { task } => format!("{} begins a pass", system.task_path(task)),
+        Action::Begin { task } => format!("{} begins a pass", system.task_path(task.into())),
         Action::Wake { task } => {
             format!(
                 "{} wakes the other tasks of its component",
-                system.task_path(task)
+                system.task_path(task.into())
             )
         }
         Action::Signal { component: index } => {

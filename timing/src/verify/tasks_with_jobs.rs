@@ -1,15 +1,16 @@
 //! Tasks that certainly have jobs, because a run shows one.
 
 use crate::explore::{Possible, Stepper, Watched};
-use crate::system::TimedSystem;
+use crate::system::{TaskId, TimedSystem};
+use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 /// Upper limit on the steps of the run.
 const STEPS: usize = 10_000;
 
 /// By task: true if a run of the system has a job of it. Three runs are tried, with choices that have no
 /// pattern: codels end as early as they may, as late, and now early, now late.
-pub(crate) fn tasks_with_jobs(system: &TimedSystem) -> Vec<bool> {
-    let mut released = vec![false; system.tasks.len()];
+pub(crate) fn tasks_with_jobs(system: &TimedSystem) -> TiVec<TaskId, bool> {
+    let mut released = ti_vec![false; system.tasks.len()];
     let late: [fn(usize) -> bool; 3] =
         [|_| false, |_| true, |step| pseudo_random(step) & 0x80 == 0];
     for late in late {
@@ -18,13 +19,13 @@ pub(crate) fn tasks_with_jobs(system: &TimedSystem) -> Vec<bool> {
     released
 }
 
-fn run(system: &TimedSystem, late: fn(usize) -> bool, released: &mut [bool]) {
+fn run(system: &TimedSystem, late: fn(usize) -> bool, released: &mut TiSlice<TaskId, bool>) {
     let mut stepper = Stepper::new(system, &Watched::default());
     let (mut seen, mut possible) = (Vec::new(), Possible::default());
     stepper.begin(&mut seen);
     for step in 0..STEPS {
-        for (task, released) in released.iter_mut().enumerate() {
-            *released |= stepper.job(task).is_some();
+        for (task, released) in released.iter_mut_enumerated() {
+            *released |= stepper.job(task.into()).is_some();
         }
         if !released.contains(&false) {
             return;

@@ -6,6 +6,7 @@ use super::checks::{Single, What};
 use crate::explore::{ResponseTime, Watch, Within};
 use crate::property::{Predicate, resolve};
 use crate::scn::ast::Pred;
+use crate::system::TaskId;
 
 impl Group<'_> {
     /// Returns true if a check is only about events from ticks on, so that steps between ticks can be
@@ -32,7 +33,7 @@ impl Group<'_> {
         let mut places = Vec::new();
         let predicate = |pred: &Pred| resolve::resolve(self.names, self.built, pred).ok();
         for i in part {
-            let mut task = |list: fn(&mut Watch) -> &mut Vec<usize>, of| {
+            let mut task = |list: fn(&mut Watch) -> &mut Vec<TaskId>, of| {
                 let task = self.built.tasks[&of];
                 let list = list(&mut watch);
                 list.iter()

@@ -12,7 +12,7 @@ use dotgen_timing::scn::ast::{CheckKind, Item, Path};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
 use dotgen_timing::system::build::build;
-use dotgen_timing::system::{Ticks, TimedSystem};
+use dotgen_timing::system::{TaskId, Ticks, TimedSystem};
 use dotgen_timing::verify::{Cancel, Options, SystemInput, settings, verify};
 use num_rational::Ratio;
 use serde_json::{Value as Json, json};
@@ -138,7 +138,7 @@ fn beyond_abstraction(system: &TimedSystem, expected: &[(String, Json)]) -> Vec<
     let quick = response_bounds(system);
     let few = system.platform.cores.is_some() && quick.iter().any(Option::is_some);
     QUICK_ON_CORES.fetch_add(usize::from(few), Ordering::Relaxed);
-    let mut wrong = exceeded(system, ("response-time analysis", &quick), expected);
+    let mut wrong = exceeded(system, ("response-time analysis", &quick.raw), expected);
     wrong.extend(beyond_bounds(system, Budget::default(), expected));
     // With busy windows from the start.
     let batches = Budget {
@@ -159,8 +159,8 @@ fn beyond_bounds(system: &TimedSystem, budget: Budget, expected: &[(String, Json
     if aperiodic || system.requested().contains(&true) {
         AT_ANY_TIME.fetch_add(1, Ordering::Relaxed);
     }
-    let late = |tasks: &[usize]| {
-        let has_period = |&&task: &&usize| system.tasks[task].period.is_some();
+    let late = |tasks: &[TaskId]| {
+        let has_period = |&&task: &&TaskId| system.tasks[task].period.is_some();
         let first = tasks.iter().position(|task| !has_period(&task));
         first.is_some_and(|at| tasks[at..].iter().any(|task| bounds[*task].is_ok()))
     };
@@ -183,7 +183,7 @@ fn exceeded(
     expected: &[(String, Json)],
 ) -> Vec<String> {
     let answer = |kind: &str, task: usize, what: &str| {
-        let of = format!("{kind} {}", system.task_path(task));
+        let of = format!("{kind} {}", system.task_path(TaskId::from(task)));
         let expected = expected.iter().find(|entry| entry.0 == of);
         expected.map_or(Json::Null, |pair| pair.1[what].clone())
     };

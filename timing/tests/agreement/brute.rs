@@ -14,7 +14,7 @@ use std::collections::HashSet;
 
 use dotgen_timing::explore::{Action, Within};
 use dotgen_timing::property::Predicate;
-use dotgen_timing::system::TimedSystem;
+use dotgen_timing::system::{TaskId, TimedSystem};
 
 use state::{State, Status};
 
@@ -53,7 +53,7 @@ impl Brute<'_> {
                 continue;
             }
             out.missed[t] |= task.tick;
-            if let Some(period) = self.system.tasks[t].period {
+            if let Some(period) = self.system.tasks[TaskId::from(t)].period {
                 out.overdue[t] |= task.status == Status::Waiting && task.age >= period;
             }
             out.response[t] = out.response[t].max(Some(task.age));

@@ -9,7 +9,7 @@ use dotgen_timing::property::{Atom, Predicate, SlotStatus, StatePhase, TaskState
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
 use dotgen_timing::system::build::build;
-use dotgen_timing::system::{ClientId, CodelId, MachineId, ServiceId, TimedSystem};
+use dotgen_timing::system::{ClientId, CodelId, MachineId, ServiceId, TaskId, TimedSystem};
 use dotgen_timing::verify::{Cancel, Options, settings};
 
 use crate::servers::random::{Texts, requests, texts, varied};
@@ -36,7 +36,10 @@ fn atom(system: &TimedSystem, dice: &mut Dice) -> Atom {
     match dice.below(8) {
         0 => {
             let states = [TaskState::Idle, TaskState::Waiting, TaskState::Running];
-            Atom::Task(below(dice, system.tasks.len()), dice.pick(&states))
+            Atom::Task(
+                TaskId::from(below(dice, system.tasks.len())),
+                dice.pick(&states),
+            )
         }
         1 if !system.services.is_empty() => {
             let statuses = [SlotStatus::Void, SlotStatus::Run, SlotStatus::Active];
@@ -62,7 +65,7 @@ fn atom(system: &TimedSystem, dice: &mut Dice) -> Atom {
             let step = below(dice, system.clients[client].done() + 1);
             Atom::Client(client, vec![step])
         }
-        _ if system.machines.is_empty() => Atom::Task(0, TaskState::Active),
+        _ if system.machines.is_empty() => Atom::Task(TaskId::default(), TaskState::Active),
         _ => {
             let machine = MachineId::from(below(dice, system.machines.len()));
             let state = below(dice, system.machines[machine].states.len());

@@ -20,7 +20,7 @@ use dotgen_timing::explore::{
     search_once, search_zones,
 };
 use dotgen_timing::property::Predicate;
-use dotgen_timing::system::TimedSystem;
+use dotgen_timing::system::{TaskId, TimedSystem};
 use dotgen_timing::verify::Cancel;
 
 /// Returns limits for an exploration. One of every four systems is explored with all reductions; for the
@@ -77,11 +77,11 @@ fn compare_system(
         _ => longest.map(|number| number / 2),
     };
     let watch = Watch {
-        schedulable: all.clone(),
-        overdue: all,
+        schedulable: all.iter().map(|&task| TaskId::from(task)).collect(),
+        overdue: all.iter().map(|&task| TaskId::from(task)).collect(),
         response: (measured.iter().enumerate())
             .map(|(i, &task)| ResponseTime {
-                task,
+                task: TaskId::from(task),
                 limit: limit(i, expected.response[task]),
                 most: None,
             })
@@ -141,10 +141,23 @@ fn compare_system(
         }
         for (asked, response) in watch.response.iter().zip(&found.response) {
             let t = asked.task;
-            let age = |found: &Found| Ok(replay(found)?.response[t]);
-            bound("response", t, expected.response[t], response, age)?;
-            let first = &expected.response_at[t];
-            excess("response", t, asked.limit, first, response, age)?;
+            let age = |found: &Found| Ok(replay(found)?.response[usize::from(t)]);
+            bound(
+                "response",
+                usize::from(t),
+                expected.response[usize::from(t)],
+                response,
+                age,
+            )?;
+            let first = &expected.response_at[usize::from(t)];
+            excess(
+                "response",
+                usize::from(t),
+                asked.limit,
+                first,
+                response,
+                age,
+            )?;
         }
         for (i, asked) in watch.within.iter().enumerate() {
             let age = |found: &Found| Ok(replay(found)?.within[i]);
@@ -154,7 +167,7 @@ fn compare_system(
         }
         let quick = response_bounds(system);
         for (&t, response) in measured.iter().zip(&found.response) {
-            if let (Some(quick), Some(exact)) = (quick[t], response)
+            if let (Some(quick), Some(exact)) = (quick[TaskId::from(t)], response)
                 && exact.bound > Bound::Finite(quick)
             {
                 return Err(format!(
@@ -164,7 +177,9 @@ fn compare_system(
             }
         }
         for t in 0..system.tasks.len() {
-            if meets_deadlines(system, t, quick[t]) && expected.missed[t] {
+            if meets_deadlines(system, TaskId::from(t), quick[TaskId::from(t)])
+                && expected.missed[t]
+            {
                 return Err(format!(
                     "task {t} misses a deadline, its quick bound is {quick:?}"
                 ));
@@ -260,7 +275,7 @@ fn knowing_bounds(
         .filter(|&ty| known(ty).is_some())
         .collect();
     let response = tasks.iter().map(|&task| ResponseTime {
-        task,
+        task: TaskId::from(task),
         limit: None,
         most: known(task),
     });
@@ -285,8 +300,8 @@ fn knowing_bounds(
 fn chased(seed: u64, brute: &Brute, expected: &Results) -> Result<(), String> {
     let all: Vec<usize> = (0..brute.system.tasks.len()).collect();
     let watch = Watch {
-        schedulable: all.clone(),
-        overdue: all.clone(),
+        schedulable: all.iter().map(|&task| TaskId::from(task)).collect(),
+        overdue: all.iter().map(|&task| TaskId::from(task)).collect(),
         ..Watch::default()
     };
     for number in 0..5 {
@@ -439,7 +454,7 @@ fn all_agree(
 /// task is measured.
 fn measured(seed: u64, system: &TimedSystem) -> Vec<usize> {
     (0..system.tasks.len())
-        .filter(|&t| seed.is_multiple_of(2) || system.tasks[t].period.is_some())
+        .filter(|&t| seed.is_multiple_of(2) || system.tasks[TaskId::from(t)].period.is_some())
         .collect()
 }
 

@@ -9,7 +9,7 @@ use dotgen_timing::scn::semantics::{LockRule, Semantics};
 use dotgen_timing::system::{
     Automaton, AutomatonId, Client, ClientAction, ClientStep, Codel, CodelId, CodelName, CodelSet,
     Component, ComponentId, FOREVER, Machine, MachineId, Platform, Policy, Service, ServiceId,
-    State, Task, TimedSystem, Yield, loop_contradictions,
+    State, Task, TaskId, TimedSystem, Yield, loop_contradictions,
 };
 use proptest::prelude::Rng;
 use proptest::test_runner::{RngAlgorithm, TestRng};
@@ -44,7 +44,7 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
     let mut system = TimedSystem {
         unit: dotgen_analysis::model::Seconds::new(1, 1000),
         components: TiVec::new(),
-        tasks: Vec::new(),
+        tasks: TiVec::new(),
         machines: TiVec::new(),
         automata: TiVec::new(),
         codels: TiVec::new(),
@@ -71,7 +71,7 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
         let range = if c == 0 { 0..split } else { split..tasks };
         let component = system.components.push_and_get_key(Component {
             name: format!("c{c}"),
-            tasks: range.clone().collect(),
+            tasks: range.clone().map(TaskId::from).collect(),
             services: Vec::new(),
         });
         for t in range {
@@ -306,7 +306,7 @@ fn placed(system: &mut TimedSystem, dice: &mut Dice, task: usize) -> ComponentId
         });
     }
     let component = ComponentId::from(system.components.len() - 1);
-    system.components[component].tasks.push(task);
+    system.components[component].tasks.push(TaskId::from(task));
     component
 }
 
@@ -314,7 +314,7 @@ fn empty(dice: &mut Dice) -> TimedSystem {
     TimedSystem {
         unit: dotgen_analysis::model::Seconds::new(1, 1000),
         components: TiVec::new(),
-        tasks: Vec::new(),
+        tasks: TiVec::new(),
         machines: TiVec::new(),
         automata: TiVec::new(),
         codels: TiVec::new(),
@@ -337,7 +337,7 @@ fn automaton(
     service: Option<ServiceId>,
 ) -> AutomatonId {
     system.automata.push_and_get_key(Automaton {
-        task,
+        task: TaskId::from(task),
         machine,
         service,
     })
@@ -414,7 +414,7 @@ fn machine(
 
 fn service(system: &mut TimedSystem, dice: &mut Dice, v: usize) {
     let task = dice.below(system.tasks.len() as u32) as usize;
-    let component = system.tasks[task].component;
+    let component = system.tasks[TaskId::from(task)].component;
     let name = format!("v{v}");
     let path = format!("c{}.{name}", usize::from(component));
     let validate = dice
@@ -433,7 +433,7 @@ fn service(system: &mut TimedSystem, dice: &mut Dice, v: usize) {
                 Some(system.services.next_key()),
             ));
         }
-        system.tasks[task].slots.extend(&slots);
+        system.tasks[TaskId::from(task)].slots.extend(&slots);
     } else {
         for i in 0..dice.below(2) {
             simple.push(codel(system, dice, component, format!("{path}.f{i}")));
@@ -509,9 +509,12 @@ pub(crate) fn predicate(system: &TimedSystem, dice: &mut Dice) -> Predicate {
             TaskState::Running,
             TaskState::Active,
         ]);
-        Atom::Task(dice.below(system.tasks.len() as u32) as usize, state)
+        Atom::Task(
+            TaskId::from(dice.below(system.tasks.len() as u32) as usize),
+            state,
+        )
     } else if system.machines.is_empty() {
-        Atom::Task(0, TaskState::Active)
+        Atom::Task(TaskId::default(), TaskState::Active)
     } else {
         let machine = dice.below(system.machines.len() as u32) as usize;
         let machine = MachineId::from(machine);

@@ -1,5 +1,6 @@
 //! The answers and refusals of the middle tier.
 
+use dotgen_timing::system::TaskId;
 use std::fmt::Write;
 
 use dotgen_timing::abstraction::{Budget, Refusal, abstract_bounds};
@@ -50,8 +51,8 @@ fn bounds(specification: &str, scenario: &str) -> Result<String, Refusal> {
     let bounds = abstract_bounds(&built.system, Budget::default(), &Cancel::default());
     let mut out = String::new();
     for (task, bound) in bounds.iter().enumerate() {
-        let periodic = built.system.tasks[task].period.is_some();
-        let path = built.system.task_path(task);
+        let periodic = built.system.tasks[TaskId::from(task)].period.is_some();
+        let path = built.system.task_path(TaskId::from(task));
         let _ = match bound {
             Ok(bound) => writeln!(out, "{path} {bound}"),
             Err(why) if periodic => writeln!(out, "{path}: {why}"),

@@ -4,6 +4,7 @@ use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
 use dotgen_timing::scn::semantics::Preset;
+use dotgen_timing::system::TaskId;
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::settings::Settings;
 
@@ -25,7 +26,7 @@ fn bounds_under(preset: Preset, specification: &str, scenario: &str) -> String {
     let bounds = response_bounds(&built.system);
     let lines = bounds.iter().enumerate().map(|(task, bound)| {
         let bound = bound.map_or("-".to_owned(), |bound| bound.to_string());
-        format!("{} {bound}\n", built.system.task_path(task))
+        format!("{} {bound}\n", built.system.task_path(TaskId::from(task)))
     });
     lines.collect()
 }

@@ -2,6 +2,7 @@
 
 use dotgen_analysis::model::Seconds;
 use dotgen_timing::analytic::response_bounds;
+use dotgen_timing::system::TaskId;
 
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
@@ -34,7 +35,7 @@ pub fn quick_bounds(problem: &Problem, options: &Options) -> Vec<TaskBound> {
     }
     let (unit, system) = (TimeUnit::of(&settings), &built.system);
     let bounds = response_bounds(system);
-    let of_task = |(&id, &task): (&DeclaredTask, &usize)| {
+    let of_task = |(&id, &task): (&DeclaredTask, &TaskId)| {
         let bound: Seconds = system.unit * Ratio::from_integer(i128::from(bounds[task]?));
         Some(TaskBound {
             id,

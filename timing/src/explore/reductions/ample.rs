@@ -42,7 +42,7 @@ use crate::explore::rules::status::permanent;
 use crate::explore::rules::{Action, Enabled, SystemRules};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::scn::semantics::LockRule;
-use crate::system::{CodelId, Policy, TimedSystem, Yield};
+use crate::system::{CodelId, Policy, TaskId, TimedSystem, Yield};
 
 /// The ample sets of systems with jobs.
 #[derive(Debug)]
@@ -157,7 +157,7 @@ impl AmpleState<'_, '_> {
 
     /// Returns true if the timer of a task has expired.
     fn due(&self, task: usize) -> bool {
-        let definition = &self.system().tasks[task];
+        let definition = &self.system().tasks[TaskId::from(task)];
         definition.period.is_some()
             && self.layout().started(self.s, task)
             && self.layout().timer(self.s, task) == 0
@@ -166,7 +166,7 @@ impl AmpleState<'_, '_> {
     /// Returns true if the start-up of a task is over.
     fn started_up(&self, task: usize) -> bool {
         let l = self.layout();
-        let permanent = self.system().tasks[task].permanent;
+        let permanent = self.system().tasks[TaskId::from(task)].permanent;
         l.started(self.s, task)
             && permanent.is_none_or(|a| {
                 matches!(
@@ -192,17 +192,17 @@ impl AmpleState<'_, '_> {
     /// Returns true if a task that is not due can ask for a core at this moment.
     fn may_ask(&self, task: usize) -> bool {
         let l = self.layout();
-        if !self.system().needs_core(task) || self.due(task) {
+        if !self.system().needs_core(TaskId::from(task)) || self.due(task) {
             return false;
         }
         let status = l.status(self.s, task);
-        if self.system().tasks[task].period.is_some() {
+        if self.system().tasks[TaskId::from(task)].period.is_some() {
             return l.pending(self.s, task);
         }
         if status != TaskStatus::Idle {
             return !self.facts.endless[task];
         }
-        let definition = &self.system().tasks[task];
+        let definition = &self.system().tasks[TaskId::from(task)];
         self.facts.active[task]
             || definition
                 .permanent
@@ -220,7 +220,7 @@ impl AmpleState<'_, '_> {
         }
         let tasks = 0..self.system().tasks.len();
         let wanted = tasks.filter(|&t| {
-            self.system().needs_core(t)
+            self.system().needs_core(TaskId::from(t))
                 && (l.status(self.s, t) != TaskStatus::Idle || self.due(t) || self.may_ask(t))
         });
         wanted.count() <= cores as usize
@@ -257,7 +257,7 @@ impl AmpleState<'_, '_> {
     /// not measured.
     fn has_nothing_to_do(&self, task: usize) -> bool {
         let l = self.layout();
-        let permanent = self.system().tasks[task].permanent;
+        let permanent = self.system().tasks[TaskId::from(task)].permanent;
         !self.facts.measured[task]
             && permanent.is_none_or(|a| l.mode(self.s, l.number_of(a)) == permanent::ENDED)
     }
@@ -271,8 +271,8 @@ impl AmpleState<'_, '_> {
         let task = automaton.task;
         if l.window(self.s, executor).1 > 0
             || automaton.service.is_some()
-            || !self.settled(task)
-            || self.facts.visible.tasks[task]
+            || !self.settled(usize::from(task))
+            || self.facts.visible.tasks[usize::from(task)]
             || l.mode(self.s, executor) != permanent::NORMAL
         {
             return false;
@@ -286,8 +286,8 @@ impl AmpleState<'_, '_> {
             return true;
         }
         self.system().tasks[task].period.is_some()
-            && !self.due(task)
-            && !l.pending(self.s, task)
+            && !self.due(usize::from(task))
+            && !l.pending(self.s, usize::from(task))
             && (self.cores_for_all() || self.hand_over_commutes())
     }
 
@@ -299,7 +299,7 @@ impl AmpleState<'_, '_> {
             && !self.facts.visible_on_cores
             && (0..self.system().tasks.len()).all(|t| {
                 let waits = l.status(self.s, t) == TaskStatus::Waiting;
-                !self.system().needs_core(t)
+                !self.system().needs_core(TaskId::from(t))
                     || !(waits || self.due(t) || self.may_ask(t))
                     || (self.settled(t) && !(waits && self.due(t)))
             })
@@ -348,7 +348,7 @@ impl AmpleState<'_, '_> {
     fn runs(&self, executor: usize, task: usize) -> bool {
         let automaton = self.layout().automaton_numbered(executor);
         let automaton = self.system().automata.get(automaton);
-        automaton.is_some_and(|automaton| automaton.task == task)
+        automaton.is_some_and(|automaton| automaton.task == TaskId::from(task))
     }
 
     /// Returns true if an acquisition by this executor changes nothing that is observed, and cannot be
@@ -357,7 +357,8 @@ impl AmpleState<'_, '_> {
         let automaton = self.layout().automaton_numbered(executor);
         match self.system().automata.get(automaton) {
             Some(automaton) if automaton.service.is_none() => {
-                self.settled(automaton.task) && !self.facts.visible.tasks[automaton.task]
+                self.settled(usize::from(automaton.task))
+                    && !self.facts.visible.tasks[usize::from(automaton.task)]
             }
             _ => self.may_acquire_for_request(executor),
         }
@@ -372,11 +373,11 @@ impl AmpleState<'_, '_> {
         if !self.settled(task) || self.due(task) || l.pending(self.s, task) {
             return Rivalry::Later;
         }
-        let Some(automaton) = self.system().tasks[task].permanent else {
+        let Some(automaton) = self.system().tasks[TaskId::from(task)].permanent else {
             return Rivalry::None;
         };
         let a = l.number_of(automaton);
-        let periodic = self.system().tasks[task].period.is_some();
+        let periodic = self.system().tasks[TaskId::from(task)].period.is_some();
         match l.status(self.s, task) {
             TaskStatus::Idle if periodic || l.mode(self.s, a) == permanent::ENDED => Rivalry::None,
             TaskStatus::Running if periodic || self.facts.endless[task] => {

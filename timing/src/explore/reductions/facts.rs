@@ -5,7 +5,7 @@ use typed_index_collections::{TiVec, ti_vec};
 use super::Watched;
 use crate::property::Atom;
 use crate::system::{
-    AutomatonId, ClientId, CodelId, CodelSet, ComponentId, Machine, MachineId, ServiceId,
+    AutomatonId, ClientId, CodelId, CodelSet, ComponentId, Machine, MachineId, ServiceId, TaskId,
     TimedSystem, Yield,
 };
 
@@ -52,7 +52,7 @@ impl Visible {
         };
         for predicate in predicates {
             predicate.atoms(&mut |atom| match *atom {
-                Atom::Task(task, _) => parts.statuses[task] = true,
+                Atom::Task(task, _) => parts.statuses[usize::from(task)] = true,
                 Atom::State { machine, .. } => parts.machines[machine] = true,
                 Atom::Slot(service, _) => parts.slots[service] = true,
                 Atom::Client(client, _) => parts.clients[client] = true,
@@ -62,19 +62,19 @@ impl Visible {
                 Atom::ControlBusy(component) => parts.controls[component] = true,
             });
             predicate.atoms(&mut |atom| match *atom {
-                Atom::Task(task, _) => tasks[task] = true,
+                Atom::Task(task, _) => tasks[usize::from(task)] = true,
                 Atom::State { machine, .. } => {
                     for automaton in system
                         .automata
                         .iter()
                         .filter(|automaton| automaton.machine == machine)
                     {
-                        tasks[automaton.task] = true;
+                        tasks[usize::from(automaton.task)] = true;
                     }
                 }
                 Atom::Slot(service, _) => {
                     for &a in &system.services[service].slots {
-                        tasks[system.automata[a].task] = true;
+                        tasks[usize::from(system.automata[a].task)] = true;
                     }
                     others = true;
                 }
@@ -116,18 +116,20 @@ impl Facts {
         let visible = Visible::new(system, asked.predicates.iter().copied());
         let requested = system.requested();
         let plain = |task: usize| {
-            let definition = &system.tasks[task];
+            let definition = &system.tasks[TaskId::from(task)];
             let simple = definition.permanent.is_none_or(|a| {
                 let machine = system.machine_of(a);
                 let separate =
                     system.platform.async_free && machine.states.iter().any(|state| state.is_async);
                 !separate && !loops_in_no_time(system, machine, definition.period.is_none())
             });
-            simple && !definition.keep_idle_tick && !system.has_activities(task, &requested)
+            simple
+                && !definition.keep_idle_tick
+                && !system.has_activities(TaskId::from(task), &requested)
         };
         let endless = |task: usize| {
-            let definition = &system.tasks[task];
-            !system.has_activities(task, &requested)
+            let definition = &system.tasks[TaskId::from(task)];
+            !system.has_activities(TaskId::from(task), &requested)
                 && definition.permanent.is_some_and(|a| {
                     let machine = system.machine_of(a);
                     let mut states = machine.states.iter();
@@ -139,7 +141,7 @@ impl Facts {
         for automaton in &system.automata {
             if automaton.service.is_none_or(|service| requested[service]) {
                 for state in &system.machines[automaton.machine].states {
-                    owner[state.codel] = Owner::Task(automaton.task);
+                    owner[state.codel] = Owner::Task(usize::from(automaton.task));
                 }
             }
         }
@@ -155,14 +157,14 @@ impl Facts {
             plain: tasks.clone().map(plain).collect(),
             visible_on_cores: tasks
                 .clone()
-                .any(|t| visible.tasks[t] && system.needs_core(t)),
+                .any(|t| visible.tasks[t] && system.needs_core(TaskId::from(t))),
             visible,
             measured: asked.measured.clone(),
             endless: tasks.clone().map(endless).collect(),
             owner,
             active: tasks
                 .clone()
-                .map(|task| system.has_activities(task, &requested))
+                .map(|task| system.has_activities(TaskId::from(task), &requested))
                 .collect(),
             later: (system.automata.keys())
                 .map(|a| later(system.machine_of(a)))

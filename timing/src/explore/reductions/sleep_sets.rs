@@ -30,7 +30,7 @@ use crate::explore::rules::status::permanent;
 use crate::explore::rules::{Action, Enabled, SystemRules};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::scn::semantics::LockRule;
-use crate::system::{CodelSet, Policy, TimedSystem};
+use crate::system::{CodelSet, Policy, TaskId, TimedSystem};
 
 const TICKS: usize = 64;
 
@@ -85,7 +85,7 @@ impl Overtake {
     fn new(system: &TimedSystem) -> Self {
         let n = system.tasks.len();
         let own = |task: usize, out: &mut CodelSet| {
-            if let Some(a) = system.tasks[task].permanent {
+            if let Some(a) = system.tasks[TaskId::from(task)].permanent {
                 let states = &system.machine_of(a).states;
                 states.iter().for_each(|state| out.insert(state.codel));
             }
@@ -94,7 +94,7 @@ impl Overtake {
         for component in &system.components {
             for (at, &task) in component.tasks.iter().enumerate() {
                 for &later in &component.tasks[at + 1..] {
-                    own(later, &mut started_after[task]);
+                    own(usize::from(later), &mut started_after[usize::from(task)]);
                 }
             }
         }
@@ -154,7 +154,7 @@ impl Overtake {
         for bit in bits(held) {
             let stays = match bit.checked_sub(TICKS) {
                 Some(task) => {
-                    let needs = rules.system.needs_core(task);
+                    let needs = rules.system.needs_core(TaskId::from(task));
                     let overtaken = contested(rules, before, task) && !contested(rules, s, task);
                     !overtaken && !(needs && (joined || given))
                 }
@@ -181,12 +181,14 @@ fn contested(rules: &SystemRules, s: &State, task: usize) -> bool {
 /// Returns true if the start-up of a task is over.
 fn settled(rules: &SystemRules, s: &State, task: usize) -> bool {
     rules.layout.started(s, task)
-        && rules.system.tasks[task].permanent.is_none_or(|a| {
-            matches!(
-                rules.layout.mode(s, rules.layout.number_of(a)),
-                permanent::NORMAL | permanent::ENDED
-            )
-        })
+        && rules.system.tasks[TaskId::from(task)]
+            .permanent
+            .is_none_or(|a| {
+                matches!(
+                    rules.layout.mode(s, rules.layout.number_of(a)),
+                    permanent::NORMAL | permanent::ENDED
+                )
+            })
 }
 
 fn bits(mut held: SleepSet) -> impl Iterator<Item = usize> {
@@ -255,7 +257,7 @@ impl DueState<'_, '_> {
                 };
                 let task =
                     self.rules.system.automata[self.rules.layout.automaton_numbered(executor)].task;
-                if all && useful >> task & 1 == 1 {
+                if all && useful >> usize::from(task) & 1 == 1 {
                     out.push((action, due));
                 }
             } else if self.held & bit == 0 {
@@ -289,14 +291,16 @@ impl DueState<'_, '_> {
         };
         let system = self.rules.system;
         if let Some(task) = bit.checked_sub(TICKS) {
-            let needs = system.needs_core(task);
+            let needs = system.needs_core(TaskId::from(task));
             return set(&|q| {
                 (q == task && contested(self.rules, self.s, task))
                     || (needs && self.may_join(q))
                     || (needs && system.platform.policy != Policy::Fifo && self.on_core(q))
             });
         }
-        let own = system.automata[self.rules.layout.automaton_numbered(bit)].task;
+        let own: usize = system.automata[self.rules.layout.automaton_numbered(bit)]
+            .task
+            .into();
         if self.rules.layout.phase(self.s, bit) == phase::EXECUTING {
             let joins = self.may_join(own);
             return set(&|q| joins && q != own && self.may_join(q));
@@ -310,10 +314,10 @@ impl DueState<'_, '_> {
     /// during the start-up finds no work; a tick held back until the end of the start-up makes the task join.
     fn may_join(&self, task: usize) -> bool {
         let system = self.rules.system;
-        if !system.needs_core(task) {
+        if !system.needs_core(TaskId::from(task)) {
             return false;
         }
-        if system.tasks[task].period.is_some() {
+        if system.tasks[TaskId::from(task)].period.is_some() {
             let released = self.held != 0 && self.held >> (TICKS + task) & 1 == 0;
             let joins = released || !settled(self.rules, self.s, task);
             return self.rules.layout.pending(self.s, task) || (self.due(task) && joins);
@@ -325,14 +329,14 @@ impl DueState<'_, '_> {
 
     fn on_core(&self, task: usize) -> bool {
         self.rules.layout.status(self.s, task) == TaskStatus::Running
-            && self.rules.system.needs_core(task)
+            && self.rules.system.needs_core(TaskId::from(task))
     }
 
     /// Returns true if a task can want to execute one of these codels at this moment, or wants to now.
     fn can_come_to(&self, task: usize, codels: &CodelSet) -> bool {
         let l = &self.rules.layout;
         let system = self.rules.system;
-        let Some(automaton) = system.tasks[task].permanent else {
+        let Some(automaton) = system.tasks[TaskId::from(task)].permanent else {
             return false;
         };
         let a = l.number_of(automaton);
@@ -342,7 +346,7 @@ impl DueState<'_, '_> {
             return true;
         }
         // Another job may begin at this moment.
-        let again = system.tasks[task].period.is_none() && !self.facts.endless(task);
+        let again = system.tasks[TaskId::from(task)].period.is_none() && !self.facts.endless(task);
         if again || l.pending(self.s, task) || self.due(task) {
             return self.overtake.all[task].intersects(codels);
         }
@@ -370,7 +374,7 @@ impl DueState<'_, '_> {
         if self.due(task) && self.held >> (TICKS + task) & 1 == 0 {
             return true;
         }
-        let permanent = self.rules.system.tasks[task].permanent;
+        let permanent = self.rules.system.tasks[TaskId::from(task)].permanent;
         permanent
             .map(|automaton| l.number_of(automaton))
             .is_some_and(|a| match l.phase(self.s, a) {
@@ -401,12 +405,14 @@ impl DueState<'_, '_> {
                     continue;
                 };
                 let other = system.automata[l.automaton_numbered(holder)].task;
-                if other != task && self.can_come_to(task, &system.codels[codel].conflicts) {
-                    add(other);
+                if other != TaskId::from(task)
+                    && self.can_come_to(task, &system.codels[codel].conflicts)
+                {
+                    add(usize::from(other));
                 }
             }
             let status = l.status(self.s, task);
-            let wants_core = system.needs_core(task)
+            let wants_core = system.needs_core(TaskId::from(task))
                 && (status == TaskStatus::Waiting
                     || self.due(task)
                     || l.pending(self.s, task)

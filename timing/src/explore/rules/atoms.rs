@@ -13,7 +13,7 @@ impl SystemRules<'_> {
         let l = &self.layout;
         match *atom {
             Atom::Task(task, state) => {
-                let status = l.status(s, task);
+                let status = l.status(s, usize::from(task));
                 match state {
                     TaskState::Idle => status == TaskStatus::Idle,
                     TaskState::Waiting => status == TaskStatus::Waiting,
@@ -57,7 +57,7 @@ impl SystemRules<'_> {
         let l = &self.layout;
         let tasks = &self.system.components[self.system.services[service].component].tasks;
         let mut statuses = (tasks.iter())
-            .flat_map(|&task| l.slots(task))
+            .flat_map(|&task| l.slots(usize::from(task)))
             .filter(|&&slot| {
                 l.activity(s, slot) != slot::VOID && self.service(s, slot) == Some(service)
             })

@@ -49,7 +49,7 @@ impl SystemRules<'_> {
         let definition = &self.system.services[service];
         if let Some(&automaton) = definition.slots.first() {
             let task = self.system.automata[automaton].task;
-            let mut slots = l.slots(task).iter();
+            let mut slots = l.slots(usize::from(task)).iter();
             let free = slots.find(|&&slot| l.activity(s, slot) == slot::VOID);
             let Some(&free) = free else {
                 // Rejected: nothing is validated, and no task is woken.
@@ -142,7 +142,7 @@ impl SystemRules<'_> {
     /// Makes all tasks runnable after the last control codel, also for a refused request.
     fn codels_done(&self, s: &mut State, component: ComponentId) {
         for &task in &self.system.components[component].tasks {
-            self.make_runnable(s, task);
+            self.make_runnable(s, usize::from(task));
         }
         self.layout.set_codel_number(s, component, 0);
         self.layout.set_control(s, component, control::REST);
@@ -257,7 +257,7 @@ impl SystemRules<'_> {
         let service = &self.system.services[service];
         let mut delay = false;
         for &task in &self.system.components[service.component].tasks {
-            for &other in l.slots(task) {
+            for &other in l.slots(usize::from(task)) {
                 let listed = || {
                     let of = self.service(s, other);
                     of.is_some_and(|of| service.interrupts.contains(&of))
@@ -265,7 +265,7 @@ impl SystemRules<'_> {
                 if other == itself || l.activity(s, other) == slot::VOID || !listed() {
                     continue;
                 }
-                delay |= self.mark(s, task, other);
+                delay |= self.mark(s, usize::from(task), other);
             }
         }
         delay
@@ -298,15 +298,15 @@ impl SystemRules<'_> {
             l.set_signal(s, component, 0);
         } else {
             // Ends come first, so that no activity waits for one that has ended.
-            let slots = tasks.iter().flat_map(|&task| l.slots(task));
+            let slots = tasks.iter().flat_map(|&task| l.slots(usize::from(task)));
             slots.for_each(|&slot| self.report(s, slot));
         }
         for &task in tasks {
-            for &slot in l.slots(task) {
+            for &slot in l.slots(usize::from(task)) {
                 self.report(s, slot);
-                self.release_activity(s, task, slot);
+                self.release_activity(s, usize::from(task), slot);
             }
-            self.note_restarts(s, task);
+            self.note_restarts(s, usize::from(task));
         }
     }
 

@@ -14,7 +14,7 @@
 use super::status::{control, flag, thread};
 use super::{Action, Enabled, SystemRules};
 use crate::explore::state::State;
-use crate::system::{ClientAction, ClientId, ComponentId, Policy};
+use crate::system::{ClientAction, ClientId, ComponentId, Policy, TaskId};
 
 /// A set of executors, as bits.
 pub(super) type Threads = u128;
@@ -26,7 +26,7 @@ impl SystemRules<'_> {
     }
 
     fn uses_core(&self, executor: usize) -> bool {
-        executor >= self.layout.tasks || self.system.needs_core(executor)
+        executor >= self.layout.tasks || self.system.needs_core(TaskId::from(executor))
     }
 
     /// Returns true if a thread can act, given a core.
@@ -103,7 +103,9 @@ impl SystemRules<'_> {
     /// Returns the first threads of a list that fit on the cores.
     fn chosen(&self, order: &[usize]) -> Vec<usize> {
         let cores = self.system.platform.cores.unwrap_or(u32::MAX) as usize;
-        let core = |index: usize| (self.system.tasks.get(index)).and_then(|task| task.affinity);
+        let core = |index: usize| {
+            (self.system.tasks.get(TaskId::from(index))).and_then(|task| task.affinity)
+        };
         let mut chosen: Vec<usize> = Vec::new();
         for &executor in order {
             let tied = core(executor);

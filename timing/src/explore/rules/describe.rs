@@ -6,7 +6,7 @@ use super::{Action, Moment, MomentKind, SystemRules};
 use crate::explore::details::{Blocker, Executing, MomentDetails};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::scn::semantics::LockRule;
-use crate::system::{ClientAction, CodelId, ComponentId, Yield};
+use crate::system::{ClientAction, CodelId, ComponentId, TaskId, Yield};
 
 impl SystemRules<'_> {
     /// Describes the effects of an action; without an action, those of the initial state.
@@ -43,11 +43,11 @@ impl SystemRules<'_> {
     }
 
     fn of_task(&self, task: usize, kind: MomentKind, time: u64, what: String) -> Moment {
-        let component = self.system.tasks[task].component;
+        let component = self.system.tasks[TaskId::from(task)].component;
         Moment {
             time,
             component: self.system.components[component].name.clone(),
-            task: Some(task),
+            task: Some(TaskId::from(task)),
             codel: None,
             what,
             kind,
@@ -81,7 +81,7 @@ impl SystemRules<'_> {
         Moment {
             time,
             component: self.system.components[component].name.clone(),
-            task: self.task_of_executor(executor),
+            task: self.task_of_executor(executor).map(TaskId::from),
             codel: Some(codel),
             what,
             kind,
@@ -193,7 +193,7 @@ impl SystemRules<'_> {
             }
             Action::Preempt { executor, by } => {
                 let name = |task: usize| match task < l.tasks {
-                    true => self.system.task_path(task),
+                    true => self.system.task_path(TaskId::from(task)),
                     false => self.system.components[ComponentId::from(task - l.tasks)]
                         .name
                         .clone(),
@@ -213,10 +213,10 @@ impl SystemRules<'_> {
                 out.push(self.of_component(component, time, what));
                 self.reported(before, after, component, time, out);
                 for &task in &self.system.components[component].tasks {
-                    let ended = |s: &State| l.thread_of(s, task) == thread::ENDED;
+                    let ended = |s: &State| l.thread_of(s, usize::from(task)) == thread::ENDED;
                     if ended(after) && !ended(before) {
                         let what = "ends with its component".to_owned();
-                        out.push(self.of_task(task, MomentKind::Complete, time, what));
+                        out.push(self.of_task(usize::from(task), MomentKind::Complete, time, what));
                     }
                 }
             }
@@ -231,7 +231,7 @@ impl SystemRules<'_> {
     fn slot_name(&self, s: &State, task: usize, index: usize) -> String {
         match self.machine(s, index) {
             Some(machine) => machine.name.clone(),
-            None => self.system.task_path(task),
+            None => self.system.task_path(TaskId::from(task)),
         }
     }
 
@@ -276,10 +276,10 @@ impl SystemRules<'_> {
             return;
         }
         for &task in &self.system.components[component].tasks {
-            for &slot in l.slots(task) {
+            for &slot in l.slots(usize::from(task)) {
                 let (was, now) = (l.mode(before, slot), l.mode(after, slot));
                 let new = now & !was;
-                let name = || self.slot_name(before, task, slot);
+                let name = || self.slot_name(before, usize::from(task), slot);
                 if new & slot::MARK != 0 && now & slot::STATUS != slot::VOID {
                     out.push(self.of_component(component, time, format!("interrupts {}", name())));
                 }
@@ -444,7 +444,7 @@ impl SystemRules<'_> {
     /// Returns the thread of an executor: a task, or a control task.
     fn executing(&self, executor: usize) -> Executing {
         match self.task_of_executor(executor) {
-            Some(task) => Executing::Task(task),
+            Some(task) => Executing::Task(TaskId::from(task)),
             None => Executing::Control((executor - self.layout.threads).into()),
         }
     }

@@ -5,7 +5,7 @@
 use super::SystemRules;
 use super::status::{control, flag, permanent, slot, thread};
 use crate::explore::state::{State, TaskStatus, phase};
-use crate::system::{AutomatonId, CodelId, ComponentId, Yield};
+use crate::system::{AutomatonId, CodelId, ComponentId, TaskId, Yield};
 
 impl SystemRules<'_> {
     /// Starts tasks of a component, from the one in `starting` up to one that has to run its first codel.
@@ -15,9 +15,9 @@ impl SystemRules<'_> {
         let mut at = l.starting(s, component) as usize;
         while let Some(&task) = tasks.get(at) {
             l.set_starting(s, component, at as u16);
-            l.set_thread(s, task, thread::IDLE);
-            if self.is_periodic(task) {
-                l.set_timer(s, task, self.first_tick(task));
+            l.set_thread(s, usize::from(task), thread::IDLE);
+            if self.is_periodic(usize::from(task)) {
+                l.set_timer(s, usize::from(task), self.first_tick(usize::from(task)));
             }
             if let Some(automaton) = self.system.tasks[task].permanent {
                 l.set_mode(s, l.number_of(automaton), permanent::FIRST_CODEL);
@@ -36,7 +36,7 @@ impl SystemRules<'_> {
         if l.status(s, task) != TaskStatus::Idle {
             return false;
         }
-        let definition = &self.system.tasks[task];
+        let definition = &self.system.tasks[TaskId::from(task)];
         if definition.period.is_some() {
             l.pending(s, task)
                 && (!definition.keep_idle_tick || self.next_turn(s, task, 0).is_some())
@@ -49,7 +49,7 @@ impl SystemRules<'_> {
     pub(super) fn release_job(&self, s: &mut State, task: usize) {
         let l = &self.layout;
         l.lower(s, task, flag::TICK);
-        if !self.system.needs_core(task) {
+        if !self.system.needs_core(TaskId::from(task)) {
             self.run_job(s, task);
             return;
         }
@@ -103,7 +103,7 @@ impl SystemRules<'_> {
         l.set_turn_number(s, task, 0);
         l.set_thread(s, task, thread::IDLE);
         l.lower(s, task, flag::CORE);
-        let definition = &self.system.tasks[task];
+        let definition = &self.system.tasks[TaskId::from(task)];
         if definition
             .slots
             .iter()
@@ -163,7 +163,7 @@ impl SystemRules<'_> {
         match successor {
             // An aperiodic task has a core for all but its start-up codel (section 8): its first cycle
             // follows.
-            Yield::Next(state) if first_codel && !self.is_periodic(automaton.task) => {
+            Yield::Next(state) if first_codel && !self.is_periodic(usize::from(automaton.task)) => {
                 self.clear_visits(s, a);
                 l.set_at(s, a, state as u16);
                 l.set_mode(s, a, permanent::NORMAL);
@@ -202,8 +202,8 @@ impl SystemRules<'_> {
         let turn_over =
             l.phase(s, a) == phase::REST || (l.phase(s, a) & phase::ASYNC != 0 && !separate);
         if turn_over && !first_turn && !separate {
-            let next = l.turn_number(s, automaton.task) as usize;
-            self.give_turn(s, automaton.task, next);
+            let next = l.turn_number(s, usize::from(automaton.task)) as usize;
+            self.give_turn(s, usize::from(automaton.task), next);
         }
     }
 

@@ -9,8 +9,8 @@ use super::status::{flag, slot, thread};
 use crate::explore::state::{Clocks, Frame, Places, State, TaskStatus};
 use crate::scn::semantics::LockRule;
 use crate::system::{
-    AutomatonId, Builtin, Client, ClientAction, ClientId, ComponentId, Policy, ServiceId, Ticks,
-    TimedSystem,
+    AutomatonId, Builtin, Client, ClientAction, ClientId, ComponentId, Policy, ServiceId, TaskId,
+    Ticks, TimedSystem,
 };
 
 /// Numbers per task.
@@ -392,7 +392,7 @@ impl Layout {
 fn slots(system: &TimedSystem, jobs: bool) -> Vec<Vec<usize>> {
     let mut next = 0;
     let of_task = |task: usize| {
-        let definition = &system.tasks[task];
+        let definition = &system.tasks[TaskId::from(task)];
         if jobs {
             let automata = definition.permanent.iter().chain(&definition.slots);
             return automata.map(|&automaton| automaton.into()).collect();
@@ -459,10 +459,10 @@ fn follows(client: &Client) -> bool {
 /// Returns the greatest number of activities of a task at the same time: at most its places, and at most the
 /// requests.
 fn most_slots(system: &TimedSystem, task: usize) -> usize {
-    let places = system.tasks[task].places as usize;
+    let places = system.tasks[TaskId::from(task)].places as usize;
     let of_task = |service: ServiceId| {
         let mut slots = system.services[service].slots.iter();
-        slots.any(|&automaton| system.automata[automaton].task == task)
+        slots.any(|&automaton| system.automata[automaton].task == TaskId::from(task))
     };
     let mut most = 1;
     for client in &system.clients {

@@ -2,7 +2,7 @@
 
 use super::Action;
 use crate::explore::details::MomentDetails;
-use crate::system::CodelId;
+use crate::system::{CodelId, TaskId};
 
 /// One line of a run for readers.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -12,7 +12,7 @@ pub struct Moment {
     /// Component or client.
     pub component: String,
     /// Task; `None` for the control task and clients.
-    pub task: Option<usize>,
+    pub task: Option<TaskId>,
     /// Codel.
     pub codel: Option<CodelId>,
     /// Description.

@@ -5,7 +5,7 @@ use super::SystemRules;
 use super::status::{flag, slot, thread};
 use crate::explore::state::State;
 use crate::scn::semantics::{PauseRule, TurnRule};
-use crate::system::{Machine, Yield};
+use crate::system::{Machine, TaskId, Yield};
 
 impl SystemRules<'_> {
     /// Begins a pass, up to its first codel. `first`: the first pass of a cycle. Only the first pass of a
@@ -129,14 +129,16 @@ impl SystemRules<'_> {
     /// Ends a pass: sets the flag of the task itself, and signals the control task.
     fn end_pass(&self, s: &mut State, task: usize) {
         let l = &self.layout;
-        let component = self.system.tasks[task].component;
+        let component = self.system.tasks[TaskId::from(task)].component;
         let pass = l.flags(s, task) & flag::OF_PASS;
         l.lower(s, task, flag::OF_PASS);
         l.set_turn_number(s, task, 0);
         if pass & flag::EVENT != 0 {
             self.make_runnable(s, task);
             let mut others = self.system.components[component].tasks.iter();
-            if others.any(|&index| index != task && !self.is_periodic(index)) {
+            if others
+                .any(|&index| index != TaskId::from(task) && !self.is_periodic(usize::from(index)))
+            {
                 l.raise(s, task, flag::WAKE);
             }
         }
@@ -162,7 +164,7 @@ impl SystemRules<'_> {
         // starts.
         let ended = slot::ETHER | slot::PERMANENT;
         let failed = first & (slot::STATUS | slot::PERMANENT | slot::SUCCESS) == ended;
-        if tasks.get(starting) == Some(&task) && begun && !failed {
+        if tasks.get(starting) == Some(&TaskId::from(task)) && begun && !failed {
             self.start_next(s, component);
         }
     }

@@ -5,7 +5,7 @@ use super::points::Cycle;
 use super::status::{control, flag, thread};
 use super::{Action, SystemRules};
 use crate::explore::state::{State, phase};
-use crate::system::{ClientAction, ClientId, FOREVER, Policy};
+use crate::system::{ClientAction, ClientId, FOREVER, Policy, TaskId};
 
 impl SystemRules<'_> {
     /// Performs an action that is enabled.
@@ -58,10 +58,10 @@ impl SystemRules<'_> {
             Action::Wake { task } => {
                 l.lower(s, task, flag::WAKE);
                 self.free_core(s, task);
-                let component = self.system.tasks[task].component;
+                let component = self.system.tasks[TaskId::from(task)].component;
                 for &other in &self.system.components[component].tasks {
-                    if other != task {
-                        self.make_runnable(s, other);
+                    if other != TaskId::from(task) {
+                        self.make_runnable(s, usize::from(other));
                     }
                 }
             }
@@ -81,7 +81,11 @@ impl SystemRules<'_> {
     /// Raises the flag of a task at a tick of the clock. Several ticks while the task is busy count as one.
     fn tick(&self, s: &mut State, task: usize) {
         let l = &self.layout;
-        l.set_timer(s, task, self.system.tasks[task].period.unwrap_or(0));
+        l.set_timer(
+            s,
+            task,
+            self.system.tasks[TaskId::from(task)].period.unwrap_or(0),
+        );
         if self.waits_to_begin(s, task) && !l.has(s, task, flag::FIRST) {
             l.raise(s, task, flag::LATE);
         }
@@ -114,7 +118,9 @@ impl SystemRules<'_> {
     pub(super) fn queue_for_core(&self, s: &mut State, task: usize) {
         let l = &self.layout;
         let queue = l.core_queue(s);
-        let deadline = self.system.tasks[task].period.unwrap_or(FOREVER);
+        let deadline = self.system.tasks[TaskId::from(task)]
+            .period
+            .unwrap_or(FOREVER);
         let position = match (l.edf, self.system.platform.policy) {
             (Some(EdfTimes::Slack(base)), _) => {
                 queue.partition_point(|&other| s.t[base + other as usize] <= deadline)

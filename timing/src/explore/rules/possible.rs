@@ -7,7 +7,7 @@ use super::status::{control, flag, slot, thread, tracker};
 use super::{Action, Enabled, SystemRules};
 use crate::explore::state::{State, phase};
 use crate::scn::semantics::{LockRule, TickRule};
-use crate::system::{ClientAction, ClientId, ComponentId, Policy, Yield};
+use crate::system::{ClientAction, ClientId, ComponentId, Policy, TaskId, Yield};
 
 impl SystemRules<'_> {
     /// Lists the actions of the best rank present.
@@ -167,7 +167,7 @@ impl SystemRules<'_> {
                 _ => false,
             }
         };
-        self.system.needs_core(task)
+        self.system.needs_core(TaskId::from(task))
             && !self.preempts()
             && !start_up
             && l.slots(task).iter().any(could_run)
@@ -186,7 +186,7 @@ impl SystemRules<'_> {
             (Policy::Any, _) => out.actions.extend(queue.iter().map(|&task| grant(task))),
             (_, Some(EdfTimes::Ages { tick, .. })) => {
                 let deadline = |task: usize| {
-                    let period = self.system.tasks[task].period;
+                    let period = self.system.tasks[TaskId::from(task)].period;
                     let left = |period| i64::from(period) - i64::from(s.t[tick + task]);
                     period.map_or(i64::MAX, left)
                 };

@@ -3,7 +3,7 @@
 use super::status::{control, flag, slot, thread};
 use super::{Action, Rules, SystemRules};
 use crate::explore::state::{State, phase};
-use crate::system::{ClientAction, ClientId, ComponentId};
+use crate::system::{ClientAction, ClientId, ComponentId, TaskId};
 
 impl SystemRules<'_> {
     /// Returns the component of an action; `None` for actions of clients alone.
@@ -25,7 +25,7 @@ impl SystemRules<'_> {
             | Action::Acquire { executor }
             | Action::Ready { executor }
             | Action::Finish { executor, .. } => self.component_of(executor),
-            _ => Some(self.system.tasks[self.task_of(action)?].component),
+            _ => Some(self.system.tasks[TaskId::from(self.task_of(action)?)].component),
         }
     }
 
@@ -59,7 +59,7 @@ impl SystemRules<'_> {
     /// Returns true if some task of these components waits for a core.
     pub(crate) fn waits_for_core(&self, s: &State, of: impl Fn(ComponentId) -> bool) -> bool {
         let mut queue = self.layout.core_queue(s).iter();
-        queue.any(|&task| of(self.system.tasks[task as usize].component))
+        queue.any(|&task| of(self.system.tasks[TaskId::from(task as usize)].component))
     }
 
     /// Returns true if an action frees a core, or lets a task ask for one.
@@ -77,7 +77,7 @@ impl SystemRules<'_> {
                 let asks = self.begins(s, task) && self.asks_for_core(s, task);
                 (self.layout.has(s, task, flag::CORE), asks)
             };
-            tasks.iter().map(of).collect()
+            tasks.iter().map(|&task| of(&task.into())).collect()
         };
         let before = at_cores(s);
         let mut next = s.clone();
@@ -105,6 +105,7 @@ impl SystemRules<'_> {
             && l.mode(s, first) & slot::STATUS == slot::RUN
             && l.at(s, first) as usize == state;
         let has_ended = l.thread_of(s, task) == thread::IDLE && l.activity(s, first) == slot::VOID;
-        (executes || has_ended) && l.control(s, self.system.tasks[task].component) != control::OFF
+        (executes || has_ended)
+            && l.control(s, self.system.tasks[TaskId::from(task)].component) != control::OFF
     }
 }

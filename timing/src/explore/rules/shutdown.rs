@@ -9,7 +9,7 @@ use super::SystemRules;
 use super::layout::EdfTimes;
 use super::status::{control, flag, slot, thread, tracker};
 use crate::explore::state::State;
-use crate::system::{Builtin, ClientAction, ClientId, ComponentId};
+use crate::system::{Builtin, ClientAction, ClientId, ComponentId, TaskId};
 
 /// The stage of a shutdown. Tasks are numbered among all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,18 +79,18 @@ impl SystemRules<'_> {
         let tasks = &self.system.components[component].tasks;
         let count = tasks.len();
         if let Some(&task) = tasks.get(number) {
-            return Some(Stage::Activities(task));
+            return Some(Stage::Activities(usize::from(task)));
         }
         let number = number - count;
         if number < 2 * count {
             let task = tasks[count - 1 - number / 2];
             return Some(match number % 2 {
-                0 => Stage::Permanent(task),
-                _ => Stage::Stopping(task),
+                0 => Stage::Permanent(usize::from(task)),
+                _ => Stage::Stopping(usize::from(task)),
             });
         }
         match tasks.get(number - 2 * count) {
-            Some(&task) => Some(Stage::Task(task)),
+            Some(&task) => Some(Stage::Task(usize::from(task))),
             None if number == 3 * count => Some(Stage::Control),
             None => None,
         }
@@ -179,7 +179,11 @@ impl SystemRules<'_> {
                         if let Some(place) =
                             place.or_else(|| l.slots(task).iter().copied().find(free))
                         {
-                            l.set_automaton(s, place, self.system.tasks[task].permanent);
+                            l.set_automaton(
+                                s,
+                                place,
+                                self.system.tasks[TaskId::from(task)].permanent,
+                            );
                             l.set_at(s, place, 0);
                             l.set_mode(s, place, slot::INIT | slot::PERMANENT | slot::MARK);
                         }

@@ -22,7 +22,7 @@ use crate::property::Atom;
 use crate::scn::semantics::TickRule;
 use crate::system::{
     AutomatonId, ClientAction, ClientId, Codel, CodelId, ComponentId, Machine, ServiceId,
-    State as MachineState, Ticks, TimedSystem,
+    State as MachineState, TaskId, Ticks, TimedSystem,
 };
 
 /// The rules applied to one system.
@@ -70,7 +70,7 @@ impl<'s> SystemRules<'s> {
             Cycle::Jobs => {
                 let automaton = self.layout.automaton_numbered(executor);
                 let automaton = self.system.automata.get(automaton);
-                automaton.map(|automaton| automaton.task)
+                automaton.map(|automaton| automaton.task.into())
             }
         }
     }
@@ -79,7 +79,7 @@ impl<'s> SystemRules<'s> {
     #[inline]
     pub(super) fn component_of(&self, executor: usize) -> Option<ComponentId> {
         match self.task_of_executor(executor) {
-            Some(task) => Some(self.system.tasks[task].component),
+            Some(task) => Some(self.system.tasks[TaskId::from(task)].component),
             None => {
                 let component = executor - self.layout.threads;
                 (component < self.layout.components).then(|| component.into())
@@ -88,7 +88,7 @@ impl<'s> SystemRules<'s> {
     }
 
     pub(super) fn is_periodic(&self, task: usize) -> bool {
-        self.system.tasks[task].period.is_some()
+        self.system.tasks[TaskId::from(task)].period.is_some()
     }
 
     /// Returns the machine of a slot; `None` for a permanent activity without codels.
@@ -196,13 +196,13 @@ impl<'s> SystemRules<'s> {
         let l = &self.layout;
         for &task in &self.system.components[component].tasks {
             let definition = &self.system.tasks[task];
-            l.raise(s, task, flag::FIRST);
+            l.raise(s, usize::from(task), flag::FIRST);
             if definition.period.is_none() {
-                l.raise(s, task, flag::RUNNABLE);
+                l.raise(s, usize::from(task), flag::RUNNABLE);
             } else if self.points.ticks == TickRule::Component {
-                l.set_timer(s, task, self.first_tick(task));
+                l.set_timer(s, usize::from(task), self.first_tick(usize::from(task)));
             }
-            let first = l.slots(task)[0];
+            let first = l.slots(usize::from(task))[0];
             l.set_mode(s, first, slot::INIT | slot::START | slot::PERMANENT);
             l.set_automaton(s, first, definition.permanent);
         }
@@ -210,7 +210,7 @@ impl<'s> SystemRules<'s> {
 
     /// Returns the time from the start of a clock to the first tick in base units.
     pub(super) fn first_tick(&self, task: usize) -> Ticks {
-        let task = &self.system.tasks[task];
+        let task = &self.system.tasks[TaskId::from(task)];
         match (self.points.ticks, task.delay) {
             (TickRule::Component, 0) => task.period.unwrap_or(0),
             (TickRule::Component, delay) => delay,
@@ -227,11 +227,11 @@ impl<'s> SystemRules<'s> {
             l.set_control(s, component, control::READY);
             return;
         };
-        l.set_thread(s, task, thread::IDLE);
-        if self.points.ticks == TickRule::Task && self.is_periodic(task) {
+        l.set_thread(s, usize::from(task), thread::IDLE);
+        if self.points.ticks == TickRule::Task && self.is_periodic(usize::from(task)) {
             // Its timer starts now, and its first pass needs no tick.
-            l.set_timer(s, task, self.first_tick(task));
-            l.raise(s, task, flag::TICK);
+            l.set_timer(s, usize::from(task), self.first_tick(usize::from(task)));
+            l.raise(s, usize::from(task), flag::TICK);
         }
     }
 }
@@ -293,17 +293,18 @@ impl Rules for SystemRules<'_> {
         }
     }
 
-    fn awaits_start_up(&self, s: &State, task: usize) -> Option<usize> {
+    fn awaits_start_up(&self, s: &State, task: TaskId) -> Option<TaskId> {
         let l = &self.layout;
+        let number = usize::from(task);
         let component = self.system.tasks[task].component;
         let tasks = &self.system.components[component].tasks;
         let starting = tasks.get(l.starting(s, component) as usize).copied();
         match self.points.start_up {
             StartUp::FirstPass => {
-                let first = l.has(s, task, flag::FIRST).then_some(task);
+                let first = l.has(s, number, flag::FIRST).then_some(task);
                 starting.filter(|&earlier| earlier < task).or(first)
             }
-            StartUp::FirstCodel if !l.started(s, task) => starting,
+            StartUp::FirstCodel if !l.started(s, number) => starting,
             StartUp::FirstCodel => {
                 let in_first_turn = |&automaton: &AutomatonId| {
                     let mode = l.mode(s, l.number_of(automaton));

@@ -5,7 +5,7 @@ use super::status::{flag, thread};
 use super::{Rules, SystemRules};
 use crate::explore::state::{State, TaskStatus};
 use crate::scn::semantics::TickRule;
-use crate::system::{FOREVER, Ticks};
+use crate::system::{FOREVER, TaskId, Ticks};
 
 impl SystemRules<'_> {
     /// Returns true if the timer of a task runs.
@@ -88,7 +88,7 @@ impl SystemRules<'_> {
     fn pass_deadline(&self, s: &mut State, task: usize, time: Ticks) {
         let l = &self.layout;
         let waits = || l.thread_of(s, task) == thread::WAITING;
-        match (l.edf, self.system.tasks[task].period) {
+        match (l.edf, self.system.tasks[TaskId::from(task)].period) {
             (Some(EdfTimes::Slack(base)), _) if waits() && s.t[base + task] != FOREVER => {
                 s.t[base + task] = s.t[base + task].saturating_sub(time);
             }

@@ -1,5 +1,6 @@
 //! Goals: properties of single states, one list for all that a watch asks for.
 
+use crate::system::TaskId;
 use std::ops::{Index, IndexMut};
 
 use crate::explore::reductions::Orbits;
@@ -66,14 +67,14 @@ impl<'w> Goals<'w> {
     /// Returns the goals for missed deadlines, with their tasks.
     pub(super) fn missed(&self) -> impl Iterator<Item = (GoalId, usize)> + use<'w> {
         let tasks = self.watch.schedulable.iter().enumerate();
-        tasks.map(|(i, &task)| (GoalId(i), task))
+        tasks.map(|(i, &task)| (GoalId(i), usize::from(task)))
     }
 
     /// Returns the goals for overdue tasks, with the tasks.
     pub(super) fn overdue(&self) -> impl Iterator<Item = (GoalId, usize)> + use<'w> {
         let first = self.counts()[0];
         let tasks = self.watch.overdue.iter().enumerate();
-        tasks.map(move |(i, &task)| (GoalId(first + i), task))
+        tasks.map(move |(i, &task)| (GoalId(first + i), usize::from(task)))
     }
 
     /// Returns the goals for predicates.
@@ -87,9 +88,9 @@ impl<'w> Goals<'w> {
     pub(super) fn get(&self, GoalId(id): GoalId) -> Goal<'w> {
         let [missed, overdue, _] = self.counts();
         if id < missed {
-            Goal::Missed(self.watch.schedulable[id])
+            Goal::Missed(usize::from(self.watch.schedulable[id]))
         } else if id < missed + overdue {
-            Goal::Overdue(self.watch.overdue[id - missed])
+            Goal::Overdue(usize::from(self.watch.overdue[id - missed]))
         } else {
             Goal::Reached(&self.watch.reach[id - missed - overdue])
         }
@@ -131,8 +132,8 @@ impl<'w> Goals<'w> {
         };
         for &id in some {
             match self.get(id) {
-                Goal::Missed(task) => watch.schedulable.push(task),
-                Goal::Overdue(task) => watch.overdue.push(task),
+                Goal::Missed(task) => watch.schedulable.push(TaskId::from(task)),
+                Goal::Overdue(task) => watch.overdue.push(TaskId::from(task)),
                 Goal::Reached(predicate) => watch.reach.push(predicate.clone()),
             }
         }

@@ -10,7 +10,7 @@ use crate::explore::run::Run;
 use crate::explore::state::{Clocks, Stages, State, TaskStatus};
 use crate::explore::watch::Watch;
 use crate::property::Predicate;
-use crate::system::{ServiceId, Ticks};
+use crate::system::{ServiceId, TaskId, Ticks};
 
 /// The place and time of an observation.
 #[derive(Debug, Clone, Copy)]
@@ -61,7 +61,9 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         let measured_task = |task: usize| measured(Timing::Response(task));
         let waiting_only: Vec<bool> = (0..system.tasks.len())
             .map(|t| {
-                !measured_task(t) && watch.overdue.contains(&t) && system.tasks[t].period.is_some()
+                !measured_task(t)
+                    && watch.overdue.contains(&TaskId::from(t))
+                    && system.tasks[TaskId::from(t)].period.is_some()
             })
             .collect();
         let observed: Vec<bool> = (0..system.tasks.len())
@@ -85,8 +87,8 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
             .collect();
         let label = |task: usize| Label {
             watched: [
-                watch.schedulable.contains(&task),
-                watch.overdue.contains(&task),
+                watch.schedulable.contains(&TaskId::from(task)),
+                watch.overdue.contains(&TaskId::from(task)),
             ],
             measured: (gauges.iter())
                 .filter(|gauge| gauge.of == Timing::Response(task))
@@ -208,7 +210,9 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         for (task, only) in self.waiting_only.iter().enumerate() {
             if *only && let Some(clock) = l.response[task] {
                 let running = self.rules.job(s, task) == TaskStatus::Running;
-                let most = self.rules.system().tasks[task].period.unwrap_or(0);
+                let most = self.rules.system().tasks[TaskId::from(task)]
+                    .period
+                    .unwrap_or(0);
                 s.t[clock] = if running { 0 } else { s.t[clock].min(most) };
             }
         }

@@ -8,14 +8,14 @@ use super::Builder;
 use crate::diagnostic::remark::Remark;
 use crate::scn::semantics::LockRule;
 use crate::system::locks::live_codels;
-use crate::system::{CodelId, ComponentId, FOREVER, Ticks};
+use crate::system::{CodelId, ComponentId, FOREVER, TaskId, Ticks};
 
 /// A codel that can run, and its thread: a task, or the control task of its component (`None`).
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct RunnableCodel {
     codel: CodelId,
     component: ComponentId,
-    task: Option<usize>,
+    task: Option<TaskId>,
 }
 
 impl RunnableCodel {
@@ -74,7 +74,7 @@ impl Builder<'_> {
         &self,
         codels: impl Iterator<Item = &'l RunnableCodel>,
         time: Ticks,
-    ) -> Option<(&'l RunnableCodel, usize, Ticks)> {
+    ) -> Option<(&'l RunnableCodel, TaskId, Ticks)> {
         let with_period = codels.filter_map(|codel| {
             let task = codel.task?;
             Some((codel, task, self.out.system.tasks[task].period?))

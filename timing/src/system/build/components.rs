@@ -42,7 +42,7 @@ impl Builder<'_> {
             let delay = self.delay(c, t).unwrap_or(Ratio::new(0, 1));
             let delay = self.ticks(delay, &delay_of);
             self.check_ticks(c, t, &path);
-            let id = self.out.system.tasks.len();
+            let id = self.out.system.tasks.next_key();
             let permanent = self
                 .machine(c, number, Owner::Task(t), &path)
                 .map(|machine| {

@@ -2,7 +2,9 @@
 
 use dotgen_timing::explore::Action;
 use dotgen_timing::scn::semantics::LockRule;
-use dotgen_timing::system::{AutomatonId, ClientAction, ClientId, ComponentId, Policy, Yield};
+use dotgen_timing::system::{
+    AutomatonId, ClientAction, ClientId, ComponentId, Policy, TaskId, Yield,
+};
 
 use super::state::{Doing, Mode, State, Status, Step, Tracked};
 use super::{Brute, Results};
@@ -18,7 +20,7 @@ impl Brute<'_> {
             Action::Release { task } => {
                 n.tasks[task].tick = false;
                 n.tasks[task].age = 0;
-                if self.system.needs_core(task) {
+                if self.system.needs_core(TaskId::from(task)) {
                     n.tasks[task].status = Status::Waiting;
                     n.queue.push(task);
                     if self.system.platform.policy == Policy::Any {
@@ -35,7 +37,7 @@ impl Brute<'_> {
                 self.turns(&mut n, task, 0);
             }
             Action::Tick { task } => {
-                n.tasks[task].timer = Some(self.system.tasks[task].delay);
+                n.tasks[task].timer = Some(self.system.tasks[TaskId::from(task)].delay);
                 n.tasks[task].tick = true;
             }
             Action::Acquire { executor } => {
@@ -98,7 +100,7 @@ impl Brute<'_> {
         let tasks = &self.system.components[c].tasks;
         for (i, &t) in tasks.iter().enumerate().skip(first) {
             if self.system.tasks[t].period.is_some() {
-                s.tasks[t].timer = Some(0);
+                s.tasks[usize::from(t)].timer = Some(0);
             }
             if let Some(a) = self.system.tasks[t].permanent {
                 s.automata[a].mode = Mode::FirstCodel;
@@ -138,9 +140,9 @@ impl Brute<'_> {
         task.turn = 0;
         task.status = Status::Idle;
         task.age = 0;
-        let slots = &self.system.tasks[t].slots;
+        let slots = &self.system.tasks[TaskId::from(t)].slots;
         if slots.iter().any(|&a| s.automata[a].mode == Mode::Ether) {
-            s.controls[self.system.tasks[t].component].signal = true;
+            s.controls[self.system.tasks[TaskId::from(t)].component].signal = true;
         }
     }
 
@@ -220,8 +222,8 @@ impl Brute<'_> {
             self.start_from(s, c, i + 1);
         }
         if turn_ends && !first_run && !separate {
-            let next = s.tasks[t].turn + 1;
-            self.turns(s, t, next);
+            let next = s.tasks[usize::from(t)].turn + 1;
+            self.turns(s, usize::from(t), next);
         }
     }
 

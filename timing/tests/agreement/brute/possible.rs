@@ -3,7 +3,7 @@
 use dotgen_timing::explore::Action;
 use dotgen_timing::scn::semantics::LockRule;
 use dotgen_timing::system::{
-    AutomatonId, ClientAction, ClientId, ComponentId, FOREVER, Policy, Yield,
+    AutomatonId, ClientAction, ClientId, ComponentId, FOREVER, Policy, TaskId, Yield,
 };
 
 use super::Brute;
@@ -45,7 +45,7 @@ impl Brute<'_> {
             return (out, true);
         }
         for (t, task) in s.tasks.iter().enumerate() {
-            let definition = &sys.tasks[t];
+            let definition = &sys.tasks[TaskId::from(t)];
             let wants = match definition.period {
                 Some(_) => task.tick && (!definition.keep_idle_tick || self.something_to_do(s, t)),
                 None => self.something_to_do(s, t),
@@ -58,7 +58,7 @@ impl Brute<'_> {
             return (out, true);
         }
         let busy = (0..s.tasks.len())
-            .filter(|&t| s.tasks[t].status == Status::Running && sys.needs_core(t))
+            .filter(|&t| s.tasks[t].status == Status::Running && sys.needs_core(TaskId::from(t)))
             .count();
         if !s.queue.is_empty() && busy < sys.platform.cores.unwrap() as usize {
             match sys.platform.policy {
@@ -69,7 +69,7 @@ impl Brute<'_> {
                 }
                 Policy::Edf => {
                     // The queue is in order of release; the first least deadline wins.
-                    let deadline = |t: usize| match sys.tasks[t].period {
+                    let deadline = |t: usize| match sys.tasks[TaskId::from(t)].period {
                         Some(p) => i64::from(p) - i64::from(s.tasks[t].age),
                         None => i64::MAX,
                     };
@@ -81,8 +81,8 @@ impl Brute<'_> {
         }
         let mut urgent = false;
         for (t, task) in s.tasks.iter().enumerate() {
-            if let (Some(timer), Some(period)) = (task.timer, sys.tasks[t].period)
-                && timer == period + sys.tasks[t].delay
+            if let (Some(timer), Some(period)) = (task.timer, sys.tasks[TaskId::from(t)].period)
+                && timer == period + sys.tasks[TaskId::from(t)].delay
             {
                 out.push(Action::Tick { task: t });
                 urgent = true;
@@ -203,7 +203,7 @@ impl Brute<'_> {
 
     /// Returns the automata of a task in the order of turns.
     pub(super) fn order(&self, t: usize) -> Vec<AutomatonId> {
-        let task = &self.system.tasks[t];
+        let task = &self.system.tasks[TaskId::from(t)];
         task.permanent.iter().chain(&task.slots).copied().collect()
     }
 }

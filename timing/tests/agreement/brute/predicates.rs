@@ -49,10 +49,10 @@ impl Brute<'_> {
     fn atom(&self, s: &State, atom: &Atom) -> bool {
         match *atom {
             Atom::Task(t, state) => match state {
-                TaskState::Idle => s.tasks[t].status == Status::Idle,
-                TaskState::Waiting => s.tasks[t].status == Status::Waiting,
-                TaskState::Running => s.tasks[t].status == Status::Running,
-                TaskState::Active => s.tasks[t].status != Status::Idle,
+                TaskState::Idle => s.tasks[usize::from(t)].status == Status::Idle,
+                TaskState::Waiting => s.tasks[usize::from(t)].status == Status::Waiting,
+                TaskState::Running => s.tasks[usize::from(t)].status == Status::Running,
+                TaskState::Active => s.tasks[usize::from(t)].status != Status::Idle,
             },
             Atom::State {
                 machine,

@@ -3,7 +3,7 @@
 use dotgen_timing::property::{Atom, Predicate};
 use dotgen_timing::system::{
     Automaton, AutomatonId, Client, ClientAction, ClientStep, Codel, CodelId, CodelSet, Component,
-    ComponentId, Machine, MachineId, Policy, Service, ServiceId, State, Task, TimedSystem,
+    ComponentId, Machine, MachineId, Policy, Service, ServiceId, State, Task, TaskId, TimedSystem,
 };
 use typed_index_collections::TiVec;
 
@@ -17,7 +17,7 @@ pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)
     let together = dice.in_ten(5);
     let mut system = TimedSystem {
         components: TiVec::new(),
-        tasks: Vec::new(),
+        tasks: TiVec::new(),
         machines: TiVec::new(),
         automata: TiVec::new(),
         codels: TiVec::new(),
@@ -65,7 +65,7 @@ fn part(dice: &mut Dice) -> TimedSystem {
     system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Any]);
     system.components.push(Component {
         name: "c".to_owned(),
-        tasks: vec![0],
+        tasks: vec![TaskId::default()],
         services: Vec::new(),
     });
     let permanent = dice.in_ten(5).then(|| {
@@ -163,7 +163,9 @@ impl Copier<'_> {
             });
         }
         let component = &mut system.components[self.component()];
-        component.tasks.extend((0..one.tasks.len()).map(task));
+        component
+            .tasks
+            .extend((0..one.tasks.len()).map(task).map(TaskId::from));
         component.services.extend(one.services.keys().map(service));
         system.tasks.extend(one.tasks.iter().map(|task| Task {
             component: self.component(),
@@ -185,7 +187,7 @@ impl Copier<'_> {
         system
             .automata
             .extend(one.automata.iter().map(|automaton| Automaton {
-                task: task(automaton.task),
+                task: TaskId::from(task(usize::from(automaton.task))),
                 machine: machine(automaton.machine),
                 service: automaton.service.map(service),
             }));
@@ -232,7 +234,10 @@ impl Copier<'_> {
 
 fn renamed(predicate: &Predicate, one: &TimedSystem, copy: usize) -> Predicate {
     let atom = |atom: &Atom| match atom.clone() {
-        Atom::Task(task, state) => Atom::Task(copy * one.tasks.len() + task, state),
+        Atom::Task(task, state) => Atom::Task(
+            TaskId::from(copy * one.tasks.len() + usize::from(task)),
+            state,
+        ),
         Atom::State {
             machine,
             state,

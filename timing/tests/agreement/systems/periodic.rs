@@ -1,7 +1,7 @@
 //! Random systems of periodic tasks without requests.
 
 use dotgen_timing::scn::semantics::LockRule;
-use dotgen_timing::system::{CodelSet, FOREVER, Policy, State, TimedSystem, Yield};
+use dotgen_timing::system::{CodelSet, FOREVER, Policy, State, TaskId, TimedSystem, Yield};
 
 use super::{Dice, automaton, codel, competing};
 
@@ -16,7 +16,7 @@ pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
         LockRule::Fifo,
     ]);
     for t in 0..system.tasks.len() {
-        let task = &mut system.tasks[t];
+        let task = &mut system.tasks[TaskId::from(t)];
         task.period = Some(dice.pick(&[4, 6, 6, 8, 12, 12]));
         task.delay = if dice.in_ten(2) { 1 + dice.below(4) } else { 0 };
         if task.permanent.is_none() {
@@ -37,7 +37,8 @@ pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
                     loop_limit: None,
                     rounds: false,
                 });
-            system.tasks[t].permanent = Some(automaton(&mut system, t, machine, None));
+            system.tasks[TaskId::from(t)].permanent =
+                Some(automaton(&mut system, t, machine, None));
         }
     }
     for codel in &mut system.codels {

@@ -1,7 +1,8 @@
 //! Random systems with a default client: any request at any time.
 
 use dotgen_timing::system::{
-    Client, ClientAction, ClientStep, Component, ComponentId, FOREVER, Policy, Task, TimedSystem,
+    Client, ClientAction, ClientStep, Component, ComponentId, FOREVER, Policy, Task, TaskId,
+    TimedSystem,
 };
 
 use super::{Dice, automaton, empty, machine, service};
@@ -23,7 +24,7 @@ pub(crate) fn requests(dice: &mut Dice) -> TimedSystem {
         }
         let number = system.components.len() - 1;
         let component = ComponentId::from(number);
-        system.components[component].tasks.push(t);
+        system.components[component].tasks.push(TaskId::from(t));
         let permanent = dice.in_ten(7).then(|| {
             let machine = machine(&mut system, dice, component, format!("c{number}.t{t}"));
             automaton(&mut system, t, machine, None)

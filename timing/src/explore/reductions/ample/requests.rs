@@ -26,7 +26,7 @@ use crate::explore::rules::Action;
 use crate::explore::rules::status::{control, permanent, slot, tracker};
 use crate::explore::state::{TaskStatus, phase};
 use crate::system::{
-    AutomatonId, Client, ClientAction, ClientId, CodelId, ComponentId, ServiceId, Yield,
+    AutomatonId, Client, ClientAction, ClientId, CodelId, ComponentId, ServiceId, TaskId, Yield,
 };
 
 /// A set of services.
@@ -104,7 +104,7 @@ impl Requests {
             out.of_component[service.component] |= bit(v);
         }
         let separate = |task: usize| {
-            let task = &system.tasks[task];
+            let task = &system.tasks[TaskId::from(task)];
             let mut automata = task.permanent.iter().chain(&task.slots);
             system.platform.async_free
                 && automata.any(|&a| {
@@ -119,7 +119,7 @@ impl Requests {
             .map(|automaton| {
                 let machine = &system.machines[automaton.machine];
                 let hasty = loops_in_no_time(system, machine, false);
-                automaton.service.is_some() && !separate(automaton.task) && !hasty
+                automaton.service.is_some() && !separate(usize::from(automaton.task)) && !hasty
             })
             .collect();
         out
@@ -221,7 +221,7 @@ impl AmpleState<'_, '_> {
             && definition.slots.first().is_none_or(|&a| {
                 known.ordinary[a]
                     && !known.visible.machines[system.automata[a].machine]
-                    && self.is_free(system.automata[a].task)
+                    && self.is_free(usize::from(system.automata[a].task))
             })
     }
 
@@ -229,7 +229,7 @@ impl AmpleState<'_, '_> {
     /// waits for a core.
     fn is_free(&self, task: usize) -> bool {
         let l = self.layout();
-        let definition = &self.system().tasks[task];
+        let definition = &self.system().tasks[TaskId::from(task)];
         !self.ample.requests.visible.statuses[task]
             && self.started_up(task)
             && l.status(self.s, task) == TaskStatus::Idle
@@ -239,7 +239,7 @@ impl AmpleState<'_, '_> {
                 .slots
                 .iter()
                 .all(|&a| l.mode(self.s, l.number_of(a)) == slot::VOID)
-            && (!self.system().needs_core(task) || self.cores_for_all())
+            && (!self.system().needs_core(TaskId::from(task)) || self.cores_for_all())
     }
 
     /// Returns the services that clients may request at this moment.
@@ -328,7 +328,7 @@ impl AmpleState<'_, '_> {
             || !known.ordinary[id]
             || l.window(self.s, executor).1 > 0
             || known.visible.machines[automaton.machine]
-            || known.visible.statuses[task]
+            || known.visible.statuses[usize::from(task)]
         {
             return false;
         }
@@ -351,8 +351,8 @@ impl AmpleState<'_, '_> {
             && !known.visible.slots[service];
         let nothing_else = (definition.slots.iter())
             .all(|&a| a == id || self.cannot_change(a, service))
-            && !self.due(task)
-            && !l.pending(self.s, task)
+            && !self.due(usize::from(task))
+            && !l.pending(self.s, usize::from(task))
             && definition
                 .permanent
                 .is_none_or(|a| match l.mode(self.s, l.number_of(a)) {
@@ -455,7 +455,7 @@ impl AmpleState<'_, '_> {
             Some(automaton) => {
                 known.ordinary[id]
                     && !known.visible.machines[automaton.machine]
-                    && self.started_up(automaton.task)
+                    && self.started_up(usize::from(automaton.task))
             }
             None => {
                 let component = executor - self.system().automata.len();
@@ -468,7 +468,7 @@ impl AmpleState<'_, '_> {
     pub(super) fn task_may_want(&self, task: usize, codel: CodelId) -> bool {
         let l = self.layout();
         let system = self.system();
-        let definition = &system.tasks[task];
+        let definition = &system.tasks[TaskId::from(task)];
         let automata = || {
             definition
                 .permanent

@@ -22,7 +22,9 @@ use crate::explore::reductions::{Deferrable, Kind, Reason, Setting};
 use crate::explore::rules::SystemRules;
 use crate::explore::rules::status::permanent;
 use crate::explore::state::{State, phase};
-use crate::system::{AutomatonId, ClientAction, ClientId, ComponentId, ServiceId, TimedSystem};
+use crate::system::{
+    AutomatonId, ClientAction, ClientId, ComponentId, ServiceId, TaskId, TimedSystem,
+};
 
 /// The lazy groups. Tasks, control tasks and clients are numbered as *members*, in this order.
 #[derive(Debug)]
@@ -75,11 +77,11 @@ impl LazyMembers {
         for (a, automaton) in system.automata.iter_enumerated() {
             if live(a) {
                 for state in &system.machine_of(a).states {
-                    owner[state.codel] = automaton.task;
+                    owner[state.codel] = usize::from(automaton.task);
                 }
                 if automaton.service.is_some() {
                     join(
-                        automaton.task,
+                        usize::from(automaton.task),
                         control(system.tasks[automaton.task].component),
                     );
                 }
@@ -116,14 +118,17 @@ impl LazyMembers {
                 continue;
             }
             let task = automaton.task;
-            let place = rest::place(system, a, &owner)
-                .filter(|_| rests && !measured[task] && endless(system, task, &requested));
+            let place = rest::place(system, a, &owner).filter(|_| {
+                rests
+                    && !measured[usize::from(task)]
+                    && endless(system, usize::from(task), &requested)
+            });
             rest.extend(place.map(|state| (a, state)));
             for (number, state) in system.machine_of(a).states.iter().enumerate() {
                 let separate = state.is_async && system.platform.async_free;
                 let slow = system.codels[state.codel].lower > 0 && place != Some(number);
                 if separate || slow {
-                    lazy[task] = false;
+                    lazy[usize::from(task)] = false;
                 }
             }
         }
@@ -131,7 +136,8 @@ impl LazyMembers {
             let fits = if entry.period.is_some() {
                 !entry.keep_idle_tick
             } else {
-                !measured[task] && (!system.needs_core(task) || endless(system, task, &requested))
+                !measured[task]
+                    && (!system.needs_core(TaskId::from(task)) || endless(system, task, &requested))
             };
             lazy[task] &= fits && !visible.tasks[task];
         }
@@ -152,12 +158,14 @@ impl LazyMembers {
         let members: Vec<bool> = (0..n)
             .map(|index| !not_lazy.contains(&group[index]))
             .collect();
-        rest.retain(|&(a, _)| members[system.automata[a].task]);
+        rest.retain(|&(a, _)| members[usize::from(system.automata[a].task)]);
         // The end of start-up lets the control task begin, so the group of the control task must be lazy as
         // well.
         let can_start = |task: usize| {
-            let control = control(system.tasks[task].component);
-            let mut resting = rest.iter().map(|&(a, _)| group[system.automata[a].task]);
+            let control = control(system.tasks[TaskId::from(task)].component);
+            let mut resting = rest
+                .iter()
+                .map(|&(a, _)| group[usize::from(system.automata[a].task)]);
             members[control] && resting.all(|index| index != group[control])
         };
         LazyMembers {
@@ -198,7 +206,7 @@ impl LazyMembers {
             let resting =
                 l.phase(s, number) == phase::EXECUTING && l.at(s, number) as usize == state;
             if !resting {
-                let group = self.group[rules.system.automata[a].task];
+                let group = self.group[usize::from(rules.system.automata[a].task)];
                 for (member, slice) in out.iter_mut().enumerate() {
                     *slice &= self.group[member] != group;
                 }
@@ -215,9 +223,9 @@ impl LazyMembers {
 
 /// Returns true if no timer starts when a periodic task has been started.
 fn starts_no_timer(system: &TimedSystem, task: usize) -> bool {
-    let definition = &system.tasks[task];
-    let mut later =
-        (system.components[definition.component].tasks.iter()).skip_while(|&&index| index != task);
+    let definition = &system.tasks[TaskId::from(task)];
+    let mut later = (system.components[definition.component].tasks.iter())
+        .skip_while(|&&index| index != TaskId::from(task));
     later.next();
     definition.period.is_some()
         && later.all(|&task| {
@@ -227,9 +235,9 @@ fn starts_no_timer(system: &TimedSystem, task: usize) -> bool {
 
 /// Returns true for an aperiodic task whose cycle never ends.
 fn endless(system: &TimedSystem, task: usize, requested: &TiSlice<ServiceId, bool>) -> bool {
-    let definition = &system.tasks[task];
+    let definition = &system.tasks[TaskId::from(task)];
     definition.period.is_none()
-        && !system.has_activities(task, requested)
+        && !system.has_activities(TaskId::from(task), requested)
         && definition
             .permanent
             .is_some_and(|a| system.machine_of(a).is_endless())

@@ -78,13 +78,13 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
     let mut owner = ti_vec![usize::MAX; system.codels.len()];
     for automaton in &system.automata {
         for state in &system.machines[automaton.machine].states {
-            owner[state.codel] = automaton.task;
+            owner[state.codel] = usize::from(automaton.task);
         }
     }
     for (number, component) in system.components.iter_enumerated() {
         for &task in &component.tasks {
             let definition = &system.tasks[task];
-            lazy[number] &= definition.period.is_some() || !asked.measured[task];
+            lazy[number] &= definition.period.is_some() || !asked.measured[usize::from(task)];
             for &a in definition.permanent.iter().chain(&definition.slots) {
                 let machine = system.machine_of(a);
                 let slow = |codel: CodelId| system.codels[codel].lower > 0;
@@ -106,13 +106,13 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
                     let codel = machine.states[state].codel;
                     let mut others = system.codels.iter_enumerated();
                     others.all(|(index, other)| {
-                        let own = owner[index] == task || owner[index] == usize::MAX;
+                        let own = owner[index] == usize::from(task) || owner[index] == usize::MAX;
                         own || !other.conflicts.contains(codel)
                             || rest::start_up_only(system, index)
                     })
                 };
                 match rest::place(system, a, &owner).filter(|place| alone && unwaited(place)) {
-                    Some(place) => resting.push((number, task, place)),
+                    Some(place) => resting.push((number, usize::from(task), place)),
                     None => lazy[number] = false,
                 }
             }

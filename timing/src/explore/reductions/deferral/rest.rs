@@ -33,7 +33,7 @@ pub(super) fn place(
         .filter(|(_, state)| system.codels[state.codel].lower > 0);
     let (place, state) = slow.next()?;
     let codel = &system.codels[state.codel];
-    let task = system.automata[automaton].task;
+    let task = usize::from(system.automata[automaton].task);
     let undisturbed = codel.conflicts.iter().all(|conflict| {
         owner[conflict] == task || owner[conflict] == usize::MAX || start_up_only(system, conflict)
     });

@@ -10,7 +10,7 @@ use crate::explore::rules::{Part, Parts};
 use crate::property::{Atom, Predicate};
 use crate::system::{
     AutomatonId, ClientAction, ClientId, CodelId, CodelSet, ComponentId, MachineId, Policy,
-    ServiceId, TimedSystem,
+    ServiceId, TaskId, TimedSystem,
 };
 
 /// The watched properties of a task.
@@ -27,7 +27,7 @@ pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Parts>> 
     let seeds = (system.components.keys())
         .map(Seed::Component)
         .chain(system.clients.keys().map(Seed::Client))
-        .chain((0..system.tasks.len()).map(Seed::Task));
+        .chain(system.tasks.keys().map(Seed::Task));
     let seeds: Vec<Seed> = seeds.collect();
     let mut out: Vec<Vec<Parts>> = Vec::new();
     for (i, &first) in seeds.iter().enumerate() {
@@ -87,14 +87,14 @@ fn closed(system: &TimedSystem, class: &[Parts]) -> bool {
 enum Seed {
     Component(ComponentId),
     Client(ClientId),
-    Task(usize),
+    Task(TaskId),
 }
 
 impl Seed {
     /// Returns true if two seeds are worth a comparison: a quick test, as there are many pairs.
     fn resembles(self, other: Seed, system: &TimedSystem) -> bool {
         let task = |task: usize| {
-            let task = &system.tasks[task];
+            let task = &system.tasks[TaskId::from(task)];
             (
                 task.period,
                 task.delay,
@@ -106,14 +106,16 @@ impl Seed {
             (Seed::Component(one), Seed::Component(other)) => {
                 let (one, other) = (&system.components[one], &system.components[other]);
                 one.services.len() == other.services.len()
-                    && (one.tasks.iter().map(|&index| task(index)))
-                        .eq(other.tasks.iter().map(|&index| task(index)))
+                    && (one.tasks.iter().map(|&index| task(usize::from(index))))
+                        .eq(other.tasks.iter().map(|&index| task(usize::from(index))))
             }
             (Seed::Client(one), Seed::Client(other)) => {
                 let (one, other) = (&system.clients[one], &system.clients[other]);
                 one.steps.len() == other.steps.len() && one.trackers == other.trackers
             }
-            (Seed::Task(one), Seed::Task(other)) => task(one) == task(other),
+            (Seed::Task(one), Seed::Task(other)) => {
+                task(usize::from(one)) == task(usize::from(other))
+            }
             _ => false,
         }
     }
@@ -143,7 +145,7 @@ fn holds(unit: &Parts, seed: Seed) -> bool {
     match seed {
         Seed::Component(component) => unit[Part::Component].contains(&component.into()),
         Seed::Client(client) => unit[Part::Client].contains(&client.into()),
-        Seed::Task(task) => unit[Part::Task].contains(&task),
+        Seed::Task(task) => unit[Part::Task].contains(&task.into()),
     }
 }
 
@@ -218,7 +220,7 @@ impl<'s> Exchange<'s> {
         Some(())
     }
 
-    fn task(&mut self, x: usize, y: usize) -> Option<()> {
+    fn task(&mut self, x: TaskId, y: TaskId) -> Option<()> {
         if self.pair(Part::Task, x, y)? {
             let (one, other) = (&self.system.tasks[x], &self.system.tasks[y]);
             self.component(one.component, other.component)?;
@@ -327,7 +329,7 @@ impl<'s> Exchange<'s> {
             let blocks = |tasks: &mut dyn Iterator<Item = usize>| {
                 let mut blocks: Vec<Vec<usize>> = vec![Vec::new()];
                 for task in tasks {
-                    if !together || system.tasks[task].permanent.is_some() {
+                    if !together || system.tasks[TaskId::from(task)].permanent.is_some() {
                         blocks.push(vec![task]);
                         blocks.push(Vec::new());
                     } else {
@@ -337,8 +339,13 @@ impl<'s> Exchange<'s> {
                 blocks.iter_mut().for_each(|block| block.sort_unstable());
                 blocks
             };
-            let renamed = blocks(&mut from.tasks.iter().map(|&task| self.name(Part::Task, task)));
-            renamed == blocks(&mut to.tasks.iter().copied())
+            let renamed = blocks(
+                &mut from
+                    .tasks
+                    .iter()
+                    .map(|&task| usize::from(self.name(Part::Task, task))),
+            );
+            renamed == blocks(&mut to.tasks.iter().map(|&task| usize::from(task)))
                 && same_set(&from.services, &to.services, self.to.of(Part::Service))
         })
     }
@@ -347,7 +354,10 @@ impl<'s> Exchange<'s> {
         let system = self.system;
         let by_priority = system.platform.policy == Policy::Priority;
         let tasks = (0..system.tasks.len()).all(|t| {
-            let (from, to) = (&system.tasks[t], &system.tasks[self.name(Part::Task, t)]);
+            let (from, to) = (
+                &system.tasks[TaskId::from(t)],
+                &system.tasks[TaskId::from(self.name(Part::Task, t))],
+            );
             asked.labels[t] == asked.labels[self.name(Part::Task, t)]
                 && self.name(Part::Component, from.component) == to.component
                 && (from.period, from.delay, from.keep_idle_tick)

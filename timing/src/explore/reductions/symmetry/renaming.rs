@@ -2,7 +2,7 @@
 
 use crate::explore::rules::{Action, Part, Parts, Rules};
 use crate::property::Atom;
-use crate::system::{ClientId, ComponentId, TimedSystem};
+use crate::system::{ClientId, ComponentId, TaskId, TimedSystem};
 
 /// The index of a part of some kind.
 pub(super) trait Id: Copy + Ord + From<usize> + Into<usize> {}
@@ -191,7 +191,9 @@ impl Renaming {
     /// Renames an atom of a predicate.
     pub(super) fn atom(&self, atom: &Atom) -> Atom {
         match *atom {
-            Atom::Task(task, state) => Atom::Task(self.task(task), state),
+            Atom::Task(task, state) => {
+                Atom::Task(TaskId::from(self.task(usize::from(task))), state)
+            }
             Atom::State {
                 machine,
                 state,

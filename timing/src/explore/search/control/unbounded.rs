@@ -12,7 +12,7 @@ use crate::explore::search::depth_first::{DepthFirstSearch, Order};
 use crate::explore::search::layers::Layers;
 use crate::explore::search::observations::Observations;
 use crate::explore::watch::{ResponseTime, Watch, Within};
-use crate::system::Ticks;
+use crate::system::{TaskId, Ticks};
 
 /// Number of times that a search without a repetition is prolonged.
 const MAX_DOUBLINGS: u32 = 5;
@@ -40,7 +40,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
         let mut watch = Watch::default();
         match of {
             Timing::Response(task) => watch.response.push(ResponseTime {
-                task,
+                task: TaskId::from(task),
                 limit: None,
                 most: None,
             }),
