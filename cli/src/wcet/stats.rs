@@ -161,7 +161,7 @@ pub(crate) fn nanos(time: i64) -> String {
     };
     match time {
         0..1_000 => format!("{sign}{time} ns"),
-        1_000..1_000_000 => in_unit(1_000, "us"),
+        1_000..1_000_000 => in_unit(1_000, "µs"),
         1_000_000..1_000_000_000 => in_unit(1_000_000, "ms"),
         _ => in_unit(1_000_000_000, "s"),
     }

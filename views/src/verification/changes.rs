@@ -8,6 +8,7 @@ use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::{Analysis, Cancellable};
 use dotgen_analysis::ide::TaskTime;
 use dotgen_analysis::model::{Seconds, Src};
+use dotgen_analysis::quantity::time;
 use dotgen_timing::advice::{self, Change, RepairCallbacks};
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::edit;
@@ -118,15 +119,14 @@ pub(crate) fn in_words(
 /// codels.
 pub fn title(change: &Change) -> Option<String> {
     Some(match change {
-        Change::Wcet { codel, seconds, .. } => format!(
-            "Set the execution time of `{codel}` to {}",
-            written(*seconds)
-        ),
+        Change::Wcet { codel, seconds, .. } => {
+            format!("Set the execution time of `{codel}` to {}", time(*seconds))
+        }
         Change::Period { task, seconds, .. } => {
-            format!("Set the period of `{task}` to {}", written(*seconds))
+            format!("Set the period of `{task}` to {}", time(*seconds))
         }
         Change::Delay { task, seconds, .. } => {
-            format!("Set the delay of `{task}` to {}", written(*seconds))
+            format!("Set the delay of `{task}` to {}", time(*seconds))
         }
         Change::Cores { needed, .. } => format!("Verify with `cores {needed}`"),
         Change::Policy { needed, .. } => format!("Verify with `policy {}`", needed.name()),

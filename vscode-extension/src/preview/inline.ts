@@ -6,7 +6,7 @@ import { notRunning } from '../commands/server';
 import { diagram, LANGUAGE, type DiagramAnswer } from '../protocol';
 import { isDark, type Target } from './target';
 
-const TYPING_PAUSE_MS = 250;
+const TYPING_PAUSE_MS = 100;
 /** Without a limit of VS Code. */
 const HIGHEST = 420;
 /** VS Code scrolls a comment higher than 20 em, unless `comments.maxHeight` is off. */
@@ -103,7 +103,7 @@ export class InlineDiagrams implements vscode.Disposable {
         }
       } catch {
         // Overtaken by typing: what is typed next, or the pause after it, asks again.
-        this.refresh(2 * TYPING_PAUSE_MS);
+        this.refresh(TYPING_PAUSE_MS);
       }
     }
   }

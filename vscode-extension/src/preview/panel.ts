@@ -11,7 +11,7 @@ import type { FromPage, Live, Subject, ToPage } from './messages';
 import { page } from './page';
 import { isDark, type Target } from './target';
 
-const TYPING_PAUSE_MS = 120;
+const TYPING_PAUSE_MS = 40;
 /** Class of nodes on a chain of data. */
 const MARKED = 'marked';
 /** Where the workspace keeps what was made of its system. */
@@ -187,7 +187,7 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
       answer = await this.ask(position);
     } catch {
       // Overtaken by typing: what is typed next, or the pause after it, asks again.
-      this.refresh(2 * TYPING_PAUSE_MS);
+      this.refresh(TYPING_PAUSE_MS);
       return;
     }
     if (question !== this.asked || answer === undefined) {
