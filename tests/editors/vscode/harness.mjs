@@ -3,9 +3,14 @@
 import { execFileSync, spawn } from 'node:child_process';
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, readlinkSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:net';
+import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { basename, dirname, join, resolve, sep } from 'node:path';
 import { chromium } from 'playwright-core';
+
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+/** The themes in which pages are looked at, and the class of the workbench in each. */
+const THEMES = [['Default Dark Modern', 'vs-dark'], ['Default Light Modern', 'vs'], ['Default High Contrast', 'hc-black']];
 
 const TIMEOUT_MS = Number(process.env.WORKBENCH_TIMEOUT_MS ?? 30_000);
 
@@ -45,8 +50,8 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
     mkdirSync(path, { recursive: true });
     return path;
   };
-  const folder = join(root, 'workspace');
-  cpSync(workspace, folder, { recursive: true });
+  const folder = directory('workspace');
+  if (workspace) cpSync(workspace, folder, { recursive: true });
   for (const path of beside) cpSync(path, join(root, basename(path)), { recursive: true });
   for (const [name, text] of Object.entries(files)) {
     mkdirSync(dirname(join(folder, name)), { recursive: true });
@@ -116,6 +121,33 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
     /** A line of the active editor. */
     line: (text) => page.locator('.monaco-editor .view-lines .view-line', { hasText: text }).first(),
     squiggles: (severity = 'error') => page.locator(`.monaco-editor .squiggly-${severity}`),
+    /** The page of a webview that holds `selector`, among those of all panels. */
+    async pageWith(selector) {
+      let found;
+      await until(`a page with ${selector} is there`, async () => {
+        for (const frame of page.frames()) {
+          if ((await frame.locator(selector).count().catch(() => 0)) > 0) found = frame;
+        }
+        return found !== undefined;
+      }, () => page.frames().map((it) => it.url()).join('\n'));
+      return found;
+    },
+    /** Looks at the page of a webview in three themes: axe-core finds nothing. `shot` is the beginning of the screenshots' names. */
+    async accessible(selector, shot) {
+      const found = [];
+      for (const [theme, shown] of THEMES) {
+        folderSettings({ 'workbench.colorTheme': theme });
+        await page.locator(`.monaco-workbench.${shown}`).waitFor();
+        const frame = await wb.pageWith(selector);
+        await frame.locator(`body.${{ vs: 'vscode-light', 'vs-dark': 'vscode-dark', 'hc-black': 'vscode-high-contrast' }[shown]}`).waitFor();
+        await frame.evaluate(axe);
+        const violations = await frame.evaluate(async () => (await window.axe.run(document)).violations);
+        found.push(...violations.map(({ id, nodes }) => `${theme}: ${id}: ${nodes.map((it) => it.html).join(' ')}`));
+        await wb.shot(`${shot}-${shown}.png`);
+      }
+      folderSettings({});
+      if (found.length > 0) throw new Error(found.join('\n'));
+    },
     statusItem: page.locator('#dotgen\\.dotgen\\.dotgen\\.status, [id$="dotgen.status"]').first(),
 
     /** Presses a key until `shown` shows: one pressed while the workbench is busy is lost. */

@@ -1,7 +1,7 @@
 // Runs the scenarios in a real workbench, each in one of its own: `cargo xtask test vscode`, and with --demo the first part of
 // the first for `cargo xtask demo --check`. SCENARIO=name runs one of them.
 //
-// A scenario is a module in scenarios/: `workspace` (a folder of examples/), `beside` (others it refers to), `files` (text by name, added to the copy of it),
+// A scenario is a module in scenarios/: `workspace` (a folder of examples/, or undefined: an empty one), `beside` (others it refers to), `files` (text by name, added to the copy of it),
 // `settings` (the user's), `others` (extensions that stand in for those of others), and `checks(wb)`, which gives pairs of name and function to run in their order, as `more` and
 // (proved by the demo as well, run first) `demo`.
 //
@@ -38,7 +38,7 @@ async function attempt(name) {
       node: required('CS_NODE'),
       codeServer: required('CS_ENTRY'),
       vsix: required('VSIX'),
-      workspace: join(required('EXAMPLES'), scenario.workspace),
+      workspace: scenario.workspace && join(required('EXAMPLES'), scenario.workspace),
       beside: (scenario.beside ?? []).map((name) => join(required('EXAMPLES'), name)),
       files: scenario.files,
       settings: scenario.settings,

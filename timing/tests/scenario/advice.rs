@@ -42,8 +42,12 @@ fn with<T>(
 }
 
 fn report(specification: &str, scenario: &str) -> Report {
+    report_within(specification, scenario, &Options::default())
+}
+
+fn report_within(specification: &str, scenario: &str, options: &Options) -> Report {
     with(specification, scenario, |input, scenario| {
-        verify(input, scenario, &Options::default(), &Cancel::default())
+        verify(input, scenario, options, &Cancel::default())
     })
 }
 
@@ -274,4 +278,83 @@ fn a_remedy_makes_all_checks_of_the_task_hold() {
     let found = found.expect("a remedy");
     let (specification, scenario) = made(&found, LIFT, &scenario, 0.0);
     assert!(holds(&specification, &scenario), "{found:?}");
+}
+
+/// A specification of one or two components with tasks that often miss their deadlines, and a scenario.
+fn random_system(random: &mut fastrand::Rng) -> (String, String) {
+    let mut specification = String::new();
+    for (component, tasks) in [("left", 1..=2), ("right", 0..=2)] {
+        let tasks: Vec<usize> = (0..random.usize(tasks)).collect();
+        if tasks.is_empty() {
+            continue;
+        }
+        specification += &format!(
+            "component {component} {{ version \"1\"; lang \"c\"; ids {{ long a; long b; }};\n"
+        );
+        for task in tasks {
+            let period = [5, 8, 10, 20][random.usize(..4)];
+            let member = ["a", "b"][random.usize(..2)];
+            let access = ["in", "out", "inout"][random.usize(..3)];
+            let wcet = random.usize(1..=6);
+            specification += &format!(
+                "  task {component}_{task} {{ period {period} ms; codel<start> f_{component}_{task}({access} {member}) \
+                 yield pause::start wcet {wcet} ms; }};\n"
+            );
+        }
+        specification += "};\n";
+    }
+    let cores = random.usize(1..=2);
+    let policy = ["fifo", "edf"][random.usize(..2)];
+    let semantics = ["servers", "published"][random.usize(..2)];
+    let durations = ["fixed", "interval"][random.usize(..2)];
+    let limit = random.usize(4..=12);
+    let scenario = scenario(&format!(
+        "semantics {semantics}; durations {durations}; cores {cores}; policy {policy}; \
+         check response left.left_0 <= {limit} ms;"
+    ));
+    (specification, scenario)
+}
+
+/// The environment variable `DOTGEN_TIMING_CASES` sets the number of misses.
+#[test]
+fn every_remedy_of_a_random_miss_makes_all_checks_of_the_task_hold() {
+    let misses = std::env::var("DOTGEN_TIMING_CASES").map_or(40, |cases| cases.parse().unwrap());
+    let mut random = fastrand::Rng::with_seed(41);
+    let (mut tried, mut healed) = (0, 0);
+    let mut options = Options::default();
+    options.limits.states = 10_000;
+    while tried < misses {
+        let (specification, scenario) = random_system(&mut random);
+        let before = report_within(&specification, &scenario, &options);
+        assert!(!before.has_errors(), "{:?}", before.diagnostics);
+        let late = |check: &&dotgen_timing::report::CheckReport| check.verdict == Verdict::Refuted;
+        for check in before.checks.iter().filter(late) {
+            tried += 1;
+            let found = with(&specification, &scenario, |input, scenario| {
+                remedy(
+                    input,
+                    scenario,
+                    &options,
+                    (&before, check),
+                    &Cancel::default(),
+                )
+            });
+            let Some(change) = found else { continue };
+            healed += 1;
+            let (specification, scenario) = made(&change, &specification, &scenario, 0.0);
+            let after = report_within(&specification, &scenario, &options);
+            let mut of_task = after.checks.iter().filter(|after| after.of == check.of);
+            let holds = of_task.all(|after| after.verdict == Verdict::Proved && !after.exceeds());
+            assert!(
+                holds,
+                "{change:?}\n{specification}\n{scenario}\n{:#?}",
+                after.checks
+            );
+        }
+    }
+    assert!(
+        healed * 2 > tried,
+        "only {healed} of {tried} misses have a remedy"
+    );
+    println!("{healed} of {tried} misses have a remedy");
 }

@@ -39,7 +39,7 @@ aside { flex: 0 0 min(340px, 36%); display: flex; flex-direction: column; min-wi
 #following ol { margin: 0; padding: 0; list-style: none; }
 #following ol button { width: 100%; text-align: left; margin: 1px 0; overflow-wrap: anywhere; }
 #range { border-bottom: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
-#range h3 { font-size: 1em; font-weight: 600; margin: 6px 0 0; }
+#range h3, #step h3 { font-size: 1em; font-weight: 600; margin: 6px 0 0; }
 #step h2, #range h2 { font-size: 1em; margin: 0 0 2px; font-weight: 600; overflow-wrap: anywhere; }
 #step p, #range p { margin: 2px 0; }
 #step .what-rule, #range .what-rule { color: var(--vscode-descriptionForeground); }

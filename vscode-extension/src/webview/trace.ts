@@ -5,7 +5,9 @@ import { colours, Painter, RULER, words, type Scene, type Work } from './trace/d
 import { Model, opening, type Box, type Window } from './trace/model';
 import { time } from './unit';
 import { Overview } from './trace/overview';
-import { hits, nextHit, sums } from './trace/sums';
+import { holder, interval, lanesAt, node, rich, told } from './trace/elements';
+import { moment } from './trace/moment';
+import { hits, nextHit } from './trace/sums';
 
 declare function acquireVsCodeApi(): { postMessage(message: FromPage): void };
 
@@ -76,23 +78,6 @@ function resize(): void {
     revealLane(model?.trace.steps[step]?.lane ?? null);
   }
   redraw();
-}
-
-/** Text in which `this` is code. */
-function rich(text: string): (Node | string)[] {
-  return text.split('`').map((part, i) => {
-    if (i % 2 === 0) return part;
-    const code = document.createElement('code');
-    code.textContent = part;
-    return code;
-  });
-}
-
-function node<K extends keyof HTMLElementTagNameMap>(tag: K, content: (Node | string)[], className = ''): HTMLElementTagNameMap[K] {
-  const it = document.createElement(tag);
-  it.append(...content);
-  if (className !== '') it.className = className;
-  return it;
 }
 
 /** The run behind the preview of a remedy, with the part and the step that were looked at. */
@@ -271,6 +256,7 @@ function choose(to: number, reveal = true): void {
     node('p', rich(it.what)),
     node('p', [node('strong', [it.rule]), ` ${trace.rules[it.rule] ?? ''}`], 'what-rule'),
     details,
+    ...lanesAt(trace, moment(trace, to)),
   );
   showNext();
   element<HTMLButtonElement>('go').disabled = place(to) === null;
@@ -318,22 +304,6 @@ function select(next: [number, number] | undefined): void {
   redraw();
 }
 
-/** The sums of a part of time. */
-function told(trace: Trace, one: number, other: number): Node[] {
-  const { from, to, loads, waits } = sums(trace, one, other);
-  const list = (rows: [string, string][]) => node('dl', rows.flatMap(([name, value]) => [node('dt', [name]), node('dd', [value])]));
-  const apart = Math.max((to - from) / 1000, 1e-6);
-  const length = (it: number) => time(it, trace.unit, apart);
-  return [
-    node('h2', [`${length(to - from)} selected`]),
-    node('p', [`${length(from)} to ${length(to)}. Escape ends the selection.`], 'what-rule'),
-    node('h3', ['Load']),
-    list(loads.map((it) => [it.name, `${(100 * it.share).toFixed(1)} %, ${length(it.busy)}`])),
-    node('h3', ['Waits']),
-    waits.length === 0 ? node('p', ['none']) : list(waits.map((it) => [it.cause, `${length(it.time)}${it.count > 1 ? ` in ${it.count}` : ''}`])),
-  ];
-}
-
 function find(): void {
   found = model === undefined ? [] : hits(model.trace, search.value);
   const at = found.indexOf(step);
@@ -357,17 +327,6 @@ function go(by: 1 | -1): void {
 function place(of: number): unknown {
   const index = model?.trace.steps[of]?.place;
   return index === undefined ? null : (model?.trace.places[index] ?? null);
-}
-
-function interval({ from, to }: { from: number; to: number }, { unit }: Trace): string {
-  return `${time(to - from, unit)}, ${time(from, unit)} to ${time(to, unit)}`;
-}
-
-function holder(by: NonNullable<Span['by']>[number], trace: Trace): string {
-  if (by.ahead === true) return `\`${by.name}\` ahead in the queue`;
-  const through = by.through === undefined || by.through.length === 0 ? '' : `, through ${by.through.join(' and ')}`;
-  const who = by.lane === null ? '' : ` of ${trace.lanes[by.lane]?.name ?? ''}`;
-  return `\`${by.name}\`${who} (${time(by.from, trace.unit)} to ${time(by.to, trace.unit)}${through})`;
 }
 
 let machineOf = -1;

@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import type { Span, Trace } from '../../src/trace/form';
+import { moment } from '../../src/webview/trace/moment';
 import { opening, Window } from '../../src/webview/trace/model';
 import { busy, hits, nextHit, sums } from '../../src/webview/trace/sums';
 
@@ -59,4 +60,15 @@ test('what is shown at first, and after any move, is not half empty', () => {
   assert.ok(empty(first) <= 0.2 && first.to >= 20);
   first.zoom(1e-3, 20);
   assert.ok(empty(first) <= 0.2);
+});
+
+test('at a step, what lasts in each lane and since when; what begins with a later step does not yet', () => {
+  const marks = [{ lane: 2, at: 0, kind: 'tick' as const, step: 0 }, { lane: 2, at: 2, kind: 'tick' as const, step: 2 }];
+  const spans = [span(0, 0, 10, 'run'), span(2, 2, 6, 'wait-lock'), { ...span(1, 2, 3, 'run'), step: 2 }, span(3, 2, 6, 'wait-lock'), span(2, 0, 2, 'run')];
+  const found = moment(run({ spans, marks }), 1);
+  assert.deepEqual(found.map((it) => [it.lane, it.spans.map(({ span, since }) => [span.kind, since]), it.period]), [
+    [0, [['run', 2]], undefined],
+    [2, [['wait-lock', 0]], 2],
+  ]);
+  assert.deepEqual(moment(run(), 99), []);
 });

@@ -1,5 +1,5 @@
-// How long an edit takes to its verdict and to its picture, in the real workbench: medians of ten, with budgets in frames of
-// the display (60 a second), because a busy machine draws fewer frames.
+// How long an edit takes to its verdict and to its picture, in the real workbench: medians of ten, compared with budgets in
+// frames of the display (60 a second), because a busy machine draws fewer frames. Twice the budget is a failure.
 import assert from 'node:assert/strict';
 
 export const workspace = 'pump';
@@ -58,7 +58,8 @@ export function checks(wb) {
     const ms = median(all.map((it) => it.ms));
     const frames = median(all.map((it) => it.frames ?? it.ms / FRAME_MS));
     console.log(`    ${what}: ${ms.toFixed(0)} ms, ${frames.toFixed(0)} frames (medians of ${all.length}; budget ${budget.toFixed(0)} ms)`);
-    assert.ok(frames <= budget / FRAME_MS, `${what}: ${frames.toFixed(0)} frames, allowed are ${Math.floor(budget / FRAME_MS)}`);
+    const allowed = Math.floor((2 * budget) / FRAME_MS);
+    assert.ok(frames <= allowed, `${what}: ${frames.toFixed(0)} frames, allowed are ${allowed}`);
   }
 
   const more = [

@@ -150,6 +150,7 @@ export function checks(wb) {
       await frame.locator('#kind').selectOption('fsm');
       await node('control').waitFor();
     }],
+    ['three themes, for screen readers', () => wb.accessible('g.node', 'preview-themes')],
     ['it is as legible in a light theme, and in high contrast', async () => {
       wb.folderSettings({ 'workbench.colorTheme': 'Default Light Modern' });
       const ground = () => frame.locator('body').evaluate((it) => getComputedStyle(it).backgroundColor);

@@ -39,6 +39,7 @@ export function checks(wb) {
       assert.ok(greatest <= bound, `${greatest} ${bound}`);
       await wb.shot('90-simulation.png');
     }],
+    ['three themes, for eyes and for screen readers', () => wb.accessible('#tasks', '90-simulation')],
     ['its first run is stepped through', async () => {
       await frame.locator('#trace').click();
       await page.locator('.part.panel', { hasText: 'Trace' }).waitFor();

@@ -1,8 +1,6 @@
 // The trace viewer: a missed deadline step by step, in the text and in the state machine, in three themes and at half width; a
 // recorded run from a file.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { until } from '../harness.mjs';
 import { trace } from '../webview/traces.mjs';
@@ -11,22 +9,11 @@ export const workspace = 'pump';
 const recorded = trace(10_000);
 export const files = { 'run.trace.json': JSON.stringify({ ...recorded, title: 'a recorded run' }), 'other.json': '{}' };
 export const settings = { 'workbench.colorTheme': 'Default Dark Modern', 'files.simpleDialog.enable': true };
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
 export function checks(wb) {
   const { page } = wb;
-  const frames = () => page.frames().filter((it) => it.name() === '' || it.url().includes('fake.html'));
   /** The page of the viewer, among those of other panels. */
-  async function viewer() {
-    let found;
-    await until('the viewer is there', async () => {
-      for (const frame of page.frames()) {
-        if ((await frame.locator('#sheet canvas').count().catch(() => 0)) > 0) found = frame;
-      }
-      return found !== undefined;
-    }, () => frames().map((it) => it.url()).join('\n'));
-    return found;
-  }
+  const viewer = () => wb.pageWith('#sheet canvas');
   const position = async () => (await viewer()).locator('#position');
   let steps;
 
@@ -88,20 +75,8 @@ export function checks(wb) {
       await wb.command('dotgen: Step Through Run');
       await frame.locator('#title', { hasText: 'a run that refutes it' }).waitFor();
     }],
-    ['names and roles for screen readers', async () => {
-      const frame = await viewer();
-      await frame.evaluate(axe);
-      const found = await frame.evaluate(async () => (await window.axe.run(document)).violations.map(({ id, nodes }) => `${id}: ${nodes.map((it) => it.html).join(' ')}`));
-      assert.deepEqual(found, []);
-    }],
-    ['light, high contrast, half width', async () => {
-      for (const [theme, shown, name] of [['Default Light Modern', '.vs', 'light'], ['Default High Contrast', '.hc-black', 'high-contrast']]) {
-        wb.folderSettings({ 'workbench.colorTheme': theme });
-        await page.locator(`.monaco-workbench${shown}`).waitFor();
-        await wb.shot(`80-trace-${name}.png`);
-      }
-      wb.folderSettings({});
-      await page.locator('.monaco-workbench.vs-dark').waitFor();
+    ['three themes, for eyes and for screen readers; half width', async () => {
+      await wb.accessible('#sheet canvas', '80-trace');
       await page.setViewportSize({ width: 700, height: 900 });
       await wb.shot('80-trace-half.png');
       await page.setViewportSize({ width: 1400, height: 900 });

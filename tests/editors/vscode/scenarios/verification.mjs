@@ -134,6 +134,7 @@ export function checks(wb) {
       await frame.locator('#reset').click();
       await state('refuted').waitFor();
     }],
+    ['three themes, for eyes and for screen readers', () => wb.accessible('#checks', '65-panel')],
     ['light', async () => {
       wb.folderSettings({ 'workbench.colorTheme': 'Default Light Modern' });
       await page.locator('.monaco-workbench.vs').waitFor();

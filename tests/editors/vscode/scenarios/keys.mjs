@@ -1,0 +1,85 @@
+// A first session with the keyboard alone: from an empty folder to a component that is broken, repaired, proved and simulated,
+// with at most 120 presses, and without an error that the session did not make.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { until } from '../harness.mjs';
+
+export const workspace = undefined;
+export const settings = { 'workbench.colorTheme': 'Default Dark Modern' };
+
+const MOST_PRESSES = 120;
+
+export function checks(wb) {
+  const { page } = wb;
+  let presses = 0;
+  const press = async (...keys) => {
+    for (const key of keys) {
+      presses++;
+      await page.keyboard.press(key);
+      await page.evaluate(() => new Promise((next) => requestAnimationFrame(() => setTimeout(next, 0))));
+    }
+  };
+  const type = (text) => press(...[...text].map((key) => (key === '\n' ? 'Enter' : key)));
+  const input = page.locator('.quick-input-widget input.input').first();
+  const titled = (text) => page.locator('.quick-input-title', { hasText: text });
+  const lens = (text) => page.locator('.contentWidgets .codelens-decoration a', { hasText: text }).first();
+  const errors = wb.squiggles();
+  const text = (name) => readFileSync(join(wb.folder, name), 'utf8');
+  async function command(words, title) {
+    await press('F1');
+    await input.waitFor();
+    await type(words);
+    await page.locator('.quick-input-list .monaco-list-row.focused', { hasText: title }).first().waitFor();
+    await press('Enter');
+  }
+
+  const more = [
+    ['a component from nothing', async () => {
+      await command('new comp', 'dotgen: New Component');
+      await titled('name (1/').waitFor();
+      await type('arm\n');
+      await titled('tasks (2/').waitFor();
+      await type('\n');
+      await page.locator('.tab.active[data-resource-name="arm.gen"]').first().waitFor();
+      await lens('✓').waitFor();
+      assert.equal(await errors.count() + (await wb.squiggles('warning').count()), 0);
+      await wb.shot('keys-1-component.png');
+    }],
+    ['a function with a slip: one error, which names what was meant', async () => {
+      await press('Control+End', 'ArrowUp', 'ArrowUp', 'End');
+      await type('\nfunction go(in long speed) { codel arm_go(in sped); };');
+      await errors.first().waitFor();
+      await press('F8');
+      await page.locator('.marker-widget, .monaco-editor .zone-widget', { hasText: 'did you mean `speed`?' }).first().waitFor();
+      await wb.shot('keys-2-broken.png');
+      await press('Escape');
+    }],
+    ['the first fix repairs it', async () => {
+      await press('Control+.');
+      await page.locator('.action-widget .monaco-list-row', { hasText: 'speed' }).first().waitFor();
+      await press('Enter');
+      await errors.first().waitFor({ state: 'detached' });
+      await press('Control+S');
+      assert.match(text('arm/arm.gen'), /codel arm_go\(in speed\)/);
+    }],
+    ['its function is written where the other codels are', async () => {
+      await wb.squiggles('warning').first().waitFor();
+      await press('F8', 'Escape', 'Control+.');
+      await page.locator('.action-widget .monaco-list-row', { hasText: 'arm_go' }).first().waitFor();
+      await wb.shot('keys-3-stub.png');
+      await press('Enter');
+      await page.locator('.monaco-editor .view-line', { hasText: 'arm_go(' }).first().waitFor();
+      await wb.shot('keys-4-written.png');
+    }],
+    ['it is proved, and simulated', async () => {
+      await command('simulate', 'dotgen: Simulate');
+      const frame = await wb.pageWith('#tasks');
+      await frame.locator('#state', { hasText: 'kept' }).waitFor();
+      await wb.shot('keys-5-simulated.png');
+      console.log(`    ${presses} presses`);
+      assert.ok(presses <= MOST_PRESSES, `${presses} presses`);
+    }],
+  ];
+  return { more };
+}

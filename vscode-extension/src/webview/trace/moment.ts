@@ -1,0 +1,27 @@
+// What each lane does at a step of a run. No drawing.
+import type { Span, Trace } from '../../trace/form';
+
+/** A lane at a moment. */
+export interface At {
+  lane: number;
+  /** What lasts there, with the time since it began. */
+  spans: { span: Span; since: number }[];
+  /** Time since the period of a task began. */
+  period?: number;
+}
+
+/** The lanes in which something lasts just after a step, in their order; those of locks repeat what the others say. */
+export function moment(trace: Trace, step: number): At[] {
+  const at = trace.steps[step]?.at;
+  if (at === undefined) return [];
+  const all = trace.lanes.map((_, lane): At => ({ lane, spans: [] }));
+  for (const span of trace.spans) {
+    if (span.step <= step && span.from <= at && at < span.to) all[span.lane]?.spans.push({ span, since: at - span.from });
+  }
+  for (const mark of trace.marks) {
+    const of = all[mark.lane];
+    if (mark.kind !== 'tick' || of === undefined || mark.at > at || (mark.step ?? -1) > step) continue;
+    of.period = Math.min(of.period ?? Infinity, at - mark.at);
+  }
+  return all.filter(({ lane, spans, period }) => trace.lanes[lane]?.kind !== 'locks' && (spans.length > 0 || period !== undefined));
+}
