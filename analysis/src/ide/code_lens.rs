@@ -252,8 +252,13 @@ pub(crate) fn resolve(view: &FileView<'_>, kind: &LensKind) -> Option<LensText> 
             })?;
             let mut found = references(view, *offset, true)?;
             found.retain(|reference| reference.access != AccessKind::Declaration);
+            let text = accesses(elaborated, definition).text();
+            let title = match shares_line(view, elaborated, *offset) {
+                true => format!("{}: {text}", definition.name),
+                false => text,
+            };
             Some(LensText {
-                title: accesses(elaborated, definition).text(),
+                title,
                 references: found.into_iter().map(|reference| reference.place).collect(),
             })
         }
@@ -262,6 +267,23 @@ pub(crate) fn resolve(view: &FileView<'_>, kind: &LensKind) -> Option<LensText> 
             references: Vec::new(),
         }),
     }
+}
+
+/// Returns true if another port or member of the ids is declared on the line of an offset.
+fn shares_line(view: &FileView<'_>, elaborated: &Elaborated, offset: usize) -> bool {
+    let text = view.text();
+    let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
+    let end = text[offset..]
+        .find('\n')
+        .map_or(text.len(), |at| offset + at);
+    let mut declared = elaborated.definitions.iter();
+    declared.any(|definition| {
+        matches!(definition.kind, DefKind::Port | DefKind::IdsMember)
+            && view.place(definition.src).is_some_and(|(file, place)| {
+                let at = bytes(place).start;
+                file == view.file && at != offset && (start..end).contains(&at)
+            })
+    })
 }
 
 #[cfg(test)]
@@ -302,7 +324,7 @@ component c {
         }
         expect![[r#"
             p: read by t
-            speed: written by set · read by t
+            speed: speed: written by set · read by t
             t: state machine
             a: state machine
         "#]]

@@ -26,12 +26,23 @@ export function checks(wb) {
   const lens = (text) => page.locator('.contentWidgets .codelens-decoration a', { hasText: text }).first();
   const errors = wb.squiggles();
   const text = (name) => readFileSync(join(wb.folder, name), 'utf8');
+  /** Runs a command of the palette. It drops what is typed while it is being filled: then it is opened again, and only the last try counts. */
   async function command(words, title) {
-    await press('F1');
-    await input.waitFor();
-    await type(words);
-    await page.locator('.quick-input-list .monaco-list-row.focused', { hasText: title }).first().waitFor();
-    await press('Enter');
+    const before = presses;
+    const row = page.locator('.quick-input-list .monaco-list-row.focused', { hasText: title }).first();
+    for (let attempt = 0; ; attempt++) {
+      await press('F1');
+      await input.waitFor();
+      await type(words);
+      try {
+        await row.waitFor({ timeout: 8000 });
+        return await press('Enter');
+      } catch (error) {
+        if (attempt === 4) throw error;
+        presses = before;
+        await page.keyboard.press('Escape');
+      }
+    }
   }
 
   const more = [

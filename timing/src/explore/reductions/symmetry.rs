@@ -18,6 +18,7 @@
 mod automorphisms;
 mod renaming;
 
+use std::cell::OnceCell;
 use std::cmp::Ordering;
 
 use smallvec::SmallVec;
@@ -62,6 +63,22 @@ pub(super) struct Symmetry {
 
 /// The class and the unit of a part, and its index in the unit.
 type Member = (u16, u16, u16);
+
+/// A place that names a part of a unit, and the index of the part in the unit.
+type Named = (usize, u16);
+
+/// The places outside a class that name parts of its units, in ascending order of the units.
+struct NamedOutside(SmallVec<[(u16, Named); 16]>);
+
+impl NamedOutside {
+    /// Returns the places that name parts of a unit.
+    fn of(&self, unit: usize) -> impl Iterator<Item = &Named> {
+        let begin = self.0.partition_point(|&(of, _)| usize::from(of) < unit);
+        let all = self.0[begin..].iter();
+        all.take_while(move |&&(of, _)| usize::from(of) == unit)
+            .map(|(_, named)| named)
+    }
+}
 
 /// The symmetric parts, by kind.
 #[derive(Debug)]
@@ -264,7 +281,8 @@ impl Symmetry {
     pub(super) fn order(&self, rules: &SystemRules, s: &mut State) -> Option<Renaming> {
         let mut moves: SmallVec<[(&Unit, &Unit); 8]> = SmallVec::new();
         for (c, class) in self.classes.iter().enumerate() {
-            let compare = |&one: &usize, &other: &usize| self.compare(s, c, one, other);
+            let outside = OnceCell::new();
+            let compare = |&one: &usize, &other: &usize| self.compare(s, c, (one, other), &outside);
             let mut order: SmallVec<[usize; 8]> = (0..class.len()).collect();
             if order.is_sorted_by(|one, other| compare(one, other).is_le()) {
                 continue;
@@ -296,7 +314,13 @@ impl Symmetry {
 
     /// Compares the present states of two units of a class. Units that are equal can be exchanged without a
     /// change of the state, except for their order in sets.
-    fn compare(&self, s: &State, class: usize, one: usize, other: usize) -> Ordering {
+    fn compare(
+        &self,
+        s: &State,
+        class: usize,
+        (one, other): (usize, usize),
+        outside: &OnceCell<NamedOutside>,
+    ) -> Ordering {
         let units = &self.classes[class];
         let (x, y) = (&units[one], &units[other]);
         let plain = |index: &'_ usize| s.d[*index];
@@ -317,8 +341,8 @@ impl Symmetry {
             .then_with(|| named(one).cmp(named(other)))
             .then_with(|| listed(one).cmp(listed(other)))
             .then_with(|| {
-                self.named_outside(s, (class, one))
-                    .cmp(&self.named_outside(s, (class, other)))
+                let outside = outside.get_or_init(|| self.named_outside(s, class));
+                outside.of(one).cmp(outside.of(other))
             })
             .then_with(|| x.times.iter().map(time).cmp(y.times.iter().map(time)))
     }
@@ -339,22 +363,30 @@ impl Symmetry {
         ((c as usize, u as usize) == unit).then_some(index)
     }
 
-    /// Returns where the rest of the state names parts of a unit: the places, and the indices in the unit.
-    fn named_outside(&self, s: &State, unit: (usize, usize)) -> SmallVec<[(usize, u16); 8]> {
-        let mut out = SmallVec::new();
-        let outside = &self.outside[unit.0];
+    /// Returns where the rest of the state names parts of the units of a class.
+    fn named_outside(&self, s: &State, class: usize) -> NamedOutside {
+        let mut found: SmallVec<[(u16, Named); 16]> = SmallVec::new();
+        let mut look = |place: usize, part: Part, number: u16| {
+            if let Some((c, unit, index)) = self.members[part as usize][number as usize]
+                && c as usize == class
+            {
+                found.push((unit, (place, index)));
+            }
+        };
+        let outside = &self.outside[class];
         for &(place, part, first) in &outside.single {
-            let named = s.d[place].checked_sub(first);
-            let index = named.and_then(|number| self.index_in(part, number, unit));
-            out.extend(index.map(|index| (place, index)));
+            if let Some(number) = s.d[place].checked_sub(first) {
+                look(place, part, number);
+            }
         }
         for &(base, _, part) in &outside.lists {
             for place in base + 1..=base + s.d[base] as usize {
-                let index = self.index_in(part, s.d[place], unit);
-                out.extend(index.map(|index| (place, index)));
+                look(place, part, s.d[place]);
             }
         }
-        out
+        // The sort is stable: the names of a unit stay in the order of their places in `outside`.
+        found.sort_by_key(|&(unit, _)| unit);
+        NamedOutside(found)
     }
 
     /// Renames all names of a state.
