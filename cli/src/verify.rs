@@ -1,5 +1,6 @@
 //! `dotgen verify`
 
+mod certificate;
 pub(super) mod diagnostics;
 mod explain;
 pub(super) mod interrupt;
@@ -102,6 +103,10 @@ pub(super) struct Arguments {
     /// (docs/trace.md)
     #[arg(long, value_name = "FILE")]
     trace: Option<Utf8PathBuf>,
+
+    /// Write a certificate of the checks that invariants prove, which `dotgen-check` checks
+    #[arg(long, value_name = "FILE.json")]
+    certificate: Option<Utf8PathBuf>,
 
     /// Switch off a reduction, by its name in the output of `--explain`
     #[arg(long, value_name = "REDUCTION", value_parser = reduction, hide = true)]
@@ -242,8 +247,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut answers = Vec::new();
     let interrupt = interrupt::on_terminal();
     let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
-    let trace = arguments.trace.iter();
-    let written: Vec<Output<'_>> = trace
+    let written = arguments.trace.iter().chain(&arguments.certificate);
+    let written: Vec<Output<'_>> = written
         .map(|path| Output {
             path,
             endings: &[VIEWER],
@@ -262,6 +267,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     if let Some(path) = &arguments.trace {
         write_trace(path, &answers)?;
+    }
+    if let Some(path) = &arguments.certificate {
+        certificate::write(path, &answers)?;
     }
     Ok(
         trouble.outcome(if answers.iter().any(|answer| answer.report.refuted()) {

@@ -11,6 +11,7 @@
 //! compositional deadlock detection and verification*, CAV 2009, without clocks. It does not depend on
 //! durations. It is not complete: if it fails, the predicate may hold or not.
 
+pub mod certificate;
 mod parts;
 
 use self::parts::{Local, Part, Parts};

@@ -2,6 +2,7 @@
 
 mod answers;
 mod bounds;
+mod certified;
 mod chains;
 mod checks;
 mod events;
@@ -22,6 +23,7 @@ use std::time::Instant;
 use dotgen_analysis::model::Spec;
 
 use self::bounds::ResponseBounds;
+pub use self::certified::certificate;
 use self::checks::{Single, What, expand};
 use self::groups::groups;
 pub use self::prepared::{Prepared, PreparedCheck, Question, prepare};
@@ -151,28 +153,9 @@ pub(crate) fn verify_settings(
         tell: &tell,
     };
     report.checks = checks.iter().map(|check| of_whole.open(check)).collect();
-    let mut parts: Vec<(Built, Vec<usize>)> = Vec::new();
-    let groups = groups(names, &whole, &checks);
-    for group in &groups {
-        let of_group: Vec<usize> = (0..checks.len())
-            .filter(|&i| {
-                checks[i]
-                    .components
-                    .first()
-                    .is_none_or(|component| group.contains(component))
-            })
-            .collect();
-        if of_group.is_empty() {
-            continue;
-        }
-        let built = match groups.len() {
-            1 => whole.clone(),
-            _ => build(names, settings, &|c| group.contains(&c)),
-        };
-        parts.push((built, of_group));
-    }
+    let parts = parted(names, settings, &whole, &checks);
     let mut groups: Vec<(Group, &[usize], ResponseBounds)> = (parts.iter())
-        .map(|(built, of_group)| {
+        .map(|Parted { built, of_group }| {
             let group = Group { built, ..of_whole };
             (group, &**of_group, ResponseBounds::new(built))
         })
@@ -196,6 +179,37 @@ pub(crate) fn verify_settings(
     }
     report.seconds = start.elapsed().as_secs_f64();
     report
+}
+
+/// A group of components as a system, and the indices of its checks.
+struct Parted {
+    built: Built,
+    of_group: Vec<usize>,
+}
+
+/// Returns the groups of components that have checks.
+fn parted(names: &Names, settings: &Settings, whole: &Built, checks: &[Single]) -> Vec<Parted> {
+    let groups = groups(names, whole, checks);
+    let mut out = Vec::new();
+    for group in &groups {
+        let of_group: Vec<usize> = (0..checks.len())
+            .filter(|&i| {
+                checks[i]
+                    .components
+                    .first()
+                    .is_none_or(|component| group.contains(component))
+            })
+            .collect();
+        if of_group.is_empty() {
+            continue;
+        }
+        let built = match groups.len() {
+            1 => whole.clone(),
+            _ => build(names, settings, &|c| group.contains(&c)),
+        };
+        out.push(Parted { built, of_group });
+    }
+    out
 }
 
 /// Components that are explored together.

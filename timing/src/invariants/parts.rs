@@ -1,23 +1,28 @@
 //! The parts of a system, and the local states that each part can reach on its own.
 
+mod steps;
+
+use typed_index_collections::TiVec;
+
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
 use crate::scn::semantics::TickRule;
 use crate::system::{
-    AutomatonId, ClientId, CodelId, ComponentId, Machine, MachineId, Policy, ServiceId, TaskId,
-    TimedSystem, Yield,
+    AutomatonId, ClientId, CodelId, ComponentId, MachineId, Policy, ServiceId, TaskId, TimedSystem,
 };
 
 /// A part of a system, which always is in one local state.
 #[derive(Debug)]
 pub(super) struct Part {
-    kind: PartKind,
-    /// The local states that its own rules can reach.
+    pub(super) kind: PartKind,
+    /// The local states that its own rules can reach; the initial one is the first.
     pub(super) locals: Vec<Local>,
+    /// The steps of its own rules, as indices of local states.
+    pub(super) steps: Vec<(usize, usize)>,
 }
 
 /// The kinds of parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum PartKind {
+pub(super) enum PartKind {
     /// The thread of a task that executes passes: its status, and its codel.
     Thread(TaskId),
     /// The status of a task that executes jobs.
@@ -33,7 +38,7 @@ enum PartKind {
 }
 
 /// A local state.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Local {
     /// A task without a codel.
     Task(TaskId, TaskState),
@@ -72,7 +77,8 @@ impl Local {
         )
     }
 
-    fn codel(&self) -> Option<CodelId> {
+    /// Returns the codel, waiting or executing.
+    pub(super) fn codel(&self) -> Option<CodelId> {
         match *self {
             Local::Codel { codel, .. } | Local::Handling { codel, .. } => Some(codel),
             _ => None,
@@ -87,144 +93,95 @@ impl Local {
 
 /// The parts of a system.
 pub(super) struct Parts<'s> {
-    system: &'s TimedSystem,
+    pub(super) system: &'s TimedSystem,
     /// Tasks execute jobs, see sections 3 to 9 of the timed semantics.
     jobs: bool,
-    parts: Vec<Part>,
+    /// By service, whether some client requests it.
+    requested: TiVec<ServiceId, bool>,
+    pub(super) parts: Vec<Part>,
 }
 
 impl<'s> Parts<'s> {
     /// Returns the parts of a system.
     pub(super) fn of(system: &'s TimedSystem) -> Self {
         let jobs = system.platform.semantics.is_published();
-        let requested = system.requested();
         let mut out = Parts {
             system,
             jobs,
+            requested: system.requested(),
             parts: Vec::new(),
         };
-        let executed = |&automaton: &AutomatonId| {
-            let service = system.automata[automaton].service;
-            service.is_none_or(|service| requested[service])
-        };
-        for (task, it) in system.tasks.iter_enumerated() {
-            let automata = it.permanent.iter().chain(&it.slots).copied();
-            let automata: Vec<AutomatonId> = automata.filter(executed).collect();
-            let states = [TaskState::Idle, TaskState::Waiting, TaskState::Running];
-            let mut locals: Vec<Local> = states.map(|state| Local::Task(task, state)).into();
+        for task in system.tasks.keys() {
             if jobs {
-                out.push(PartKind::Status(task), locals);
-                for automaton in automata {
-                    let mut locals = vec![Local::Rest];
-                    locals.extend(out.codels(automaton));
-                    out.push(PartKind::Automaton(automaton), locals);
+                out.push(PartKind::Status(task));
+                for automaton in out.automata(task) {
+                    out.push(PartKind::Automaton(automaton));
                 }
             } else {
-                let codels = automata
-                    .into_iter()
-                    .flat_map(|automaton| out.codels(automaton));
-                locals.extend(codels);
-                out.push(PartKind::Thread(task), locals);
+                out.push(PartKind::Thread(task));
             }
         }
-        for (service, &requested) in requested.iter_enumerated() {
-            let mut locals = vec![Local::Slots {
-                service,
-                void: true,
-            }];
-            locals.extend(requested.then_some(Local::Slots {
-                service,
-                void: false,
-            }));
-            out.push(PartKind::Slots(service), locals);
-        }
-        for (component, it) in system.components.iter_enumerated() {
-            let mut locals = vec![Local::Ready, Local::Busy];
-            for &service in it.services.iter().filter(|&&service| requested[service]) {
-                let of = &system.services[service];
-                let codels = of.validate.iter().chain(&of.simple);
-                let each = codels.flat_map(|&codel| [(codel, false), (codel, true)]);
-                locals.extend(each.map(|(codel, executes)| Local::Handling {
-                    service,
-                    codel,
-                    executes,
-                }));
-            }
-            out.push(PartKind::Control(component), locals);
-        }
-        for (client, it) in system.clients.iter_enumerated() {
-            // Before the first step, the steps, and after the last one.
-            let steps = 0..=it.done() + 1;
-            out.push(
-                PartKind::Client(client),
-                steps.map(|step| Local::At(client, step)).collect(),
-            );
-        }
+        system
+            .services
+            .keys()
+            .for_each(|service| out.push(PartKind::Slots(service)));
+        let components = system.components.keys();
+        components.for_each(|component| out.push(PartKind::Control(component)));
+        let clients = system.clients.keys();
+        clients.for_each(|client| out.push(PartKind::Client(client)));
         out
     }
 
-    fn push(&mut self, kind: PartKind, locals: Vec<Local>) {
-        self.parts.push(Part { kind, locals });
+    /// Returns the automata of a task that can run.
+    fn automata(&self, task: TaskId) -> Vec<AutomatonId> {
+        let it = &self.system.tasks[task];
+        let executed = |&automaton: &AutomatonId| {
+            let service = self.system.automata[automaton].service;
+            service.is_none_or(|service| self.requested[service])
+        };
+        let all = it.permanent.iter().chain(&it.slots).copied();
+        all.filter(executed).collect()
     }
 
-    /// Returns the codels of an automaton in the states that its machine can reach.
-    fn codels(&self, automaton: AutomatonId) -> Vec<Local> {
-        let it = &self.system.automata[automaton];
-        let machine = &self.system.machines[it.machine];
-        let states = reachable(machine).into_iter();
-        let each = states.flat_map(|state| [(state, false), (state, true)]);
-        each.map(|(state, executes)| Local::Codel {
-            task: it.task,
-            machine: it.machine,
-            state,
-            codel: machine.states[state].codel,
-            executes,
-        })
-        .collect()
+    /// Returns true if a local state of a part decides an atom, alone or with other parts.
+    pub(super) fn is_about(&self, part: &Part, atom: &Atom) -> bool {
+        match *atom {
+            Atom::Task(task, _) => {
+                matches!(part.kind, PartKind::Thread(of) | PartKind::Status(of) if of == task)
+            }
+            Atom::State { machine, .. } => {
+                let runs =
+                    |&automaton: &AutomatonId| self.system.automata[automaton].machine == machine;
+                match part.kind {
+                    PartKind::Automaton(automaton) => runs(&automaton),
+                    PartKind::Thread(task) => {
+                        let it = &self.system.tasks[task];
+                        it.permanent.iter().chain(&it.slots).any(runs)
+                    }
+                    _ => false,
+                }
+            }
+            Atom::Slot(service, _) => part.kind == PartKind::Slots(service),
+            Atom::Handling { service, .. } => {
+                part.kind == PartKind::Control(self.system.services[service].component)
+            }
+            Atom::ControlBusy(component) => part.kind == PartKind::Control(component),
+            Atom::Client(client, _) => part.kind == PartKind::Client(client),
+        }
     }
 
     /// Returns the parts that an atom restricts if it has a value.
     pub(super) fn about(&self, atom: &Atom, holds: bool) -> Vec<&Part> {
-        let of_kind = |kinds: &dyn Fn(PartKind) -> bool| -> Vec<&Part> {
-            self.parts.iter().filter(|part| kinds(part.kind)).collect()
+        let all = self.parts.iter();
+        let parts: Vec<&Part> = all.filter(|part| self.is_about(part, atom)).collect();
+        let tells = match holds {
+            // Any one of several parts may make an atom true.
+            true => parts.len() == 1,
+            false => is_exact(atom),
         };
-        match *atom {
-            Atom::Task(task, _) => {
-                of_kind(&|kind| kind == PartKind::Thread(task) || kind == PartKind::Status(task))
-            }
-            Atom::State { machine, .. } => {
-                let runs =
-                    |automaton: AutomatonId| self.system.automata[automaton].machine == machine;
-                let parts = of_kind(&|kind| match kind {
-                    PartKind::Automaton(automaton) => runs(automaton),
-                    PartKind::Thread(task) => {
-                        let it = &self.system.tasks[task];
-                        it.permanent
-                            .iter()
-                            .chain(&it.slots)
-                            .any(|&automaton| runs(automaton))
-                    }
-                    _ => false,
-                });
-                // Any of several automata may be in the state.
-                if holds && parts.len() > 1 {
-                    return Vec::new();
-                }
-                parts
-            }
-            Atom::Slot(service, status) => match (status, holds) {
-                (SlotStatus::Void | SlotStatus::Active, _) | (_, true) => {
-                    of_kind(&|kind| kind == PartKind::Slots(service))
-                }
-                // Activities may have another status.
-                (SlotStatus::Wait | SlotStatus::Run | SlotStatus::Stop, false) => Vec::new(),
-            },
-            Atom::Handling { service, .. } => {
-                let component = self.system.services[service].component;
-                of_kind(&|kind| kind == PartKind::Control(component))
-            }
-            Atom::ControlBusy(component) => of_kind(&|kind| kind == PartKind::Control(component)),
-            Atom::Client(client, _) => of_kind(&|kind| kind == PartKind::Client(client)),
+        match tells {
+            true => parts,
+            false => Vec::new(),
         }
     }
 
@@ -290,24 +247,32 @@ impl<'s> Parts<'s> {
         blocks(one, other) && blocks(other, one)
     }
 
-    /// Returns true if more tasks execute codels than there are cores. (With preemption, a codel that has
-    /// begun may be without a core. With jobs, the first codel of a task needs none.)
-    pub(super) fn are_too_many(&self, present: &[(&Part, Vec<&Local>)]) -> bool {
+    /// Returns the number of cores, if it limits the tasks that have codels. (With preemption, a codel that
+    /// has begun may be without a core. With jobs, the first codel of a task needs none.)
+    pub(super) fn cores(&self) -> Option<u32> {
         let platform = &self.system.platform;
-        let Some(cores) = platform.cores else {
-            return false;
-        };
         let held = matches!(platform.policy, Policy::Fifo | Policy::Edf | Policy::Any)
             && platform.semantics.ticks == TickRule::Component
             && !self.jobs;
-        let on_core = present.iter().filter(|(part, locals)| match part.kind {
+        platform.cores.filter(|_| held)
+    }
+
+    /// Returns true if a part in a local state has a core.
+    pub(super) fn has_core(&self, part: &Part, local: &Local) -> bool {
+        match part.kind {
             PartKind::Thread(task) => {
-                let codel = |local: &&Local| matches!(local, Local::Codel { .. });
-                self.system.needs_core(task) && locals.iter().all(codel)
+                self.system.needs_core(task) && matches!(local, Local::Codel { .. })
             }
             _ => false,
-        });
-        held && on_core.count() > cores as usize
+        }
+    }
+
+    /// Returns true if more tasks have codels than there are cores.
+    pub(super) fn are_too_many(&self, present: &[(&Part, Vec<&Local>)]) -> bool {
+        let on_core = (present.iter())
+            .filter(|(part, locals)| locals.iter().all(|local| self.has_core(part, local)));
+        self.cores()
+            .is_some_and(|cores| on_core.count() > cores as usize)
     }
 
     /// Returns the service whose codel a local state has, if the codel is one of an activity.
@@ -322,20 +287,11 @@ impl<'s> Parts<'s> {
     }
 }
 
-/// Returns the states that a machine can reach, from `start` or by an interruption.
-fn reachable(machine: &Machine) -> Vec<usize> {
-    let mut out = vec![machine.start];
-    out.extend(machine.stop.filter(|stop| *stop != machine.start));
-    let mut at = 0;
-    while let Some(&state) = out.get(at) {
-        at += 1;
-        for successor in &machine.states[state].yields {
-            if let Yield::Next(to) | Yield::Pause(to) = *successor
-                && !out.contains(&to)
-            {
-                out.push(to);
-            }
-        }
-    }
-    out
+/// Returns true if the local states in which an atom may hold imply the atom. (Activities may have another
+/// status than these.)
+pub(super) fn is_exact(atom: &Atom) -> bool {
+    let Atom::Slot(_, status) = atom else {
+        return true;
+    };
+    matches!(status, SlotStatus::Void | SlotStatus::Active)
 }

@@ -50,7 +50,7 @@ pub enum Atom {
 }
 
 /// State of a task.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum TaskState {
     /// Between cycles.
     Idle,

@@ -6,6 +6,7 @@ use crate::explore::{Findings, Kind, Watch, search_once};
 use crate::invariants::never_holds;
 use crate::property::{Atom, Predicate, resolve};
 use crate::report::{CheckReport, Layer, Report, Soundness, Verdict};
+use crate::scn::ast::Pred;
 
 /// Limit on the actions of the random search for the parts of predicates: a proof about parts that never
 /// become true says nothing.
@@ -41,9 +42,21 @@ impl Group<'_> {
     /// Returns what a check claims to hold always.
     fn claim(&self, check: &Single) -> Option<Predicate> {
         match check.what {
-            What::Always(pred) => resolve::resolve(self.names, self.built, pred).ok(),
+            What::Always(pred) => self.predicate(pred),
             _ => None,
         }
+    }
+
+    /// Returns the predicate that holds in no state if invariants answer a check.
+    pub(super) fn excluded(&self, check: &Single) -> Option<Predicate> {
+        match check.what {
+            What::Reachable(pred) => self.predicate(pred),
+            _ => (self.claim(check)).map(|claim| Predicate::Not(Box::new(claim))),
+        }
+    }
+
+    fn predicate(&self, pred: &Pred) -> Option<Predicate> {
+        resolve::resolve(self.names, self.built, pred).ok()
     }
 
     /// Returns the atoms of predicates that do not become true in a short random search.
@@ -86,12 +99,8 @@ impl Group<'_> {
 
     /// Returns true if invariants answer a check.
     fn is_invariant(&self, check: &Single) -> bool {
-        let bad = match check.what {
-            What::Reachable(pred) => resolve::resolve(self.names, self.built, pred).ok(),
-            _ => (self.claim(check)).map(|claim| Predicate::Not(Box::new(claim))),
-        };
         !self.limits.without.contains(Kind::Invariants)
-            && bad.is_some_and(|bad| never_holds(&self.built.system, &bad))
+            && (self.excluded(check)).is_some_and(|bad| never_holds(&self.built.system, &bad))
     }
 
     fn by_invariants(&self, check: &Single) -> CheckReport {

@@ -2,6 +2,7 @@
 
 mod against;
 mod brute;
+mod certificates;
 mod chains;
 mod expected;
 mod invariants;

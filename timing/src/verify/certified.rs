@@ -1,0 +1,87 @@
+//! The certificate of a report: the claims of the checks that invariants answer.
+
+use super::checks::expand;
+use super::{Group, Options, Parted, SystemInput, parted, settings};
+use crate::cancel::Cancel;
+use crate::invariants::certificate::{ScenarioCertificate, SystemCertificate, Uncertified};
+use crate::property::Predicate;
+use crate::report::{CheckReport, Layer, Report, TimeUnit, Verdict};
+use crate::scn::ast::Scenario;
+use crate::scn::names::Names;
+use crate::system::build::build;
+
+/// Returns the certificate of the checks in a report that invariants answer. The report is that of the same
+/// input, scenario and options.
+pub fn certificate(
+    input: &SystemInput,
+    scenario: &Scenario,
+    options: &Options,
+    report: &Report,
+) -> ScenarioCertificate {
+    let names = Names::new(&input.specs);
+    let settings = settings(scenario, options);
+    let whole = build(&names, &settings, &|_| true);
+    let checks = expand(&names, &whole, &settings, &mut Vec::new());
+    let answered = |check: usize| report.checks.get(check);
+    let certified = |check: usize| answered(check).is_some_and(by_invariants);
+    let mut systems = Vec::new();
+    for Parted { built, of_group } in parted(&names, &settings, &whole, &checks) {
+        let group = Group {
+            names: &names,
+            built: &built,
+            unit: TimeUnit::of(&settings),
+            settings: &settings,
+            limits: options.limits,
+            cancel: &Cancel::default(),
+            tell: &|_| {},
+        };
+        let claims = of_group.into_iter().filter(|&check| certified(check));
+        let claims: Vec<(String, Predicate)> = claims
+            .filter_map(|check| Some((words(answered(check)?), group.excluded(&checks[check])?)))
+            .collect();
+        if !claims.is_empty() {
+            systems.push(SystemCertificate::new(&built.system, &claims));
+        }
+    }
+    ScenarioCertificate {
+        scenario: report.scenario.clone(),
+        systems,
+        uncertified: (report.checks.iter())
+            .filter(|check| !by_invariants(check))
+            .map(uncertified)
+            .collect(),
+    }
+}
+
+fn by_invariants(check: &CheckReport) -> bool {
+    check.by == Some(Layer::Invariants)
+        && matches!(check.verdict, Verdict::Proved | Verdict::Refuted)
+}
+
+/// Returns a check as a scenario writes it.
+fn words(check: &CheckReport) -> String {
+    let label = check.name.iter().map(|name| format!("{name}: "));
+    let words = [check.kind.word(), &check.of].join(" ");
+    label.collect::<String>() + words.trim_end()
+}
+
+fn uncertified(check: &CheckReport) -> Uncertified {
+    let verdict = match check.verdict {
+        Verdict::Proved => "proved",
+        Verdict::Refuted => "refuted",
+        Verdict::Unknown | Verdict::Open => "unknown",
+        Verdict::Nothing => "nothing",
+    };
+    let by = match check.verdict {
+        Verdict::Proved | Verdict::Refuted => match check.by {
+            Some(layer) => Some(layer.to_string()),
+            None => Some("exploration".to_owned()),
+        },
+        _ => None,
+    };
+    Uncertified {
+        check: words(check),
+        verdict: verdict.to_owned(),
+        by,
+    }
+}
