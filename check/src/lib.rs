@@ -2,8 +2,8 @@
 //!
 //! The checker shares no code with the verifier. It trusts that the parts, locks and atoms of a certificate
 //! stand for the specification and its scenario. Everything that follows from them is computed again: that
-//! the local states of each part are closed under its steps, the codels that exclude each other, the number of
-//! codels that have a core, and that each case of a predicate contradicts one of these invariants.
+//! the local states of each part are closed under its steps, the codels that exclude each other, the number
+//! of codels that have a core, and that each case of a predicate contradicts one of these invariants.
 
 mod certificate;
 mod proof;

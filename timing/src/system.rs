@@ -1,8 +1,8 @@
 //! The timed system: components, a platform and clients as small integers.
 //!
 //! It holds only the data that the explorer needs: tables, and times in base units. Components, state
-//! machines, their instances, services, codels, clients and tasks have index types of their own ([`ComponentId`],
-//! [`MachineId`], [`AutomatonId`], [`ServiceId`], [`CodelId`], [`ClientId`], [`TaskId`]).
+//! machines, their instances, services, codels, clients and tasks have index types of their own
+//! ([`ComponentId`], [`MachineId`], [`AutomatonId`], [`ServiceId`], [`CodelId`], [`ClientId`], [`TaskId`]).
 //! [`build`] makes it from specifications and a scenario; tests make it by hand. "Section N" refers to the
 //! timed semantics of GenoM3 components, described for users in `docs/verification.md`.
 

@@ -62,10 +62,7 @@ impl NeverObserved {
         for job in &mut self.jobs {
             let now = rules.awaits_start_up(s, job.task);
             // Tasks are started in order, so the later one counts.
-            job.start_up = job
-                .start_up
-                .zip(now)
-                .map(|(one, other)| one.max(TaskId::from(other)));
+            job.start_up = job.start_up.zip(now).map(|(one, other)| one.max(other));
         }
         self.atoms.retain(|(atom, alike)| {
             !rules.atom(s, atom) && !alike.iter().any(|atom| rules.atom(s, atom))
@@ -74,10 +71,7 @@ impl NeverObserved {
 
     /// Returns the reason why a task has no job; `None` if the task has a job.
     pub fn job(&self, task: TaskId) -> Option<TaskWithoutJob> {
-        self.jobs
-            .iter()
-            .copied()
-            .find(|job| job.task == TaskId::from(task))
+        self.jobs.iter().copied().find(|job| job.task == task)
     }
 
     /// Returns true if an atom never holds.

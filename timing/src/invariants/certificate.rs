@@ -98,8 +98,8 @@ struct StepEntry {
     what: String,
 }
 
-/// An atom, which implies that one of the parts is in one of the states. If it is exact, this also implies the
-/// atom.
+/// An atom, which implies that one of the parts is in one of the states. If it is exact, this also implies
+/// the atom.
 #[derive(Debug, Clone, Serialize)]
 struct AtomEntry {
     name: String,

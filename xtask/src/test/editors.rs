@@ -29,8 +29,8 @@ pub(super) fn neovim() -> Result<Outcome> {
     Ok(outcome)
 }
 
-/// Parses the examples and, if there are some, the published specifications with the tree-sitter grammar, and compares
-/// its highlights with those of VS Code. True if all is well.
+/// Parses the examples and, if there are some, the published specifications with the tree-sitter grammar, and
+/// compares its highlights with those of VS Code. True if all is well.
 fn tree_sitter() -> Result<bool> {
     step("Testing the tree-sitter grammar");
     extension::install_packages(&extension::directory())?;

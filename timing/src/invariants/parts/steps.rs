@@ -95,8 +95,8 @@ impl Parts<'_> {
         }
     }
 
-    /// Returns the states of an automaton with which a part can go on: other activities may be executed between
-    /// any two codels.
+    /// Returns the states of an automaton with which a part can go on: other activities may be executed
+    /// between any two codels.
     fn begun(&self, automaton: AutomatonId) -> Vec<Local> {
         let states = reachable(self.system.machine_of(automaton)).into_iter();
         states.map(|state| self.waiting(automaton, state)).collect()

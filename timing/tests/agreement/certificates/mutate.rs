@@ -25,7 +25,8 @@ pub(super) fn mutate(certificate: &mut Value, kind: usize, dice: &mut Dice) -> b
         0 => any(&mut system["parts"], dice).and_then(|part| {
             let from = part["initial"][0].clone();
             let step = json!({ "from": from, "to": "elsewhere", "what": "leaves" });
-            Some(part["steps"].as_array_mut()?.push(step))
+            part["steps"].as_array_mut()?.push(step);
+            Some(())
         }),
         1 => any(&mut system["parts"], dice).and_then(|part| remove(&mut part["states"], dice)),
         2 => {
