@@ -1,15 +1,23 @@
 //! Certificates, as read from JSON. `docs/certificate.schema.json` is the schema.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
+use std::fmt;
 
 use serde::Deserialize;
 
 pub(crate) const FORMAT: u32 = 1;
 
+/// The version, which is read before anything else.
+#[derive(Deserialize)]
+pub(crate) struct Version {
+    pub(crate) format: u32,
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Certificate {
-    pub(crate) format: u32,
+    #[serde(rename = "format")]
+    _format: u32,
     pub(crate) scenarios: Vec<Scenario>,
 }
 
@@ -95,7 +103,7 @@ pub(crate) struct Atom {
     pub(crate) name: String,
     /// The implication also holds in the other direction.
     pub(crate) exact: bool,
-    pub(crate) parts: HashMap<String, Vec<String>>,
+    pub(crate) parts: BTreeMap<String, Vec<String>>,
 }
 
 /// The claim that a predicate holds in no state.
@@ -115,4 +123,21 @@ pub(crate) enum Predicate {
     Not(Box<Predicate>),
     And(Vec<Predicate>),
     Or(Vec<Predicate>),
+}
+
+impl fmt::Display for Predicate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (list, word, none) = match self {
+            Predicate::Atom(atom) => return write!(f, "{atom}"),
+            Predicate::Leave(atom) => return write!(f, "the end of {atom}"),
+            Predicate::Not(negated) => return write!(f, "not {negated}"),
+            Predicate::And(list) => (list, " and ", "true"),
+            Predicate::Or(list) => (list, " or ", "false"),
+        };
+        let list: Vec<String> = list.iter().map(ToString::to_string).collect();
+        match list.is_empty() {
+            true => write!(f, "{none}"),
+            false => write!(f, "({})", list.join(word)),
+        }
+    }
 }

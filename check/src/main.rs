@@ -19,7 +19,8 @@ fn main() -> ExitCode {
     };
     let written = result.and_then(|(text, status)| {
         let written = std::io::stdout().write_all(text.as_bytes());
-        written.map_err(|error| format!("cannot be reported on: {error}"))?;
+        written
+            .map_err(|error| format!("was checked, and the answers cannot be written: {error}"))?;
         Ok(status)
     });
     ExitCode::from(written.unwrap_or_else(|error| {
@@ -42,11 +43,14 @@ fn report(text: &[u8]) -> Result<(String, u8), String> {
     let (mut accepted, mut refused) = (0, 0);
     for answer in check(text)? {
         match answer.outcome {
-            Outcome::Accepted => accepted += 1,
+            Outcome::Accepted(_) => accepted += 1,
             Outcome::Refused(_) => refused += 1,
             Outcome::NotCertified(_) => {}
         }
-        out += &format!("{}: {}\n", answer.check, answer.outcome);
+        // Names cannot begin a line of their own.
+        let line = format!("{}: {}", answer.check, answer.outcome);
+        out += &line.replace(char::is_control, "\u{fffd}");
+        out.push('\n');
     }
     let status = match (accepted, refused) {
         (_, 1..) => 1,

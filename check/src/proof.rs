@@ -3,10 +3,7 @@
 use std::collections::HashMap;
 
 use crate::certificate::{Predicate, State};
-use crate::system::Tables;
-
-/// The greatest number of literals, states and pairs of states that a proof handles.
-const MOST_WORK: usize = 1 << 28;
+use crate::system::{Tables, Work};
 
 /// The work for a literal of a case, which takes memory.
 const JOIN: usize = 16;
@@ -18,10 +15,13 @@ type Literal<'c> = (&'c str, bool);
 ///
 /// # Errors
 /// The proof needs too much work, an atom is unknown, or a case contradicts no invariant.
-pub(crate) fn never_holds(tables: &Tables, predicate: &Predicate) -> Result<(), String> {
-    let mut work = 0;
-    for case in cases(predicate, true, &mut work)? {
-        if !contradicts(tables, &case, &mut work)? {
+pub(crate) fn never_holds(
+    tables: &Tables,
+    predicate: &Predicate,
+    work: &mut Work,
+) -> Result<(), String> {
+    for case in cases(predicate, true, work)? {
+        if !contradicts(tables, &case, work)? {
             let word = |(atom, holds)| format!("`{atom}` {holds}");
             let case: Vec<String> = case.into_iter().map(word).collect();
             return Err(format!("no invariant excludes {}", case.join(", ")));
@@ -34,7 +34,7 @@ pub(crate) fn never_holds(tables: &Tables, predicate: &Predicate) -> Result<(), 
 fn cases<'c>(
     predicate: &'c Predicate,
     value: bool,
-    work: &mut usize,
+    work: &mut Work,
 ) -> Result<Vec<Vec<Literal<'c>>>, String> {
     let (list, joined) = match predicate {
         Predicate::Atom(atom) => return Ok(vec![vec![(atom, value)]]),
@@ -55,7 +55,7 @@ fn cases<'c>(
         let mut pairs = Vec::new();
         for one in &out {
             for other in &more {
-                spend(work, JOIN * (1 + one.len() + other.len()))?;
+                work.spend(JOIN * (1 + one.len() + other.len()))?;
                 pairs.push([&one[..], other].concat());
             }
         }
@@ -65,7 +65,7 @@ fn cases<'c>(
 }
 
 /// Returns true if no state of the system is in a case.
-fn contradicts(tables: &Tables, case: &[Literal], work: &mut usize) -> Result<bool, String> {
+fn contradicts(tables: &Tables, case: &[Literal], work: &mut Work) -> Result<bool, String> {
     // By part, the local states that the literals leave.
     let mut left: HashMap<&str, Vec<&State>> = HashMap::new();
     for &(name, holds) in case {
@@ -79,11 +79,18 @@ fn contradicts(tables: &Tables, case: &[Literal], work: &mut usize) -> Result<bo
         for (part, states) in atom.parts.iter().filter(|_| tells) {
             let all = || tables.parts[&**part].states.iter().collect();
             let own = left.entry(part).or_insert_with(all);
-            spend(work, own.len().saturating_mul(states.len()))?;
+            let whole = tables.parts[&**part].states.len();
+            work.spend(whole + own.len().saturating_mul(1 + states.len()))?;
             own.retain(|state| states.contains(&state.name) == holds);
         }
     }
     let left: Vec<Vec<&State>> = left.into_values().collect();
+    let pairs = left
+        .iter()
+        .map(Vec::len)
+        .sum::<usize>()
+        .saturating_mul(left.len());
+    work.spend(pairs)?;
     if left.iter().any(Vec::is_empty) || are_too_many(tables, &left) || without_slot(&left) {
         return Ok(true);
     }
@@ -91,8 +98,7 @@ fn contradicts(tables: &Tables, case: &[Literal], work: &mut usize) -> Result<bo
     let busy: Vec<&Vec<&State>> = left.iter().filter(executes).collect();
     for (at, one) in busy.iter().enumerate() {
         for other in &busy[at + 1..] {
-            spend(work, one.len().saturating_mul(other.len()))?;
-            if (one.iter()).all(|one| other.iter().all(|other| tables.exclude(one, other))) {
+            if exclude(tables, one, other, work)? {
                 return Ok(true);
             }
         }
@@ -100,10 +106,21 @@ fn contradicts(tables: &Tables, case: &[Literal], work: &mut usize) -> Result<bo
     Ok(false)
 }
 
-fn spend(work: &mut usize, more: usize) -> Result<(), String> {
-    *work = work.saturating_add(more);
-    let error = || format!("the proof needs more than {MOST_WORK} steps");
-    (*work <= MOST_WORK).then_some(()).ok_or_else(error)
+/// Returns true if each state of one part excludes each state of another one.
+fn exclude(
+    tables: &Tables,
+    one: &[&State],
+    other: &[&State],
+    work: &mut Work,
+) -> Result<bool, String> {
+    for one in one {
+        for other in other {
+            if !tables.exclude(one, other, work)? {
+                return Ok(false);
+            }
+        }
+    }
+    Ok(true)
 }
 
 /// Returns true if more parts have a core than there are cores.

@@ -1,13 +1,40 @@
 //! The tables of a system, by name, after checks of the parts.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use crate::certificate::{Atom, Codel, Part, State, System};
+use crate::certificate::{Atom, Part, State, System};
+
+/// The greatest number of literals, states, locks and pairs of states for a certificate.
+const MOST_WORK: usize = 1 << 28;
+
+/// The work for a certificate so far.
+#[derive(Default)]
+pub(crate) struct Work(usize);
+
+impl Work {
+    /// Counts more work.
+    ///
+    /// # Errors
+    /// The certificate needs too much work.
+    pub(crate) fn spend(&mut self, more: usize) -> Result<(), String> {
+        self.0 = self.0.saturating_add(more);
+        let error = || format!("the certificate needs more than {MOST_WORK} steps");
+        (self.0 <= MOST_WORK).then_some(()).ok_or_else(error)
+    }
+}
+
+/// The locks of a codel.
+#[derive(Default)]
+struct Locks<'c> {
+    shared: HashSet<&'c str>,
+    exclusive: HashSet<&'c str>,
+    alone: bool,
+}
 
 /// A system whose parts are closed.
 pub(crate) struct Tables<'c> {
     pub(crate) cores: Option<usize>,
-    codels: HashMap<&'c str, &'c Codel>,
+    codels: HashMap<&'c str, Locks<'c>>,
     pub(crate) parts: HashMap<&'c str, &'c Part>,
     pub(crate) atoms: HashMap<&'c str, &'c Atom>,
 }
@@ -17,18 +44,38 @@ impl<'c> Tables<'c> {
     ///
     /// # Errors
     /// A name is unknown or has two meanings, or a part can leave its local states.
-    pub(crate) fn of(system: &'c System) -> Result<Self, String> {
+    pub(crate) fn of(system: &'c System, work: &mut Work) -> Result<Self, String> {
+        let set = |names: &'c [String]| names.iter().map(String::as_str).collect();
+        let codels = table("codel", &system.codels, |codel| &codel.name)?;
+        let codels = codels.into_iter().map(|(name, codel)| {
+            let (shared, exclusive) = (set(&codel.shared), set(&codel.exclusive));
+            let alone = codel.alone;
+            (
+                name,
+                Locks {
+                    shared,
+                    exclusive,
+                    alone,
+                },
+            )
+        });
         let out = Tables {
             cores: system.cores,
-            codels: table("codel", &system.codels, |codel| &codel.name)?,
+            codels: codels.collect(),
             parts: table("part", &system.parts, |part| &part.name)?,
             atoms: table("atom", &system.atoms, |atom| &atom.name)?,
         };
         for part in &system.parts {
             (out.closed(part)).map_err(|error| format!("part `{}`: {error}", part.name))?;
         }
+        let names = |part: &'c Part| part.states.iter().map(|state| state.name.as_str());
+        let states = system.parts.iter();
+        let states = states
+            .map(|part| (part.name.as_str(), names(part).collect()))
+            .collect();
         for atom in &system.atoms {
-            (out.known(atom)).map_err(|error| format!("atom `{}`: {error}", atom.name))?;
+            work.spend(atom.parts.len())?;
+            known(atom, &states).map_err(|error| format!("atom `{}`: {error}", atom.name))?;
         }
         Ok(out)
     }
@@ -53,33 +100,42 @@ impl<'c> Tables<'c> {
         executed.try_for_each(|codel| find("codel", &self.codels, codel).map(drop))
     }
 
-    /// Checks that the parts and local states of an atom exist.
-    fn known(&self, atom: &Atom) -> Result<(), String> {
-        for (part, named) in &atom.parts {
-            let part = find("part", &self.parts, part)?;
-            let states = table("state", &part.states, |state| &state.name)?;
-            for state in named {
-                find("state", &states, state)?;
-            }
-        }
-        Ok(())
-    }
-
     /// Returns true if the codels of two states of different parts are never executed at the same time.
-    pub(crate) fn exclude(&self, one: &State, other: &State) -> bool {
-        let codel = |state: &State| Some(self.codels[state.executes.as_deref()?]);
-        let (Some(one), Some(other)) = (codel(one), codel(other)) else {
-            return false;
+    ///
+    /// # Errors
+    /// The certificate needs too much work.
+    pub(crate) fn exclude(
+        &self,
+        one: &State,
+        other: &State,
+        work: &mut Work,
+    ) -> Result<bool, String> {
+        let (Some(one), Some(other)) = (&one.executes, &other.executes) else {
+            return Ok(false);
         };
-        if one.name == other.name {
-            return one.alone;
+        if one == other {
+            return Ok(self.codels[&**one].alone);
         }
-        let bars = |one: &Codel, other: &Codel| {
-            let mut locks = other.shared.iter().chain(&other.exclusive);
+        let (one, other) = (&self.codels[&**one], &self.codels[&**other]);
+        let all = [one, other].map(|locks| locks.shared.len() + locks.exclusive.len());
+        work.spend(1 + all[0] + all[1])?;
+        let bars = |one: &Locks, other: &Locks| {
+            let mut locks = other.shared.union(&other.exclusive);
             locks.any(|lock| one.exclusive.contains(lock))
         };
-        bars(one, other) || bars(other, one)
+        Ok(bars(one, other) || bars(other, one))
     }
+}
+
+/// Checks that the parts and local states of an atom exist; `states` are those of each part.
+fn known(atom: &Atom, states: &HashMap<&str, HashSet<&str>>) -> Result<(), String> {
+    for (part, named) in &atom.parts {
+        let states = find("part", states, part)?;
+        if let Some(state) = named.iter().find(|state| !states.contains(state.as_str())) {
+            return Err(format!("there is no state `{state}`"));
+        }
+    }
+    Ok(())
 }
 
 /// Returns items by name.

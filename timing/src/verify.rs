@@ -33,7 +33,7 @@ pub use crate::cancel::{Cancel, Effort, Interrupt};
 use crate::diagnostic::Diagnostic;
 use crate::diagnostic::remark::Sighting;
 use crate::explore::{Findings, Kind, Limits, Stop, Watch, explore, explore_with_reports};
-use crate::report::{Report, TimeUnit};
+use crate::report::{Report, Soundness, TimeUnit, Verdict};
 use crate::scn::ast::{Check, Durations, Policy, Scenario};
 use crate::scn::names::Names;
 use crate::scn::semantics::Preset;
@@ -176,6 +176,11 @@ pub(crate) fn verify_settings(
         .collect();
     for ((group, of_group, analysed), seen) in groups.iter().zip(&seen) {
         group.rest(&checks, of_group, analysed, seen, &mut report);
+    }
+    for check in &mut report.checks {
+        if check.verdict == Verdict::Unknown && check.value.is_some() {
+            check.soundness = Soundness::LowerBound;
+        }
     }
     report.seconds = start.elapsed().as_secs_f64();
     report

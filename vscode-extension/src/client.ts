@@ -7,6 +7,8 @@ import {
   CloseAction,
   ErrorAction,
   LanguageClient,
+  LSPErrorCodes,
+  ResponseError,
   RevealOutputChannelOn,
   State,
   vsdiag,
@@ -36,6 +38,12 @@ export interface ServerInfo {
   origin: string;
   name: string;
   version: string;
+}
+
+/** Whether a request failed because the text had changed, or was given up for a newer one. */
+export function overtaken(error: unknown): boolean {
+  const codes: number[] = [LSPErrorCodes.ContentModified, LSPErrorCodes.RequestCancelled, LSPErrorCodes.ServerCancelled];
+  return error instanceof ResponseError && codes.includes(error.code);
 }
 
 // A server that ends this often within the window is not started again by itself.

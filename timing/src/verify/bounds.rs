@@ -220,7 +220,7 @@ impl Group<'_> {
             out.by = Some(by);
         } else {
             let reached = match out.value {
-                Some(value @ Value::Time(_)) => {
+                Some(value @ Value::Time(time)) if time > 0.0 => {
                     format!(", and {} is reached", self.unit.show_value(value))
                 }
                 _ => String::new(),
@@ -294,7 +294,7 @@ impl Group<'_> {
             .gave_up
             .map_or(String::new(), |gave_up| format!(": {gave_up}"));
         let reached = match out.value {
-            Some(value @ Value::Time(_)) => {
+            Some(value @ Value::Time(time)) if time > 0.0 => {
                 format!(", and {} is reached", self.unit.show_value(value))
             }
             _ => String::new(),

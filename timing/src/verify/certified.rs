@@ -25,6 +25,7 @@ pub fn certificate(
     let answered = |check: usize| report.checks.get(check);
     let certified = |check: usize| answered(check).is_some_and(by_invariants);
     let mut systems = Vec::new();
+    let mut claimed = Vec::new();
     for Parted { built, of_group } in parted(&names, &settings, &whole, &checks) {
         let group = Group {
             names: &names,
@@ -35,10 +36,13 @@ pub fn certificate(
             cancel: &Cancel::default(),
             tell: &|_| {},
         };
-        let claims = of_group.into_iter().filter(|&check| certified(check));
-        let claims: Vec<(String, Predicate)> = claims
-            .filter_map(|check| Some((words(answered(check)?), group.excluded(&checks[check])?)))
-            .collect();
+        let mut claims: Vec<(String, Predicate)> = Vec::new();
+        for check in of_group.into_iter().filter(|&check| certified(check)) {
+            if let (Some(answer), Some(never)) = (answered(check), group.excluded(&checks[check])) {
+                claims.push((format!("{} ({})", words(answer), verdict(answer)), never));
+                claimed.push(check);
+            }
+        }
         if !claims.is_empty() {
             systems.push(SystemCertificate::new(&built.system, &claims));
         }
@@ -46,9 +50,9 @@ pub fn certificate(
     ScenarioCertificate {
         scenario: report.scenario.clone(),
         systems,
-        uncertified: (report.checks.iter())
-            .filter(|check| !by_invariants(check))
-            .map(uncertified)
+        uncertified: (report.checks.iter().enumerate())
+            .filter(|(number, _)| !claimed.contains(number))
+            .map(|(_, check)| uncertified(check))
             .collect(),
     }
 }
@@ -65,13 +69,16 @@ fn words(check: &CheckReport) -> String {
     label.collect::<String>() + words.trim_end()
 }
 
-fn uncertified(check: &CheckReport) -> Uncertified {
-    let verdict = match check.verdict {
+fn verdict(check: &CheckReport) -> &'static str {
+    match check.verdict {
         Verdict::Proved => "proved",
         Verdict::Refuted => "refuted",
         Verdict::Unknown | Verdict::Open => "unknown",
         Verdict::Nothing => "nothing",
-    };
+    }
+}
+
+fn uncertified(check: &CheckReport) -> Uncertified {
     let by = match check.verdict {
         Verdict::Proved | Verdict::Refuted => match check.by {
             Some(layer) => Some(layer.to_string()),
@@ -81,7 +88,7 @@ fn uncertified(check: &CheckReport) -> Uncertified {
     };
     Uncertified {
         check: words(check),
-        verdict: verdict.to_owned(),
+        verdict: verdict(check).to_owned(),
         by,
     }
 }

@@ -53,7 +53,7 @@ fn certificates_of_what_invariants_exclude_are_accepted() {
         let certificate = certificate(&system, claims);
         let found = outcomes(&certificate).unwrap_or_default();
         ACCEPTED.fetch_add(number, Ordering::Relaxed);
-        let refused = found.iter().find(|outcome| **outcome != Outcome::Accepted);
+        let refused = found.iter().find(|outcome| !is_accepted(outcome));
         Some(match (refused, found.len() == number) {
             (None, true) => Ok(()),
             _ => Err(format!("seed {seed}: {refused:?}\n{certificate:#}")),
@@ -96,7 +96,8 @@ fn mutated_certificates_are_refused() {
         let mut dice = Dice::new(seed);
         for claim in claims.into_iter().take(3) {
             let certificate = certificate(&system, vec![claim]);
-            assert_eq!(outcomes(&certificate), Some(vec![Outcome::Accepted]));
+            let found = outcomes(&certificate);
+            assert!(found.is_some_and(|all| all.len() == 1 && is_accepted(&all[0])));
             assert_ne!(enumeration::is_possible(&certificate), Some(true));
             for (kind, number) in by_kind.iter_mut().enumerate() {
                 let mut mutated = certificate.clone();
@@ -108,7 +109,7 @@ fn mutated_certificates_are_refused() {
                     continue;
                 };
                 let found = outcomes(&mutated);
-                let accepted = found.is_some_and(|all| all.contains(&Outcome::Accepted));
+                let accepted = found.is_some_and(|all| all.iter().any(is_accepted));
                 assert!(
                     !accepted,
                     "seed {seed}, {}: {mutated:#}",
@@ -123,4 +124,8 @@ fn mutated_certificates_are_refused() {
     eprintln!("{changed} of {tried} mutations change the meaning, and are refused: {by_kind:?}");
     let missing = by_kind.iter().find(|(_, number)| *number == 0);
     assert_eq!(missing, None, "each kind of mutation is tried");
+}
+
+fn is_accepted(outcome: &Outcome) -> bool {
+    matches!(outcome, Outcome::Accepted(_))
 }

@@ -200,7 +200,7 @@ impl<'r> CheckView<'r> {
             worth: match report.soundness {
                 _ if report.rounded => Some("durations are rounded"),
                 // The sign before the value, and the note, show it.
-                Soundness::Exact | Soundness::UpperBound => None,
+                Soundness::Exact | Soundness::UpperBound | Soundness::LowerBound => None,
                 Soundness::Safe => Some("safe: a failure may be a false alarm"),
                 Soundness::Under => Some("for worst-case durations only"),
                 Soundness::WholeUnits => Some("shown for ends at whole units of time"),

@@ -1,7 +1,7 @@
 // The diagram between the lines: a comment thread under the heading of the task or activity, the stable way to have a
 // zone in the text.
 import * as vscode from 'vscode';
-import type { Server } from '../client';
+import { overtaken, type Server } from '../client';
 import { notRunning } from '../commands/server';
 import { diagram, LANGUAGE, type DiagramAnswer } from '../protocol';
 import { isDark, type Target } from './target';
@@ -101,9 +101,9 @@ export class InlineDiagrams implements vscode.Disposable {
           // The task or activity has gone, and so does its picture.
           this.remove([zone]);
         }
-      } catch {
+      } catch (error) {
         // Overtaken by typing: what is typed next, or the pause after it, asks again.
-        this.refresh(TYPING_PAUSE_MS);
+        if (overtaken(error)) this.refresh(TYPING_PAUSE_MS);
       }
     }
   }

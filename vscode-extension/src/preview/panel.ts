@@ -1,6 +1,6 @@
 // The diagram beside the text: follows the cursor and the typing, and leads back to the text.
 import * as vscode from 'vscode';
-import type { Server } from '../client';
+import { overtaken, type Server } from '../client';
 import { notRunning } from '../commands/server';
 import { diagram, LANGUAGE, type Arrangement, type DiagramAnswer, type DiagramKind, type DiagramNode, type DiagramParams } from '../protocol';
 import { SidePanel } from '../panel/panel';
@@ -185,9 +185,9 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
     let answer: DiagramAnswer | null | undefined;
     try {
       answer = await this.ask(position);
-    } catch {
+    } catch (error) {
       // Overtaken by typing: what is typed next, or the pause after it, asks again.
-      this.refresh(TYPING_PAUSE_MS);
+      if (overtaken(error)) this.refresh(TYPING_PAUSE_MS);
       return;
     }
     if (question !== this.asked || answer === undefined) {

@@ -71,4 +71,9 @@ test('at a step, what lasts in each lane and since when; what begins with a late
     [2, [['wait-lock', 0]], 2],
   ]);
   assert.deepEqual(moment(run(), 99), []);
+  // Until the step that ends it, a span of this very time lasts; what the end of the run cuts off, too.
+  const ends = [{ at: 0, lane: 2, rule: 'begin', what: 'a begins', codel: 'a' }, { at: 4, lane: 0, rule: 'tick', what: 'another' }, { at: 4, lane: 2, rule: 'end', what: 'a ends', codel: 'a' }];
+  const one = { ...span(2, 0, 4, 'run'), codel: 'a' };
+  const lasting = (step: number, steps = ends) => moment(run({ spans: [one], steps }), step).length;
+  assert.deepEqual([lasting(0), lasting(1), lasting(2), lasting(1, ends.slice(0, 2))], [1, 1, 0, 1]);
 });

@@ -307,7 +307,7 @@ impl Machine {
         if yields {
             known.extend(self.states.iter().map(SmolStr::as_str));
             known.extend(self.here.iter().map(SmolStr::as_str));
-            // The components that provide an interface may have no codel for another state.
+            // If a component provides the interface, a state without a codel there is an error.
             if self.unprovided {
                 known.extend(["start", "stop"]);
             }

@@ -25,6 +25,7 @@ export function checks(wb) {
   const titled = (text) => page.locator('.quick-input-title', { hasText: text });
   const lens = (text) => page.locator('.contentWidgets .codelens-decoration a', { hasText: text }).first();
   const errors = wb.squiggles();
+  const marker = page.locator('.marker-widget, .monaco-editor .zone-widget');
   const text = (name) => readFileSync(join(wb.folder, name), 'utf8');
   /** Runs a command of the palette. It drops what is typed while it is being filled: then it is opened again, and only the last try counts. */
   async function command(words, title) {
@@ -62,9 +63,10 @@ export function checks(wb) {
       await type('\nfunction go(in long speed) { codel arm_go(in sped); };');
       await errors.first().waitFor();
       await press('F8');
-      await page.locator('.marker-widget, .monaco-editor .zone-widget', { hasText: 'did you mean `speed`?' }).first().waitFor();
+      await marker.filter({ hasText: 'did you mean `speed`?' }).first().waitFor();
       await wb.shot('keys-2-broken.png');
       await press('Escape');
+      await marker.first().waitFor({ state: 'detached' });
     }],
     ['the first fix repairs it', async () => {
       await press('Control+.');
@@ -76,7 +78,11 @@ export function checks(wb) {
     }],
     ['its function is written where the other codels are', async () => {
       await wb.squiggles('warning').first().waitFor();
-      await press('F8', 'Escape', 'Control+.');
+      await press('F8');
+      await marker.first().waitFor();
+      await press('Escape');
+      await marker.first().waitFor({ state: 'detached' });
+      await press('Control+.');
       await page.locator('.action-widget .monaco-list-row', { hasText: 'arm_go' }).first().waitFor();
       await wb.shot('keys-3-stub.png');
       await press('Enter');

