@@ -81,6 +81,11 @@ impl<'a> Texts<'a> {
         }
     }
 
+    /// Returns true if a file is an open document.
+    pub(crate) fn is_open(&self, path: &Utf8Path) -> bool {
+        self.snapshot.open.contains_key(path)
+    }
+
     /// Returns the cancellation, if there was one: results are then invalid.
     pub(crate) fn check(&self) -> Cancellable<()> {
         self.cancelled.get().map_or(Ok(()), Err)

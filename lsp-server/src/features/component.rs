@@ -1,6 +1,8 @@
 //! A new component: `dotgen/interfaces`, `dotgen/newComponent` and `dotgen new`. This module makes the files;
 //! the editor, or the command line, writes them.
 
+use std::sync::Arc;
+
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::{AnalysisHost, Cancellable, Change};
@@ -9,15 +11,15 @@ use dotgen_analysis::language::SCENARIO;
 use dotgen_analysis::model::{Component, ComponentKind, PortDir};
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::command::{self, Project, StubTarget};
-use dotgen_codegen::codels::files::{Files, FilesConfig};
+use dotgen_codegen::codels::files::{Files, FilesConfig, ModificationTime};
 use dotgen_codegen::codels::stub::StubOptions;
 use dotgen_codegen::component::{NewComponent, NewInterface, NewPort, NewTask};
 use dotgen_syntax::{format, parse_text};
 use dotgen_timing::scn;
 use serde::{Deserialize, Serialize};
 
-use crate::features::codels::Texts;
 use crate::features::codels::judged_actions::private_host;
+use crate::features::codels::{Disk, Texts};
 use crate::protocol::convert::uri;
 use crate::protocol::types::Uri;
 use crate::protocol::user_result::UserResult;
@@ -289,9 +291,9 @@ pub(crate) fn new_component(
         uses: named(&params.uses),
     };
     let mut host = private_host(snapshot)?;
-    let texts = Texts::new(snapshot);
+    let texts = Unwritten(Texts::new(snapshot));
     let made = files(&mut host, &texts, &folder, &answers);
-    texts.check()?;
+    texts.0.check()?;
     Ok(UserResult(made.map(|made| {
         let file = |(path, text): (Utf8PathBuf, String)| {
             Some(NewFile {
@@ -303,4 +305,28 @@ pub(crate) fn new_component(
             files: made.into_iter().filter_map(file).collect(),
         })
     })))
+}
+
+/// The files of a snapshot, of which those not open are read from the disk. Analysis would remember that the
+/// files of the new component do not exist.
+struct Unwritten<'a>(Texts<'a>);
+
+impl Files for Unwritten<'_> {
+    fn read(&self, path: &Utf8Path) -> Option<Arc<str>> {
+        match self.0.is_open(path) {
+            true => self.0.read(path),
+            false => Disk.read(path),
+        }
+    }
+
+    fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
+        self.0.list(folder)
+    }
+
+    fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {
+        match self.0.is_open(path) {
+            true => self.0.changed(path),
+            false => Disk.changed(path),
+        }
+    }
 }

@@ -91,6 +91,34 @@ async fn a_component_comes_with_scenario_and_codels() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn the_sources_of_a_new_component_are_known_without_an_event() {
+    let folder = Folder::new(&[("README", "")]);
+    let mut client = Client::start(folder.params(super::client::pulling())).await;
+    let tasks = json!([{ "name": "exec", "period": "10 ms" }]);
+    let params = json!({ "folder": folder.uri("arm"), "name": "arm", "tasks": tasks });
+    let made = client.ok("dotgen/newComponent", params).await;
+    for file in made["files"].as_array().expect("files") {
+        let name = file["uri"]
+            .as_str()
+            .and_then(|uri| uri.strip_prefix(&folder.uri("")));
+        let name = name.expect("in the folder").trim_start_matches('/');
+        folder.write(name, file["text"].as_str().expect("a text"));
+    }
+    let uri = folder.uri("arm/arm.gen");
+    let text = folder.read("arm/arm.gen");
+    client.open(&uri, &text).await;
+    assert_eq!(client.pulled(&uri).await, [""; 0]);
+    let end = text.rfind("};").expect("the end of the component");
+    let more = format!(
+        "{}  function go() {{ codel arm_go() wcet 1 ms; }};\n}};\n",
+        &text[..end]
+    );
+    client.change(&uri, 2, json!([{ "text": more }])).await;
+    assert_eq!(client.pulled(&uri).await, ["codel/missing-definition"]);
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_file_that_is_not_found_is_searched_where_it_is() {
     let folder = Folder::new(&[
         ("share/idl/or/pose.idl", "struct pose { double x; };\n"),
