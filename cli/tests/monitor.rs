@@ -157,7 +157,7 @@ fn a_run_is_followed_through_its_socket() {
     let mut output = BufReader::new(child.stdout.take().expect("a pipe"));
     let mut line = String::new();
     output.read_line(&mut line).expect("a line");
-    assert!(line.contains("100 us"), "{line}");
+    assert!(line.contains("100 µs"), "{line}");
     // It ends with the run.
     run.signal("-TERM");
     ended(&mut run.0);

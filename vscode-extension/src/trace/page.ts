@@ -61,6 +61,7 @@ footer i { display: inline-block; width: 14px; height: 9px; margin-right: 4px; b
 #empty p { margin: 0 0 10px; }
 @media (max-width: 760px) { header h1 { min-width: 3em; } footer { display: none; } aside { flex-basis: 38%; } #search { width: 4.5em; } }
 @media (max-width: 560px) { header { flex-wrap: wrap; } header h1 { flex-basis: 100%; } #run { flex-direction: column; } aside { flex: 0 0 42%; border-left: 0; border-top: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); } #names { max-width: 42%; } }
+@media (max-width: 560px), (max-height: 420px) { #remedies { flex-wrap: nowrap; overflow-x: auto; flex: none; } #remedies button { flex: none; white-space: nowrap; } }
 @media (max-width: 560px) and (max-height: 560px) { #machine { display: none; } }
 @media (max-width: 560px) and (max-height: 420px) { header h1 { flex-basis: 9em; } #overview { height: 16px; } aside { flex-basis: 64px; } }
 `;

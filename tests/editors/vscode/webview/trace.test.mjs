@@ -129,6 +129,17 @@ test('the mouse: a click chooses, the wheel zooms at the pointer, a drag moves t
   await it.page.close();
 });
 
+test('many remedies leave room for the lanes in a small pane', async () => {
+  const it = await pages.open({ width: 340, height: 290 });
+  const remedies = ['pump.report.start', 'pump.control', 'pump.report', 'pump.control.main'].map((name) => ({ title: `Set the execution time of \`${name}\` to 5 ms`, previews: true }));
+  await it.send({ type: 'trace', trace: trace(200), remedies });
+  const { height } = await it.page.locator('#trace').boundingBox();
+  assert.ok(height >= 60, `${height} pixels`);
+  assert.deepEqual(await violations(it.page), []);
+  if (process.env.SHOTS) await it.page.screenshot({ path: `${process.env.SHOTS}/trace-remedies.png` });
+  await it.page.close();
+});
+
 test('a remedy shows the run with it while it is pointed at, and is written by a click', async () => {
   const it = await pages.open();
   const run = trace(200);
