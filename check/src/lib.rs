@@ -1,9 +1,10 @@
 //! Checks certificates of proofs by invariants, which `dotgen verify --certificate` writes.
 //!
-//! The checker shares no code with the verifier. It trusts that a certificate stands for the specification and
-//! its scenario: the parts with all their steps, the codels that exclude each other, the atoms, and the predicate
-//! of each check. What follows from them is computed again: that the local states of each part are closed under
-//! its steps, the number of codels that have a core, and that each case of a predicate contradicts an invariant.
+//! The checker shares no code with the verifier. It trusts that a certificate stands for the specification
+//! and its scenario: the parts with all their steps, the codels that exclude each other, the atoms, and the
+//! predicate of each check. What follows from them is computed again: that the local states of each part
+//! are closed under its steps, the number of codels that have a core, and that each case of a predicate
+//! contradicts an invariant.
 
 mod certificate;
 mod proof;
