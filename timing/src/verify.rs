@@ -139,6 +139,7 @@ pub(crate) fn verify_settings(
     }
     let tell = |report: &mut Report| {
         report.seconds = start.elapsed().as_secs_f64();
+        mark_lower_bounds(report);
         if !cancel.is_abandoned() {
             tell(report);
         }
@@ -177,13 +178,18 @@ pub(crate) fn verify_settings(
     for ((group, of_group, analysed), seen) in groups.iter().zip(&seen) {
         group.rest(&checks, of_group, analysed, seen, &mut report);
     }
+    mark_lower_bounds(&mut report);
+    report.seconds = start.elapsed().as_secs_f64();
+    report
+}
+
+/// Marks the values of checks without verdict: they are reached, and others may exceed them.
+fn mark_lower_bounds(report: &mut Report) {
     for check in &mut report.checks {
         if check.verdict == Verdict::Unknown && check.value.is_some() {
             check.soundness = Soundness::LowerBound;
         }
     }
-    report.seconds = start.elapsed().as_secs_f64();
-    report
 }
 
 /// A group of components as a system, and the indices of its checks.
