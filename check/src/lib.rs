@@ -34,7 +34,7 @@ pub enum Outcome {
     Accepted(String),
     /// The certificate does not prove the claim, for a reason.
     Refused(String),
-    /// There is no certificate: the verdict, and the method of the verifier.
+    /// The check is not certified. The text has its verdict and the method of the verifier.
     NotCertified(String),
 }
 

@@ -70,7 +70,7 @@ fn contradicts(tables: &Tables, case: &[Literal], work: &mut Work) -> Result<boo
     let mut left: HashMap<&str, Vec<&State>> = HashMap::new();
     for &(name, holds) in case {
         let atom = tables.atoms.get(name);
-        let atom = atom.ok_or_else(|| format!("there is no atom `{name}`"))?;
+        let atom = atom.ok_or_else(|| format!("the atom `{name}` is not declared"))?;
         // Any one of several parts may make an atom true.
         let tells = match holds {
             true => atom.parts.len() == 1,

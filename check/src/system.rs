@@ -84,7 +84,7 @@ impl<'c> Tables<'c> {
     fn closed(&self, part: &Part) -> Result<(), String> {
         let states = table("state", &part.states, |state| &state.name)?;
         if part.initial.is_empty() {
-            return Err("there is no initial state".to_owned());
+            return Err("it has no initial state".to_owned());
         }
         for initial in &part.initial {
             find("initial state", &states, initial)?;
@@ -132,7 +132,7 @@ fn known(atom: &Atom, states: &HashMap<&str, HashSet<&str>>) -> Result<(), Strin
     for (part, named) in &atom.parts {
         let states = find("part", states, part)?;
         if let Some(state) = named.iter().find(|state| !states.contains(state.as_str())) {
-            return Err(format!("there is no state `{state}`"));
+            return Err(format!("the state `{state}` is not declared"));
         }
     }
     Ok(())
@@ -157,5 +157,5 @@ fn table<'c, T>(
 }
 
 fn find<'t, T>(what: &str, names: &'t HashMap<&str, T>, name: &str) -> Result<&'t T, String> {
-    (names.get(name)).ok_or_else(|| format!("there is no {what} `{name}`"))
+    (names.get(name)).ok_or_else(|| format!("the {what} `{name}` is not declared"))
 }

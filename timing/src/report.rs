@@ -85,7 +85,7 @@ pub enum Soundness {
     Neither,
     /// The verdict is exact; the value is an upper bound of the exact value.
     UpperBound,
-    /// There is no verdict; the value is reached in a run, and others may exceed it.
+    /// No verdict was found. A run reaches the value, and other runs may exceed it.
     LowerBound,
     /// A failure is real. Other verdicts hold for codels that end at whole units of time, and a value is the
     /// greatest one of these runs: under preemption other codels may end later.
