@@ -11,8 +11,9 @@ import pytest
 
 from hosted import ROOT, lay_out
 
-# Schemas, and the commands whose outputs they describe.
+# Schemas, and the commands whose outputs they describe; `-` for what the fixture writes.
 OUTPUTS = [
+    ("certificate", "-"),
     ("check", "check drift quadcopter --format json"),
     ("check", "codels check drift --format json"),
     ("deps", "deps quadcopter --format json"),
@@ -40,6 +41,14 @@ OUTPUTS = [
 ]
 
 
+# A check that is proved with invariants.
+APART = """scenario apart {
+  use "pump.gen";
+  check always not (pump.control.main.exec and pump.report.start.exec);
+}
+"""
+
+
 def dotgen(folder, arguments):
     command = [os.environ["DOTGEN"], *arguments.split()]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True)
@@ -59,6 +68,8 @@ def folder(tmp_path_factory):
         text = (folder / name / file).read_text()
         assert old in text
         (folder / name / file).write_text(text.replace(old, new))
+    (folder / "pump/apart.scn").write_text(APART)
+    dotgen(folder, "verify pump/apart.scn --certificate certificate.json")
     lay_out(folder, "echo")
     files = "--profile run.log --record run.mcap --trace trace.json"
     runs = [f"pump/pump.scn --simulate all {files}", "echo/echo.gen --clock real --profile real.log"]
@@ -84,7 +95,7 @@ def closed(part):
 
 @pytest.mark.parametrize("name, arguments", OUTPUTS)
 def test_output_has_a_version_and_only_members_of_its_schema(folder, name, arguments):
-    text = (folder / "trace.json").read_text() if name == "trace" else dotgen(folder, arguments).stdout
+    text = (folder / f"{name}.json").read_text() if arguments == "-" else dotgen(folder, arguments).stdout
     document = json.loads(text)
     jsonschema.validate(document, closed(schema(name)))
     if name == "model":

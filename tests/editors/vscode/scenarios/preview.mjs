@@ -6,7 +6,8 @@ import { until } from '../harness.mjs';
 
 export const workspace = 'quadcopter';
 export const beside = ['maneuver'];
-export const settings = { 'workbench.colorTheme': 'Default Dark Modern' };
+// VS Code lists what stands between the lines, unless that is set.
+export const settings = { 'workbench.colorTheme': 'Default Dark Modern', 'comments.openView': 'never' };
 const FILE = 'nhfc.gen';
 
 export function checks(wb) {
@@ -174,8 +175,6 @@ export function checks(wb) {
       await wb.open(FILE);
       await wb.endOf(FILE, 'activity servo');
       const zone = page.locator('.review-widget img');
-      // VS Code lists what stands between the lines, unless that is set.
-      wb.folderSettings({ 'comments.openView': 'never' });
       await page.keyboard.press('Home');
       for (let i = 0; i < 'activity s'.length + 2; i++) await page.keyboard.press('ArrowRight');
       await wb.command('dotgen: Toggle State Machine Between the Lines');
