@@ -9,8 +9,7 @@ use std::sync::Arc;
 
 use camino::Utf8PathBuf;
 use clap::Args;
-use dotgen_analysis::release::ReleaseChoice;
-use dotgen_codegen::command::{Environment, Project, generate};
+use dotgen_codegen::command::{Environment, MakeRos2Packages, Project, generate};
 use dotgen_codegen::template::console::StdConsole;
 use dotgen_codegen::template::{Limits, OutputSink};
 
@@ -18,6 +17,9 @@ use dotgen_lsp_server::config::{self, Config};
 use dotgen_platform::files::disk::SystemDisk;
 use dotgen_platform::files::vfs::PackageConfig;
 use dotgen_platform::files::vfs::Vfs;
+use dotgen_ros2::interfaces::packages;
+
+use super::session::{ConfigProblems, told_rules};
 
 /// Run a template over specifications, with the arguments of `genom3`
 #[derive(Debug, Args)]
@@ -58,14 +60,15 @@ fn run_as_genom3(arguments: &[String]) -> ExitCode {
         may_run: true,
         ..PackageConfig::default()
     };
-    run("genom3", arguments, packages, None)
+    run("genom3", arguments, packages, &ConfigFile::default())
 }
 
 /// Runs with the `dotgen.toml` of the files.
 fn in_project(arguments: &[String]) -> ExitCode {
-    let mut config = Config::default();
+    let mut file = ConfigFile::default();
     let arguments = Project::complete(arguments, |rest| {
-        config = configuration(rest);
+        file = configuration(rest);
+        let config = &file.config;
         let text = |path: &Utf8PathBuf| path.to_string();
         let templates: Vec<String> = config.template_paths.iter().map(text).collect();
         Project {
@@ -76,36 +79,56 @@ fn in_project(arguments: &[String]) -> ExitCode {
     });
     let packages = PackageConfig {
         may_run: true,
-        ..config.packages
+        ..file.config.packages.clone()
     };
-    run("dotgen generate", &arguments, packages, config.release)
+    run("dotgen generate", &arguments, packages, &file)
+}
+
+/// A configuration with the file that it is from.
+#[derive(Default)]
+struct ConfigFile {
+    config: Config,
+    source: Option<ConfigProblems>,
+}
+
+impl ConfigFile {
+    /// Returns the maker of ROS 2 packages. It needs a configuration without errors.
+    fn ros2(&self) -> Arc<MakeRos2Packages> {
+        let (rules, source) = (self.config.ros2.rules(), self.source.clone());
+        Arc::new(move |spec| {
+            source.iter().try_for_each(ConfigProblems::first_error)?;
+            packages(spec, &rules).map_err(|errors| told_rules(source.as_ref(), &errors))
+        })
+    }
 }
 
 /// Returns the nearest configuration around the last argument that is a file, or around the current
 /// directory. `dotgen check` reports errors in the configuration.
-fn configuration(words: &[String]) -> Config {
+fn configuration(words: &[String]) -> ConfigFile {
     let Ok(here) = camino::absolute_utf8(".") else {
-        return Config::default();
+        return ConfigFile::default();
     };
     let mut files = words.iter().rev().map(|word| here.join(word));
     let file = files.find(|file| file.is_file());
     let file = dotgen_platform::files::vfs::normalize(&file.unwrap_or_else(|| here.join("-")));
     let Some(directory) = config::nearest_directory(&file) else {
-        return Config::default();
+        return ConfigFile::default();
     };
-    let text = std::fs::read_to_string(directory.join(config::FILE_NAME)).unwrap_or_default();
-    let settings = config::from_toml(&text)
-        .settings
-        .resolved_against(&directory);
-    Config::new(&settings, &directory, true)
+    let path = directory.join(config::FILE_NAME);
+    let text = std::fs::read_to_string(&path).unwrap_or_default();
+    let read = config::from_toml(&text);
+    let settings = read.settings.resolved_against(&directory);
+    ConfigFile {
+        config: Config::new(&settings, &directory, true),
+        source: Some(ConfigProblems {
+            path,
+            text: text.into(),
+            problems: read.problems,
+        }),
+    }
 }
 
-fn run(
-    name: &str,
-    arguments: &[String],
-    packages: PackageConfig,
-    release: Option<ReleaseChoice>,
-) -> ExitCode {
+fn run(name: &str, arguments: &[String], packages: PackageConfig, file: &ConfigFile) -> ExitCode {
     let mut environment = Environment {
         name,
         program: std::env::current_exe().unwrap_or_else(|_| name.into()),
@@ -113,7 +136,7 @@ fn run(
         disk: Arc::new(SystemDisk),
         loader: Arc::new(Vfs::new(packages)),
         pictures: Arc::new(dotgen_views::pictures::machine),
-        ros2: Arc::new(dotgen_ros2::interfaces::packages),
+        ros2: file.ros2(),
         console: &mut StdConsole::default(),
         limits: Limits::default(),
         base: PathBuf::new(),
@@ -122,7 +145,7 @@ fn run(
         // The generator parses `--confined`, among its other options.
         confined: None,
         failed_at: None,
-        release,
+        release: file.config.release.clone(),
     };
     let status = generate(arguments, &mut environment);
     ExitCode::from(u8::try_from(status & 0xff).unwrap_or(2))

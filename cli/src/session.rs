@@ -19,6 +19,9 @@ use dotgen_lsp_server::config::{self, Config, Level, Problem, Settings};
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_platform::files::vfs::{self, PackageConfig, Vfs};
 use dotgen_platform::panic;
+use dotgen_ros2::rules::RuleError;
+#[cfg(feature = "zenoh")]
+use dotgen_ros2::rules::Rules;
 
 /// Number of files after which cached results are dropped.
 const MAX_CACHED_FILES: usize = 64;
@@ -36,6 +39,9 @@ pub(super) struct Session {
     pub(super) format: config::Format,
     /// Severity by diagnostic code.
     pub(super) severity: BTreeMap<String, Level>,
+    /// Common messages of ports in ROS 2.
+    #[cfg(feature = "zenoh")]
+    pub(super) ros2: Rules,
 }
 
 /// A specification to read.
@@ -56,10 +62,35 @@ impl SourceFile {
 }
 
 /// Problems of a `dotgen.toml`.
+#[derive(Clone)]
 pub(super) struct ConfigProblems {
     pub(super) path: Utf8PathBuf,
     pub(super) text: Arc<str>,
     pub(super) problems: Vec<Problem>,
+}
+
+impl ConfigProblems {
+    /// Fails if the file has an error: the rules for ROS 2 may be missing then.
+    ///
+    /// # Errors
+    /// The first error, with its place.
+    pub(super) fn first_error(&self) -> Result<(), String> {
+        let error = self.problems.iter().find(|problem| problem.kind.is_error());
+        error.map_or(Ok(()), |error| Err(self.located(error)))
+    }
+
+    fn located(&self, problem: &Problem) -> String {
+        config::located(&display(&self.path), &self.text, problem)
+    }
+}
+
+/// Returns errors of rules for ROS 2, each with its place.
+pub(super) fn told_rules(file: Option<&ConfigProblems>, errors: &[RuleError]) -> String {
+    let lines = errors.iter().map(|error| match file {
+        Some(file) => file.located(&config::rule_problem(&file.text, error)),
+        None => error.to_string(),
+    });
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 /// Returns the files that arguments name: the files themselves, and all `.gen` files below directories.
@@ -395,6 +426,8 @@ impl Session {
             codels: settings.codels.files(),
             format: settings.format,
             severity: configuration.severity,
+            #[cfg(feature = "zenoh")]
+            ros2: settings.ros2.rules(),
         }
     }
 

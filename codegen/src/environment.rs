@@ -73,7 +73,10 @@ pub struct Ros2Packages {
 
 /// Makes the ROS 2 packages of all components of a specification. The caller provides it, as the mapping
 /// belongs to another layer than templates.
-pub type MakeRos2Packages = dyn Fn(&Spec) -> Ros2Packages + Send + Sync;
+///
+/// # Errors
+/// A message: the settings for ROS 2 are wrong.
+pub type MakeRos2Packages = dyn Fn(&Spec) -> Result<Ros2Packages, String> + Send + Sync;
 
 impl Environment<'_> {
     pub(crate) fn print(&mut self, text: &str) {

@@ -5,11 +5,12 @@ mod replies;
 mod requests;
 mod topics;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
 use dotgen_ros2::cdr::Payloads;
+use dotgen_ros2::conversion::{Conversion, Conversions};
 use dotgen_ros2::node::{Endpoint, Node, Part, endpoints};
 use dotgen_ros2::wire::{Kind, NodeId};
 use dotgen_runtime::hosts::RequestReply;
@@ -25,7 +26,7 @@ use super::components::KnownComponent;
 use super::network::{Notifier, SOURCES, config};
 use dotgen_timing::system::ComponentId;
 use requests::Requests;
-use topics::Topic;
+use topics::{Topic, now};
 
 /// The endpoint of a router if none is given.
 const ROUTER: &str = "tcp/localhost:7447";
@@ -39,6 +40,8 @@ pub struct Ros2Options<'a> {
     pub connect: &'a [String],
     /// The ROS domain.
     pub domain: u32,
+    /// By component: the ports with common messages.
+    pub conversions: &'a BTreeMap<ComponentId, Conversions>,
 }
 
 /// Adds the components of a run to the graph of ROS 2. `is_fed` returns true for input ports that get their
@@ -61,10 +64,13 @@ pub fn join(
         next: AtomicU32::new(0),
         requests: Requests::new(known.clone(), inbox.clone()),
         joined: BTreeMap::new(),
+        unpublished: BTreeSet::new(),
         tell: tell.clone(),
     };
     for (&component, entry) in known {
-        match endpoints(&entry.spec, entry.component(), wanted.domain) {
+        let conversions = wanted.conversions.get(&component);
+        let conversions = conversions.cloned().unwrap_or_default();
+        match endpoints(&entry.spec, entry.component(), wanted.domain, conversions) {
             Ok(node) => {
                 let refused = node.refused.iter();
                 refused.for_each(|refusal| tell(&refusal.to_string()));
@@ -104,6 +110,8 @@ struct Nodes {
     requests: Arc<Requests>,
     /// By component.
     joined: BTreeMap<ComponentId, Joined>,
+    /// Ports, as component and index, with data that had no message, which was reported.
+    unpublished: BTreeSet<(ComponentId, u32)>,
     tell: Notifier,
 }
 
@@ -161,7 +169,8 @@ impl Nodes {
                     }
                 }
                 (Kind::Subscription, Part::Port(port)) if !is_fed(component, port) => {
-                    let input = self.input(component, port, endpoint.multiple);
+                    let conversion = node.conversions.get(&port).cloned();
+                    let input = self.input(component, port, endpoint.multiple, conversion);
                     let subscriber = self.session.declare_subscriber(key);
                     let subscriber = subscriber.callback(move |sample| input.hear(&sample));
                     subscribers.push(subscriber.wait()?);
@@ -189,12 +198,19 @@ impl Nodes {
         })
     }
 
-    fn input(&self, component: ComponentId, port: u32, multiple: bool) -> Input {
+    fn input(
+        &self,
+        component: ComponentId,
+        port: u32,
+        multiple: bool,
+        conversion: Option<Conversion>,
+    ) -> Input {
         Input {
             known: self.requests.known[&component].clone(),
             component,
             port,
             multiple,
+            conversion,
             inbox: self.requests.inbox.clone(),
             newest: Mutex::default(),
         }
@@ -252,18 +268,33 @@ impl RunListener for Nodes {
                 joined.topics.insert(place.clone(), topic);
             }
         }
-        let topic = self
-            .joined
-            .get(&component)
-            .and_then(|joined| joined.topics.get(&place));
-        let Some(Some(topic)) = topic else {
+        let Some(joined) = self.joined.get(&component) else {
+            return;
+        };
+        let Some(Some(topic)) = joined.topics.get(&place) else {
             return;
         };
         let known = &self.requests.known[&component];
-        let ty = known.component().ports[port as usize].data;
-        let payloads = Payloads::new(&known.spec, known.component());
-        if let Ok(message) = payloads.message(ty, data) {
-            topic.put(message);
+        let declaration = known.component();
+        let declared = &declaration.ports[port as usize];
+        let conversion = joined.node.conversions.get(&port);
+        let message = match conversion {
+            Some(conversion) => conversion.message(&known.spec, data, now()),
+            None => Payloads::new(&known.spec, declaration)
+                .message(declared.data, data)
+                .map(Some),
+        };
+        match message {
+            Ok(Some(message)) => topic.put(message),
+            // An optional member is absent.
+            Ok(None) => {}
+            Err(error) if conversion.is_some() && self.unpublished.insert((component, port)) => {
+                (self.tell)(&format!(
+                    "data of port `{}.{}` are not published to ROS 2: {error}",
+                    declaration.name, declared.name
+                ));
+            }
+            Err(_) => {}
         }
     }
 }
@@ -274,6 +305,8 @@ struct Input {
     component: ComponentId,
     port: u32,
     multiple: bool,
+    /// The conversion from a common message.
+    conversion: Option<Conversion>,
     inbox: RunInbox,
     /// The data that the engine has not taken yet, by the name of the instance.
     newest: Mutex<HashMap<String, Arc<InputSlot>>>,
@@ -291,8 +324,12 @@ impl Input {
         let name = instance.filter(|_| self.multiple).unwrap_or_default();
         let component = self.known.component();
         let ty = component.ports[self.port as usize].data;
-        let payloads = Payloads::new(&self.known.spec, component);
-        let Ok(data) = payloads.data(ty, &payload.to_bytes()) else {
+        let (spec, payload) = (&self.known.spec, payload.to_bytes());
+        let data = match &self.conversion {
+            Some(conversion) => conversion.data(spec, &payload),
+            None => Payloads::new(spec, component).data(ty, &payload),
+        };
+        let Ok(data) = data else {
             return;
         };
         let mut newest = self

@@ -5,6 +5,7 @@
 //! result with absolute paths. The rest of the server uses only [`Config`].
 
 mod read;
+mod ros2;
 pub mod schema;
 mod selection;
 mod settings;
@@ -21,6 +22,7 @@ use dotgen_diagram::system::Connection;
 use dotgen_analysis::ide::{InlayConfig, LensConfig};
 use dotgen_platform::files::vfs::PackageConfig;
 pub use read::{LoadedSettings, Problem, ProblemKind, from_editor, from_toml};
+pub use ros2::{Message, Ros2, located, rule_problem};
 pub use settings::{
     DefineValue, Format, FormatAlign, FormatUnit, Generate, Level, Settings, Verification,
 };
@@ -63,6 +65,8 @@ pub struct Config {
     pub verification: Verification,
     /// The style of the formatter.
     pub format: Format,
+    /// Settings for ROS 2.
+    pub ros2: Ros2,
     /// The files with codels; `None` if specifications are not compared with them.
     pub codels: Option<FilesConfig>,
 }
@@ -121,6 +125,7 @@ impl Config {
             lints: settings.timing.lints(),
             max_file_size: settings.max_file_size,
             format: settings.format,
+            ros2: settings.ros2.clone(),
             codels: settings
                 .codels
                 .check
@@ -241,6 +246,7 @@ impl Config {
         self.verification = self.verification.over(other.verification);
         self.max_file_size = self.max_file_size.or(other.max_file_size);
         self.format = self.format.over(other.format);
+        self.ros2 = self.ros2.over(other.ros2);
         if self.lints == LintConfig::default() {
             self.lints = other.lints;
         }

@@ -6,11 +6,13 @@ use std::fmt::Write as _;
 use dotgen_analysis::model::{Component, ComponentKind, ScopeKind, Spec, Src, TypeId, TypeKind};
 use dotgen_codegen::command::Ros2Packages;
 
+use crate::conversion::conversions;
 use crate::description::{Base, FILLER, Field};
 use crate::mapping::Mapping;
 use crate::names;
 use crate::node::offer;
 use crate::refusal::Refusal;
+use crate::rules::{RuleError, Rules};
 
 /// Packages to build with `colcon`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -23,12 +25,20 @@ pub struct Interfaces {
 
 /// Writes the packages of components: one for each module that the components use. A package has all types of
 /// its module, so that components that include the same files have equal packages. The package of a component
-/// has only the types that its ports and services use.
-pub fn interfaces(spec: &Spec, components: &[&Component]) -> Interfaces {
+/// has only the types that its ports and services use. Ports with a rule need no type of their own.
+///
+/// # Errors
+/// A rule does not fit its component.
+pub fn interfaces(
+    spec: &Spec,
+    components: &[&Component],
+    rules: &Rules,
+) -> Result<Interfaces, Vec<RuleError>> {
     let mut mapping = Mapping::new(spec);
     let mut refused = Vec::new();
     for component in components {
-        match offer(&mut mapping, spec, component) {
+        let conversions = conversions(spec, component, rules)?;
+        match offer(&mut mapping, spec, component, &conversions) {
             Ok((_, some)) => refused.extend(some),
             Err(error) => refused.push(error),
         }
@@ -79,23 +89,26 @@ pub fn interfaces(spec: &Spec, components: &[&Component]) -> Interfaces {
         let build = build(package, &sources, needs);
         files.insert(format!("{package}/CMakeLists.txt"), build);
     }
-    Interfaces { files, refused }
+    Ok(Interfaces { files, refused })
 }
 
 /// The packages of all components of a specification, for the template `ros2-interfaces`.
-pub fn packages(spec: &Spec) -> Ros2Packages {
+///
+/// # Errors
+/// A rule does not fit its component.
+pub fn packages(spec: &Spec, rules: &Rules) -> Result<Ros2Packages, Vec<RuleError>> {
     let all = spec.components.iter();
     let all: Vec<&Component> = all
         .filter(|component| component.kind == ComponentKind::Component)
         .collect();
-    let Interfaces { files, refused } = interfaces(spec, &all);
+    let Interfaces { files, refused } = interfaces(spec, &all, rules)?;
     let refused = refused
         .iter()
         .map(|refusal| (refusal.src, refusal.to_string()));
-    Ros2Packages {
+    Ok(Ros2Packages {
         files,
         refused: refused.collect(),
-    }
+    })
 }
 
 /// Adds all types of the packages in use, except for those of components. Types may need further packages.

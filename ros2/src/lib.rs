@@ -17,12 +17,18 @@
 //!
 //! The response of a service and the result of an action have the outputs, a string `exception`, which is
 //! empty after success, and a `T[<=1]` for each exception with members.
+//!
+//! A port has a [common](common) message instead if a [rule](rules) says so.
 
 pub mod cdr;
+pub mod common;
+pub mod conversion;
 pub mod description;
 pub mod interfaces;
 pub mod mapping;
 pub mod names;
 pub mod node;
 pub mod refusal;
+pub mod rules;
+mod scalar;
 pub mod wire;

@@ -6,9 +6,12 @@ use dotgen_analysis::model::{ScopeKind, Spec, TypeId};
 const GLOBAL: &str = "genom_global";
 
 /// Packages of ROS 2 whose types are used.
-const STANDARD: [&str; 5] = [
+const STANDARD: [&str; 8] = [
     "action_msgs",
     "builtin_interfaces",
+    "geometry_msgs",
+    "nav_msgs",
+    "sensor_msgs",
     "service_msgs",
     "std_msgs",
     "unique_identifier_msgs",

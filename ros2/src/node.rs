@@ -7,6 +7,8 @@ use dotgen_analysis::phrase::Phrase;
 use dotgen_codegen::codels::value::{is_input, is_output};
 use dotgen_codegen::template::throws::service_throws;
 
+use crate::common;
+use crate::conversion::{Conversion, Conversions};
 use crate::description::{Base, CANCEL_GOAL, Count, Field, STATUS_ARRAY, Types};
 use crate::mapping::{Mapping, Obstacle, Place, distinct};
 use crate::names;
@@ -98,21 +100,30 @@ pub struct Node {
     pub refused: Vec<Refusal>,
     /// The descriptions of all types.
     pub types: Types,
+    /// Conversions of ports with common messages.
+    pub conversions: Conversions,
 }
 
-/// Lists the endpoints of a component.
+/// Lists the endpoints of a component. Ports with a conversion have its message.
 ///
 /// # Errors
 /// The component itself has no name in ROS 2, or its package has no name.
-pub fn endpoints(spec: &Spec, component: &Component, domain: u32) -> Result<Node, Vec<Refusal>> {
+pub fn endpoints(
+    spec: &Spec,
+    component: &Component,
+    domain: u32,
+    conversions: Conversions,
+) -> Result<Node, Vec<Refusal>> {
     let mut mapping = Mapping::new(spec);
-    let (endpoints, refused) = offer(&mut mapping, spec, component).map_err(|error| vec![error])?;
+    let offered = offer(&mut mapping, spec, component, &conversions);
+    let (endpoints, refused) = offered.map_err(|error| vec![error])?;
     Ok(Node {
         name: component.name.to_string(),
         domain,
         endpoints,
         refused,
         types: mapping.types,
+        conversions,
     })
 }
 
@@ -121,6 +132,7 @@ pub(crate) fn offer(
     mapping: &mut Mapping<'_>,
     spec: &Spec,
     component: &Component,
+    conversions: &Conversions,
 ) -> Result<(Vec<Endpoint>, Vec<Refusal>), Refusal> {
     let part = || format!("component `{}`", component.name);
     let name = names::topic([component.name.as_str()]).map_err(|why| Obstacle {
@@ -138,7 +150,7 @@ pub(crate) fn offer(
     };
     let mut refused = Vec::new();
     for (index, port) in (0u32..).zip(&component.ports) {
-        if let Err(error) = offer.port(index, port) {
+        if let Err(error) = offer.port(index, port, conversions.get(&index)) {
             let part = format!("port `{}.{}`", component.name, port.name);
             refused.push(refusal(part, error));
         }
@@ -178,16 +190,29 @@ struct Offer<'a, 's> {
 }
 
 impl Offer<'_, '_> {
-    fn port(&mut self, index: u32, port: &Port) -> Result<(), Obstacle> {
+    fn port(
+        &mut self,
+        index: u32,
+        port: &Port,
+        conversion: Option<&Conversion>,
+    ) -> Result<(), Obstacle> {
         let obstacle = |why| Obstacle { why, src: port.src };
         let topic = [self.component.name.as_str(), port.name.as_str()];
         let topic = names::topic(topic).map_err(obstacle)?;
-        let place = Place {
-            package: self.package.clone(),
-            local: names::camel(&port.name).map_err(obstacle)?,
-            src: port.src,
+        let message = match conversion {
+            Some(conversion) => {
+                common::add(&conversion.message, &mut self.mapping.types);
+                conversion.message.clone()
+            }
+            None => {
+                let place = Place {
+                    package: self.package.clone(),
+                    local: names::camel(&port.name).map_err(obstacle)?,
+                    src: port.src,
+                };
+                self.mapping.message(port.data, &place)?
+            }
         };
-        let message = self.mapping.message(port.data, &place)?;
         // A port keeps its data: who joins later reads it too.
         let (kind, qos) = match port.dir {
             PortDir::Out => (Kind::Publisher, Qos::Latched),

@@ -8,8 +8,10 @@ use dotgen_analysis::model::ComponentKind;
 use dotgen_codegen::codels::value::Values;
 use dotgen_loaders::Disk;
 use dotgen_ros2::cdr::{Outcome, Payloads};
+use dotgen_ros2::conversion::Conversions;
 use dotgen_ros2::interfaces::interfaces;
 use dotgen_ros2::node::endpoints;
+use dotgen_ros2::rules::Rules;
 use serde_json::Value;
 
 /// The units of all specifications, in order of their paths.
@@ -58,8 +60,8 @@ fn published_components_are_offered() {
             .filter(|component| component.kind == ComponentKind::Component)
             .collect();
         for component in &components {
-            let node =
-                endpoints(spec, component, 0).unwrap_or_else(|error| panic!("{path}: {error:?}"));
+            let node = endpoints(spec, component, 0, Conversions::new())
+                .unwrap_or_else(|error| panic!("{path}: {error:?}"));
             offered += node.endpoints.len();
             let payloads = Payloads::new(spec, component);
             for port in &component.ports {
@@ -78,7 +80,10 @@ fn published_components_are_offered() {
                 payloads.response(service, failed).expect("a response");
             }
         }
-        for refusal in interfaces(spec, &components).refused {
+        for refusal in interfaces(spec, &components, &Rules::new())
+            .expect("no rules")
+            .refused
+        {
             found += &format!("{path}: {refusal}\n");
         }
     }

@@ -2,16 +2,19 @@
 
 use std::collections::BTreeMap;
 
+use dotgen_ros2::conversion::Conversions;
 use dotgen_ros2::description::Types;
 use dotgen_ros2::interfaces::interfaces;
 use dotgen_ros2::node::endpoints;
+use dotgen_ros2::rules::Rules;
 
 use super::{PUMP, unit};
 
 #[test]
 fn each_module_is_a_package() {
     let unit = unit(PUMP);
-    let found = interfaces(&unit.spec, &[&unit.spec.components[0]]);
+    let found =
+        interfaces(&unit.spec, &[&unit.spec.components[0]], &Rules::new()).expect("no rules");
     assert_eq!(found.refused, []);
     let mut all = String::new();
     for (path, text) in &found.files {
@@ -25,9 +28,12 @@ fn each_module_is_a_package() {
 fn files_and_descriptions_agree() {
     let unit = unit(PUMP);
     let component = &unit.spec.components[0];
-    let node = endpoints(&unit.spec, component, 0).expect("it has a name");
+    let node = endpoints(&unit.spec, component, 0, Conversions::new()).expect("it has a name");
     let mut read = Types::standard();
-    for (path, text) in interfaces(&unit.spec, &[component]).files {
+    for (path, text) in interfaces(&unit.spec, &[component], &Rules::new())
+        .expect("no rules")
+        .files
+    {
         let Some((name, "msg" | "srv" | "action")) = path.rsplit_once('.') else {
             continue;
         };
@@ -72,7 +78,8 @@ fn packages_that_need_each_other_are_refused() {
          module a { struct three { b::two x; }; };
          component demo { version \"1.0\"; lang \"c\"; port out a::three p; };",
     );
-    let found = interfaces(&unit.spec, &[&unit.spec.components[0]]);
+    let found =
+        interfaces(&unit.spec, &[&unit.spec.components[0]], &Rules::new()).expect("no rules");
     let found: Vec<String> = found.refused.iter().map(ToString::to_string).collect();
     assert_eq!(found.len(), 2, "{found:?}");
     assert!(found[0].contains("`a` is not") && found[0].contains("`b` need each other"));

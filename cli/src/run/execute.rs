@@ -321,6 +321,8 @@ impl Context<'_, '_> {
         let serving = match real {
             true => Some(super::serve::start(
                 arguments,
+                #[cfg(feature = "zenoh")]
+                self.session,
                 self.problem,
                 self.names,
                 &opened,

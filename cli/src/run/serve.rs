@@ -13,12 +13,16 @@ use std::os::unix::fs::DirBuilderExt as _;
 use super::Arguments;
 use super::params::Params;
 use crate::report;
+#[cfg(feature = "zenoh")]
+use crate::session::{ConfigProblems, Session, told_rules};
 use dotgen_hosting::children::Children;
 use dotgen_hosting::components::KnownComponent;
 #[cfg(feature = "zenoh")]
 use dotgen_hosting::network::Network;
 use dotgen_hosting::server::{Clients, Server, listen};
 use dotgen_hosting::sockets;
+#[cfg(feature = "zenoh")]
+use dotgen_ros2::conversion::{self, Conversions};
 use dotgen_timing::system::ComponentId;
 use dotgen_views::verification::Problem;
 
@@ -32,6 +36,7 @@ pub(super) struct RunServer {
 /// Starts the server.
 pub(super) fn start(
     arguments: &Arguments,
+    #[cfg(feature = "zenoh")] session: &Session,
     problem: &Problem,
     names: &Names<'_>,
     prepared: &Prepared,
@@ -76,7 +81,7 @@ pub(super) fn start(
         known.insert(at, known_here);
     }
     #[cfg(feature = "zenoh")]
-    let _network = join(arguments, &known, parts, children)?;
+    let _network = join(arguments, session, &known, parts, children)?;
     #[cfg(not(feature = "zenoh"))]
     if arguments.has_network() || arguments.ros2 {
         anyhow::bail!(
@@ -118,6 +123,7 @@ pub(super) fn start(
 #[cfg(feature = "zenoh")]
 fn join(
     arguments: &Arguments,
+    session: &Session,
     known: &BTreeMap<ComponentId, KnownComponent>,
     parts: &HostedComponents<'_>,
     children: &mut Children,
@@ -135,6 +141,7 @@ fn join(
             listen: &arguments.zenoh_listen,
             connect: &arguments.zenoh_connect,
             domain: arguments.ros_domain()?,
+            conversions: &conversions(session, known).map_err(anyhow::Error::msg)?,
         };
         let outside = ros2::join(wanted, known, &is_fed, &children.inbox(), &tell);
         children.tell(outside.map_err(anyhow::Error::msg)?);
@@ -156,6 +163,39 @@ fn join(
     let (network, outside) = joined.map_err(anyhow::Error::msg)?;
     children.tell(outside);
     Ok(Some(network))
+}
+
+/// Returns the conversions of ports with common messages.
+#[cfg(feature = "zenoh")]
+fn conversions(
+    session: &Session,
+    known: &BTreeMap<ComponentId, KnownComponent>,
+) -> Result<BTreeMap<ComponentId, Conversions>, String> {
+    let config = session.config.as_ref();
+    config.map_or(Ok(()), ConfigProblems::first_error)?;
+    let (mut out, mut errors) = (BTreeMap::new(), Vec::new());
+    for (&at, entry) in known {
+        match conversion::conversions(&entry.spec, entry.component(), &session.ros2) {
+            Ok(found) => {
+                out.insert(at, found);
+            }
+            Err(some) => errors.extend(some),
+        }
+    }
+    for component in session.ros2.keys() {
+        if known
+            .values()
+            .all(|entry| entry.component().name != component.as_str())
+        {
+            report::note(&format!(
+                "`ros2.messages.{component}` is not used: no component `{component}` runs"
+            ));
+        }
+    }
+    match errors.is_empty() {
+        true => Ok(out),
+        false => Err(told_rules(config, &errors)),
+    }
 }
 
 /// `pump.goal=planner/goal`

@@ -73,7 +73,7 @@ fn write(
         .parse_files(&inputs, &mut |line| console.err(line))
         .map_err(|failure| failure.to_string())?;
     let compiled = compiler.compiled();
-    let packages = (env.ros2)(&compiled.spec);
+    let packages = (env.ros2)(&compiled.spec)?;
     for (src, refusal) in &packages.refused {
         let place = compiled.places.place(*src, Anchor::First);
         let place = place.map_or(String::new(), |place| {

@@ -386,7 +386,11 @@ impl<'b> Reader<'b> {
         Reader { bytes }
     }
 
-    pub(super) fn some(&mut self, count: usize) -> Result<&'b [u8], ValueError> {
+    /// Takes a number of bytes.
+    ///
+    /// # Errors
+    /// There are fewer.
+    pub fn some(&mut self, count: usize) -> Result<&'b [u8], ValueError> {
         match self.bytes.split_at_checked(count) {
             Some((taken, rest)) => {
                 self.bytes = rest;
@@ -396,7 +400,11 @@ impl<'b> Reader<'b> {
         }
     }
 
-    pub(super) fn take<const N: usize>(&mut self) -> Result<[u8; N], ValueError> {
+    /// Takes the bytes of a number, which are in the order of this machine.
+    ///
+    /// # Errors
+    /// There are fewer.
+    pub fn take<const N: usize>(&mut self) -> Result<[u8; N], ValueError> {
         let bytes = self.some(N)?;
         bytes.try_into().or_else(|_| wrong("", "a value"))
     }

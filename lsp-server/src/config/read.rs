@@ -80,6 +80,16 @@ impl ProblemKind {
     }
 }
 
+/// The place of the value at a JSON pointer in the text of a `dotgen.toml`, or else of what is around it.
+pub(super) fn range_of(text: &str, pointer: &str) -> Option<Range<usize>> {
+    let table = DeTable::parse(text).ok()?;
+    let mut spans = Spans::default();
+    spans.table(table.get_ref(), "");
+    let ends = pointer.rmatch_indices('/').map(|(at, _)| &pointer[..at]);
+    let mut around = std::iter::once(pointer).chain(ends);
+    around.find_map(|pointer| spans.values.get(pointer).cloned())
+}
+
 /// Settings under the same prefix that are for the editor extension itself.
 const CLIENT_ONLY: [&str; 4] = ["server", "trace", "files", "trusted"];
 
@@ -241,7 +251,10 @@ fn read_object(
                 problems.push((pointer.clone(), problem));
             }
             match serde_json::from_value::<Settings>(one) {
-                Ok(one) => settings = settings.over(one),
+                Ok(one) => {
+                    problems.extend(one.ros2.problems());
+                    settings = settings.over(one);
+                }
                 Err(error) => {
                     let (written, why) = (name(&dotted(&pointer)), explain(key, &error));
                     let problem = Problem {
@@ -309,6 +322,10 @@ fn explain(key: &str, error: &serde_json::Error) -> String {
         }
         "generate" => {
             "expected tables with a `file`, a `template` and a list of `arguments`".to_owned()
+        }
+        "ros2" => {
+            "expected, for each component and port, a `type`, and tables `fields` and `constants`"
+                .to_owned()
         }
         "severity" => {
             "expected \"error\", \"warning\", \"information\", \"hint\" or \"off\"".to_owned()

@@ -15,6 +15,8 @@ use dotgen_timing::verify::Options;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::ros2::Ros2;
+
 /// Settings of dotgen, as written in `dotgen.toml` at the root of a workspace folder.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", default)]
@@ -72,6 +74,9 @@ pub struct Settings {
     /// Location of the C and C++ sources of codels.
     #[serde(skip_serializing_if = "Codels::is_default")]
     pub codels: Codels,
+    /// Components as ROS 2 nodes.
+    #[serde(skip_serializing_if = "Ros2::is_default")]
+    pub ros2: Ros2,
     /// Show code lenses above declarations; on by default. Further settings select the lenses.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
@@ -522,6 +527,7 @@ impl Settings {
         self.verification = self.verification.over(weaker.verification);
         self.codels = self.codels.over(weaker.codels);
         self.format = self.format.over(weaker.format);
+        self.ros2 = self.ros2.over(weaker.ros2);
         self
     }
 

@@ -198,6 +198,7 @@ impl Job {
         arguments.extend(words.iter().cloned());
         let mut console = CapturedConsole::default();
         console.answer = Some("c".to_owned());
+        let rules = self.config.ros2.rules();
         let mut environment = Environment {
             name: "dotgen",
             program: std::env::current_exe().unwrap_or_else(|_| "dotgen".into()),
@@ -208,7 +209,12 @@ impl Job {
                 disk: Vfs::new(self.config.packages.clone()),
             }),
             pictures: Arc::new(dotgen_views::pictures::machine),
-            ros2: Arc::new(dotgen_ros2::interfaces::packages),
+            ros2: Arc::new(move |spec| {
+                dotgen_ros2::interfaces::packages(spec, &rules).map_err(|errors| {
+                    let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
+                    errors.join("\n")
+                })
+            }),
             console: &mut console,
             limits: Limits {
                 cancel: Some(cancel),
