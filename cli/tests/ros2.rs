@@ -5,7 +5,7 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Stdio};
 
-use crate::directory::{Directory, status, stderr};
+use crate::directory::{Directory, status, stderr, stdout};
 use crate::network::{echo, endpoint, reader, run};
 use crate::python::python;
 use crate::running::{compilers, ended, hosts, soon};
@@ -79,6 +79,83 @@ fn a_run_is_the_router_and_its_ports_read_topics() {
     script.prints("seen");
     assert!(ended(&mut script.0).success());
     drop(run);
+}
+
+/// A component whose ports have common messages.
+fn pom(settings: &str) -> Directory {
+    Directory::new(&[
+        ("pom.gen", include_str!("hosted/pom.gen")),
+        ("dotgen.toml", settings),
+        ("codels/pom.c", include_str!("hosted/pom.c")),
+    ])
+}
+
+const COMMON: &str = include_str!("hosted/pom.toml");
+
+#[test]
+fn ports_have_common_messages() {
+    if !compilers() {
+        return;
+    }
+    let (directory, endpoint) = (pom(COMMON), endpoint());
+    let listen = ["--ros2", "--ros-domain", "7", "--zenoh-listen", &endpoint];
+    let run = run(&directory, "pom.gen", &listen);
+    let Some(mut script) = Script::start("pom.py", &endpoint) else {
+        return;
+    };
+    script.prints("seen");
+    assert!(ended(&mut script.0).success());
+    drop(run);
+}
+
+#[test]
+fn wrong_settings_of_messages_are_told() {
+    let wrong = |from: &str, to: &str| {
+        let directory = pom(&COMMON.replace(from, to));
+        let endpoint = endpoint();
+        let words = [
+            "run",
+            "pom.gen",
+            "--clock",
+            "real",
+            "--simulate",
+            "all",
+            "--socket",
+            "s",
+        ];
+        let output =
+            directory.run(&[&words[..], &["--ros2", "--zenoh-listen", &endpoint]].concat());
+        assert_eq!(status(&output), 2, "{}", stderr(&output));
+        let check = directory.run(&["check", "pom.gen"]);
+        let packages = directory.run(&["generate", "ros2-interfaces", "-o", "ros", "pom.gen"]);
+        assert_eq!(status(&packages), 2);
+        (stderr(&output), stderr(&packages), stdout(&check))
+    };
+    let (run, packages, _) = wrong("\"speed.vx\"", "\"speed.vy\"");
+    let expected = "dotgen.toml:12: bad value for `ros2.messages.pom.odometry.fields.twist.twist.linear.x`: \
+                    `speed` has no member `vy`; there are `vx`, `wz`\n";
+    assert!(run.contains(expected), "{run}");
+    assert!(packages.contains(expected), "{packages}");
+    // An error that does not depend on the specification is one of the file itself.
+    let (run, packages, check) = wrong("geometry_msgs/Twist", "geometry_msgs/Twst");
+    let expected = "`ros2.messages.pom.wanted.type`: `geometry_msgs/Twst` is not a known message; did you \
+                    mean `geometry_msgs/Twist`?";
+    for told in [run, packages, check] {
+        assert!(
+            told.contains("dotgen.toml:19:") && told.contains(expected),
+            "{told}"
+        );
+    }
+}
+
+#[test]
+fn packages_lack_types_of_ports_with_common_messages() {
+    let directory = pom(COMMON);
+    let output = directory.run(&["generate", "ros2-interfaces", "-o", "ros", "pom.gen"]);
+    assert_eq!(
+        (status(&output), stderr(&output), stdout(&output)),
+        (0, String::new(), String::new())
+    );
 }
 
 #[test]

@@ -164,10 +164,13 @@ impl Range {
 /// # Errors
 /// In words: the types do not fit.
 pub(crate) fn fits(kind: &TypeKind, path: &str, leaf: &Leaf, dir: PortDir) -> Result<(), String> {
-    let word = kind.word();
+    let word = match kind {
+        TypeKind::String { bound: Some(bound) } => format!("string<{bound}>"),
+        _ => kind.word().to_owned(),
+    };
     let (Some(member), Some(field)) = (Range::of(kind), Range::of_base(&leaf.base)) else {
         return Err(format!(
-            "`{path}` is a `{word}`: assign a number or a string"
+            "`{path}` is of type `{word}`: assign a number or a string"
         ));
     };
     if leaf.is_time && matches!(member, Range::Integers(..)) {
@@ -176,11 +179,11 @@ pub(crate) fn fits(kind: &TypeKind, path: &str, leaf: &Leaf, dir: PortDir) -> Re
     let (field_path, base) = (&leaf.path, leaf.base.text());
     match dir {
         PortDir::Out if !field.holds(&member) => Err(format!(
-            "`{path}` is a `{word}`, and the field `{field_path}` of type `{base}` does not hold all its \
-             values: assign a member of another type"
+            "`{path}` is of type `{word}`, and the field `{field_path}` of type `{base}` does not hold all \
+             its values: assign a member of another type"
         )),
         PortDir::In if !member.holds(&field) => Err(format!(
-            "`{path}` is a `{word}` and does not hold all values of the field `{field_path}` of type \
+            "`{path}` is of type `{word}` and does not hold all values of the field `{field_path}` of type \
              `{base}`: assign a member of another type"
         )),
         _ => Ok(()),

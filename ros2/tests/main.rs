@@ -1,5 +1,6 @@
 //! Tests of the crate as others use it.
 
+mod common;
 mod corpus;
 mod hashes;
 mod interfaces;

@@ -186,3 +186,36 @@ fn entries_of_tables_may_be_in_camel_case() {
         "unknown setting `dotgen.verification.tmeLimit`; did you mean `time-limit`?"
     );
 }
+
+#[test]
+fn wrong_messages_of_ros_have_their_place() {
+    let text = "[ros2.messages.pom.frame]\ntype = 'geometry_msgs/Pose'\n\
+                fields = { position.q = 'x' }\nconstants.orientation.w = 'one'\n";
+    let problems = from_toml(text).problems;
+    let found: Vec<_> = problems
+        .iter()
+        .map(|problem| {
+            (
+                &text[problem.range.clone().expect("a place")],
+                problem.message.as_str(),
+            )
+        })
+        .collect();
+    assert_eq!(
+        found,
+        [
+            (
+                "'x'",
+                "bad value for `ros2.messages.pom.frame.fields.position.q`: `position` has no field `q`; \
+                 there are `x`, `y`, `z`"
+            ),
+            (
+                "'one'",
+                "bad value for `ros2.messages.pom.frame.constants.orientation.w`: expected a number, not \
+                 \"one\""
+            ),
+        ]
+    );
+    let problems = from_toml("[ros2.messages.pom.frame]\nfields.x = 'x'\n").problems;
+    assert!(problems[0].message.contains("a `type`"), "{problems:?}");
+}
