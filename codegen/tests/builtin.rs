@@ -33,7 +33,7 @@ fn run_as(release: Release, dir: &Path, args: &[&str]) -> (i32, String, String) 
         },
         disk: Arc::new(crate::files::Files),
         loader: Arc::new(crate::disk::Disk),
-        ros2: Arc::new(|_| Ros2Packages::default()),
+        ros2: Arc::new(|_| Ok(Ros2Packages::default())),
         pictures: Arc::new(|_, component, owner, form| {
             {
                 // What has no machine has no picture.

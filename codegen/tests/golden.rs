@@ -86,7 +86,7 @@ fn generator() -> ExitCode {
         variables: &|name| std::env::var(name).ok(),
         disk: Arc::new(files::Files),
         loader: Arc::new(disk::Disk),
-        ros2: Arc::new(|_| Ros2Packages::default()),
+        ros2: Arc::new(|_| Ok(Ros2Packages::default())),
         pictures: Arc::new(|_, component, owner, form| {
             {
                 // What has no machine has no picture.

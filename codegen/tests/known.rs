@@ -71,7 +71,7 @@ impl Place<'_> {
             disk: Arc::new(crate::files::Files),
             loader: Arc::new(crate::disk::Disk),
             pictures: Arc::new(|_, _, _, _| Ok(String::new())),
-            ros2: Arc::new(|_| Ros2Packages::default()),
+            ros2: Arc::new(|_| Ok(Ros2Packages::default())),
             console: &mut console,
             limits: Limits::default(),
             base: self.folder.path().to_owned(),

@@ -120,7 +120,7 @@ fn a_ros_server_compiles_without_genom() {
         disk: Arc::new(crate::files::Files),
         loader: Arc::new(crate::disk::Disk),
         pictures: Arc::new(|_, _, _, _| Ok(String::new())),
-        ros2: Arc::new(|_| Ros2Packages::default()),
+        ros2: Arc::new(|_| Ok(Ros2Packages::default())),
         console: &mut console,
         limits: Limits::default(),
         base: place.path().to_owned(),

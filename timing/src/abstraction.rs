@@ -22,6 +22,7 @@
 
 mod activities;
 mod batch;
+mod coarse;
 mod cycle_automaton;
 mod model;
 mod order;
@@ -38,8 +39,6 @@ use self::batch::Batches;
 use self::model::{Model, models};
 pub use self::refusal::Refusal;
 use self::search::Search;
-use self::state::MISSED;
-use self::thread::Thread;
 use crate::cancel::Cancel;
 use crate::system::{TaskId, Ticks, TimedSystem};
 use typed_index_collections::{TiVec, ti_vec};
@@ -48,9 +47,11 @@ use typed_index_collections::{TiVec, ti_vec};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Budget {
     /// Number of states that are followed step by step, which gives tighter bounds. Beyond it, busy windows
-    /// are taken in one step if possible.
-    pub before_batches: usize,
-    /// Number of states at which the system is refused.
+    /// are taken in one step if possible, or else a coarser model is tried, which has fewer states.
+    pub before_coarse: usize,
+    /// Busy windows may be taken in one step.
+    pub batches: bool,
+    /// Number of states at which a model is refused.
     pub states: usize,
     /// Bytes of kept states at which the system is refused.
     pub bytes: usize,
@@ -62,15 +63,16 @@ const MAX_INTERVALS: usize = 2_000_000;
 impl Default for Budget {
     fn default() -> Self {
         Budget {
-            before_batches: 5_000,
+            before_coarse: 5_000,
+            batches: true,
             states: 250_000,
             bytes: usize::MAX,
         }
     }
 }
 
-/// Returns, by task, a bound on the response time of a task that meets its deadlines, or the reason why none
-/// is known.
+/// Returns, by task, a bound on its response time, or the reason why none is known. A task whose bound is
+/// below its period meets its deadlines.
 pub fn abstract_bounds(
     system: &TimedSystem,
     budget: Budget,
@@ -125,20 +127,46 @@ fn bounds(
             .min(MAX_INTERVALS / model.threads.len().max(1)),
         ..budget
     };
-    let search = |batches, states| {
-        let budget = Budget { states, ..budget };
-        Search::new(model, batches, budget, cancel).run()
-    };
-    let found = match Batches::new(model) {
-        None => search(None, budget.states),
-        batches => match search(None, budget.before_batches) {
-            Err(Refusal::States { .. }) => search(batches, budget.states),
-            search => search,
-        },
-    }?;
-    let bound = |(thread, found): (&Thread, i64)| match found {
-        MISSED => Err(Refusal::MayMiss { task: thread.task }),
-        found => Ticks::try_from(found).map_err(|_| Refusal::Hyperperiod),
-    };
-    Ok(model.threads.iter().zip(found).map(bound).collect())
+    let mut search = Search::new(model, None, budget.bytes, cancel);
+    let mut found = search.run(budget.before_coarse, false);
+    if let Err(Refusal::States { .. }) = found {
+        let batches = Batches::new(model).filter(|_| budget.batches);
+        if batches.is_some() {
+            search = Search::new(model, batches, budget.bytes, cancel);
+            found = search.run(budget.states, false);
+        }
+    }
+    if let Err(Refusal::States { .. } | Refusal::MayMiss { .. }) = found {
+        let coarse = model.coarse();
+        let coarser = Search::new(&coarse, None, budget.bytes, cancel).run(budget.states, true);
+        found = match (coarser, found) {
+            (Ok(bounds), _) if meets_all(model, &bounds) => Ok(bounds),
+            (coarser, Err(Refusal::MayMiss { .. })) if coarser.is_ok() => coarser,
+            (coarser, _) => tighter(coarser, search.run(budget.states, false)),
+        };
+    }
+    let bound = |bound: i64| Ticks::try_from(bound).map_err(|_| Refusal::Hyperperiod);
+    Ok(found?.into_iter().map(bound).collect())
+}
+
+/// Returns true if each bound is below the period of its task.
+fn meets_all(model: &Model, bounds: &[i64]) -> bool {
+    let mut all = model.threads.iter().zip(bounds);
+    all.all(|(thread, &bound)| bound < thread.period)
+}
+
+/// Returns the lower one of the bounds of two models for each thread, or the bounds of the only one that has
+/// any.
+fn tighter(
+    coarse: Result<Vec<i64>, Refusal>,
+    fine: Result<Vec<i64>, Refusal>,
+) -> Result<Vec<i64>, Refusal> {
+    match (coarse, fine) {
+        (Ok(coarse), Ok(fine)) => Ok(coarse
+            .into_iter()
+            .zip(fine)
+            .map(|(one, other)| one.min(other))
+            .collect()),
+        (coarse, fine) => fine.or_else(|refusal| coarse.map_err(|_| refusal)),
+    }
 }

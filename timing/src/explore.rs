@@ -33,7 +33,9 @@ pub use never_observed::{NeverObserved, TaskWithoutJob};
 pub use reductions::{Activity, Kind, Kinds, Reason};
 pub use rules::{Action, Moment, MomentKind, Work};
 pub use run::{Run, SystemRun};
-pub use search::{ZoneFindings, explore, explore_with_reports, search_once, search_zones};
+pub use search::{
+    ZoneFindings, explore, explore_with_reports, search_once, search_zones, walk_to_long_responses,
+};
 pub use stepper::{Possible, Seen, Stepper, Watched};
 
 pub use token::{explore_chain, is_exact};

@@ -173,7 +173,9 @@ pub(crate) fn verify_settings(
         group.invariants(&checks, of_group, &mut report);
     }
     let seen: Vec<Seen> = (groups.iter())
-        .map(|(group, of_group, _)| group.soon(&checks, of_group, groups.len() == 1, &mut report))
+        .map(|(group, of_group, analysed)| {
+            group.soon(&checks, of_group, groups.len() == 1, analysed, &mut report)
+        })
         .collect();
     for ((group, of_group, analysed), seen) in groups.iter().zip(&seen) {
         group.rest(&checks, of_group, analysed, seen, &mut report);
@@ -301,14 +303,18 @@ impl Group<'_> {
         }
     }
 
+    /// Returns true if a bound answers a check of a response time.
+    fn is_settled(&self, check: &Single, analysed: &ResponseBounds) -> bool {
+        match check.what {
+            What::Response(_, limit) => analysed.answers_check(check, self.ticks(limit)),
+            _ => false,
+        }
+    }
+
     /// Returns the limits for some checks. If each of them has a bound that answers it, exact values are
     /// worth less effort.
     fn limits_for(&self, checks: &[Single], part: &[usize], analysed: &ResponseBounds) -> Limits {
-        let settled = |&i: &usize| match checks[i].what {
-            What::Response(_, limit) => analysed.answers_check(&checks[i], self.ticks(limit)),
-            _ => false,
-        };
-        match part.iter().all(settled) {
+        match part.iter().all(|&i| self.is_settled(&checks[i], analysed)) {
             true => Limits {
                 states: self.limits.states / SETTLED,
                 steps: self.limits.steps.min(STEPS_IF_SETTLED),
@@ -331,12 +337,17 @@ impl Group<'_> {
         // Checks that rule out reductions are explored apart from checks that do not.
         let (together, apart): (Vec<usize>, Vec<usize>) =
             open.partition(|&i| self.is_about_ticks(&checks[i]));
-        if together.is_empty() && apart.is_empty() {
+        // Less effort is spent on exact values.
+        let (settled, unsettled): (Vec<usize>, Vec<usize>) = together
+            .into_iter()
+            .partition(|&i| self.is_settled(&checks[i], analysed));
+        let together = [unsettled, settled];
+        if together.iter().chain([&apart]).all(Vec::is_empty) {
             let limits = self.limits;
             let found = explore(&self.built.system, &Watch::default(), limits, self.cancel);
             self.refusals(&found, report);
         }
-        for part in [together, apart] {
+        for part in together.into_iter().chain([apart]) {
             self.explore(checks, &part, analysed, seen, report);
         }
     }

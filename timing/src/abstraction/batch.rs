@@ -281,7 +281,7 @@ fn turn(model: &Model, thread: usize, from: usize) -> Option<Turn> {
         if looked_at > 1_000 || codel.throws {
             return None;
         }
-        let until = before + i64::from(codel.upper);
+        let until = before + place.time.to;
         for successor in &place.then {
             match *successor {
                 Successor::Goes(next) => todo.push((next, until)),

@@ -6,26 +6,31 @@
 use rustc_hash::FxHashMap;
 
 use super::refusal::Refusal;
+use super::span::Span;
 use crate::system::loops::{Visited, beginning, followers};
-use crate::system::{CodelId, Machine, MachineId, State, TimedSystem, Yield};
+use crate::system::{Codel, CodelId, Machine, MachineId, State, TimedSystem, Yield};
 
 /// Number of places and rests above which a task is refused.
 const MAX_SITUATIONS: usize = 5_000;
 
 /// The sequences of codels of a task.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct CycleAutomaton {
     pub(super) places: Vec<Place>,
     /// Rests. The first one is the rest before the first cycle.
     pub(super) rests: Vec<Rest>,
     /// State at which the permanent activity, alone, has paused, by rest.
-    paused: Vec<Option<usize>>,
+    pub(super) paused: Vec<Option<usize>>,
 }
 
 /// The execution of a codel.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
 pub(super) struct Place {
     pub(super) codel: CodelId,
+    /// Execution time, in base units.
+    pub(super) time: Span,
+    /// The codel may wait for its locks. Otherwise the time contains its waits.
+    pub(super) waits: bool,
     /// Possible successors.
     pub(super) then: Vec<Successor>,
     /// Possible successors after an exception, if the codel may throw.
@@ -33,7 +38,7 @@ pub(super) struct Place {
 }
 
 /// The successor of a codel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) enum Successor {
     /// Another place in the same cycle.
     Goes(usize),
@@ -44,7 +49,7 @@ pub(super) enum Successor {
 }
 
 /// A task between two cycles.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Rest {
     /// Possible beginnings of the next cycle: a codel, or the end of the cycle.
     pub(super) begins: Vec<Successor>,
@@ -227,8 +232,14 @@ impl Builder<'_> {
             .collect();
         then.dedup();
         let thrown = thrown.map_or(Vec::new(), |exception| self.proceed(&exception));
+        let Codel { lower, upper, .. } = self.system.codels[codel];
         self.out.places[number] = Place {
             codel,
+            time: Span {
+                from: i64::from(lower),
+                to: i64::from(upper),
+            },
+            waits: true,
             then,
             thrown,
         };

@@ -25,7 +25,7 @@ const MAX_INITIAL_COMBINATIONS: usize = 64;
 pub(super) type Part<'s> = (Vec<TaskId>, Result<Model<'s>, Refusal>);
 
 /// Tasks that are analysed together.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Model<'s> {
     pub(super) system: &'s TimedSystem,
     pub(super) threads: Vec<Thread>,

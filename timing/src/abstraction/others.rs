@@ -53,7 +53,7 @@ pub(super) fn others(
 }
 
 /// The interference of other threads with the tasks of a group.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Interference {
     /// Codels for which a codel of another thread, at the head of the queue, may wait.
     pub(super) waits_for: CodelSet,

@@ -5,12 +5,12 @@ use std::collections::BinaryHeap;
 
 use rustc_hash::FxHashMap;
 
-use super::Budget;
 use super::batch::Batches;
 use super::model::Model;
 use super::refusal::Refusal;
-use super::state::{MISSED, Out, State, TaskProgress, TaskTimes};
+use super::state::{Out, State, TaskProgress, TaskTimes};
 use crate::cancel::Cancel;
+use crate::system::TaskId;
 
 /// Number of states that are followed at most if a deadline may be missed.
 const AFTER_MISS: usize = 20_000;
@@ -28,10 +28,10 @@ pub(super) struct Search<'m> {
     model: &'m Model<'m>,
     cancel: &'m Cancel,
     batches: Option<Batches<'m>>,
-    /// Upper limit on the states that are followed.
-    budget: usize,
     /// Upper limit on the states that are kept.
     room: usize,
+    /// Number of states that have been followed.
+    followed: usize,
     known: FxHashMap<Box<[TaskProgress]>, usize>,
     states: Vec<State>,
     /// States that have become wider since they were followed.
@@ -47,49 +47,50 @@ impl<'m> Search<'m> {
     pub(super) fn new(
         model: &'m Model<'m>,
         batches: Option<Batches<'m>>,
-        budget: Budget,
+        bytes: usize,
         cancel: &'m Cancel,
     ) -> Self {
-        Search {
+        let mut search = Search {
             model,
             cancel,
             batches,
-            budget: budget.states,
-            room: budget.bytes / bytes_of_state(model),
+            room: bytes / bytes_of_state(model),
+            followed: 0,
             known: FxHashMap::default(),
             states: Vec::new(),
             open: Vec::new(),
             next: BinaryHeap::new(),
             worst: vec![0; model.threads.len()],
-        }
+        };
+        model
+            .initial()
+            .into_iter()
+            .for_each(|state| search.add(state));
+        search
     }
 
-    /// Returns, by thread, a bound on its response time in base units.
-    pub(super) fn run(mut self) -> Result<Vec<i64>, Refusal> {
-        for s in self.model.initial() {
-            self.add(s);
-        }
-        let mut looked_at = 0;
+    /// Follows up to this number of states in all, and returns, by thread, a bound on its response time in
+    /// base units. A search that is given up can be run again with a higher limit. Unless it `goes_on`, it
+    /// ends soon after a possible miss.
+    pub(super) fn run(&mut self, limit: usize, goes_on: bool) -> Result<Vec<i64>, Refusal> {
         let mut following = Vec::new();
-        while let Some(Reverse((_, number))) = self.next.pop() {
-            if !std::mem::take(&mut self.open[number]) {
-                continue;
-            }
-            looked_at += 1;
-            let over = looked_at > self.budget || self.states.len() > self.room;
-            // A search with a small budget is tried again with batches.
-            let is_last = self.budget >= AFTER_MISS;
-            if looked_at > AFTER_MISS || over {
-                let missed = self.worst.iter().position(|number| *number == MISSED);
-                if let Some(thread) = missed.filter(|_| is_last) {
-                    let task = self.model.threads[thread].task;
+        while let Some(&Reverse((_, number))) = self.next.peek() {
+            let over = self.followed >= limit || self.states.len() > self.room;
+            if over || (self.followed >= AFTER_MISS && !goes_on) {
+                if let Some(task) = self.missed().filter(|_| limit >= AFTER_MISS) {
                     return Err(Refusal::MayMiss { task });
                 }
                 if over {
+                    let looked_at = self.followed;
                     return Err(Refusal::States { looked_at });
                 }
             }
-            if looked_at.is_multiple_of(64) && self.cancel.is_over() {
+            self.next.pop();
+            if !std::mem::take(&mut self.open[number]) {
+                continue;
+            }
+            self.followed += 1;
+            if self.followed.is_multiple_of(64) && self.cancel.is_over() {
                 return Err(Refusal::Cancelled);
             }
             let s = self.states[number].clone();
@@ -108,7 +109,14 @@ impl<'m> Search<'m> {
                 self.add(s);
             }
         }
-        Ok(self.worst)
+        Ok(self.worst.clone())
+    }
+
+    /// Returns a task that may miss a deadline.
+    fn missed(&self) -> Option<TaskId> {
+        let mut all = self.model.threads.iter().zip(&self.worst);
+        let missed = all.find(|(thread, worst)| **worst >= thread.period)?;
+        Some(missed.0.task)
     }
 
     fn add(&mut self, s: State) {

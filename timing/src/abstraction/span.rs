@@ -1,7 +1,7 @@
 //! Intervals of times.
 
 /// A time, in base units, that lies between two limits, both included.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub(super) struct Span {
     pub(super) from: i64,
     pub(super) to: i64,
@@ -31,11 +31,18 @@ impl Span {
         }
     }
 
+    /// Returns the smallest interval that contains both.
+    pub(super) fn hull(self, other: Span) -> Self {
+        Span {
+            from: self.from.min(other.from),
+            to: self.to.max(other.to),
+        }
+    }
+
     /// Widens the interval to contain another one. Returns true if it already did.
     pub(super) fn widen(&mut self, other: Span) -> bool {
         let before = *self;
-        self.from = self.from.min(other.from);
-        self.to = self.to.max(other.to);
+        *self = self.hull(other);
         *self != before
     }
 

@@ -5,7 +5,7 @@ use super::cycle_automaton::Successor;
 use super::model::Model;
 use super::refusal::Refusal;
 use super::span::Span;
-use super::state::{Cycle, MISSED, Out, Stage, State, TaskProgress, TaskTimes, not_before};
+use super::state::{Cycle, Out, Stage, State, TaskProgress, TaskTimes, not_before};
 
 /// Number of periods by which a job may be late before its task is no longer followed.
 const LATE: i64 = 64;
@@ -174,11 +174,10 @@ impl Model<'_> {
                 if late / entry.period > LATE {
                     return Err(Refusal::MayMiss { task: entry.task });
                 }
-                let response = match late < 0 {
-                    true => end.to - s.when[thread].since,
-                    false => MISSED,
-                };
-                out.worst[thread] = response.max(out.worst[thread]);
+                let response = end.to - s.when[thread].since;
+                // A job on a tick kept from the start-up may be late after less than a period.
+                let least = if late < 0 { 0 } else { entry.period };
+                out.worst[thread] = response.max(least).max(out.worst[thread]);
             }
             match how {
                 End::Pauses(at) => all.extend(self.rest(&s, thread, end, at)),
@@ -208,10 +207,16 @@ impl Model<'_> {
     /// Releases the next job of a task after a rest.
     fn rest(&self, s: &State, thread: usize, end: Span, at: usize) -> Vec<State> {
         let next = i64::from(s.done[thread].next);
+        let first_kept = self.threads[thread].tick(next);
+        let measured = s.done[thread].cycle == Cycle::Measured;
         let releases = self.releases(thread, end, next).into_iter();
-        let released = |release| {
+        let released = |release: (Span, i64)| {
             let mut s = s.clone();
             self.release(&mut s, thread, release, Cycle::Measured, at);
+            // A tick kept from the start-up counts from its end.
+            if measured {
+                s.when[thread].since = release.0.from.min(first_kept);
+            }
             s
         };
         releases.map(released).collect()

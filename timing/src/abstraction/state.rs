@@ -55,14 +55,11 @@ pub(super) struct TaskProgress {
 pub(super) struct TaskTimes {
     /// Waiting: release of the job. Active: time at which its next codel is ready.
     pub(super) ready: Span,
-    /// Earliest time from which the response time counts.
+    /// Earliest time from which the response time counts: the first tick that the job was kept for.
     pub(super) since: i64,
     /// End of the last executed codel.
     pub(super) held: Span,
 }
-
-/// Response time of a task that may miss a deadline.
-pub(super) const MISSED: i64 = i64::MAX;
 
 /// The results of a step.
 pub(super) struct Out<'o> {

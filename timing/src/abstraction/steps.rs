@@ -7,7 +7,7 @@ use super::model::Model;
 use super::refusal::Refusal;
 use super::span::Span;
 use super::starting::End;
-use super::state::{Cycle, Out, Stage, State, not_before};
+use super::state::{Cycle, Out, Stage, State, TaskTimes, not_before};
 use crate::system::{CodelId, CodelSet, Policy};
 
 impl Model<'_> {
@@ -27,6 +27,15 @@ impl Model<'_> {
         let ticks = s.all(Stage::Idle).map(|index| s.when[index].ready.to);
         let until = active.chain(ticks).min().unwrap_or(i64::MAX);
         let given = self.next_core_grant(s).unwrap_or(i64::MAX).min(until);
+        // A tick that comes at a known time is decided first, because the decision changes nothing before it.
+        let decided = s.all(Stage::Idle).find(|&thread| {
+            let ready = s.when[thread].ready;
+            ready.from == ready.to && ready.to <= given && s.done[thread].cycle == Cycle::Measured
+        });
+        if let Some(thread) = decided {
+            self.tick(s, thread, s.when[thread].ready, out);
+            return Ok(());
+        }
         for thread in s.all(Stage::Active) {
             let earliest = self.earliest(s, thread);
             if earliest <= given {
@@ -155,7 +164,8 @@ impl Model<'_> {
             from: self.earliest(&s, thread),
             to: self.latest(&s, thread).min(until),
         };
-        if entry.contends {
+        let contends = entry.contends && place.waits;
+        if contends {
             let ticket = begin;
             if self.queue {
                 // After the previous codel of the queue, and not while a conflicting codel executes.
@@ -189,13 +199,9 @@ impl Model<'_> {
             }
             s.begun[entry.group] = begin;
         }
-        let codel = &self.system.codels[place.codel];
-        let end = Span {
-            from: begin.from + i64::from(codel.lower),
-            to: begin.to + i64::from(codel.upper),
-        };
+        let end = begin.plus(place.time);
         (s.done[thread].held, s.when[thread].held) = (0, Span::default());
-        if entry.contends && self.waited_for[place.codel] {
+        if contends && self.waited_for[place.codel] {
             s.done[thread].held = usize::from(place.codel) as u32 + 1;
             s.when[thread].held = end;
         }
@@ -238,7 +244,8 @@ impl Model<'_> {
                         continue;
                     };
                     // With equal deadlines, the task that has waited for longer goes first.
-                    if deadline < own || (deadline == own && released < ready.from) {
+                    let equal = own.from == deadline.to && released < ready.from;
+                    if deadline.to < own.from || equal {
                         to = to.min(released);
                     }
                 }
@@ -248,11 +255,20 @@ impl Model<'_> {
         (from <= to).then_some(Span { from, to })
     }
 
-    /// Returns the deadline of the job of a waiting task, unless the job is that of a kept tick.
-    fn deadline(&self, s: &State, thread: usize) -> Option<i64> {
+    /// Returns the deadline of the job of a waiting task, unless the job is that of a tick kept from its
+    /// start-up.
+    fn deadline(&self, s: &State, thread: usize) -> Option<Span> {
         let entry = &self.threads[thread];
+        let TaskTimes { ready, since, .. } = s.when[thread];
         let tick = entry.tick(i64::from(s.done[thread].next) - 1);
-        (s.when[thread].ready == Span::at(tick)).then_some(tick + entry.period)
+        let first_kept = match ready == Span::at(tick) {
+            true => Some(tick),
+            false => Some(since).filter(|_| since < ready.from),
+        };
+        first_kept.map(|first| Span {
+            from: first + entry.period,
+            to: tick + entry.period,
+        })
     }
 
     fn give_core(

@@ -33,7 +33,7 @@ impl Start {
 }
 
 /// A task.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Thread {
     /// Number of the task in the system.
     pub(super) task: TaskId,

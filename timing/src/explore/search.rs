@@ -11,11 +11,13 @@ mod goals;
 mod graph;
 mod layers;
 mod observations;
+mod walks;
 mod zones;
 
 use self::control::{CarryOver, FindingsReceiver, SearchControl};
 pub use self::depth_first::search_once;
 use self::layers::Layers;
+pub use self::walks::walk_to_long_responses;
 pub use self::zones::{ZoneFindings, search_zones};
 use super::findings::Findings;
 use super::measure::{Gauge, MeasurementMode, Timing};

@@ -39,8 +39,8 @@ impl<'b> ResponseBounds<'b> {
         }
     }
 
-    /// Improves the bounds with the middle tier. Returns the tasks with periods and without bounds of the
-    /// middle tier, if others have one, or the reason why no task has one.
+    /// Improves the bounds with the middle tier. Returns the tasks with periods whose deadlines are not
+    /// proved by it, if some task has a bound, or the reason why none has one.
     pub(super) fn abstracted(
         &mut self,
         bytes: usize,
@@ -54,7 +54,11 @@ impl<'b> ResponseBounds<'b> {
         let found = abstract_bounds(system, budget, cancel);
         let periodic = |task: &TaskId| system.tasks[*task].period.is_some();
         let open = found.keys().filter(periodic);
-        let open = open.filter_map(|task| Some((task, found[task].err()?)));
+        let open = open.filter_map(|task| match found[task] {
+            Ok(bound) if meets_deadlines(system, task, Some(bound)) => None,
+            Ok(_) => Some((task, Refusal::MayMiss { task })),
+            Err(refusal) => Some((task, refusal)),
+        });
         let open: Vec<(TaskId, Refusal)> = open.collect();
         for (task, &found) in found.iter_enumerated() {
             let bound = &mut self.bounds[task];
@@ -118,6 +122,13 @@ impl<'b> ResponseBounds<'b> {
         let bound = self.deadline_bound(check)?;
         let task = self.built.tasks[&check.what.task()?];
         self.is_released(task).then_some(bound)
+    }
+
+    /// Returns the bound that proves a check of deadlines if the task has jobs, if that is not certain.
+    pub(super) fn deadline_on_condition(&self, check: &Single) -> Option<Ticks> {
+        let bound = self.deadline_bound(check)?;
+        let task = self.built.tasks[&check.what.task()?];
+        (!self.is_released(task)).then_some(bound)
     }
 
     /// Returns true if the task certainly has jobs.

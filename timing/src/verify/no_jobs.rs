@@ -17,6 +17,26 @@ impl Group<'_> {
     pub(super) fn nothing(&self, check: &Single) -> Option<CheckReport> {
         self.without_times(check)
             .or_else(|| self.without_jobs(check))
+            .or_else(|| self.without_period(check))
+    }
+
+    /// Handles a task without a period, whose cycles have no tick to be counted from (servers).
+    fn without_period(&self, check: &Single) -> Option<CheckReport> {
+        let task = *self.built.tasks.get(&check.what.task()?)?;
+        let system = &self.built.system;
+        if system.platform.semantics.is_published() || system.tasks[task].period.is_some() {
+            return None;
+        }
+        let path = system.task_path(task);
+        let note = format!(
+            "`{path}` has no period: its cycles begin at no tick, so they have no deadline and no response time"
+        );
+        Some(CheckReport {
+            verdict: Verdict::Nothing,
+            limit: None,
+            note: Some(note),
+            ..self.blank(check)
+        })
     }
 
     /// Handles a task whose permanent activity never pauses: its first cycle, which is not measured, never

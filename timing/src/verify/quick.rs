@@ -10,9 +10,12 @@ use std::sync::OnceLock;
 
 use super::checks::Single;
 use super::{Group, ResponseBounds};
-use crate::explore::{Limits, Stop, explore};
+use crate::explore::{
+    Findings, Kind, Limits, ResponseTime, Stop, Watch, explore, walk_to_long_responses,
+};
 use crate::report::{CheckReport, Report, Value, Verdict};
 use crate::system::indexed::Built;
+use crate::system::{TaskId, Ticks};
 
 /// How often clients that may wait for ever go on; `None`: as often as they like.
 const STAGES: [(Option<usize>, usize); 4] = [
@@ -24,6 +27,12 @@ const STAGES: [(Option<usize>, usize); 4] = [
 
 /// A stage with requests takes at most this part of the states that the whole may have.
 const SHARE: usize = 4;
+
+/// Limit on the actions that look for response times as long as their bounds.
+const ACTIONS: u64 = 1_000_000;
+
+/// Number of actions of a small system.
+const SMALL: u64 = 20_000;
 
 /// By check, the worst that has been seen: a failure, or the longest time.
 pub(super) struct Seen(Vec<Option<CheckReport>>);
@@ -79,9 +88,11 @@ impl Group<'_> {
         checks: &[Single],
         of_group: &[usize],
         alone: bool,
+        analysed: &ResponseBounds,
         report: &mut Report,
     ) -> Seen {
         let mut seen = Seen(vec![None; checks.len()]);
+        self.walk(checks, of_group, analysed, &mut seen, report);
         for (rounds, states) in STAGES {
             let share = if rounds == Some(0) { 1 } else { SHARE };
             let staying = self.built.system.waiting_forever_after(rounds.unwrap_or(0));
@@ -112,6 +123,82 @@ impl Group<'_> {
             }
         }
         seen
+    }
+
+    /// Looks for response times as long as their bounds, which are then exact, and for jobs of tasks that meet
+    /// their deadlines if they have any.
+    fn walk(
+        &self,
+        checks: &[Single],
+        of_group: &[usize],
+        analysed: &ResponseBounds,
+        seen: &mut Seen,
+        report: &mut Report,
+    ) {
+        if self.limits.without.contains(Kind::RandomSearch) {
+            return;
+        }
+        let open: Vec<usize> = of_group
+            .iter()
+            .copied()
+            .filter(|&i| report.is_open(i))
+            .collect();
+        let settled = open
+            .iter()
+            .copied()
+            .filter(|&i| self.is_settled(&checks[i], analysed));
+        let (mut watch, places) = self.watch(checks, settled, analysed);
+        let on_condition = open.iter().filter_map(|&i| {
+            let bound = analysed.deadline_on_condition(&checks[i])?;
+            Some((i, bound, self.built.tasks[&checks[i].what.task()?]))
+        });
+        let on_condition: Vec<(usize, Ticks, TaskId)> = on_condition.collect();
+        let job = |&(.., task): &(usize, Ticks, TaskId)| ResponseTime {
+            task,
+            limit: None,
+            // Any job is long enough.
+            most: Some(0),
+        };
+        watch.response.extend(on_condition.iter().map(job));
+        if watch.response.is_empty() || self.is_small(&watch) {
+            return;
+        }
+        let system = &self.built.system;
+        let found = Findings {
+            response: walk_to_long_responses(system, &watch.response, ACTIONS, self.cancel),
+            stopped: Some(Stop::Answered),
+            ..Findings::default()
+        };
+        let before = report.answered();
+        let jobs = &found.response[found.response.len() - on_condition.len()..];
+        for (&(i, bound, _), job) in on_condition.iter().zip(jobs) {
+            if job.is_some() {
+                report.answer(i, self.meets_deadlines(&checks[i], bound, analysed));
+            }
+        }
+        for (i, place) in places {
+            let mut entry = self.one(&checks[i], place, &found);
+            let bound = analysed.response(&checks[i]).map(|bound| self.time(bound));
+            if entry.value.is_some() && entry.value == bound {
+                self.bound_unknown(&checks[i], analysed, &mut entry);
+                report.answer(i, entry);
+            } else {
+                seen.note(i, entry);
+            }
+        }
+        if report.answered() > before {
+            (self.tell)(report);
+        }
+    }
+
+    /// Returns true if an exploration soon comes to its end.
+    fn is_small(&self, watch: &Watch) -> bool {
+        let limits = Limits {
+            steps: self.limits.steps.min(SMALL),
+            ..self.limits
+        };
+        let explored = explore(&self.built.system, watch, limits, self.cancel);
+        matches!(explored.stopped, None | Some(Stop::Answered))
     }
 
     fn stage(

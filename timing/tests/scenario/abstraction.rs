@@ -152,9 +152,15 @@ fn a_task_without_a_bound_leaves_the_bounds_of_the_others() {
         "cores 3; policy edf;",
         "a turn need not come to a pause",
     );
-    // `plan` executes a codel without locks for more than a period of `servo`, on the only core.
+    // `plan` executes a codel without locks for more than a period of `servo`, on the only core. The response
+    // time of `servo` has a bound, which is above its period.
     let late = "a deadline may be missed, as far as it can tell";
-    open(ARM, "cores 1; policy fifo;", late);
+    let found = bounds(ARM, "cores 1; policy fifo;").unwrap();
+    let servo = found
+        .lines()
+        .find_map(|line| line.strip_prefix("joint.servo "));
+    assert!(servo.unwrap().parse::<u32>().unwrap() > 50, "{found}");
+    assert_eq!(found.lines().count(), 3, "{found}");
     // `--explain` names the task, and the checks of the others are answered.
     let report = answers(
         "cores 1; policy fifo; check schedulable *;",

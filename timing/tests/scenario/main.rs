@@ -14,6 +14,7 @@ mod requests;
 mod simulate;
 mod told;
 mod vacuous;
+mod walks;
 
 use std::time::Duration;
 

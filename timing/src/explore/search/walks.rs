@@ -1,0 +1,409 @@
+//! Random walks that look for long response times.
+//!
+//! Breadth-first search examines everything that happens early, and seldom comes as far as a long response
+//! time. A walk follows one run, and keeps no states. Most long response times have the same causes, so a
+//! walk prefers them: codels that take their longest or shortest time, or end at a tick; and yields that lead
+//! to the longest rest of a job. Each walk has preferences of its own. Then the end of the walk is varied,
+//! from shortly before its longest response time on. A walk proves nothing, but its run exists.
+
+use std::hash::BuildHasher;
+
+use rustc_hash::FxBuildHasher;
+use typed_index_collections::{TiVec, ti_vec};
+
+use super::observations::{Observations, Sight};
+use crate::cancel::Cancel;
+use crate::explore::findings::{Bound, Found, Measured};
+use crate::explore::measure::{Gauge, MeasurementMode};
+use crate::explore::reductions::{Kind, Kinds};
+use crate::explore::rules::{Action, Enabled, Rules, SystemRules};
+use crate::explore::run::Run;
+use crate::explore::state::State;
+use crate::explore::watch::{ResponseTime, Watch};
+use crate::system::{CodelId, FOREVER, Ticks, TimedSystem, Yield};
+
+/// Upper limit on the actions of one walk.
+const ACTIONS_OF_WALK: u64 = 8_000;
+
+/// Upper limit on the actions for one response time.
+const ACTIONS_OF_RESPONSE: u64 = 150_000;
+
+/// Numbers of jobs before the end of a walk after which its end is varied.
+const VARIED_JOBS: [usize; 3] = [2, 3, 5];
+
+/// Number of variants of a walk without a longer response time after which another walk is tried.
+const VARIANTS: u64 = 150;
+
+/// Actions between two polls of the limits.
+const ACTIONS_PER_POLL: u64 = 256;
+
+/// Rounds after which the longest rest of a job in a state machine with loops counts as known.
+const ROUNDS: usize = 12;
+
+/// Looks for long response times, with a limit on the number of actions. Returns the longest ones, with runs.
+pub fn walk_to_long_responses(
+    system: &TimedSystem,
+    responses: &[ResponseTime],
+    actions: u64,
+    cancel: &Cancel,
+) -> Vec<Option<Measured>> {
+    let rules = SystemRules::new(system);
+    let watch = Watch {
+        response: responses.to_vec(),
+        ..Watch::default()
+    };
+    let gauges = Gauge::of(&watch, &MeasurementMode::Shared);
+    let without = Kind::ALL.into_iter().fold(Kinds::NONE, Kinds::with);
+    let mut walks = Walks {
+        observations: Observations::new(&rules, &watch, &gauges, without),
+        rest: longest_rests(system),
+        best: vec![None; responses.len()],
+        trail: Vec::new(),
+        actions: 0,
+        cancel,
+    };
+    for (number, response) in responses.iter().enumerate() {
+        walks.look_for(
+            number,
+            response,
+            (actions / responses.len() as u64).min(ACTIONS_OF_RESPONSE),
+        );
+    }
+    walks
+        .best
+        .into_iter()
+        .map(|best| best.map(measured))
+        .collect()
+}
+
+fn measured((value, run): (Ticks, Run)) -> Measured {
+    Measured {
+        bound: Bound::Finite(value),
+        longest: Found { run },
+        excess: None,
+    }
+}
+
+/// The preferences of a walk.
+#[derive(Debug, Clone, Copy)]
+struct Preferences {
+    /// Generator of random choices.
+    dice: u64,
+    /// Seed of the choices that depend on the work under way.
+    seed: u64,
+    /// The task whose response time should be long.
+    task: usize,
+    /// Number, of eight, of codels that take their longest time.
+    late: u64,
+    /// Number, of eight, of yields that lead to the longest rest of a job.
+    long: u64,
+}
+
+/// The end of a codel, as a walk prefers it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum End {
+    Early,
+    AtTick,
+    Late,
+}
+
+impl Preferences {
+    fn numbered(task: usize, number: u64) -> Self {
+        Preferences {
+            dice: (number + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1,
+            seed: number,
+            task,
+            late: [8, 7, 6, 4, 2][(number % 5) as usize],
+            long: [8, 7, 5][(number / 5 % 3) as usize],
+        }
+    }
+
+    /// Returns a random number below a limit.
+    fn below(&mut self, limit: u64) -> u64 {
+        // Xorshift.
+        self.dice ^= self.dice << 13;
+        self.dice ^= self.dice >> 7;
+        self.dice ^= self.dice << 17;
+        (self.dice >> 8) % limit
+    }
+
+    /// Returns the end of the work of an executor that takes until `until` at the longest.
+    fn end(&self, executor: usize, until: u64) -> End {
+        let number = FxBuildHasher.hash_one((self.seed, executor, until)) >> 16;
+        match (number % 8 < self.late, number & 8) {
+            (true, _) => End::Late,
+            (false, 0) => End::Early,
+            (false, _) => End::AtTick,
+        }
+    }
+}
+
+/// A position in a run.
+#[derive(Clone)]
+struct Position {
+    s: State,
+    now: u64,
+    /// Number of actions before it.
+    steps: usize,
+}
+
+struct Walks<'a> {
+    /// A sight is identified by the number of actions before it.
+    observations: Observations<'a, SystemRules<'a>, usize>,
+    /// Longest rest of a job from the beginning of a codel, by codel.
+    rest: TiVec<CodelId, u64>,
+    /// Longest time and the run to it, by response time.
+    best: Vec<Option<(Ticks, Run)>>,
+    /// Actions of the present walk, with their times.
+    trail: Vec<(u64, Action)>,
+    /// Number of actions of all walks.
+    actions: u64,
+    cancel: &'a Cancel,
+}
+
+impl Walks<'_> {
+    fn look_for(&mut self, number: usize, response: &ResponseTime, actions: u64) {
+        let until = self.actions + actions;
+        let task = usize::from(response.task);
+        let mut walk = 0;
+        let start = Position {
+            s: self.observations.rules.initial(),
+            now: 0,
+            steps: 0,
+        };
+        while !self.is_over(number, response, until) {
+            let releases = self.walk(
+                &start,
+                (number, task, walk),
+                ACTIONS_OF_WALK.min(until - self.actions),
+            );
+            walk += 1;
+            self.vary(&releases, (number, task), response, until);
+        }
+    }
+
+    fn is_over(&self, number: usize, response: &ResponseTime, until: u64) -> bool {
+        let longest = self.best[number].as_ref().map(|best| best.0);
+        let reached = response.most.is_some_and(|most| longest >= Some(most));
+        reached || self.actions >= until || self.cancel.is_over()
+    }
+
+    /// Varies the end of the last walk, from the job before the one with the longest response time on.
+    fn vary(
+        &mut self,
+        releases: &[Position],
+        (number, task): (usize, usize),
+        response: &ResponseTime,
+        until: u64,
+    ) {
+        let Some(longest) = self.observations.seen.longest[number] else {
+            return;
+        };
+        let before = releases
+            .iter()
+            .filter(|position| position.now + u64::from(longest.value) <= longest.at.time);
+        let count = before.count();
+        let mut best = longest.value;
+        for back in VARIED_JOBS {
+            let Some(position) = count.checked_sub(back).map(|index| &releases[index]) else {
+                return;
+            };
+            let length = (longest.at.parent - position.steps) as u64 * 3 + 10;
+            let mut fruitless = 0;
+            let mut variant = 1_000;
+            while fruitless < VARIANTS && !self.is_over(number, response, until) {
+                self.walk(
+                    position,
+                    (number, task, variant),
+                    length.min(until - self.actions),
+                );
+                variant += 1;
+                fruitless += 1;
+                let found =
+                    self.observations.seen.longest[number].map_or(0, |longest| longest.value);
+                if found > best {
+                    (best, fruitless) = (found, 0);
+                }
+            }
+        }
+    }
+
+    /// Continues a run. Returns the positions at which a job of the task was released.
+    fn walk(
+        &mut self,
+        start: &Position,
+        (gauge, task, walk): (usize, usize, u64),
+        actions: u64,
+    ) -> Vec<Position> {
+        let mut preferences = Preferences::numbered(task, walk);
+        self.observations.clear_observations();
+        let Position {
+            mut s,
+            mut now,
+            steps,
+        } = start.clone();
+        self.trail.truncate(steps);
+        let mut releases = Vec::new();
+        let mut enabled = Enabled::default();
+        let of = self.observations.gauges[gauge].of;
+        let mut runs = of.runs(&self.observations.rules, &s);
+        let end = self.actions + actions;
+        while self.actions < end {
+            self.actions += 1;
+            if self.actions.is_multiple_of(ACTIONS_PER_POLL) && self.cancel.is_over() {
+                break;
+            }
+            let rules = &self.observations.rules;
+            if of.runs(rules, &s) != runs {
+                runs = !runs;
+                if runs {
+                    releases.push(Position {
+                        s: s.clone(),
+                        now,
+                        steps: self.trail.len(),
+                    });
+                }
+            }
+            rules.enabled(&s, &mut enabled);
+            if let Some(action) = self.choose(&s, now, &enabled, &mut preferences) {
+                self.trail.push((now, action));
+                let at = Sight {
+                    parent: self.trail.len(),
+                    time: now,
+                };
+                self.observations.step(&mut s, action, &mut 0, at);
+                continue;
+            }
+            let jump = rules.next_moment(&s, &|executor| {
+                let latest = rules.frame().window(&s, executor).1;
+                latest != FOREVER
+                    && preferences.end(executor, now + u64::from(latest)) != End::Early
+            });
+            let Some(jump) = jump else { break };
+            rules.elapse(&mut s, jump);
+            now += u64::from(jump);
+            let at = Sight {
+                parent: self.trail.len(),
+                time: now,
+            };
+            for gauge in 0..self.observations.gauges.len() {
+                self.observations.longest_after_jump(gauge, &s, at);
+            }
+        }
+        self.keep();
+        releases
+    }
+
+    /// Keeps the longest times of a walk.
+    fn keep(&mut self) {
+        for (longest, best) in self.observations.seen.longest.iter().zip(&mut self.best) {
+            let Some(longest) = longest else { continue };
+            if best.as_ref().is_none_or(|best| best.0 < longest.value) {
+                let run = Run {
+                    steps: self.trail[..longest.at.parent].to_vec(),
+                    end: longest.at.time,
+                    ..Run::default()
+                };
+                *best = Some((longest.value, run));
+            }
+        }
+    }
+
+    /// Returns the next action; `None`: time passes.
+    fn choose(
+        &self,
+        s: &State,
+        now: u64,
+        enabled: &Enabled,
+        preferences: &mut Preferences,
+    ) -> Option<Action> {
+        let rules = &self.observations.rules;
+        let ticks = || {
+            enabled
+                .actions
+                .iter()
+                .any(|action| matches!(action, Action::Tick { .. }))
+        };
+        let wanted = |action: &Action| {
+            let Action::Finish { executor, .. } = *action else {
+                return true;
+            };
+            let latest = rules.frame().window(s, executor).1;
+            latest == 0
+                || latest == FOREVER
+                || match preferences.end(executor, now + u64::from(latest)) {
+                    End::Early => true,
+                    End::AtTick => ticks(),
+                    End::Late => false,
+                }
+        };
+        let mut list: Vec<Action> = enabled.actions.iter().copied().filter(wanted).collect();
+        if list.is_empty() {
+            // Something must happen now.
+            if enabled.is_calm() {
+                return None;
+            }
+            list.clone_from(&enabled.actions);
+        }
+        let mut action = list[preferences.below(list.len() as u64) as usize];
+        // Others often go first.
+        if rules.task_of(action) == Some(preferences.task) && preferences.below(4) > 0 {
+            action = list[preferences.below(list.len() as u64) as usize];
+        }
+        let Action::Finish { executor, .. } = action else {
+            return Some(action);
+        };
+        if preferences.below(8) >= preferences.long {
+            return Some(action);
+        }
+        // Among the yields of a codel, the one to the longest rest of the job.
+        let outcomes = list.iter().copied().filter(
+            |other| matches!(other, Action::Finish { executor: other, .. } if *other == executor),
+        );
+        let rest = |action: &Action| match *action {
+            Action::Finish { executor, outcome } => rules
+                .codel(s, executor)
+                .map_or(0, |codel| self.rest_after(codel, outcome)),
+            _ => 0,
+        };
+        outcomes.max_by_key(rest)
+    }
+
+    /// Returns the longest rest of a job after a codel with an outcome.
+    fn rest_after(&self, codel: CodelId, outcome: usize) -> u64 {
+        let system = self.observations.rules.system();
+        let mut machines = system.machines.iter();
+        let state = machines.find_map(|machine| {
+            let state = machine.states.iter().find(|state| state.codel == codel)?;
+            Some((machine, state.yields.get(outcome)?))
+        });
+        match state {
+            Some((machine, &Yield::Next(next))) => self.rest[machine.states[next].codel],
+            _ => 0,
+        }
+    }
+}
+
+/// Returns, by codel, the longest rest of a job from its beginning, with loops counted a few times.
+fn longest_rests(system: &TimedSystem) -> TiVec<CodelId, u64> {
+    let mut rest: TiVec<CodelId, u64> = ti_vec![0; system.codels.len()];
+    for _ in 0..ROUNDS {
+        for machine in &system.machines {
+            for state in &machine.states {
+                let next = state.yields.iter().map(|transition| match *transition {
+                    Yield::Next(next) => rest[machine.states[next].codel],
+                    _ => 0,
+                });
+                let next = next.max().unwrap_or(0);
+                let upper = system.codels[state.codel].upper;
+                let own = if upper == FOREVER {
+                    0
+                } else {
+                    u64::from(upper)
+                };
+                rest[state.codel] = rest[state.codel].max(own + next);
+            }
+        }
+    }
+    rest
+}

@@ -1,0 +1,82 @@
+//! Random walks that reach the bounds of schedule abstraction.
+
+use std::fmt::Write;
+
+use dotgen_timing::report::{Report, Soundness, Value, Verdict};
+use dotgen_timing::scn::parse;
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
+
+use super::load;
+
+/// Verifies ten components on one core, each with one task. The last one has this period, in milliseconds.
+fn ten_tasks(period: u32) -> Report {
+    let periods = [20, 24, 30, 40, 48, 60, 80, 120, 240];
+    let tasks = periods.map(|period: u32| (period, (period * 3 / 40).clamp(1, 6)));
+    let mut specification = String::new();
+    for (number, (period, longest)) in tasks.into_iter().chain([(period, 1)]).enumerate() {
+        let _ = write!(
+            specification,
+            "component c{number} {{ version \"1\"; lang \"c\";
+               task t {{ period {period} ms;
+                 codel<start> s{number}() yield pause::main wcet 0 ms;
+                 codel<main> m{number}() yield pause::main wcet {longest} ms; }}; }};"
+        );
+    }
+    let unit = load(&specification);
+    let scenario =
+        "scenario x { semantics servers; cores 1; policy edf; unit 1 ms; durations interval;
+                    check schedulable *; check response *; }";
+    let parsed = parse(scenario);
+    assert_eq!(parsed.errors, []);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    verify(
+        &input,
+        &parsed.scenario,
+        &Options::default(),
+        &Cancel::default(),
+    )
+}
+
+#[test]
+fn response_times_whose_bounds_are_reached_are_exact() {
+    let report = ten_tasks(20);
+    for check in &report.checks {
+        assert_eq!(
+            (check.verdict, check.soundness),
+            (Verdict::Proved, Soundness::Exact),
+            "{}",
+            check.of
+        );
+    }
+    let longest = report.checks.last().and_then(|check| check.value);
+    assert!(
+        matches!(longest, Some(Value::Time(time)) if time > 1.0),
+        "{longest:?}"
+    );
+}
+
+#[test]
+fn a_task_that_is_late_has_a_bound_and_so_have_the_others() {
+    let report = ten_tasks(5);
+    let (deadlines, responses) = report.checks.split_at(10);
+    let late: Vec<&str> = (deadlines.iter())
+        .filter(|check| check.verdict == Verdict::Refuted)
+        .map(|check| &*check.of)
+        .collect();
+    assert_eq!(late, ["c9.t"]);
+    assert!(
+        deadlines
+            .iter()
+            .all(|check| check.verdict != Verdict::Unknown)
+    );
+    for check in responses {
+        assert_eq!(check.verdict, Verdict::Proved, "{}", check.of);
+    }
+    let of_late = responses.last().and_then(|check| check.value);
+    assert!(
+        matches!(of_late, Some(Value::Time(time)) if time >= 5.0),
+        "{of_late:?}"
+    );
+}
