@@ -1,10 +1,19 @@
 //! Ports between machines, by Zenoh: two runs that know of each other by an endpoint only.
 #![cfg(all(target_os = "linux", feature = "zenoh"))]
 
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{Ipv4Addr, TcpListener};
+use std::os::unix::net::UnixStream;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
 
 use crate::directory::{Directory, status, stderr, stdout};
 use crate::running::{Listening, compilers, soon};
+
+/// Maximum time until another machine is reported as gone: a second by the manual, and as much for a slow
+/// machine.
+const GONE_TIMEOUT: Duration = Duration::from_secs(2);
 
 const TYPES: &str = include_str!("hosted/types.idl");
 
@@ -66,10 +75,54 @@ fn a_port_of_another_machine_is_read_by_its_name() {
         let seen = newest(&reads, "reader/seen");
         seen.contains("\"x\":").then_some(())
     });
-    // Who was there goes: the other keeps what it has.
+    // The data stays when its source is gone.
     drop(first);
+    second.told("`echo` of the machine");
+    second.told("has disappeared");
     assert_eq!(newest(&reads, "reader/sum"), "71\n");
-    drop(second);
+}
+
+/// The components of other machines, as the next report of progress lists them.
+fn remote(directory: &Directory) -> Value {
+    let mut stream = UnixStream::connect(directory.path().join("s")).expect("it listens");
+    stream
+        .write_all(b"{\"progress\": null}\n")
+        .expect("it reads");
+    let lines = BufReader::new(stream).lines().map_while(Result::ok);
+    let mut values = lines.map(|line| serde_json::from_str::<Value>(&line).expect("it is JSON"));
+    let mut progress = values.find(|value| value["event"] == "progress");
+    progress.as_mut().expect("it goes on")["remote"].take()
+}
+
+#[test]
+fn a_machine_that_goes_away_is_reported_and_ends_nothing_else() {
+    if !compilers() {
+        return;
+    }
+    let (stays, leaves) = (echo(), reader());
+    let endpoint = endpoint();
+    let stay = run(&stays, "echo.gen", &["--zenoh-listen", &endpoint]);
+    let leave = run(&leaves, "reader.gen", &["--zenoh-connect", &endpoint]);
+    stay.told("has appeared");
+    leave.told("has appeared");
+    let there = remote(&stays);
+    assert_eq!(there[0]["component"], "reader");
+    assert_eq!(there[0]["present"], true);
+    let host = there[0]["host"].as_str().expect("a name");
+    let begin = Instant::now();
+    leave.signal("-KILL");
+    let told = stay.told(&format!("`reader` of the machine `{host}` has disappeared"));
+    let took = told.duration_since(begin);
+    eprintln!("a killed run was reported as gone after {took:?}");
+    assert!(took < GONE_TIMEOUT, "{took:?}");
+    assert_eq!(remote(&stays)[0]["present"], false);
+    let called = stays.run(&["call", "--socket", "s", "echo", "get_gain"]);
+    assert_eq!(status(&called), 0, "{}", stderr(&called));
+    // A later run is seen again.
+    let _again = run(&leaves, "reader.gen", &["--zenoh-connect", &endpoint]);
+    soon("it appears again", || {
+        (remote(&stays)[0]["present"] == true).then_some(())
+    });
 }
 
 #[test]

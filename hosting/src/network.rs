@@ -3,6 +3,8 @@
 //! An output port has the key `COMPONENT/PORT`, an instance of a `multiple` one `COMPONENT/PORT/INSTANCE`.
 //! The data is CDR. Data that arrives goes to the engine, which puts it into the memory shared with hosts.
 
+mod presence;
+
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex};
 
@@ -17,11 +19,15 @@ use zenoh::{Config, Session, Wait as _};
 
 use super::children::{InputSlot, RunInbox, RunListener};
 use super::components::KnownComponent;
+use super::remote::RemoteComponents;
 use dotgen_timing::system::ComponentId;
 
 /// Maximum number of sources of a `multiple` port, and of keys that are reported. Others are ignored, so that
 /// no peer can fill the memory of this machine.
 pub(super) const SOURCES: usize = 256;
+
+/// Time after which a silent machine counts as gone, in milliseconds.
+const LEASE: u64 = 800;
 
 /// The endpoints of this run, and the keys that its ports read.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +38,8 @@ pub struct NetworkOptions<'a> {
     pub connect: &'a [String],
     /// Component, input port, and the key that the port reads.
     pub reads: &'a [(ComponentId, u32, String)],
+    /// Receives the components of other runs.
+    pub remote: &'a RemoteComponents,
 }
 
 /// A function that shows a message to the user.
@@ -53,10 +61,14 @@ pub fn join(
     inbox: &RunInbox,
     tell: &Notifier,
 ) -> Result<(Network, Box<dyn RunListener>), String> {
-    let config = config("peer", wanted.listen, wanted.connect)
+    let mut config = config("peer", wanted.listen, wanted.connect)
         .map_err(|error| format!("an endpoint of Zenoh is wrong: {error}"))?;
-    let session = zenoh::open(config).wait();
-    let session = session.map_err(|error| format!("cannot join by Zenoh: {error}"))?;
+    let failed = |error: zenoh::Error| format!("cannot join by Zenoh: {error}");
+    config
+        .insert_json5("transport/link/tx/lease", &LEASE.to_string())
+        .map_err(failed)?;
+    let session = zenoh::open(config).wait().map_err(failed)?;
+    presence::follow(&session, wanted.remote, tell).map_err(failed)?;
     let mut subscribers = Vec::new();
     for (&component, entry) in known {
         for (index, port) in (0u32..).zip(&entry.component().ports) {
@@ -98,6 +110,7 @@ pub fn join(
         }
     }
     let outputs = Outputs {
+        tokens: presence::declare(&session, known).map_err(failed)?,
         session,
         known: known.clone(),
         publishers: HashMap::new(),
@@ -198,8 +211,9 @@ impl Input {
     }
 }
 
-/// The output ports of this run.
+/// The components and output ports of this run.
 struct Outputs {
+    tokens: presence::Tokens,
     session: Session,
     known: BTreeMap<ComponentId, KnownComponent>,
     /// By component, port and instance; `None` for an invalid key.
@@ -231,6 +245,7 @@ impl RunListener for Outputs {
     fn answer(&mut self, _: u64, _: &RequestReply) {}
 
     fn gone(&mut self, component: ComponentId, _: &str) {
+        self.tokens.remove(&component);
         self.publishers
             .retain(|publisher, _| publisher.0 != component);
     }

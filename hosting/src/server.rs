@@ -26,6 +26,7 @@ use super::clients::{
     Client, Line, MAX_CLIENTS, MAX_REQUEST_BYTES, MAX_WAITING, VERSION, read_line, skip_line,
 };
 use super::components::{CONNECT, KnownComponent, describe, detail_of};
+use super::remote::RemoteComponents;
 use super::stream::Stream;
 use dotgen_platform::files::disk::TemporaryFile;
 use dotgen_timing::system::ComponentId;
@@ -108,6 +109,7 @@ struct Shared {
     /// Flows between ports at the start of the run.
     feeds: Vec<DataFlow>,
     inbox: RunInbox,
+    remote: RemoteComponents,
     state: Mutex<State>,
 }
 
@@ -166,6 +168,7 @@ pub fn listen(
     known: BTreeMap<ComponentId, KnownComponent>,
     feeds: Vec<DataFlow>,
     inbox: RunInbox,
+    remote: RemoteComponents,
 ) -> Result<(Server, Box<dyn RunListener>), String> {
     let shown = path.display();
     if UnixStream::connect(path).is_ok() {
@@ -192,6 +195,7 @@ pub fn listen(
         known,
         feeds,
         inbox,
+        remote,
     });
     let accepting = shared.clone();
     // The thread ends with the process.
