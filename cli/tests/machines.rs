@@ -11,6 +11,9 @@ use crate::running::{Listening, compilers, ended, soon};
 /// machine.
 const GONE_TIMEOUT: Duration = Duration::from_secs(2);
 
+/// Maximum time until a run ends: less than the 10 s for which Zenoh would try to connect again.
+const END_TIMEOUT: Duration = Duration::from_secs(5);
+
 /// Two network namespaces, which are removed with their link when they are dropped.
 struct Machines([String; 2]);
 
@@ -150,9 +153,13 @@ fn ports_cross_between_machines_and_a_cut_link_ends_nothing_else() {
         let called = directory.run(&["call", "--socket", "s", name, "same", "{\"number\": 7}"]);
         assert_eq!(status(&called), 0, "{}", stderr(&called));
         assert_eq!(stdout(&called), "{\"back\":7}\n");
+        let interrupted = Instant::now();
         run.signal("-INT");
         // Interrupted; on a busy machine also with a missed deadline.
         let code = ended(&mut run.0).code();
         assert!(matches!(code, Some(1 | 3)), "{code:?}");
+        let took = interrupted.elapsed();
+        eprintln!("`{name}` ended after {took:?}");
+        assert!(took < END_TIMEOUT, "{took:?}");
     }
 }

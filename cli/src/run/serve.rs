@@ -86,10 +86,7 @@ pub(super) fn start(
     let _network = join(arguments, session, &known, parts, children, &remote)?;
     #[cfg(not(feature = "zenoh"))]
     if arguments.has_network() || arguments.ros2 {
-        anyhow::bail!(
-            "this build of dotgen has no Zenoh, as the one in the VS Code extension: install dotgen from the \
-             archive, the Debian package or the wheel of a release, or build it with `--features zenoh`"
-        );
+        anyhow::bail!(super::NO_ZENOH);
     }
     let (feeds, inbox) = (parts.feeds.clone(), children.inbox());
     let (mut server, outside) =
