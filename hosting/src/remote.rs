@@ -9,13 +9,15 @@ use serde_json::{Value, json};
 /// so that no peer can fill the memory of this machine.
 const MAX: usize = 256;
 
-/// The components of other runs that have been seen, by host and name, with the sessions that provide each
-/// now. Copies share them.
+/// The sessions that provide each component now, by host and name.
+type Providers = BTreeMap<(String, String), BTreeSet<String>>;
+
+/// The components of other runs that have been seen. Copies share them.
 #[derive(Debug, Clone, Default)]
-pub struct RemoteComponents(Arc<Mutex<BTreeMap<(String, String), BTreeSet<String>>>>);
+pub struct RemoteComponents(Arc<Mutex<Providers>>);
 
 impl RemoteComponents {
-    fn all(&self) -> MutexGuard<'_, BTreeMap<(String, String), BTreeSet<String>>> {
+    fn all(&self) -> MutexGuard<'_, Providers> {
         self.0.lock().unwrap_or_else(|error| error.into_inner())
     }
 
