@@ -33,6 +33,11 @@ pub(super) struct Call {
     #[arg(long)]
     ack: bool,
 
+    /// Request it on another machine, by Zenoh: the endpoint of the run there, or of a Zenoh router, for
+    /// example tcp/robot2:7447
+    #[arg(long, value_name = "ENDPOINT", action = clap::ArgAction::Append, conflicts_with = "socket")]
+    zenoh_connect: Vec<String>,
+
     /// Socket of the run [default: the only run on this machine]
     #[arg(long, value_name = "PATH")]
     socket: Option<Utf8PathBuf>,
@@ -91,14 +96,7 @@ impl RunConnection {
             return Ok(None);
         };
         let message: Value = serde_json::from_str(&line).context("the run says no JSON")?;
-        if message["event"] == "error" {
-            bail!(
-                "{}",
-                message["message"]
-                    .as_str()
-                    .unwrap_or("the request is wrong")
-            );
-        }
+        refused(&message)?;
         Ok(Some(message))
     }
 
@@ -131,29 +129,76 @@ impl RunConnection {
 pub(super) fn call(arguments: &Call) -> anyhow::Result<Outcome> {
     let input: Value = serde_json::from_str(&arguments.input)
         .context("the inputs are no JSON: give an object, for example '{\"height\": 2}'")?;
+    if !arguments.zenoh_connect.is_empty() {
+        return call_elsewhere(arguments, &input);
+    }
     let mut talk = RunConnection::begin(arguments.socket.as_ref())?;
     let path = format!("{}.{}", arguments.component, arguments.service);
     talk.say(&json!({"id": 1, "call": path, "input": input}))?;
     while let Some(message) = talk.hear()? {
-        let mut out = std::io::stdout();
-        match message["event"].as_str() {
-            Some("accepted") if arguments.ack => return Ok(Outcome::Fine),
-            Some("done") => {
-                writeln!(out, "{}", message["output"])?;
-                return Ok(Outcome::Fine);
-            }
-            Some("failed") => {
-                let exception = message["exception"].as_str().unwrap_or("an exception");
-                match &message["detail"] {
-                    Value::Null => explain_failure(exception),
-                    detail => explain_failure(&format!("{exception} {detail}")),
-                }
-                return Ok(Outcome::Errors);
-            }
-            _ => {}
+        if let Some(outcome) = show(&message, arguments.ack)? {
+            return Ok(outcome);
         }
     }
     bail!("the run has ended before the service has")
+}
+
+/// Requests the service on another machine.
+#[cfg(feature = "zenoh")]
+fn call_elsewhere(arguments: &Call, input: &Value) -> anyhow::Result<Outcome> {
+    use std::ops::ControlFlow;
+
+    let Call {
+        component, service, ..
+    } = arguments;
+    let mut result = None;
+    let mut hear = |message: Value| {
+        result = refused(&message)
+            .and_then(|()| show(&message, arguments.ack))
+            .transpose();
+        match result {
+            Some(_) => ControlFlow::Break(()),
+            None => ControlFlow::Continue(()),
+        }
+    };
+    let connect = &arguments.zenoh_connect;
+    let requested = dotgen_hosting::network::request(connect, component, service, input, &mut hear);
+    requested.map_err(anyhow::Error::msg)?;
+    result.context("the run has not said how the service ended")?
+}
+
+#[cfg(not(feature = "zenoh"))]
+fn call_elsewhere(_: &Call, _: &Value) -> anyhow::Result<Outcome> {
+    bail!(crate::run::NO_ZENOH)
+}
+
+/// Prints a reply to a request of a service. Returns the outcome of the command if the reply decides it.
+fn show(message: &Value, ack: bool) -> anyhow::Result<Option<Outcome>> {
+    Ok(match message["event"].as_str() {
+        Some("accepted") if ack => Some(Outcome::Fine),
+        Some("done") => {
+            writeln!(std::io::stdout(), "{}", message["output"])?;
+            Some(Outcome::Fine)
+        }
+        Some("failed") => {
+            let exception = message["exception"].as_str().unwrap_or("an exception");
+            match &message["detail"] {
+                Value::Null => explain_failure(exception),
+                detail => explain_failure(&format!("{exception} {detail}")),
+            }
+            Some(Outcome::Errors)
+        }
+        _ => None,
+    })
+}
+
+/// Returns an error if a reply says that the request is refused.
+fn refused(message: &Value) -> anyhow::Result<()> {
+    if message["event"] == "error" {
+        let why = message["message"].as_str();
+        bail!("{}", why.unwrap_or("the request is wrong"));
+    }
+    Ok(())
 }
 
 pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Outcome> {

@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use serde_json::Value;
 
 use crate::directory::{status, stderr};
-use crate::running::{Listening, compilers, ended, hosts, processes, soon, with_body};
+use crate::running::{Lines, Listening, compilers, ended, hosts, processes, soon, with_body};
 
 fn has_gdb() -> bool {
     let mut command = Command::new("gdb");
@@ -83,7 +83,7 @@ fn a_run_that_waits_for_a_debugger_can_be_ended() {
     let mut command = directory.command(&["run", "bad/bad.gen", "--debug"]);
     let run = command.stderr(Stdio::piped()).spawn().expect("it starts");
     // It ends with the test, whatever comes of that.
-    let mut run = Listening(run);
+    let mut run = Listening(run, Lines::default());
     let mut said = BufReader::new(run.0.stderr.take().expect("it is piped"));
     let mut text = String::new();
     while !text.contains("`bad` waits for a debugger: gdb -p ") {

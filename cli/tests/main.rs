@@ -16,6 +16,7 @@ mod hostile;
 mod inputs;
 mod interfaces;
 mod listening;
+mod machines;
 mod mcp;
 mod measure;
 mod monitor;

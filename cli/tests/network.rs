@@ -1,10 +1,20 @@
 //! Ports between machines, by Zenoh: two runs that know of each other by an endpoint only.
 #![cfg(all(target_os = "linux", feature = "zenoh"))]
 
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{Ipv4Addr, TcpListener};
+use std::os::unix::net::UnixStream;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
 
 use crate::directory::{Directory, status, stderr, stdout};
 use crate::running::{Listening, compilers, soon};
+
+/// Maximum time until another machine is reported as gone: a second by the manual, and as much for a slow
+/// machine.
+const GONE_TIMEOUT: Duration = Duration::from_secs(2);
 
 const TYPES: &str = include_str!("hosted/types.idl");
 
@@ -66,10 +76,59 @@ fn a_port_of_another_machine_is_read_by_its_name() {
         let seen = newest(&reads, "reader/seen");
         seen.contains("\"x\":").then_some(())
     });
-    // Who was there goes: the other keeps what it has.
+    // The data stays when its source is gone.
     drop(first);
+    second.told("`echo` of the machine");
+    second.told("has disappeared");
     assert_eq!(newest(&reads, "reader/sum"), "71\n");
-    drop(second);
+}
+
+/// The next report of progress.
+fn progress(directory: &Directory) -> Value {
+    let mut stream = UnixStream::connect(directory.path().join("s")).expect("it listens");
+    stream
+        .write_all(b"{\"progress\": null}\n")
+        .expect("it reads");
+    let lines = BufReader::new(stream).lines().map_while(Result::ok);
+    let mut values = lines.map(|line| serde_json::from_str::<Value>(&line).expect("it is JSON"));
+    let progress = values.find(|value| value["event"] == "progress");
+    progress.expect("it goes on")
+}
+
+/// The components of other machines.
+fn remote(directory: &Directory) -> Value {
+    progress(directory)["remote"].take()
+}
+
+#[test]
+fn a_machine_that_goes_away_is_reported_and_ends_nothing_else() {
+    if !compilers() {
+        return;
+    }
+    let (stays, leaves) = (echo(), reader());
+    let endpoint = endpoint();
+    let stay = run(&stays, "echo.gen", &["--zenoh-listen", &endpoint]);
+    let leave = run(&leaves, "reader.gen", &["--zenoh-connect", &endpoint]);
+    stay.told("has appeared");
+    leave.told("has appeared");
+    let there = remote(&stays);
+    assert_eq!(there[0]["component"], "reader");
+    assert_eq!(there[0]["present"], true);
+    let host = there[0]["host"].as_str().expect("a name");
+    let begin = Instant::now();
+    leave.signal("-KILL");
+    let told = stay.told(&format!("`reader` of the machine `{host}` has disappeared"));
+    let took = told.duration_since(begin);
+    eprintln!("a killed run was reported as gone after {took:?}");
+    assert!(took < GONE_TIMEOUT, "{took:?}");
+    assert_eq!(remote(&stays)[0]["present"], false);
+    let called = stays.run(&["call", "--socket", "s", "echo", "get_gain"]);
+    assert_eq!(status(&called), 0, "{}", stderr(&called));
+    // A later run is seen again.
+    let _again = run(&leaves, "reader.gen", &["--zenoh-connect", &endpoint]);
+    soon("it appears again", || {
+        (remote(&stays)[0]["present"] == true).then_some(())
+    });
 }
 
 #[test]
@@ -105,4 +164,62 @@ fn the_key_can_be_chosen_and_nonsense_is_told() {
     let output = directory.run(&["run", "reader.gen", "--zenoh-listen", &endpoint]);
     assert_eq!(status(&output), 2);
     assert!(stderr(&output).contains("--clock real"));
+}
+
+#[test]
+fn services_of_another_machine_are_requested() {
+    if !compilers() {
+        return;
+    }
+    let directory = echo();
+    let endpoint = endpoint();
+    let run = run(&directory, "echo.gen", &["--zenoh-listen", &endpoint]);
+    let call = |more: &[&str]| {
+        let mut arguments = vec!["call", "--zenoh-connect", &endpoint];
+        arguments.extend(more);
+        let output = directory.run(&arguments);
+        (status(&output), stdout(&output) + &stderr(&output))
+    };
+    let fine = |text: &str| (0, text.to_owned());
+    assert_eq!(call(&["echo", "set_gain", "{\"gain\": 9}"]), fine("{}\n"));
+    assert_eq!(call(&["echo", "get_gain"]), fine("{\"gain\":9}\n"));
+    let counted = call(&["echo", "count", "{\"n\": 3}"]);
+    assert_eq!(counted, fine("{\"seen\":3}\n"));
+    assert_eq!(call(&["--ack", "echo", "count"]), fine(""));
+    let (code, told) = call(&["echo", "fail", "{\"code\": 1}"]);
+    assert_eq!((code, told.contains("echo::e_")), (1, true), "{told}");
+    for (wrong, why) in [
+        (
+            ["echo", "set_gain", "{\"gain\": \"much\"}"],
+            "`echo.set_gain`",
+        ),
+        (["echo", "set_gain", "{\"loss\": 1}"], "loss"),
+        (["echo", "set_gain", "[1]"], "not an object"),
+        (
+            ["echo", "nothing", "{}"],
+            "no run there provides `echo.nothing`",
+        ),
+        (["*", "get_gain", "{}"], "request one service"),
+    ] {
+        let (code, told) = call(&wrong);
+        assert_eq!((code, told.contains(why)), (2, true), "{wrong:?}: {told}");
+    }
+    // The request ends with the run.
+    let mut waits = directory.command(&["call", "--zenoh-connect", &endpoint, "echo", "count"]);
+    let waits = waits.arg("{\"n\": 1000000}").stderr(Stdio::piped());
+    let waits = waits.spawn().expect("the program starts");
+    soon("the activity", || {
+        let activities = progress(&directory)["activities"].to_string();
+        activities.contains("echo.count").then_some(())
+    });
+    run.signal("-KILL");
+    let output = waits.wait_with_output().expect("it ends");
+    assert_eq!(status(&output), 2);
+    assert!(
+        stderr(&output).contains("run has ended"),
+        "{}",
+        stderr(&output)
+    );
+    let (code, told) = call(&["echo", "get_gain"]);
+    assert_eq!((code, told.contains("cannot connect")), (2, true), "{told}");
 }

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use dotgen_analysis::model::{Component, PortDir, ServiceKind, Spec, TypeId, TypeKind};
+use dotgen_analysis::model::{Component, PortDir, Service, ServiceKind, Spec, TypeId, TypeKind};
 use dotgen_codegen::codels::schema;
 use dotgen_codegen::codels::value::{Values, is_input, is_output};
+use dotgen_runtime::hosts::RequestReply;
 use dotgen_timing::system::ServiceId;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 /// The service that every component has in addition to its own.
 pub(super) const CONNECT: &str = "connect_port";
@@ -96,7 +97,7 @@ pub(super) fn describe(known: &KnownComponent) -> Value {
 }
 
 /// The detail of an exception.
-pub(super) fn detail_of(spec: &Spec, exception: &str, bytes: &[u8]) -> Value {
+fn detail_of(spec: &Spec, exception: &str, bytes: &[u8]) -> Value {
     if exception == "::genom::syserr"
         && let Ok(code) = <[u8; 4]>::try_from(bytes)
     {
@@ -117,5 +118,60 @@ pub(super) fn detail_of(spec: &Spec, exception: &str, bytes: &[u8]) -> Value {
     match value {
         Some(Value::Object(object)) if object.is_empty() => Value::Null,
         exception => exception.unwrap_or(Value::Null),
+    }
+}
+
+/// Returns the index in the system of a service, and its inputs as bytes, from those of a client.
+///
+/// # Errors
+/// A message: the service cannot be requested in this run, or the inputs do not fit.
+pub(super) fn inputs_of(
+    known: &KnownComponent,
+    index: usize,
+    input: Option<&Value>,
+) -> Result<(ServiceId, Vec<u8>), String> {
+    let service = &known.component().services[index];
+    let path = format!("{}.{}", known.component().name, service.name);
+    let Some(wanted) = known.services[index] else {
+        return Err(format!("`{path}` cannot be requested in this run"));
+    };
+    let none = Map::new();
+    let given = match input {
+        None | Some(Value::Null) => &none,
+        Some(Value::Object(object)) => object,
+        Some(_) => return Err(not_an_object(&known.spec, service)),
+    };
+    let inputs = Values::new(&known.spec).inputs(service, given);
+    let inputs = inputs.map_err(|error| format!("`{path}`: {error}"))?;
+    Ok((wanted, inputs))
+}
+
+/// Returns the message for inputs that are not an object, with an example of a valid object.
+fn not_an_object(spec: &Spec, service: &Service) -> String {
+    let values = Values::new(spec);
+    let inputs = service.params.iter().filter(|param| is_input(param));
+    let example: Map<String, Value> = inputs
+        .map(|input| {
+            let default = values.default_of(input);
+            (input.name.to_string(), default.unwrap_or_else(|| json!(0)))
+        })
+        .collect();
+    let example = Value::Object(example);
+    format!("the input is not an object; write the parameters by name, as in `{example}`")
+}
+
+/// Returns the reply to a client for an answer of the engine to a request of a service.
+pub(super) fn reply_of(known: &KnownComponent, index: usize, answer: &RequestReply) -> Value {
+    match answer {
+        RequestReply::Accepted => json!({"event": "accepted"}),
+        RequestReply::Done(bytes) => {
+            let service = &known.component().services[index];
+            let output = Values::new(&known.spec).outputs(service, bytes);
+            json!({"event": "done", "output": output.unwrap_or(Value::Null)})
+        }
+        RequestReply::Failed { exception, detail } => {
+            let detail = detail_of(&known.spec, exception, detail);
+            json!({"event": "failed", "exception": exception, "detail": detail})
+        }
     }
 }

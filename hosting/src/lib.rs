@@ -11,6 +11,7 @@
 //! | [`clients`] | the clients of the socket, and their limits |
 //! | [`components`] | the components of a run, as clients see them |
 //! | `network` | ports between machines, by Zenoh; with the feature `zenoh` |
+//! | [`remote`] | components of runs on other machines |
 //! | `ros2` | components as ROS 2 nodes, by Zenoh; with the feature `zenoh` |
 //! | [`stream`] | a connection with a client |
 //! | [`sockets`] | the paths of the sockets of this user |
@@ -28,6 +29,7 @@ mod library;
 pub mod network;
 pub mod orphans;
 pub mod realtime;
+pub mod remote;
 #[cfg(feature = "zenoh")]
 pub mod ros2;
 pub mod server;

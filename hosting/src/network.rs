@@ -1,7 +1,11 @@
-//! Ports between machines, by Zenoh: see `docs/run.md`.
+//! Ports and services between machines, by Zenoh: see `docs/run.md`.
 //!
 //! An output port has the key `COMPONENT/PORT`, an instance of a `multiple` one `COMPONENT/PORT/INSTANCE`.
 //! The data is CDR. Data that arrives goes to the engine, which puts it into the memory shared with hosts.
+
+mod client;
+mod presence;
+mod requests;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex};
@@ -12,16 +16,26 @@ use dotgen_codegen::codels::value::Values;
 use dotgen_runtime::hosts::RequestReply;
 use zenoh::bytes::Encoding;
 use zenoh::pubsub::{Publisher, Subscriber};
+use zenoh::query::Queryable;
 use zenoh::sample::{Locality, Sample};
 use zenoh::{Config, Session, Wait as _};
 
 use super::children::{InputSlot, RunInbox, RunListener};
 use super::components::KnownComponent;
+use super::remote::RemoteComponents;
+pub use client::request;
 use dotgen_timing::system::ComponentId;
+use requests::Requests;
 
 /// Maximum number of sources of a `multiple` port, and of keys that are reported. Others are ignored, so that
 /// no peer can fill the memory of this machine.
 pub(super) const SOURCES: usize = 256;
+
+/// Time after which a silent machine counts as gone, in milliseconds.
+const LEASE: u64 = 800;
+
+/// Maximum time of an attempt to connect again, in milliseconds. The end of a run waits for it.
+const OPEN_TIMEOUT: u64 = 1000;
 
 /// The endpoints of this run, and the keys that its ports read.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +46,8 @@ pub struct NetworkOptions<'a> {
     pub connect: &'a [String],
     /// Component, input port, and the key that the port reads.
     pub reads: &'a [(ComponentId, u32, String)],
+    /// Receives the components of other runs.
+    pub remote: &'a RemoteComponents,
 }
 
 /// A function that shows a message to the user.
@@ -40,6 +56,7 @@ pub type Notifier = Arc<dyn Fn(&str) + Send + Sync>;
 /// A connection to other machines, which ends when it is dropped.
 pub struct Network {
     _subscribers: Vec<Subscriber<()>>,
+    _services: Vec<Queryable<()>>,
 }
 
 /// Connects to other machines. `is_fed` returns true for input ports that get their data from this run.
@@ -53,10 +70,18 @@ pub fn join(
     inbox: &RunInbox,
     tell: &Notifier,
 ) -> Result<(Network, Box<dyn RunListener>), String> {
-    let config = config("peer", wanted.listen, wanted.connect)
+    let mut config = config("peer", wanted.listen, wanted.connect)
         .map_err(|error| format!("an endpoint of Zenoh is wrong: {error}"))?;
-    let session = zenoh::open(config).wait();
-    let session = session.map_err(|error| format!("cannot join by Zenoh: {error}"))?;
+    let failed = |error: zenoh::Error| format!("cannot join by Zenoh: {error}");
+    for (name, value) in [
+        ("transport/link/tx/lease", LEASE),
+        ("transport/unicast/open_timeout", OPEN_TIMEOUT),
+    ] {
+        let set = config.insert_json5(name, &value.to_string());
+        set.map_err(failed)?;
+    }
+    let session = zenoh::open(config).wait().map_err(failed)?;
+    presence::follow(&session, wanted.remote, tell).map_err(failed)?;
     let mut subscribers = Vec::new();
     for (&component, entry) in known {
         for (index, port) in (0u32..).zip(&entry.component().ports) {
@@ -97,7 +122,11 @@ pub fn join(
             }
         }
     }
+    let requests = Requests::new(known.clone(), inbox.clone());
+    let services = requests.declare(&session).map_err(failed)?;
     let outputs = Outputs {
+        requests,
+        tokens: presence::declare(&session, known).map_err(failed)?,
         session,
         known: known.clone(),
         publishers: HashMap::new(),
@@ -105,6 +134,7 @@ pub fn join(
     };
     let network = Network {
         _subscribers: subscribers,
+        _services: services,
     };
     Ok((network, Box::new(outputs)))
 }
@@ -198,8 +228,10 @@ impl Input {
     }
 }
 
-/// The output ports of this run.
+/// The components of this run, with their requests and output ports.
 struct Outputs {
+    requests: Arc<Requests>,
+    tokens: presence::Tokens,
     session: Session,
     known: BTreeMap<ComponentId, KnownComponent>,
     /// By component, port and instance; `None` for an invalid key.
@@ -228,9 +260,12 @@ impl Outputs {
 }
 
 impl RunListener for Outputs {
-    fn answer(&mut self, _: u64, _: &RequestReply) {}
+    fn answer(&mut self, id: u64, answer: &RequestReply) {
+        self.requests.answer(id, answer);
+    }
 
     fn gone(&mut self, component: ComponentId, _: &str) {
+        self.tokens.remove(&component);
         self.publishers
             .retain(|publisher, _| publisher.0 != component);
     }

@@ -19,13 +19,14 @@ use dotgen_runtime::hosts::{Message, OutsideRequest, RequestReply};
 use dotgen_runtime::live::DataFlow;
 use rustix::fs::Mode;
 use rustix::process::umask;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::children::{InputSlot, RunInbox, RunListener};
 use super::clients::{
     Client, Line, MAX_CLIENTS, MAX_REQUEST_BYTES, MAX_WAITING, VERSION, read_line, skip_line,
 };
-use super::components::{CONNECT, KnownComponent, describe, detail_of};
+use super::components::{CONNECT, KnownComponent, describe, inputs_of, reply_of};
+use super::remote::RemoteComponents;
 use super::stream::Stream;
 use dotgen_platform::files::disk::TemporaryFile;
 use dotgen_timing::system::ComponentId;
@@ -108,6 +109,7 @@ struct Shared {
     /// Flows between ports at the start of the run.
     feeds: Vec<DataFlow>,
     inbox: RunInbox,
+    remote: RemoteComponents,
     state: Mutex<State>,
 }
 
@@ -166,6 +168,7 @@ pub fn listen(
     known: BTreeMap<ComponentId, KnownComponent>,
     feeds: Vec<DataFlow>,
     inbox: RunInbox,
+    remote: RemoteComponents,
 ) -> Result<(Server, Box<dyn RunListener>), String> {
     let shown = path.display();
     if UnixStream::connect(path).is_ok() {
@@ -192,6 +195,7 @@ pub fn listen(
         known,
         feeds,
         inbox,
+        remote,
     });
     let accepting = shared.clone();
     // The thread ends with the process.
@@ -483,17 +487,7 @@ fn call(
             &names,
         ));
     };
-    let Some(wanted) = known.services[index] else {
-        return Err(format!("`{path}` cannot be requested in this run"));
-    };
-    let none = Map::new();
-    let given = match input {
-        None | Some(Value::Null) => &none,
-        Some(Value::Object(object)) => object,
-        Some(_) => return Err(data::not_an_object(&known.spec, &services[index])),
-    };
-    let inputs = Values::new(&known.spec).inputs(&services[index], given);
-    let inputs = inputs.map_err(|error| format!("`{path}`: {error}"))?;
+    let (wanted, inputs) = inputs_of(known, index, input)?;
     let mut state = shared.state();
     admit(&state, client, id)?;
     let number = shared.inbox.number();
@@ -533,22 +527,9 @@ impl RunListener for EngineListener {
             return;
         };
         let known = &self.shared.known[&asked.component];
-        let service = &known.component().services[asked.index];
-        let values = Values::new(&known.spec);
-        let (told, last) = match answer {
-            RequestReply::Accepted => (json!({"event": "accepted"}), false),
-            RequestReply::Done(bytes) => {
-                let output = values.outputs(service, bytes).unwrap_or(Value::Null);
-                (json!({"event": "done", "output": output}), true)
-            }
-            RequestReply::Failed { exception, detail } => {
-                let detail = detail_of(&known.spec, exception, detail);
-                let told = json!({"event": "failed", "exception": exception, "detail": detail});
-                (told, true)
-            }
-        };
+        let told = reply_of(known, asked.index, answer);
         asked.client.say(told, &asked.id);
-        if last {
+        if *answer != RequestReply::Accepted {
             state.requests.remove(&id);
         }
     }

@@ -19,6 +19,7 @@ use dotgen_hosting::children::Children;
 use dotgen_hosting::components::KnownComponent;
 #[cfg(feature = "zenoh")]
 use dotgen_hosting::network::Network;
+use dotgen_hosting::remote::RemoteComponents;
 use dotgen_hosting::server::{Clients, Server, listen};
 use dotgen_hosting::sockets;
 #[cfg(feature = "zenoh")]
@@ -80,17 +81,16 @@ pub(super) fn start(
         };
         known.insert(at, known_here);
     }
+    let remote = RemoteComponents::default();
     #[cfg(feature = "zenoh")]
-    let _network = join(arguments, session, &known, parts, children)?;
+    let _network = join(arguments, session, &known, parts, children, &remote)?;
     #[cfg(not(feature = "zenoh"))]
     if arguments.has_network() || arguments.ros2 {
-        anyhow::bail!(
-            "this build of dotgen has no Zenoh, as the one in the VS Code extension: install dotgen from the \
-             archive, the Debian package or the wheel of a release, or build it with `--features zenoh`"
-        );
+        anyhow::bail!(super::NO_ZENOH);
     }
+    let (feeds, inbox) = (parts.feeds.clone(), children.inbox());
     let (mut server, outside) =
-        listen(&path, known, parts.feeds.clone(), children.inbox()).map_err(anyhow::Error::msg)?;
+        listen(&path, known, feeds, inbox, remote).map_err(anyhow::Error::msg)?;
     children.tell(outside);
     if let Some(port) = arguments.listen {
         let clients = match arguments.listen_anyone {
@@ -127,6 +127,7 @@ fn join(
     known: &BTreeMap<ComponentId, KnownComponent>,
     parts: &HostedComponents<'_>,
     children: &mut Children,
+    remote: &RemoteComponents,
 ) -> anyhow::Result<Option<Network>> {
     use dotgen_hosting::network::{self, NetworkOptions};
 
@@ -158,6 +159,7 @@ fn join(
         listen: &arguments.zenoh_listen,
         connect: &arguments.zenoh_connect,
         reads: &reads,
+        remote,
     };
     let joined = network::join(wanted, known, &is_fed, &children.inbox(), &tell);
     let (network, outside) = joined.map_err(anyhow::Error::msg)?;

@@ -2,8 +2,9 @@
 
 #![allow(dead_code, reason = "no test file needs all of it")]
 
-use std::io::{BufRead as _, BufReader, Read as _};
+use std::io::{BufRead as _, BufReader};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -91,8 +92,11 @@ pub(crate) fn violation<'r>(report: &'r Value, kind: &str) -> &'r Value {
     found.unwrap_or_else(|| panic!("no {kind}: {report:#}"))
 }
 
-/// A run on the real clock, from when it listens.
-pub(crate) struct Listening(pub(crate) Child);
+/// A run on the real clock, from when it listens, and its error output.
+pub(crate) struct Listening(pub(crate) Child, pub(crate) Lines);
+
+/// Lines with the times at which they were read.
+pub(crate) type Lines = Arc<Mutex<Vec<(Instant, String)>>>;
 
 impl Listening {
     pub(crate) fn start(directory: &Directory, arguments: &[&str]) -> Listening {
@@ -104,13 +108,36 @@ impl Listening {
         let mut child = command.spawn().expect("the program starts");
         let output = child.stderr.take().expect("it is piped");
         let mut output = BufReader::new(output);
-        let mut said = String::new();
-        while !said.contains("listening at") {
-            let read = output.read_line(&mut said).expect("it is text");
-            assert_ne!(read, 0, "it has ended: {said}");
+        let lines = Lines::default();
+        let keep = |lines: &Lines, line: String| {
+            let line = (Instant::now(), line);
+            lines.lock().expect("it is whole").push(line);
+        };
+        loop {
+            let mut line = String::new();
+            let read = output.read_line(&mut line).expect("it is text");
+            assert_ne!(read, 0, "it has ended: {lines:?}");
+            let listens = line.contains("listening at");
+            keep(&lines, line);
+            if listens {
+                break;
+            }
         }
-        std::thread::spawn(move || output.read_to_end(&mut Vec::new()));
-        Listening(child)
+        let rest = lines.clone();
+        std::thread::spawn(move || {
+            let all = output.split(b'\n').map_while(Result::ok);
+            all.for_each(|line| keep(&rest, String::from_utf8_lossy(&line).into_owned()));
+        });
+        Listening(child, lines)
+    }
+
+    /// Waits for a line with a text. Returns the time at which the first one was read.
+    pub(crate) fn told(&self, text: &str) -> Instant {
+        soon(text, || {
+            let lines = self.1.lock().expect("it is whole");
+            let found = lines.iter().find(|line| line.1.contains(text));
+            found.map(|line| line.0)
+        })
     }
 
     pub(crate) fn signal(&self, name: &str) {

@@ -1,8 +1,7 @@
-//! Values of ports and of inputs, as clients see them.
+//! Values of ports, as clients see them.
 
-use dotgen_analysis::model::{Service, Spec};
-use dotgen_codegen::codels::value::{Values, is_input};
-use serde_json::{Map, Value, json};
+use dotgen_codegen::codels::value::Values;
+use serde_json::{Map, Value};
 
 use super::{Shared, State};
 use dotgen_timing::system::ComponentId;
@@ -23,18 +22,4 @@ pub(super) fn newest(
         (instance.clone(), value.unwrap_or(Value::Null))
     });
     values.collect()
-}
-
-/// Returns the message for inputs that are not an object, with an example of a valid object.
-pub(super) fn not_an_object(spec: &Spec, service: &Service) -> String {
-    let values = Values::new(spec);
-    let inputs = service.params.iter().filter(|param| is_input(param));
-    let example: Map<String, Value> = inputs
-        .map(|input| {
-            let default = values.default_of(input);
-            (input.name.to_string(), default.unwrap_or_else(|| json!(0)))
-        })
-        .collect();
-    let example = Value::Object(example);
-    format!("the input is not an object; write the parameters by name, as in `{example}`")
 }

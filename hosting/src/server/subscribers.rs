@@ -36,6 +36,10 @@ impl ProgressReceiver for ProgressSubscribers {
             return;
         };
         told["event"] = "progress".into();
+        let remote = self.shared.remote.list();
+        if !remote.is_empty() {
+            told["remote"] = remote.into();
+        }
         for (client, id) in &self.shared.state().progress_subscribers {
             // A missed report is contained in the next one.
             client.offer(told.clone(), id);

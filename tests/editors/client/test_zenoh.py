@@ -1,5 +1,6 @@
 """Ports of a run, reached by the Python package of Zenoh."""
 
+import json
 import os
 import socket
 import struct
@@ -97,3 +98,51 @@ def test_an_input_port_reads_what_is_published(joined):
             break
     assert complete.is_set()
     subscriber.undeclare()
+
+
+def test_services_are_requested_with_json(joined):
+    session = joined("echo")
+
+    def ask(key, **more):
+        replies = list(session.get(key, timeout=20, **more))
+        assert len(replies) == 1, replies
+        reply = replies[0]
+        answer = reply.ok or reply.err
+        assert str(answer.encoding) == "application/json"
+        return reply.ok is not None, json.loads(answer.payload.to_string())
+
+    def done(output):
+        return True, {"event": "done", "output": output, "version": 1}
+
+    assert ask("echo/set_gain", payload='{"gain": 9}') == done({})
+    assert ask("echo/get_gain") == done({"gain": 9})
+    # The acceptance of an activity is replaced by its end.
+    assert ask("echo/count", payload='{"n": 3}') == done({"seen": 3})
+    everything = session.get("echo/count", consolidation=zenoh.ConsolidationMode.NONE, timeout=20)
+    events = [json.loads(it.ok.payload.to_string())["event"] for it in everything]
+    assert events == ["accepted", "done"]
+    is_fine, failed = ask("echo/fail", payload='{"code": 3}')
+    assert is_fine and failed["event"] == "failed"
+    assert (failed["exception"], failed["detail"]) == ("::echo::e_bad", {"code": 3})
+    for key, payload, why in [
+        ("echo/get_gain", "what is no JSON", "no JSON"),
+        ("echo/get_gain", b"\xff\xfe", "no JSON"),
+        ("echo/get_gain", "[" * 100_000, "no JSON"),
+        ("echo/get_gain", " " * (5 << 20), "at most 4 MiB"),
+        ("echo/set_gain", '{"gain": {}}', "echo.set_gain"),
+        ("*/get_gain", "{}", "request one service"),
+    ]:
+        is_fine, refused = ask(key, payload=payload)
+        assert not is_fine and refused["event"] == "error" and refused["version"] == 1
+        assert why in refused["message"]
+    # More activities than the component has room for hold up nothing else.
+    refused = threading.Event()
+
+    def hear(reply):
+        if reply.ok and json.loads(reply.ok.payload.to_string()).get("exception") == "::genom::disallowed":
+            refused.set()
+
+    for _ in range(300):
+        session.get("echo/count", hear, payload='{"n": 100000000}', timeout=60)
+    assert refused.wait(20)
+    assert ask("echo/get_gain") == done({"gain": 9})
