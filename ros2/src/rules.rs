@@ -146,7 +146,7 @@ fn flat<'r>(
     within: &str,
 ) -> Vec<Entry<'r>> {
     let entries = table.into_iter().flat_map(|(key, value)| {
-        let keys = [keys, &[key.clone()]].concat();
+        let keys = [keys, std::slice::from_ref(key)].concat();
         let field = format!("{within}{key}");
         match value {
             Value::Object(inner) => flat(inner, &keys, &format!("{field}.")),
@@ -245,7 +245,7 @@ fn unknown(field: &str, leaves: &[(Leaf, Source)]) -> String {
         });
         rests.map(first).collect()
     };
-    let known = ends.filter(|end| !children(end).is_empty()).last();
+    let known = ends.rev().find(|end| !children(end).is_empty());
     let known = known.unwrap_or_default();
     let names: Vec<&str> = children(known).into_iter().collect();
     let wanted = field[known.len()..].trim_start_matches('.');
