@@ -1,7 +1,7 @@
 //! Times as a row of a table: quantiles and a histogram.
 
 /// The upper bounds of the columns, in microseconds.
-const BOUNDS: [u64; 9] = [20, 50, 100, 200, 500, 1_000, 2_000, 5_000, 20_000];
+const BOUNDS: [u64; 8] = [20, 50, 100, 200, 500, 1_000, 5_000, 20_000];
 
 /// Times in nanoseconds, in ascending order.
 pub(super) struct Samples(Vec<u64>);
