@@ -83,6 +83,51 @@ fn a_port_of_another_machine_is_read_by_its_name() {
     assert_eq!(newest(&reads, "reader/sum"), "71\n");
 }
 
+/// A value of several batches of Zenoh, which crosses whole or not at all.
+#[test]
+fn a_large_value_arrives() {
+    if !compilers() {
+        return;
+    }
+    let part = |name: &str, ports: &str, codel: &str, body: &str| {
+        let specification = format!(
+            "module m {{ struct image {{ octet data[200000]; }}; typedef octet pixel; }};
+             component {name} {{ version \"1\"; lang \"c\"; {ports}
+               task main {{ period 500 ms; codel<start> {codel} yield pause::start; }}; }};\n"
+        );
+        let source = format!(
+            "#include \"ac{name}.h\"\n#include \"{name}_c_types.h\"\n{body}\n\
+             return {name}_pause_start; }}\n"
+        );
+        let directory = Directory::new(&[]);
+        directory.write(&format!("{name}.gen"), specification.as_bytes());
+        directory.write(&format!("codels/{name}.c"), source.as_bytes());
+        directory
+    };
+    let writes = part(
+        "camera",
+        "port out m::image image;",
+        "camera_take(port out image)",
+        "genom_event camera_take(const camera_image *image, const genom_context self) {
+           image->data(self)->data[199999] = 42; image->write(self);",
+    );
+    let reads = part(
+        "viewer",
+        "port in m::image image; port out m::pixel last;",
+        "viewer_show(port in image, port out last)",
+        "genom_event viewer_show(const viewer_image *image, const viewer_last *last,
+                                 const genom_context self) {
+           if (image->read(self) == genom_ok && image->data(self) != NULL) {
+             *last->data(self) = image->data(self)->data[199999]; last->write(self); }",
+    );
+    let endpoint = endpoint();
+    let _first = run(&writes, "camera.gen", &["--zenoh-listen", &endpoint]);
+    let _second = run(&reads, "viewer.gen", &["--zenoh-connect", &endpoint]);
+    soon("the image", || {
+        (newest(&reads, "viewer/last") == "42\n").then_some(())
+    });
+}
+
 /// The next report of progress.
 fn progress(directory: &Directory) -> Value {
     let mut stream = UnixStream::connect(directory.path().join("s")).expect("it listens");

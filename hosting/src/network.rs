@@ -145,7 +145,9 @@ pub(super) fn config(mode: &str, listen: &[String], connect: &[String]) -> zenoh
     let mut config = Config::default();
     config.insert_json5("mode", &format!("\"{mode}\""))?;
     config.insert_json5("scouting/multicast/enabled", "false")?;
-    // Data that does not fit into the queue is dropped, so that the engine does not wait.
+    // Data that does not fit into the queue is dropped, so that the engine does not wait. The queue has its
+    // greatest size, of 16 batches of 64 KiB.
+    config.insert_json5("transport/link/tx/queue/size/data", "16")?;
     let drop = "transport/link/tx/queue/congestion_control/drop";
     config.insert_json5(&format!("{drop}/wait_before_drop"), "0")?;
     config.insert_json5(&format!("{drop}/max_wait_before_drop_fragments"), "0")?;

@@ -13,6 +13,7 @@ mod growth;
 pub(crate) mod measure;
 mod periodic;
 mod reductions;
+mod runtime;
 mod semantics;
 mod session;
 mod size;
@@ -49,6 +50,12 @@ pub(crate) struct Options {
     /// How long `endurance` edits.
     #[arg(long, default_value_t = 60.0)]
     minutes: f64,
+    /// How long each measurement of `runtime` lasts.
+    #[arg(long, default_value_t = 5.0)]
+    seconds: f64,
+    /// How long the two tasks of `runtime` run. Default: as long as the others.
+    #[arg(long)]
+    task_seconds: Option<f64>,
     /// A program to measure instead of one built for release now.
     #[arg(long)]
     dotgen: Option<PathBuf>,
@@ -76,6 +83,9 @@ enum What {
     Endurance,
     /// Verification with and without each reduction.
     Reductions,
+    /// Components on the real clock: codels, ticks, ports, requests. Needs compilers and Linux, for ports
+    /// between runs a --dotgen with Zenoh, and compares with `cyclictest` if it is installed.
+    Runtime,
     /// GenoM3's own templates, run without Tcl and by Tcl. DOTGEN_TEST_TEMPLATES and
     /// DOTGEN_TEST_TEMPLATES_2_99_41 name the folders of templates of 2.99.39 and 2.99.41.
     Templates,
@@ -101,7 +111,7 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
     }
     let dotgen = match &options.dotgen {
         Some(dotgen) => std::path::absolute(dotgen)?,
-        None => build()?,
+        None => build(options.what)?,
     };
     let runs = |default| options.runs.unwrap_or(default);
     match options.what {
@@ -111,6 +121,10 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
         What::Flight => flight::flight(&dotgen, runs(3))?,
         What::Growth => growth::growth(&dotgen, runs(5))?,
         What::Reductions => reductions::reductions(&dotgen, runs(1))?,
+        What::Runtime => {
+            let task_seconds = options.task_seconds.unwrap_or(options.seconds);
+            runtime::runtime(&dotgen, options.seconds, task_seconds)?;
+        }
         What::Templates => return templates::templates(&dotgen, runs(15)),
         What::Semantics => semantics::semantics(&dotgen)?,
         What::Size => size::size(&dotgen, &options.components, runs(3))?,
@@ -122,15 +136,13 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
 }
 
 /// Builds the program that is measured.
-fn build() -> Result<PathBuf> {
+fn build(what: What) -> Result<PathBuf> {
     step("Building dotgen for release");
-    run::run(run::cargo(&[
-        "build",
-        "--release",
-        "--quiet",
-        "--package",
-        "dotgen",
-    ]))?;
+    let mut command = run::cargo(&["build", "--release", "--quiet", "--package", "dotgen"]);
+    if what == What::Runtime {
+        command.args(["--features", "zenoh"]);
+    }
+    run::run(command)?;
     Ok(target().join("release/dotgen"))
 }
 

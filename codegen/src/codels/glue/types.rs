@@ -44,16 +44,7 @@ impl Glue<'_, '_> {
                 "  uint8_t v = *x ? 1 : 0;\n  glue_put(b, &v, 1);\n".into(),
                 "  uint8_t v;\n  glue_get(r, &v, 1);\n  *x = v != 0;\n".into(),
             ),
-            TypeKind::Octet
-            | TypeKind::Char
-            | TypeKind::Short
-            | TypeKind::UnsignedShort
-            | TypeKind::Long
-            | TypeKind::UnsignedLong
-            | TypeKind::LongLong
-            | TypeKind::UnsignedLongLong
-            | TypeKind::Float
-            | TypeKind::Double => (
+            _ if self.is_plain(ty) => (
                 "  glue_put(b, x, sizeof(*x));\n".into(),
                 "  glue_get(r, x, sizeof(*x));\n".into(),
             ),
@@ -110,6 +101,24 @@ impl Glue<'_, '_> {
         })
     }
 
+    /// Returns true if values of a type are copied byte by byte: numbers, and arrays of numbers.
+    fn is_plain(&self, ty: TypeId) -> bool {
+        match self.kind(ty) {
+            TypeKind::Octet
+            | TypeKind::Char
+            | TypeKind::Short
+            | TypeKind::UnsignedShort
+            | TypeKind::Long
+            | TypeKind::UnsignedLong
+            | TypeKind::LongLong
+            | TypeKind::UnsignedLongLong
+            | TypeKind::Float
+            | TypeKind::Double => true,
+            TypeKind::Array { element, .. } => self.is_plain(*element),
+            _ => false,
+        }
+    }
+
     pub(super) fn member_name(&self, member: TypeId) -> LangResult {
         let name = self.mapper.short_name(member)?;
         Ok(match self.is_cxx() {
@@ -124,11 +133,15 @@ impl Glue<'_, '_> {
         bound: Option<u64>,
     ) -> Result<(String, String), crate::lang::LangError> {
         let of = self.known(element)?;
+        let plain = self.is_plain(element);
         if !self.is_cxx() {
-            let save = format!(
-                "  uint32_t i;\n  glue_put_number(b, x->_length);\n\
-                 \x20 for (i = 0; i < x->_length; i++) glue_save_{of}(b, &x->_buffer[i]);\n"
-            );
+            let save = match plain {
+                true => "glue_put(b, x->_buffer, x->_length * sizeof(x->_buffer[0]));".to_owned(),
+                false => format!(
+                    "for (uint32_t i = 0; i < x->_length; i++) glue_save_{of}(b, &x->_buffer[i]);"
+                ),
+            };
+            let save = format!("  glue_put_number(b, x->_length);\n  {save}\n");
             let room = match bound {
                 Some(bound) => format!(
                     "  if (n > {bound}u) {{ r->bad = 1; n = 0; }}\n\
@@ -142,10 +155,14 @@ impl Glue<'_, '_> {
                          (n - x->_length) * sizeof(x->_buffer[0]));\n"
                     .to_owned(),
             };
-            let load = format!(
-                "  uint32_t i, n = glue_get_length(r);\n{room}  x->_length = n;\n\
-                 \x20 for (i = 0; i < n; i++) glue_load_{of}(r, &x->_buffer[i]);\n"
-            );
+            let load = match plain {
+                true => "if (n > 0) glue_get(r, x->_buffer, n * sizeof(x->_buffer[0]));".to_owned(),
+                false => {
+                    format!("for (uint32_t i = 0; i < n; i++) glue_load_{of}(r, &x->_buffer[i]);")
+                }
+            };
+            let load =
+                format!("  uint32_t n = glue_get_length(r);\n{room}  x->_length = n;\n  {load}\n");
             return Ok((save, load));
         }
         let (head, resize) = match bound {
@@ -167,15 +184,19 @@ impl Glue<'_, '_> {
                 format!("glue_load_{of}(r, &(*x)[i]);"),
             ),
         };
+        let (save, load) = match plain {
+            true => (
+                "if (x->size() > 0) glue_put(b, &(*x)[0], x->size() * sizeof((*x)[0]));".to_owned(),
+                "if (n > 0) glue_get(r, &(*x)[0], n * sizeof((*x)[0]));".to_owned(),
+            ),
+            false => (
+                format!("for (size_t i = 0; i < x->size(); i++) {save}"),
+                format!("for (size_t i = 0; i < n; i++) {load}"),
+            ),
+        };
         Ok((
-            format!(
-                "  glue_put_number(b, (uint32_t)x->size());\n\
-                 \x20 for (size_t i = 0; i < x->size(); i++) {save}\n"
-            ),
-            format!(
-                "  uint32_t n = glue_get_length(r);\n{head}{resize}\
-                 \x20 for (size_t i = 0; i < n; i++) {load}\n"
-            ),
+            format!("  glue_put_number(b, (uint32_t)x->size());\n  {save}\n"),
+            format!("  uint32_t n = glue_get_length(r);\n{head}{resize}  {load}\n"),
         ))
     }
 
