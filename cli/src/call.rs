@@ -169,7 +169,7 @@ fn call_elsewhere(arguments: &Call, input: &Value) -> anyhow::Result<Outcome> {
 
 #[cfg(not(feature = "zenoh"))]
 fn call_elsewhere(_: &Call, _: &Value) -> anyhow::Result<Outcome> {
-    bail!(crate::run::NO_ZENOH)
+    bail!(crate::report::NO_ZENOH)
 }
 
 /// Prints a reply to a request of a service. Returns the outcome of the command if the reply decides it.

@@ -22,6 +22,11 @@ use super::session::{SourceFile, Texts, absolute, display};
 use dotgen_platform::files::disk::SystemDisk;
 use dotgen_platform::files::vfs;
 
+/// The message of a build without Zenoh.
+#[cfg(not(feature = "zenoh"))]
+pub(super) const NO_ZENOH: &str = "this build of dotgen has no Zenoh, as the one in the VS Code extension: install \
+    dotgen from the archive, the Debian package or the wheel of a release, or build it with `--features zenoh`";
+
 /// Diagnostics of all files checked.
 #[derive(Default)]
 pub(super) struct FileReports {

@@ -34,11 +34,6 @@ use super::{Outcome, SpecificationOptions, report};
 use dotgen_views::verification::Problem;
 use scenario::{Ended, one};
 
-/// The message of a build without Zenoh.
-#[cfg(not(feature = "zenoh"))]
-pub(super) const NO_ZENOH: &str = "this build of dotgen has no Zenoh, as the one in the VS Code extension: install \
-    dotgen from the archive, the Debian package or the wheel of a release, or build it with `--features zenoh`";
-
 /// Run components and watch the checks of a scenario
 ///
 /// A scenario (FILE.scn) names its specifications, platform, clients and checks. Without a scenario, all

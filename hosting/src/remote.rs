@@ -27,7 +27,12 @@ impl RemoteComponents {
         let mut all = self.all();
         let place = (host.to_owned(), component.to_owned());
         if all.len() >= MAX && !all.contains_key(&place) {
-            return false;
+            // One that has disappeared makes room.
+            let mut absent = all.iter().filter(|(_, sessions)| sessions.is_empty());
+            let Some(absent) = absent.next().map(|(place, _)| place.clone()) else {
+                return false;
+            };
+            all.remove(&absent);
         }
         if !provides {
             let sessions = all.get_mut(&place);

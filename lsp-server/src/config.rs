@@ -4,6 +4,7 @@
 //! command line. Each source is read into [`Settings`]; [`Settings::over`] combines them; [`Config`] is the
 //! result with absolute paths. The rest of the server uses only [`Config`].
 
+mod problem;
 mod read;
 mod ros2;
 pub mod schema;
@@ -21,7 +22,8 @@ use dotgen_diagram::system::Connection;
 
 use dotgen_analysis::ide::{InlayConfig, LensConfig};
 use dotgen_platform::files::vfs::PackageConfig;
-pub use read::{LoadedSettings, Problem, ProblemKind, from_editor, from_toml};
+pub use problem::{Problem, ProblemKind};
+pub use read::{LoadedSettings, from_editor, from_toml};
 pub use ros2::{Message, Ros2, located, rule_problem};
 pub use settings::{
     DefineValue, Format, FormatAlign, FormatUnit, Generate, Level, Settings, Verification,

@@ -296,6 +296,9 @@ fn find(spec: &Spec, ty: TypeId, path: &str) -> Result<(Vec<u64>, TypeId), Strin
         };
         let begin = at + usize::from(path[at..].starts_with('.'));
         let step = first(&path[begin..]);
+        if path[begin..].starts_with('.') || step.is_empty() {
+            return Err(format!("`{path}` has a point without a member after it"));
+        }
         let index = step
             .strip_prefix('[')
             .and_then(|rest| rest.strip_suffix(']'));
@@ -352,7 +355,7 @@ fn present(spec: &Spec, ty: TypeId) -> TypeId {
     }
 }
 
-const SECOND: u32 = 1_000_000_000;
+pub(crate) const SECOND: u32 = 1_000_000_000;
 
 fn wrong(leaf: &Leaf) -> ValueError {
     ValueError {

@@ -6,6 +6,7 @@ use dotgen_syntax::suggestion::advice;
 use serde_json::Value;
 
 use crate::common::{self, Leaf};
+use crate::conversion::SECOND;
 use crate::description::Base;
 
 /// Rules by component and port.
@@ -111,7 +112,7 @@ impl Rule {
                 errors.extend(assigned.err().map(|why| RuleError { keys, why }));
             }
         }
-        if self.fields.is_empty() {
+        if flat(&self.fields, &[], "").is_empty() {
             let why = "no field has a source: add a table `fields`, such as \
                        `fields = { header.stamp = \"ts\" }`";
             let (keys, why) = (keys.to_vec(), why.to_owned());
@@ -193,6 +194,13 @@ fn assign_constant(entry: &Entry<'_>, leaves: &mut [(Leaf, Source)]) -> Result<(
                     .as_i64()
                     .is_some_and(|number| i32::try_from(number).is_ok()),
                 "a whole number of 32 bits",
+            ),
+            // Nanoseconds of a time.
+            _ if leaves[at].0.is_time => (
+                value
+                    .as_u64()
+                    .is_some_and(|number| number < u64::from(SECOND)),
+                "a whole number from 0 to 999999999",
             ),
             _ => (
                 value

@@ -16,6 +16,7 @@
 //! * `steps`: the two kinds of steps, granting a core and beginning a codel;
 //! * `starting`: the consequences of the end of a job, and the start-up of tasks;
 //! * `batch`: busy windows of independent jobs, taken in one step whatever their order;
+//! * `coarse`: a model with fewer states, in which tasks forget between jobs what they have done;
 //! * `search`: the construction of the graph, within a budget.
 //!
 //! The bounds are never below the exact values. `docs/explorer.md` explains what they bound and proves it.
@@ -141,7 +142,7 @@ fn bounds(
         let coarser = Search::new(&coarse, None, budget.bytes, cancel).run(budget.states, true);
         found = match (coarser, found) {
             (Ok(bounds), _) if meets_all(model, &bounds) => Ok(bounds),
-            (coarser, Err(Refusal::MayMiss { .. })) if coarser.is_ok() => coarser,
+            (coarser, Err(miss @ Refusal::MayMiss { .. })) => coarser.or(Err(miss)),
             (coarser, _) => tighter(coarser, search.run(budget.states, false)),
         };
     }

@@ -86,7 +86,7 @@ pub(super) fn start(
     let _network = join(arguments, session, &known, parts, children, &remote)?;
     #[cfg(not(feature = "zenoh"))]
     if arguments.has_network() || arguments.ros2 {
-        anyhow::bail!(super::NO_ZENOH);
+        anyhow::bail!(crate::report::NO_ZENOH);
     }
     let (feeds, inbox) = (parts.feeds.clone(), children.inbox());
     let (mut server, outside) =

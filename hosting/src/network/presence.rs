@@ -25,7 +25,10 @@ pub(super) fn declare(
 ) -> zenoh::Result<Tokens> {
     let (id, host) = (session.zid(), host_name());
     // Characters with a meaning in keys.
-    let host = host.replace(['/', '*', '$', '?', '#'], "_");
+    let host = match host.replace(['/', '*', '$', '?', '#', '@'], "_") {
+        host if host.is_empty() => "_".to_owned(),
+        host => host,
+    };
     let tokens = known.iter().map(|(&component, entry)| {
         let key = format!("{TOKENS}/{id}/{host}/{}", entry.component().name);
         Ok((component, session.liveliness().declare_token(key).wait()?))

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::read::{Problem, ProblemKind, range_of};
+use super::problem::{Problem, ProblemKind, range_of};
 
 /// Settings for components as ROS 2 nodes.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize, Serialize, JsonSchema)]

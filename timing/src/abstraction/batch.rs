@@ -85,6 +85,7 @@ impl<'m> Batches<'m> {
             s.is(thread, Stage::Waiting)
                 && (s.done[thread].cycle == Cycle::Measured || !starts)
                 && ready.from == ready.to
+                && s.when[thread].since == ready.from
                 && ready.from == self.model.threads[thread].tick(i64::from(s.done[thread].next) - 1)
         };
         if !(0..self.model.threads.len()).all(rests) {

@@ -103,7 +103,12 @@ impl<'m> Search<'m> {
                 .as_ref()
                 .is_some_and(|batch| batch.follow(&s, &mut out));
             if !batch {
-                self.model.follow(&s, &mut out)?;
+                let followed = self.model.follow(&s, &mut out);
+                if let Err(refusal) = followed {
+                    // The state counts as not followed, if the search is run again.
+                    self.reopen(number);
+                    return Err(refusal);
+                }
             }
             for s in following.drain(..) {
                 self.add(s);
@@ -136,6 +141,11 @@ impl<'m> Search<'m> {
                 number
             }
         };
+        self.reopen(number);
+    }
+
+    /// Opens a state, if it is not open.
+    fn reopen(&mut self, number: usize) {
         if !self.open[number] {
             self.open[number] = true;
             let steps = self.states[number].steps;

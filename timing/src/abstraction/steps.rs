@@ -262,7 +262,7 @@ impl Model<'_> {
         let TaskTimes { ready, since, .. } = s.when[thread];
         let tick = entry.tick(i64::from(s.done[thread].next) - 1);
         let first_kept = match ready == Span::at(tick) {
-            true => Some(tick),
+            true => Some(tick.min(since)),
             false => Some(since).filter(|_| since < ready.from),
         };
         first_kept.map(|first| Span {

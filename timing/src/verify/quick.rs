@@ -125,8 +125,8 @@ impl Group<'_> {
         seen
     }
 
-    /// Looks for response times as long as their bounds, which are then exact, and for jobs of tasks that meet
-    /// their deadlines if they have any.
+    /// Looks for response times as long as their bounds, which are then exact, and for jobs of tasks that
+    /// meet their deadlines if they have any.
     fn walk(
         &self,
         checks: &[Single],

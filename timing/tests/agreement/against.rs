@@ -182,7 +182,8 @@ fn beyond_bounds(system: &TimedSystem, budget: Budget, expected: &[(String, Json
     exceeded(system, ("the middle tier", &bounds), expected)
 }
 
-/// Reports the bounds of a method that some run exceeds, and bounds that prove a deadline although it is missed.
+/// Reports the bounds of a method that some run exceeds, and bounds that prove a deadline although it is
+/// missed.
 fn exceeded(
     system: &TimedSystem,
     (method, bounds): (&str, &[Option<Ticks>]),

@@ -80,3 +80,35 @@ fn a_task_that_is_late_has_a_bound_and_so_have_the_others() {
         "{of_late:?}"
     );
 }
+
+#[test]
+fn a_rare_job_that_is_very_late_is_not_forgotten() {
+    // It takes more periods than schedule abstraction follows a late job.
+    let unit = load(
+        "component c { version \"1\"; lang \"c\";
+           task t { period 10 ms;
+             codel<start> s() yield pause::main wcet 1 ms;
+             codel<main> m() yield pause::main, pause::rare wcet 1 ms;
+             codel<rare> r() yield pause::main wcet 700 ms; }; };",
+    );
+    for semantics in ["servers", "published"] {
+        let scenario = format!(
+            "scenario x {{ semantics {semantics}; cores 2; policy edf; unit 1 ms;
+                           check schedulable *; check response c.t <= 10 ms; }}"
+        );
+        let parsed = parse(&scenario);
+        assert_eq!(parsed.errors, []);
+        let input = SystemInput {
+            specs: vec![&unit.spec],
+        };
+        let report = verify(
+            &input,
+            &parsed.scenario,
+            &Options::default(),
+            &Cancel::default(),
+        );
+        for check in &report.checks {
+            assert_eq!(check.verdict, Verdict::Refuted, "{semantics}: {}", check.of);
+        }
+    }
+}

@@ -1,5 +1,5 @@
-//! Components on the real clock: the way from codel to codel, entries of a task next to other programs, missed
-//! ticks, ports, and requests at the socket. The components are in `runtime/`.
+//! Components on the real clock: the way from codel to codel, entries of a task next to other programs,
+//! missed ticks, ports, and requests at the socket. The components are in `runtime/`.
 
 mod clients;
 mod components;
@@ -280,9 +280,9 @@ fn lines(profile: &str) -> Result<Vec<(u64, u64)>> {
     times.collect()
 }
 
-/// Returns the lateness of entries, and its uncertainty in nanoseconds. An entry is on the system's clock. Its
-/// tick and its end are in the profile, from an unknown start, which is before every entry less its tick, and
-/// after every entry less its end. The earliest possible start gives the greatest lateness.
+/// Returns the lateness of entries, and its uncertainty in nanoseconds. An entry is on the system's clock.
+/// Its tick and its end are in the profile, from an unknown start, which is before every entry less its tick,
+/// and after every entry less its end. The earliest possible start gives the greatest lateness.
 fn lateness(entries: &[u64], profile: &str) -> Result<(Samples, u64)> {
     let lines = lines(profile)?;
     let both = || std::iter::zip(entries, &lines);
