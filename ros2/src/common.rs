@@ -77,6 +77,9 @@ const COMMON: &[(&str, &[&str])] = &[
     ),
 ];
 
+/// Nanoseconds of a second.
+pub(crate) const SECOND: u32 = 1_000_000_000;
+
 /// A number or string of a message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Leaf {

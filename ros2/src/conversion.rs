@@ -9,7 +9,7 @@ use dotgen_syntax::suggestion::advice;
 use serde_json::Value;
 
 use crate::cdr::Stamp;
-use crate::common::Leaf;
+use crate::common::{Leaf, SECOND};
 use crate::description::Base;
 use crate::rules::{Plan, RuleError, Rules, Source, first};
 use crate::scalar::{Scalar, fits};
@@ -354,8 +354,6 @@ fn present(spec: &Spec, ty: TypeId) -> TypeId {
         _ => ty,
     }
 }
-
-pub(crate) const SECOND: u32 = 1_000_000_000;
 
 fn wrong(leaf: &Leaf) -> ValueError {
     ValueError {

@@ -5,8 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use dotgen_syntax::suggestion::advice;
 use serde_json::Value;
 
-use crate::common::{self, Leaf};
-use crate::conversion::SECOND;
+use crate::common::{self, Leaf, SECOND};
 use crate::description::Base;
 
 /// Rules by component and port.
