@@ -26,6 +26,10 @@ impl RemoteComponents {
     pub fn set(&self, host: &str, component: &str, session: &str, provides: bool) -> bool {
         let mut all = self.all();
         let place = (host.to_owned(), component.to_owned());
+        if !provides {
+            let sessions = all.get_mut(&place);
+            return sessions.is_some_and(|all| all.remove(session) && all.is_empty());
+        }
         if all.len() >= MAX && !all.contains_key(&place) {
             // One that has disappeared makes room.
             let mut absent = all.iter().filter(|(_, sessions)| sessions.is_empty());
@@ -33,10 +37,6 @@ impl RemoteComponents {
                 return false;
             };
             all.remove(&absent);
-        }
-        if !provides {
-            let sessions = all.get_mut(&place);
-            return sessions.is_some_and(|all| all.remove(session) && all.is_empty());
         }
         let sessions = all.entry(place).or_default();
         let appears = sessions.is_empty();

@@ -50,10 +50,10 @@ pub(crate) struct Options {
     /// How long `endurance` edits.
     #[arg(long, default_value_t = 60.0)]
     minutes: f64,
-    /// How long each measurement of `runtime` lasts.
+    /// Duration of each measurement of `runtime`.
     #[arg(long, default_value_t = 5.0)]
     seconds: f64,
-    /// How long the two tasks of `runtime` run. Default: as long as the others.
+    /// Duration of the run of two tasks of `runtime`. Default: that of the others.
     #[arg(long)]
     task_seconds: Option<f64>,
     /// A program to measure instead of one built for release now.

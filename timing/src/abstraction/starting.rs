@@ -105,6 +105,8 @@ impl Model<'_> {
         progress.next = next as i32;
         s.when[thread].ready = ready;
         s.when[thread].since = ready.from;
+        let tick = self.threads[thread].tick(next - 1);
+        s.when[thread].kept_from_start_up = ready != Span::at(tick);
     }
 
     /// Lets a task be started at any time between a tick and the next one, or later.
@@ -214,9 +216,11 @@ impl Model<'_> {
             let mut s = s.clone();
             self.release(&mut s, thread, release, Cycle::Measured, at);
             // A tick kept from the start-up counts from its end.
+            let when = &mut s.when[thread];
             if measured {
-                s.when[thread].since = release.0.from.min(first_kept);
+                when.since = release.0.from.min(first_kept);
             }
+            when.kept_from_start_up = !measured && release.0 != Span::at(first_kept);
             s
         };
         releases.map(released).collect()

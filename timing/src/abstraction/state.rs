@@ -57,6 +57,8 @@ pub(super) struct TaskTimes {
     pub(super) ready: Span,
     /// Earliest time from which the response time counts: the first tick that the job was kept for.
     pub(super) since: i64,
+    /// The tick of the job may have been kept from the start-up. Its time is not known.
+    pub(super) kept_from_start_up: bool,
     /// End of the last executed codel.
     pub(super) held: Span,
 }
@@ -113,6 +115,8 @@ impl State {
             wider |= one.ready.widen(other.ready);
             wider |= one.held.widen(other.held);
             wider |= lower(&mut one.since, other.since);
+            wider |= other.kept_from_start_up && !one.kept_from_start_up;
+            one.kept_from_start_up |= other.kept_from_start_up;
         }
         for (one, other) in self.begun.iter_mut().zip(&other.begun) {
             wider |= one.widen(*other);
@@ -163,6 +167,7 @@ impl State {
             if !self.done[index].stage.is_live() {
                 self.when[index].ready = Span::default();
                 self.when[index].since = 0;
+                self.when[index].kept_from_start_up = false;
             }
         }
         self.shift(model);

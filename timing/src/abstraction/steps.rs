@@ -7,7 +7,7 @@ use super::model::Model;
 use super::refusal::Refusal;
 use super::span::Span;
 use super::starting::End;
-use super::state::{Cycle, Out, Stage, State, TaskTimes, not_before};
+use super::state::{Cycle, Out, Stage, State, not_before};
 use crate::system::{CodelId, CodelSet, Policy};
 
 impl Model<'_> {
@@ -259,14 +259,10 @@ impl Model<'_> {
     /// start-up.
     fn deadline(&self, s: &State, thread: usize) -> Option<Span> {
         let entry = &self.threads[thread];
-        let TaskTimes { ready, since, .. } = s.when[thread];
+        let times = &s.when[thread];
         let tick = entry.tick(i64::from(s.done[thread].next) - 1);
-        let first_kept = match ready == Span::at(tick) {
-            true => Some(tick.min(since)),
-            false => Some(since).filter(|_| since < ready.from),
-        };
-        first_kept.map(|first| Span {
-            from: first + entry.period,
+        (!times.kept_from_start_up).then(|| Span {
+            from: times.since.min(tick) + entry.period,
             to: tick + entry.period,
         })
     }
