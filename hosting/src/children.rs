@@ -2,34 +2,35 @@
 
 mod inbox;
 mod pipe;
+mod ports;
+mod spawn;
 
-use std::collections::{BTreeSet, HashMap, VecDeque};
-use std::io::{self, BufReader};
-use std::path::PathBuf;
+use std::collections::{BTreeSet, VecDeque};
+use std::io;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
 use camino::Utf8PathBuf;
-use dotgen_codegen::process::{Channels, Process, Processes as _, Program, Resources};
-use dotgen_runtime::hosts::{Call, Hosts, Message, Reader, ReplyError, RequestReply, Source};
+use dotgen_codegen::process::Process;
+use dotgen_runtime::hosts::{
+    Call, Delegation, Hosts, Message, Reader, ReplyError, RequestReply, Source,
+};
 use dotgen_timing::verify::Interrupt;
-use rustix::fs::OFlags;
 use rustix::process::Pid;
 
-use super::host::{COMMAND, HostOptions, HostThread};
+use super::clock::monotonic_nanos;
+use super::executing::Executing;
 use super::orphans;
-use super::realtime;
-use super::shared_data::SharedData;
 use super::wire::{HostCommand, HostMessage};
-use dotgen_platform::process::System;
 use dotgen_timing::system::ComponentId;
 
 use inbox::EngineEvent;
 pub(crate) use inbox::InputSlot;
 pub use inbox::{RunInbox, RunListener};
 use pipe::{in_words, send};
+use ports::{Origin, SharedDataPool};
 use typed_index_collections::TiVec;
 
 /// Maximum time for a reply of a host that does not depend on a codel.
@@ -51,6 +52,7 @@ const INTERRUPT_POLL_INTERVAL: Duration = Duration::from_millis(50);
 struct Child {
     library: Option<Utf8PathBuf>,
     process: Option<Process>,
+    executing: Option<Executing>,
     /// Time at which the process was seen to have ended while its output had not.
     exited: Option<Instant>,
 }
@@ -93,6 +95,8 @@ pub struct Children {
     /// Number of starts. Messages of hosts of an earlier start are ignored.
     started: u64,
     begin: Instant,
+    /// The same time on the clock of the hosts, in nanoseconds.
+    begin_nanos: u64,
     arrivals: Receiver<EngineEvent>,
     sender: Sender<EngineEvent>,
     /// Messages that arrived while the engine waited for something else.
@@ -104,28 +108,6 @@ pub struct Children {
     denied: BTreeSet<String>,
     /// Time of the last check for hosts that have ended.
     looked: Instant,
-}
-
-/// The source of the data of an input port.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-enum Origin {
-    /// Component, output port and instance.
-    Output(ComponentId, u32, String),
-    /// A source outside the run: the component, the input port and the name of the source.
-    Elsewhere(ComponentId, u32, String),
-}
-
-/// The shared memory with the data of ports that are read.
-#[derive(Default)]
-struct SharedDataPool {
-    /// The shared memory of each source, with its number.
-    of: HashMap<Origin, (u64, SharedData)>,
-    /// The number of the shared memory that each input port reads, by component, port and name of the source.
-    shown: HashMap<(ComponentId, u32, String), u64>,
-    made: u64,
-    /// Shared memory that was too small and was replaced. It is kept, because a host may still open it by its
-    /// path, and no other memory may get this path.
-    small: Vec<SharedData>,
 }
 
 impl Children {
@@ -141,6 +123,7 @@ impl Children {
         let (sender, arrivals) = channel();
         let children = libraries.into_iter().map(|library| Child {
             process: None,
+            executing: None,
             exited: None,
             library,
         });
@@ -154,6 +137,7 @@ impl Children {
             interrupt,
             started: 0,
             begin: Instant::now(),
+            begin_nanos: monotonic_nanos(),
             early: VecDeque::new(),
             outside: Vec::new(),
             requests: Arc::default(),
@@ -200,104 +184,6 @@ impl Children {
     /// Adds a subscriber.
     pub fn tell(&mut self, outside: Box<dyn RunListener>) {
         self.outside.push(outside);
-    }
-
-    fn spawn(&mut self, component: ComponentId) -> Result<(), String> {
-        let Some(library) = self.children[component].library.clone() else {
-            return Ok(());
-        };
-        let HostedComponent { name, priority } = &self.components[component];
-        let tasks = (0..).zip(&self.tasks);
-        let tasks = tasks.filter(|(_, task)| task.component == component);
-        let thread = |task: &HostedTask| HostThread {
-            name: task.name.clone(),
-            priority: task.priority,
-        };
-        let manner = HostOptions {
-            component: name.clone(),
-            tasks: tasks.map(|(lane, task)| (lane, thread(task))).collect(),
-            control_priority: *priority,
-            real_time: self.real,
-            raised: self.raised,
-            debug: self.debug.is_some(),
-        };
-        let wrong = |error: std::io::Error| format!("cannot start a host for `{name}`: {error}");
-        let manner = serde_json::to_string(&manner).map_err(|error| wrong(error.into()))?;
-        let program = Program {
-            path: own(),
-            arguments: vec![COMMAND.into(), manner.into(), library.as_std_path().into()],
-            directory: PathBuf::new(),
-            channels: Channels::PipesBut,
-            resources: Resources::default(),
-            access: None,
-        };
-        let mut process = System.start(&program).map_err(wrong)?;
-        let output = process.child.stdout.take();
-        let output = output.ok_or_else(|| format!("the host of `{name}` has no output"))?;
-        // The engine never waits for a host that does not read.
-        if let Some(input) = &process.child.stdin {
-            let flags = rustix::fs::fcntl_getfl(input).map_err(|error| wrong(error.into()))?;
-            rustix::fs::fcntl_setfl(input, flags | OFlags::NONBLOCK)
-                .map_err(|error| wrong(error.into()))?;
-        }
-        let (sender, started, raised) = (self.sender.clone(), self.started, self.raised);
-        std::thread::spawn(move || {
-            if raised {
-                realtime::raise_priority(realtime::ENGINE_PRIORITY);
-            }
-            let mut output = BufReader::new(output);
-            while let Ok(Some(reply)) = HostMessage::receive(&mut output) {
-                if sender
-                    .send(EngineEvent::HostMessage(component, started, reply))
-                    .is_err()
-                {
-                    return;
-                }
-            }
-            let _ = sender.send(EngineEvent::Closed(component, started));
-        });
-        self.children[component].process = Some(process);
-        self.children[component].exited = None;
-        Ok(())
-    }
-
-    /// Puts new data of a source into shared memory, and sends its path to readers that do not have it.
-    fn show(&mut self, origin: Origin, readers: &[Reader<'_>], data: &[u8]) {
-        let fits = self
-            .boards
-            .of
-            .get(&origin)
-            .is_some_and(|pair| pair.1.holds(data.len()));
-        if !fits {
-            let Ok(board) = SharedData::new(data.len()) else {
-                // Memory is exhausted: readers keep their data.
-                self.denied
-                    .insert("memory for the data of ports".to_owned());
-                return;
-            };
-            self.boards.made += 1;
-            let small = self
-                .boards
-                .of
-                .insert(origin.clone(), (self.boards.made, board));
-            self.boards.small.extend(small.map(|pair| pair.1));
-        }
-        let Some((number, board)) = self.boards.of.get_mut(&origin) else {
-            return;
-        };
-        board.write(data);
-        let (number, path) = (*number, board.path());
-        for reader in readers {
-            let place = (reader.component, reader.port, reader.name.to_owned());
-            if self.boards.shown.insert(place, number) != Some(number) {
-                let order = HostCommand::Share {
-                    port: reader.port,
-                    id: reader.name.to_owned(),
-                    path: path.clone(),
-                };
-                self.order(reader.component, &order);
-            }
-        }
     }
 
     fn order(&mut self, component: ComponentId, order: &HostCommand) {
@@ -405,8 +291,20 @@ impl Children {
     /// Converts an event to a message for the engine.
     fn message(&mut self, arrival: EngineEvent) -> Option<Message> {
         match arrival {
-            EngineEvent::HostMessage(component, _, HostMessage::CodelResult(ran)) => {
+            EngineEvent::HostMessage(component, _, HostMessage::CodelResult(mut ran)) => {
+                ran.ended = ran.ended.saturating_sub(self.begin_nanos);
                 Some(Message::CodelResult(component, ran))
+            }
+            EngineEvent::HostMessage(component, _, HostMessage::Recalled { ticket }) => {
+                Some(Message::Recalled { component, ticket })
+            }
+            EngineEvent::HostMessage(component, _, HostMessage::Probed { ticket, until }) => {
+                let until = until.saturating_sub(self.begin_nanos);
+                Some(Message::Probed {
+                    component,
+                    ticket,
+                    until,
+                })
             }
             EngineEvent::HostMessage(_, _, HostMessage::Denied(what)) => {
                 self.denied.insert(what);
@@ -441,15 +339,6 @@ impl Children {
                 data: newest.swap(None)?,
             }),
         }
-    }
-}
-
-/// The path by which this program can be started again.
-fn own() -> PathBuf {
-    let own = PathBuf::from("/proc/self/exe");
-    match own.exists() {
-        true => own,
-        false => std::env::current_exe().unwrap_or(own),
     }
 }
 
@@ -495,6 +384,7 @@ impl Hosts for Children {
             }
         }
         self.begin = Instant::now();
+        self.begin_nanos = monotonic_nanos();
         Ok(())
     }
 
@@ -511,7 +401,30 @@ impl Hosts for Children {
     }
 
     fn run(&mut self, call: &Call) {
-        self.order(call.component, &HostCommand::of(call));
+        self.order(call.component, &HostCommand::Run(*call));
+    }
+
+    fn delegate(&mut self, delegation: &Delegation) {
+        let mut delegation = delegation.clone();
+        delegation.first_tick += self.begin_nanos;
+        let component = delegation.call.component;
+        self.order(component, &HostCommand::Delegate(delegation));
+    }
+
+    fn recall(&mut self, component: ComponentId, lane: u32) {
+        self.order(component, &HostCommand::Recall { lane });
+    }
+
+    fn probe(&mut self, component: ComponentId, lane: u32) {
+        self.order(component, &HostCommand::Probe { lane });
+    }
+
+    fn executing(&self, component: ComponentId, lane: u32) -> Option<u32> {
+        self.children
+            .get(component)?
+            .executing
+            .as_ref()?
+            .codel(lane)
     }
 
     fn end(&mut self, component: ComponentId, service: u32, instance: u32) -> Option<Vec<u8>> {

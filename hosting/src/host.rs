@@ -4,24 +4,26 @@
 //! standard output. Codels get another output and input: their output goes to standard error, and their input
 //! is empty.
 
+mod lane;
+
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::c_int;
 use std::fs::File;
-use std::io::{self, BufReader};
+use std::io::{self, BufReader, Read};
 use std::os::fd::OwnedFd;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
-use std::time::Instant;
 
-use dotgen_runtime::hosts::CodelResult;
 use serde::{Deserialize, Serialize};
 
 use super::debugger;
+use super::executing::Executing;
 use super::library::{Component, REMOTE_CALL, RemoteCall};
 use super::realtime;
 use super::wire::{HostCommand, HostMessage};
+use lane::Lane;
 
 /// The subcommand.
 pub(super) const COMMAND: &str = "host";
@@ -31,6 +33,10 @@ pub(super) const COMMAND: &str = "host";
 pub(super) struct HostOptions {
     /// The component, which gives the process its name.
     pub(super) component: String,
+    /// The path of the [table](super::executing) of the codels that threads execute by themselves.
+    pub(super) executing: String,
+    /// Number of entries of the table: the tasks of all components.
+    pub(super) lanes: usize,
     /// The threads of the tasks, by lane.
     pub(super) tasks: BTreeMap<u32, HostThread>,
     /// Real-time priority of the thread of the control task.
@@ -65,7 +71,7 @@ pub fn intercept() -> Option<ExitCode> {
         return None;
     };
     let manner: HostOptions = serde_json::from_str(manner.to_str()?).ok()?;
-    Some(match serve(Path::new(library), &manner) {
+    Some(match serve(Path::new(library), manner) {
         Ok(()) => ExitCode::SUCCESS,
         Err(_) => ExitCode::from(2),
     })
@@ -103,38 +109,59 @@ fn remote_call(output: Output, waiting: Arc<Mutex<Waiting>>) -> RemoteCall {
     })
 }
 
-fn serve(library: &Path, manner: &HostOptions) -> io::Result<()> {
-    realtime::name_process(&manner.component);
-    let real = manner.real_time;
-    if manner.raised {
+/// What the threads of a host share.
+struct Host {
+    options: HostOptions,
+    component: Component,
+    output: Output,
+    executing: Executing,
+}
+
+fn serve(library: &Path, options: HostOptions) -> io::Result<()> {
+    realtime::name_process(&options.component);
+    if options.raised {
         // This thread passes on what the engine commands.
         realtime::raise_priority(realtime::ENGINE_PRIORITY);
     }
-    let (mut input, output) = channels()?;
+    let (input, output) = channels()?;
+    let executing = Executing::open(&options.executing, options.lanes)?;
     let component = match Component::load(library) {
-        Ok(component) => Arc::new(component),
+        Ok(component) => component,
         Err(why) => return tell(&output, &HostMessage::Unusable(why)),
     };
-    if manner.debug {
+    if options.debug {
         debugger::permit();
         tell(&output, &HostMessage::Waiting)?;
         debugger::wait();
     }
-    if real && !realtime::lock_memory(realtime::Pages::All) {
+    if options.real_time && !realtime::lock_memory(realtime::Pages::All) {
         tell(&output, &HostMessage::Denied("locked memory".to_owned()))?;
     }
     let waiting = Arc::<Mutex<Waiting>>::default();
     // The value is set once: a process has one component.
     let _ = REMOTE_CALL.set(remote_call(output.clone(), waiting.clone()));
     tell(&output, &HostMessage::Ready)?;
-    let mut lanes: HashMap<u32, Sender<(u32, u32, u32)>> = HashMap::new();
-    while let Some(order) = HostCommand::receive(&mut input)? {
-        match order {
+    let host = Host {
+        options,
+        component,
+        output,
+        executing,
+    };
+    follow(&Arc::new(host), input, &waiting)?;
+    // Threads may still execute a codel. The process does not wait for them.
+    std::process::exit(0);
+}
+
+/// Executes commands until the end of the input.
+fn follow(host: &Arc<Host>, mut input: impl Read, waiting: &Mutex<Waiting>) -> io::Result<()> {
+    let mut lanes: HashMap<u32, Lane> = HashMap::new();
+    while let Some(command) = HostCommand::receive(&mut input)? {
+        match command {
             HostCommand::Make {
                 service,
                 instance,
                 inputs,
-            } => component.make(service, instance, &inputs),
+            } => host.component.make(service, instance, &inputs),
             HostCommand::Answered {
                 ask,
                 error,
@@ -149,33 +176,35 @@ fn serve(library: &Path, manner: &HostOptions) -> io::Result<()> {
                     let _ = sender.send(result);
                 }
             }
-            HostCommand::Share { port, id, path } => component.share(port, &id, &path)?,
+            HostCommand::Share { port, id, path } => host.component.share(port, &id, &path)?,
             HostCommand::End { service, instance } => {
-                tell(
-                    &output,
-                    &HostMessage::Ended(component.end(service, instance)),
-                )?;
+                let outputs = host.component.end(service, instance);
+                tell(&host.output, &HostMessage::Ended(outputs))?;
             }
-            HostCommand::Run {
-                lane,
-                ticket,
-                codel,
-                instance,
-                core,
-            } => {
-                let thread = lanes.entry(lane).or_insert_with(|| {
-                    let task = manner.tasks.get(&lane);
-                    let name = task.map_or(CONTROL, |task| &task.name);
-                    let priority = task.map_or(manner.control_priority, |task| task.priority);
-                    let priority = manner.raised.then_some(priority);
-                    start(name, &component, &output, real.then_some((priority, core)))
-                });
-                let _ = thread.send((ticket, codel, instance));
+            HostCommand::Run(call) => {
+                let lane = lanes.entry(call.lane);
+                let lane = lane.or_insert_with(|| Lane::start(call.lane, host, call.core));
+                lane.run(call);
+            }
+            HostCommand::Delegate(delegation) => {
+                let call = delegation.call;
+                let lane = lanes.entry(call.lane);
+                let lane = lane.or_insert_with(|| Lane::start(call.lane, host, call.core));
+                lane.delegate(delegation);
+            }
+            HostCommand::Recall { lane } => {
+                if let Some(lane) = lanes.get(&lane) {
+                    lane.recall();
+                }
+            }
+            HostCommand::Probe { lane } => {
+                if let Some(lane) = lanes.get(&lane) {
+                    lane.probe(host)?;
+                }
             }
         }
     }
-    // Threads may still execute a codel. The process does not wait for them.
-    std::process::exit(0);
+    Ok(())
 }
 
 /// Opens the channels to the engine, and closes them for codels.
@@ -191,50 +220,4 @@ fn channels() -> io::Result<(BufReader<File>, Output)> {
 fn tell(output: &Output, reply: &HostMessage) -> io::Result<()> {
     let mut output = output.lock().unwrap_or_else(|error| error.into_inner());
     reply.send(&mut *output)
-}
-
-/// Starts a thread that executes the codels of a task, one after the other. `real` has its real-time
-/// priority, and the core to which it is bound, if it has these.
-fn start(
-    name: &str,
-    component: &Arc<Component>,
-    output: &Output,
-    real: Option<(Option<u8>, Option<u32>)>,
-) -> Sender<(u32, u32, u32)> {
-    let (orders, queue) = channel::<(u32, u32, u32)>();
-    let (component, output) = (component.clone(), output.clone());
-    let work = move || {
-        if let Some((priority, core)) = real {
-            if let Some(priority) = priority {
-                realtime::raise_priority(priority);
-            }
-            if let Some(core) = core.filter(|&core| !realtime::pin(core)) {
-                // Without a channel nothing can be reported.
-                let _ = tell(&output, &HostMessage::Denied(format!("core {core}")));
-            }
-        }
-        for (ticket, codel, instance) in queue {
-            let start = Instant::now();
-            let outcome = component.run(codel, instance);
-            let nanos = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
-            let ran = CodelResult {
-                how: outcome.how,
-                name: outcome.name,
-                detail: outcome.detail,
-                written: outcome.written,
-                ticket,
-                nanos,
-            };
-            if tell(&output, &HostMessage::CodelResult(ran)).is_err() {
-                // The engine has ended: results have no receiver.
-                std::process::exit(2);
-            }
-        }
-    };
-    let thread = std::thread::Builder::new().name(name.to_owned());
-    if thread.spawn(work).is_err() {
-        // The engine reports the component as lost, as after a crash.
-        std::process::exit(2);
-    }
-    orders
 }

@@ -6,6 +6,9 @@
 //! | [`host`] | a host: loads a shared object and calls its codels |
 //! | [`library`] | the shared object, and all unsafe code that calls its functions |
 //! | [`children`] | the engine's side: starts hosts, sends commands, and reports how they ended |
+//! | [`memory`] | memory that the engine shares with hosts |
+//! | [`executing`] | the codels that threads execute by themselves, in such memory |
+//! | [`clock`] | the clock of the engine and the hosts |
 //! | [`shared_data`] | the data of a port, in memory that the engine shares with hosts |
 //! | [`server`] | requests from outside, as JSON over a socket |
 //! | [`clients`] | the clients of the socket, and their limits |
@@ -21,10 +24,13 @@
 
 pub mod children;
 mod clients;
+mod clock;
 pub mod components;
 mod debugger;
+mod executing;
 pub mod host;
 mod library;
+mod memory;
 #[cfg(feature = "zenoh")]
 pub mod network;
 pub mod orphans;

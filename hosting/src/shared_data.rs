@@ -15,9 +15,10 @@
 use std::ffi::c_void;
 use std::fs::File;
 use std::io;
-use std::os::fd::AsRawFd as _;
 use std::ptr::NonNull;
 use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::memory::{SharedMemory, map};
 
 /// Bytes before the first place: see `struct glue_board`.
 const HEADER_BYTES: usize = 64;
@@ -39,13 +40,10 @@ struct BoardHeader {
 /// See the [module](self).
 #[derive(Debug)]
 pub(super) struct SharedData {
-    file: File,
-    memory: NonNull<BoardHeader>,
+    memory: SharedMemory,
+    board: NonNull<BoardHeader>,
     room: usize,
     turn: u64,
-    /// The path of the memory, on systems without anonymous shared memory.
-    #[cfg(not(target_os = "linux"))]
-    passing: dotgen_platform::files::disk::TemporaryFile,
 }
 
 // SAFETY: the memory is reached through `&mut SharedData` only, and is mapped for all threads of this
@@ -60,18 +58,13 @@ impl SharedData {
     pub(super) fn new(size: usize) -> io::Result<SharedData> {
         let room = size.max(MIN_ROOM_BYTES).next_power_of_two();
         let length = HEADER_BYTES + 2 * room;
-        #[cfg(target_os = "linux")]
-        let file = anonymous_memory(length)?;
-        #[cfg(not(target_os = "linux"))]
-        let (file, passing) = named(length)?;
-        let memory = map(&file, length, libc::PROT_READ | libc::PROT_WRITE)?;
+        let memory = SharedMemory::new(length)?;
+        let access = libc::PROT_READ | libc::PROT_WRITE;
         let board = SharedData {
             turn: 0,
-            file,
+            board: map(memory.file(), length, access)?.cast(),
             memory,
             room,
-            #[cfg(not(target_os = "linux"))]
-            passing,
         };
         board.head().room.store(room as u64, Ordering::Relaxed);
         Ok(board)
@@ -79,10 +72,7 @@ impl SharedData {
 
     /// The path by which a host of this user opens the memory.
     pub(super) fn path(&self) -> String {
-        #[cfg(target_os = "linux")]
-        return format!("/proc/{}/fd/{}", std::process::id(), self.file.as_raw_fd());
-        #[cfg(not(target_os = "linux"))]
-        return self.passing.path().display().to_string();
+        self.memory.path()
     }
 
     /// Returns true if data of a size fits.
@@ -102,7 +92,7 @@ impl SharedData {
         // SAFETY: the place lies within the mapping, and there is one writer. A reader of this place sees
         // afterwards that `turn` has changed, and reads again.
         unsafe {
-            let to = self.memory.as_ptr().cast::<u8>();
+            let to = self.board.as_ptr().cast::<u8>();
             let to = to.add(HEADER_BYTES + place * self.room);
             std::ptr::copy_nonoverlapping(data.as_ptr(), to, data.len());
         }
@@ -114,7 +104,7 @@ impl SharedData {
 
     fn head(&self) -> &BoardHeader {
         // SAFETY: the mapping is longer than the header, aligned to a page, and lives as long as `self`.
-        unsafe { self.memory.as_ref() }
+        unsafe { self.board.as_ref() }
     }
 }
 
@@ -139,7 +129,10 @@ impl View {
     pub(super) fn open(path: &str) -> io::Result<View> {
         let file = File::open(path)?;
         let length = usize::try_from(file.metadata()?.len()).map_err(io::Error::other)?;
-        let memory = map(&file, length, libc::PROT_READ)?;
+        if length < HEADER_BYTES {
+            return Err(io::ErrorKind::InvalidData.into());
+        }
+        let memory = map(&file, length, libc::PROT_READ)?.cast();
         Ok(View { memory, length })
     }
 
@@ -158,74 +151,13 @@ impl Drop for View {
     }
 }
 
-/// Maps a file that never becomes shorter.
-fn map(file: &File, length: usize, access: libc::c_int) -> io::Result<NonNull<BoardHeader>> {
-    if length < HEADER_BYTES {
-        return Err(io::ErrorKind::InvalidData.into());
-    }
-    // SAFETY: the system chooses the address.
-    let memory = unsafe {
-        let file = file.as_raw_fd();
-        libc::mmap(
-            std::ptr::null_mut(),
-            length,
-            access,
-            libc::MAP_SHARED,
-            file,
-            0,
-        )
-    };
-    match memory {
-        libc::MAP_FAILED => Err(io::Error::last_os_error()),
-        memory => NonNull::new(memory.cast()).ok_or_else(io::Error::last_os_error),
-    }
-}
-
 impl Drop for SharedData {
     fn drop(&mut self) {
         // SAFETY: the mapping belongs to `self`, with this length. No reference to it remains.
         unsafe {
-            libc::munmap(self.memory.as_ptr().cast(), HEADER_BYTES + 2 * self.room);
+            libc::munmap(self.board.as_ptr().cast(), HEADER_BYTES + 2 * self.room);
         }
     }
-}
-
-/// Creates memory without a name that cannot become shorter and is allocated: no access to it fails for lack
-/// of memory.
-#[cfg(target_os = "linux")]
-fn anonymous_memory(length: usize) -> io::Result<File> {
-    use rustix::fs::{FallocateFlags, MemfdFlags, SealFlags};
-    use rustix::process::{DumpableBehavior, set_dumpable_behavior};
-
-    let flags = MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING;
-    let file = rustix::fs::memfd_create("dotgen-port", flags)?;
-    rustix::fs::ftruncate(&file, length as u64)?;
-    rustix::fs::fallocate(&file, FallocateFlags::empty(), 0, length as u64)?;
-    rustix::fs::fcntl_add_seals(&file, SealFlags::SHRINK | SealFlags::GROW)?;
-    // If a program has capabilities of its own (for real-time scheduling), the system hides its descriptors
-    // from hosts otherwise.
-    let _ = set_dumpable_behavior(DumpableBehavior::Dumpable);
-    Ok(File::from(file))
-}
-
-/// Creates a file that only this user can open, and that is removed with this process.
-#[cfg(not(target_os = "linux"))]
-fn named(length: usize) -> io::Result<(File, dotgen_platform::files::disk::TemporaryFile)> {
-    static COUNT: AtomicU64 = AtomicU64::new(0);
-    let number = COUNT.fetch_add(1, Ordering::Relaxed);
-    let name = format!("{}-{number}.port", std::process::id());
-    let path = super::sockets::folder()?.join(name);
-    let passing = dotgen_platform::files::disk::TemporaryFile::new(path.clone());
-    let mut options = File::options();
-    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    let file = options
-        .read(true)
-        .write(true)
-        .create(true)
-        .truncate(true)
-        .open(&path)?;
-    file.set_len(length as u64)?;
-    Ok((file, passing))
 }
 
 #[cfg(test)]
@@ -293,8 +225,8 @@ mod tests {
     #[test]
     fn nobody_else_can_write_or_shorten_it() {
         let board = SharedData::new(10).expect("there is memory");
-        assert!(board.file.set_len(10).is_err());
-        assert!(board.file.set_len(1 << 20).is_err());
+        assert!(board.memory.file().set_len(10).is_err());
+        assert!(board.memory.file().set_len(1 << 20).is_err());
         assert!(
             !board.path().contains("shm"),
             "it has no name that could stay behind"

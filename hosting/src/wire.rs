@@ -2,7 +2,10 @@
 
 use std::io::{self, Read, Write};
 
-use dotgen_runtime::hosts::{Call, CodelEnd, CodelResult, PortWrite};
+use dotgen_runtime::hosts::{
+    Call, CodelEnd, CodelResult, DelegatedState, DelegatedYield, Delegation, PortWrite,
+};
+use dotgen_timing::system::ComponentId;
 
 /// Maximum size of a frame. A greater length is invalid.
 const MAX_FRAME_BYTES: usize = 1 << 30;
@@ -19,15 +22,14 @@ pub(super) enum HostCommand {
         instance: u32,
         inputs: Vec<u8>,
     },
-    /// Executes a codel on a thread.
-    Run {
-        lane: u32,
-        ticket: u32,
-        codel: u32,
-        instance: u32,
-        /// The core to which the thread is bound.
-        core: Option<u32>,
-    },
+    /// Executes a codel on a thread. The component is not sent: a host has only one.
+    Run(Call),
+    /// Lets a thread execute cycles by itself.
+    Delegate(Delegation),
+    /// Ends the cycles of a thread.
+    Recall { lane: u32 },
+    /// Asks for the results of the cycles of a thread.
+    Probe { lane: u32 },
     /// Ends a request.
     End { service: u32, instance: u32 },
     /// Gives an input port the path of its [data](super::shared_data).
@@ -49,8 +51,12 @@ pub(super) enum HostMessage {
     Waiting,
     /// The shared object cannot be loaded.
     Unusable(String),
-    /// A codel has ended.
+    /// A codel has ended, at a time of the [shared clock](super::clock).
     CodelResult(CodelResult),
+    /// The cycles that a thread executed by itself have ended.
+    Recalled { ticket: u32 },
+    /// All results of cycles until a time of the shared clock have been sent.
+    Probed { ticket: u32, until: u64 },
     /// The outputs of a request.
     Ended(Vec<u8>),
     /// A right that the system does not grant, as text.
@@ -64,16 +70,6 @@ pub(super) enum HostMessage {
 }
 
 impl HostCommand {
-    pub(super) fn of(call: &Call) -> HostCommand {
-        HostCommand::Run {
-            lane: call.lane,
-            ticket: call.ticket,
-            codel: call.codel,
-            instance: call.instance,
-            core: call.core,
-        }
-    }
-
     /// Encodes the command as a frame.
     pub(super) fn bytes(&self) -> io::Result<Vec<u8>> {
         let mut out = Frame::default();
@@ -83,19 +79,10 @@ impl HostCommand {
                 instance,
                 inputs,
             } => out.byte(0).number(*service).number(*instance).bytes(inputs),
-            HostCommand::Run {
-                lane,
-                ticket,
-                codel,
-                instance,
-                core,
-            } => out
-                .byte(1)
-                .number(*lane)
-                .number(*ticket)
-                .number(*codel)
-                .number(*instance)
-                .number(core.unwrap_or(NO_CORE)),
+            HostCommand::Run(call) => out.byte(1).call(call),
+            HostCommand::Delegate(delegation) => out.byte(5).delegation(delegation),
+            HostCommand::Recall { lane } => out.byte(6).number(*lane),
+            HostCommand::Probe { lane } => out.byte(7).number(*lane),
             HostCommand::End { service, instance } => {
                 out.byte(2).number(*service).number(*instance)
             }
@@ -125,13 +112,7 @@ impl HostCommand {
                 instance: reader.number()?,
                 inputs: reader.bytes()?.to_vec(),
             },
-            1 => HostCommand::Run {
-                lane: reader.number()?,
-                ticket: reader.number()?,
-                codel: reader.number()?,
-                instance: reader.number()?,
-                core: Some(reader.number()?).filter(|core| *core != NO_CORE),
-            },
+            1 => HostCommand::Run(reader.call()?),
             2 => HostCommand::End {
                 service: reader.number()?,
                 instance: reader.number()?,
@@ -146,6 +127,13 @@ impl HostCommand {
                 error: reader.number()?,
                 outputs: reader.bytes()?.to_vec(),
             },
+            5 => HostCommand::Delegate(reader.delegation()?),
+            6 => HostCommand::Recall {
+                lane: reader.number()?,
+            },
+            7 => HostCommand::Probe {
+                lane: reader.number()?,
+            },
             _ => return Err(nonsense()),
         };
         Ok(Some(order))
@@ -158,6 +146,8 @@ impl HostMessage {
         match self {
             HostMessage::Ready => out.byte(0),
             HostMessage::Waiting => out.byte(6),
+            HostMessage::Recalled { ticket } => out.byte(7).number(*ticket),
+            HostMessage::Probed { ticket, until } => out.byte(8).number(*ticket).long(*until),
             HostMessage::Unusable(why) => out.byte(1).bytes(why.as_bytes()),
             HostMessage::Ended(outputs) => out.byte(2).bytes(outputs),
             HostMessage::Denied(what) => out.byte(4).bytes(what.as_bytes()),
@@ -172,7 +162,8 @@ impl HostMessage {
                     CodelEnd::Exception => 1,
                     CodelEnd::Other => 2,
                 };
-                out.byte(3).number(ran.ticket).long(ran.nanos).byte(how);
+                out.byte(3).number(ran.ticket).number(ran.codel);
+                out.long(ran.nanos).long(ran.ended).byte(how);
                 out.bytes(ran.name.as_bytes()).bytes(&ran.detail);
                 out.number(u32::try_from(ran.written.len()).unwrap_or(u32::MAX));
                 for port_write in &ran.written {
@@ -201,7 +192,9 @@ impl HostMessage {
             2 => HostMessage::Ended(reader.bytes()?.to_vec()),
             3 => HostMessage::CodelResult(CodelResult {
                 ticket: reader.number()?,
+                codel: reader.number()?,
                 nanos: reader.long()?,
+                ended: reader.long()?,
                 how: match reader.byte()? {
                     0 => CodelEnd::Event,
                     1 => CodelEnd::Exception,
@@ -232,6 +225,13 @@ impl HostMessage {
                 inputs: reader.bytes()?.to_vec(),
             },
             6 => HostMessage::Waiting,
+            7 => HostMessage::Recalled {
+                ticket: reader.number()?,
+            },
+            8 => HostMessage::Probed {
+                ticket: reader.number()?,
+                until: reader.long()?,
+            },
             _ => return Err(nonsense()),
         };
         Ok(Some(reply))
@@ -261,6 +261,37 @@ impl Frame {
         self.number(u32::try_from(bytes.len()).unwrap_or(u32::MAX));
         self.0.extend(bytes);
         self
+    }
+
+    fn call(&mut self, call: &Call) -> &mut Self {
+        self.number(call.lane)
+            .number(call.ticket)
+            .number(call.codel)
+            .number(call.instance)
+            .number(call.core.unwrap_or(NO_CORE))
+    }
+
+    fn delegation(&mut self, delegation: &Delegation) -> &mut Self {
+        self.call(&delegation.call)
+            .long(delegation.first_tick)
+            .long(delegation.period)
+            .index(delegation.state)
+            .index(delegation.states.len());
+        for state in &delegation.states {
+            self.number(state.codel).index(state.next.len());
+            for (event, next) in &state.next {
+                self.bytes(event.as_bytes());
+                match *next {
+                    DelegatedYield::Next(to) => self.byte(0).index(to),
+                    DelegatedYield::Pause(to) => self.byte(1).index(to),
+                };
+            }
+        }
+        self
+    }
+
+    fn index(&mut self, index: usize) -> &mut Self {
+        self.number(u32::try_from(index).unwrap_or(u32::MAX))
     }
 
     /// Returns the frame with its length in one piece: a reader that is woken for a length alone is woken
@@ -317,6 +348,51 @@ impl<'b> ByteReader<'b> {
         Ok(u64::from_le_bytes(bytes))
     }
 
+    fn index(&mut self) -> io::Result<usize> {
+        Ok(self.number()? as usize)
+    }
+
+    fn call(&mut self) -> io::Result<Call> {
+        Ok(Call {
+            component: ComponentId::from(0),
+            lane: self.number()?,
+            ticket: self.number()?,
+            codel: self.number()?,
+            instance: self.number()?,
+            core: Some(self.number()?).filter(|core| *core != NO_CORE),
+        })
+    }
+
+    fn delegation(&mut self) -> io::Result<Delegation> {
+        let call = self.call()?;
+        let (first_tick, period) = (self.long()?, self.long()?);
+        let (state, count) = (self.index()?, self.index()?);
+        let states = (0..count).map(|_| self.delegated_state());
+        Ok(Delegation {
+            call,
+            first_tick,
+            period,
+            state,
+            states: states.collect::<io::Result<_>>()?,
+        })
+    }
+
+    fn delegated_state(&mut self) -> io::Result<DelegatedState> {
+        let (codel, count) = (self.number()?, self.index()?);
+        let next = (0..count).map(|_| {
+            let event = self.text()?;
+            let next = match self.byte()? {
+                0 => DelegatedYield::Next(self.index()?),
+                _ => DelegatedYield::Pause(self.index()?),
+            };
+            Ok((event, next))
+        });
+        Ok(DelegatedState {
+            codel,
+            next: next.collect::<io::Result<_>>()?,
+        })
+    }
+
     pub(super) fn bytes(&mut self) -> io::Result<&'b [u8]> {
         let length = self.number()? as usize;
         self.some(length)
@@ -332,10 +408,48 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_delegation_is_received_as_it_was_sent() {
+        let delegation = Delegation {
+            call: Call {
+                component: ComponentId::from(0),
+                lane: 1,
+                ticket: 2,
+                codel: 3,
+                instance: 4,
+                core: None,
+            },
+            first_tick: 1 << 40,
+            period: 1_000_000,
+            state: 1,
+            states: vec![
+                DelegatedState {
+                    codel: 3,
+                    next: vec![
+                        ("::a::main".to_owned(), DelegatedYield::Next(1)),
+                        ("::a::pause::start".to_owned(), DelegatedYield::Pause(0)),
+                    ],
+                },
+                DelegatedState {
+                    codel: 9,
+                    next: Vec::new(),
+                },
+            ],
+        };
+        let command = HostCommand::Delegate(delegation);
+        let bytes = command.bytes().expect("it is short");
+        let received = HostCommand::receive(&mut bytes.as_slice());
+        assert_eq!(received.expect("it is whole"), Some(command));
+        let broken = &bytes[..bytes.len() - 1];
+        assert!(HostCommand::receive(&mut &broken[..]).is_err());
+    }
+
+    #[test]
     fn what_is_sent_is_received() {
         let ran = CodelResult {
             ticket: 3,
+            codel: 5,
             nanos: 1 << 40,
+            ended: 1 << 50,
             how: CodelEnd::Exception,
             name: "::a::b".to_owned(),
             detail: vec![1, 2],

@@ -21,6 +21,41 @@ pub struct Call {
     pub core: Option<u32>,
 }
 
+/// Cycles of a task that its thread executes without the engine, one at each tick: the codels of one
+/// automaton from a state on, until the automaton pauses. They end with the first codel whose end leads
+/// elsewhere, or when the engine [recalls](Hosts::recall) them. [`Message::Recalled`] follows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Delegation {
+    /// The call of the first codel.
+    pub call: Call,
+    /// Time of the first tick, in nanoseconds since the start.
+    pub first_tick: u64,
+    /// Time between ticks, in nanoseconds. Several ticks during a cycle count as one.
+    pub period: u64,
+    /// State in which the first cycle begins.
+    pub state: usize,
+    /// The states of the machine.
+    pub states: Vec<DelegatedState>,
+}
+
+/// A state of a machine that a thread executes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DelegatedState {
+    /// Codel.
+    pub codel: u32,
+    /// The state that follows, by full name of the event. Other events end the delegation.
+    pub next: Vec<(String, DelegatedYield)>,
+}
+
+/// What follows a codel of a [`Delegation`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DelegatedYield {
+    /// Another state, in the same cycle.
+    Next(usize),
+    /// Another state, in the next cycle.
+    Pause(usize),
+}
+
 /// An output port, or one instance of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Source<'a> {
@@ -70,8 +105,12 @@ pub struct PortWrite {
 pub struct CodelResult {
     /// Ticket of the call.
     pub ticket: u32,
+    /// Codel.
+    pub codel: u32,
     /// Execution time, in nanoseconds.
     pub nanos: u64,
+    /// Time of the end, in nanoseconds since the start.
+    pub ended: u64,
     /// Way in which the codel ended.
     pub how: CodelEnd,
     /// Full name of the event or exception; empty for `genom_ok`. For other values, a description.
@@ -138,6 +177,22 @@ pub enum ReplyError {
 pub enum Message {
     /// A codel has ended.
     CodelResult(ComponentId, CodelResult),
+    /// A delegation has ended: its results have all been sent.
+    Recalled {
+        /// Component.
+        component: ComponentId,
+        /// Ticket of its call.
+        ticket: u32,
+    },
+    /// All results of a delegation until a time have been sent.
+    Probed {
+        /// Component.
+        component: ComponentId,
+        /// Ticket of its call.
+        ticket: u32,
+        /// Time, in nanoseconds since the start.
+        until: u64,
+    },
     /// The process of a component has ended.
     Lost {
         /// Component.
@@ -189,6 +244,20 @@ pub trait Hosts {
 
     /// Begins a codel. [`Message::CodelResult`] or [`Message::Lost`] follows.
     fn run(&mut self, call: &Call);
+
+    /// Lets the thread of a task execute its cycles by itself. A [`Message::CodelResult`] follows for each
+    /// codel, then [`Message::Recalled`].
+    fn delegate(&mut self, delegation: &Delegation);
+
+    /// Ends a delegation after the codel that its thread executes. [`Message::Recalled`] follows.
+    fn recall(&mut self, component: ComponentId, lane: u32);
+
+    /// Asks until when all results of a delegation have been sent. [`Message::Probed`] follows.
+    fn probe(&mut self, component: ComponentId, lane: u32);
+
+    /// Returns the codel that the thread of a task executes by itself, or executed when its component was
+    /// lost.
+    fn executing(&self, component: ComponentId, lane: u32) -> Option<u32>;
 
     /// Ends a request and returns its outputs; `None` if the component is lost or does not answer.
     fn end(&mut self, component: ComponentId, service: u32, instance: u32) -> Option<Vec<u8>>;

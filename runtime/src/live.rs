@@ -5,6 +5,8 @@
 //! the two moments no other codel reads the data, because the codel holds the locks.
 
 mod components;
+mod delegation;
+mod outcomes;
 mod requests;
 
 use std::collections::{HashMap, VecDeque};
@@ -18,6 +20,7 @@ use crate::hosts::{
 };
 use crate::watch::{CodelViolation, PortUpdate};
 pub use components::{DataFlow, HostedComponent, HostedComponents};
+use delegation::Delegations;
 
 /// A request under way.
 #[derive(Debug)]
@@ -44,6 +47,11 @@ struct Running {
     ran: Option<CodelResult>,
     /// It has yielded an event that the model does not know.
     undeclared: bool,
+}
+
+/// Returns the number of the thread that executes the codels of a task.
+fn lane(task: TaskId) -> u32 {
+    u32::try_from(usize::from(task)).unwrap_or(u32::MAX - 1)
 }
 
 /// Real codels of a system. See the [module](self).
@@ -77,6 +85,8 @@ pub struct Live<'p> {
     next_ask: u64,
     /// Connections of ports from outside.
     connected: Vec<Connection>,
+    /// Work that hosts execute without the engine.
+    delegations: Delegations,
 }
 
 impl<'p> Live<'p> {
@@ -104,6 +114,7 @@ impl<'p> Live<'p> {
             connected: Vec::new(),
             asks: HashMap::new(),
             next_ask: 0,
+            delegations: Delegations::new(components),
             system,
             parts,
             hosts,
@@ -121,6 +132,7 @@ impl<'p> Live<'p> {
             .for_each(|instance| *instance = None);
         self.places = (0..stepper.places()).map(|_| None).collect();
         self.asks.clear();
+        self.delegations = Delegations::new(self.system.components.len());
         self.fault = self.hosts.start().err();
         self.fault.is_none()
     }
@@ -223,31 +235,14 @@ impl<'p> Live<'p> {
             ran: None,
             undeclared: false,
         });
-        let (Some(codel), true) = (codel, real) else {
-            return;
-        };
-        let Some(number) = self.parts.codel(codel) else {
+        let Some((codel, call)) = self.call(executor, &work).filter(|_| real) else {
             return;
         };
         let component = self.system.codels[codel].component;
-        let instance = self.instance(&work).map_or(0, |instance| instance.number);
-        self.hosts.run(&Call {
-            lane: match work {
-                Work::State { task, .. } => u32::try_from(task).unwrap_or(u32::MAX - 1),
-                _ => u32::MAX,
-            },
-            ticket: u32::try_from(executor).unwrap_or(u32::MAX),
-            core: match work {
-                Work::State { task, .. } => self.system.tasks[TaskId::from(task)].affinity,
-                _ => None,
-            },
-            codel: number,
-            component,
-            instance,
-        });
         if !self.waits {
-            return;
+            return self.run_unless_delegated(codel, call);
         }
+        self.hosts.run(&call);
         let until = self.work_deadline_nanos();
         while self.is_running(executor) {
             match self.hosts.wait(until) {
@@ -261,6 +256,25 @@ impl<'p> Live<'p> {
                 }
             }
         }
+    }
+
+    /// Returns the codel of a piece of work, with its call; `None` if no host executes it.
+    fn call(&mut self, executor: usize, work: &Work) -> Option<(CodelId, Call)> {
+        let codel = work.codel()?;
+        let number = self.parts.codel(codel)?;
+        let task = match *work {
+            Work::State { task, .. } => Some(TaskId::from(task)),
+            _ => None,
+        };
+        let call = Call {
+            lane: task.map_or(u32::MAX, lane),
+            ticket: u32::try_from(executor).unwrap_or(u32::MAX),
+            core: task.and_then(|task| self.system.tasks[task].affinity),
+            instance: self.instance(work).map_or(0, |instance| instance.number),
+            component: self.system.codels[codel].component,
+            codel: number,
+        };
+        Some((codel, call))
     }
 
     /// Returns the time until which the present work must end, on the clock of the hosts, in nanoseconds.
@@ -282,6 +296,9 @@ impl<'p> Live<'p> {
                 if !self.is_alive(component) {
                     return;
                 }
+                let Some(ran) = self.keep_delegated(component, ran) else {
+                    return;
+                };
                 let executor = ran.ticket as usize;
                 let Some(Some(running)) = self.running.get_mut(executor) else {
                     return;
@@ -298,8 +315,17 @@ impl<'p> Live<'p> {
                 running.ran = Some(ran);
                 self.measure(executor);
             }
+            Message::Recalled { component, ticket } => self.recalled(component, ticket),
+            Message::Probed {
+                component,
+                ticket,
+                until,
+            } => self.probed(component, ticket, until),
             Message::Lost { component, why } => self.lost(component, why),
             Message::OutsideRequest(request) => {
+                let Some(request) = self.defer_request(request) else {
+                    return;
+                };
                 let component = self.system.services[request.service].component;
                 if self.is_alive(component) {
                     self.wanted[component].push_back(request);
@@ -307,7 +333,7 @@ impl<'p> Live<'p> {
                     self.answer_failed(request.id, requests::COMPONENT_LOST);
                 }
             }
-            Message::Abort(id) => self.aborts.push(id),
+            Message::Abort(id) => self.defer_abort(id),
             Message::Asked {
                 component,
                 ask,
@@ -375,8 +401,9 @@ impl<'p> Live<'p> {
             return;
         }
         self.hosts.gone(component, &why);
-        let mut culprit = None;
-        for running in self.running.iter_mut().flatten() {
+        let (delegated, mut culprit) = self.end_delegations(component);
+        for (executor, running) in self.running.iter_mut().enumerate() {
+            let Some(running) = running else { continue };
             let codel = running.work.codel();
             let Some(codel) =
                 codel.filter(|&codel| self.system.codels[codel].component == component)
@@ -385,7 +412,10 @@ impl<'p> Live<'p> {
             };
             if running.real && running.ran.is_none() {
                 let path = self.system.codels[codel].path.to_string();
-                culprit.get_or_insert((path, self.parts.function(codel)));
+                // The model may be behind the thread of a delegated task.
+                if !delegated.contains(&executor) {
+                    culprit.get_or_insert((path, self.parts.function(codel)));
+                }
                 running.real = false;
             }
         }
@@ -400,93 +430,9 @@ impl<'p> Live<'p> {
         let of = all.filter(|place| self.system.services[place.service].component == component);
         let mut gone: Vec<u64> = of.filter_map(|place| place.wanted.take()).collect();
         gone.extend(self.wanted[component].drain(..).map(|request| request.id));
+        gone.extend(self.take_deferred(component));
         for id in gone {
             self.answer_failed(id, requests::COMPONENT_LOST);
-        }
-    }
-
-    /// Returns the outcome of a codel that a host has executed, as an index in a list of possible outcomes.
-    /// `None`: the outcome is drawn.
-    pub fn outcome(&mut self, executor: usize, outcomes: &[usize]) -> Option<usize> {
-        let running = self.running.get(executor)?.as_ref()?;
-        if !running.real {
-            return None;
-        }
-        let (work, ran) = (running.work, running.ran.as_ref()?);
-        let wanted = self.outcome_of_result(&work, ran);
-        let Some(wanted) = wanted else {
-            let codel = work.codel()?;
-            self.broken.push(CodelViolation::Undeclared {
-                codel: self.system.codels[codel].path.to_string(),
-                function: self.parts.function(codel),
-                event: ran.name.clone(),
-            });
-            // Servers end an activity that has yielded an undeclared event, as after an exception.
-            if let Some(Some(running)) = self.running.get_mut(executor) {
-                running.undeclared = true;
-            }
-            return Some(self.exception_index(&work, outcomes));
-        };
-        match outcomes.iter().position(|&outcome| outcome == wanted) {
-            Some(place) => Some(place),
-            None => Some(self.exception_index(&work, outcomes)),
-        }
-    }
-
-    /// Returns the index of an exception among outcomes; if exceptions make no difference, that of the end.
-    fn exception_index(&self, work: &Work, outcomes: &[usize]) -> usize {
-        let Work::State {
-            automaton, state, ..
-        } = *work
-        else {
-            return outcomes
-                .iter()
-                .position(|&outcome| outcome == 1)
-                .unwrap_or(0);
-        };
-        let yields = &self.system.machine_of(automaton).states[state].yields;
-        let exception = outcomes.iter().position(|&outcome| outcome == yields.len());
-        let end = || {
-            outcomes
-                .iter()
-                .position(|&outcome| yields.get(outcome) == Some(&Yield::End))
-        };
-        exception.or_else(end).unwrap_or(0)
-    }
-
-    /// Returns the outcome that an event stands for; `None` if the event is not declared.
-    fn outcome_of_result(&self, work: &Work, ran: &CodelResult) -> Option<usize> {
-        let codel = work.codel()?;
-        match (*work, ran.how) {
-            (_, CodelEnd::Other) => None,
-            (Work::Control { .. }, CodelEnd::Event) => ran.name.is_empty().then_some(0),
-            (Work::Control { .. }, CodelEnd::Exception) => Some(1),
-            (
-                Work::State {
-                    automaton, state, ..
-                },
-                how,
-            ) => {
-                let machine = self.system.machine_of(automaton);
-                let yields = &machine.states.get(state)?.yields;
-                if how == CodelEnd::Exception {
-                    return Some(yields.len());
-                }
-                if !self.parts.declares(codel, &ran.name) {
-                    return None;
-                }
-                let mut words = ran.name.rsplit("::");
-                let name = words.next()?;
-                let paused = words.next() == Some("pause");
-                let to = machine.states.iter().position(|state| state.name == name);
-                let wanted = match to {
-                    Some(to) if paused => Yield::Pause(to),
-                    Some(to) => Yield::Next(to),
-                    None => Yield::End,
-                };
-                yields.iter().position(|transition| *transition == wanted)
-            }
-            (Work::Delay { .. }, _) => None,
         }
     }
 
@@ -494,6 +440,7 @@ impl<'p> Live<'p> {
         let Some(running) = self.running.get_mut(executor).and_then(Option::take) else {
             return;
         };
+        self.note_candidate(work);
         let usual = match *work {
             Work::State {
                 automaton, state, ..

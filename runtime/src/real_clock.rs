@@ -4,7 +4,10 @@
 //! a codel ends when its execution ends. The model is never ahead of the clock. If it is late, it goes
 //! through every moment that it has missed.
 
+use std::collections::VecDeque;
+
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
+use dotgen_timing::system::Ticks;
 
 use crate::decide::Decide;
 use crate::engine::{self, End, MAX_ACTIONS_AT_ONE_MOMENT};
@@ -21,6 +24,13 @@ pub struct Pace {
 
 /// Longest wait for an event, in nanoseconds. An interruption is noticed within this time.
 const MAX_WAIT_NANOS: u64 = 50_000_000;
+
+/// Number of messages that are received before the model proceeds.
+const MAX_MESSAGES_AT_ONCE: usize = 1_000;
+
+/// Time for which the model may stay behind the ticks of delegated tasks, in nanoseconds: their threads need
+/// no engine, and report once per cycle.
+const FOLLOW_NANOS: u64 = 1_000_000;
 
 /// Runs a system from time 0 until a time, in base units.
 pub fn run(
@@ -41,8 +51,8 @@ pub fn run(
     if !live.begin(stepper) {
         return End::NotStarted;
     }
-    let start = live.hosts().now();
-    let ticks = |nanos: u64| nanos.saturating_sub(start) / pace.nanos.max(1);
+    let mut clock = Clock::start(live, pace);
+    live.permit_delegations(clock.start, clock.unit);
     loop {
         live.step(stepper, &seen);
         for observation in &seen {
@@ -50,6 +60,7 @@ pub fn run(
             watch.on_event(stepper, observation);
         }
         seen.clear();
+        clock.deliver(stepper, live);
         live.accept(stepper, &mut told);
         live.abort(stepper, &mut |stepper, place| {
             watch.interrupt(stepper, place)
@@ -62,6 +73,7 @@ pub fn run(
         allowed.clear();
         let actions = possible.actions().iter().copied();
         allowed.extend(actions.filter(|action| may_happen(action, &works, live)));
+        put_ticks_first(&mut allowed, live);
         let drawn = possible.may_wait() && only_preemptions(&allowed);
         if !(allowed.is_empty() || drawn && decide.waits()) {
             at_once += 1;
@@ -81,26 +93,119 @@ pub fn run(
         if left == 0 {
             return End::Done;
         }
+        live.delegate(stepper);
+        let passed = clock.wait(stepper, live, &works, left);
+        if passed > 0 {
+            at_once = 0;
+            stepper.pass(passed, &mut seen);
+            watch.moment(stepper);
+        }
+    }
+}
+
+/// The clock of the hosts, and the messages that the model has not reached yet.
+struct Clock {
+    /// Time of the start, in nanoseconds.
+    start: u64,
+    /// Nanoseconds per base unit.
+    unit: u64,
+    /// Messages with their times, in base units.
+    messages: VecDeque<(u64, Message)>,
+}
+
+impl Clock {
+    fn start(live: &mut Live<'_>, pace: Pace) -> Clock {
+        Clock {
+            start: live.hosts().now(),
+            unit: pace.nanos.max(1),
+            messages: VecDeque::new(),
+        }
+    }
+
+    /// Returns the time in base units.
+    fn now(&self, live: &mut Live<'_>) -> u64 {
+        live.hosts().now().saturating_sub(self.start) / self.unit
+    }
+
+    /// Passes on the messages whose time the model has reached.
+    fn deliver(&mut self, stepper: &Stepper, live: &mut Live<'_>) {
+        let now = stepper.now();
+        while let Some((_, message)) = self.messages.pop_front_if(|(time, _)| *time <= now) {
+            live.message(message);
+        }
+        live.deliver(now);
+    }
+
+    /// Receives the messages that have arrived, so that time never passes them. If the model has reached the
+    /// present time, waits for the next event: the thread yields the processor. Returns the time that passes
+    /// in the model, in base units.
+    fn wait(
+        &mut self,
+        stepper: &Stepper,
+        live: &mut Live<'_>,
+        works: &[Option<Work>],
+        left: u64,
+    ) -> Ticks {
+        for _ in 0..MAX_MESSAGES_AT_ONCE {
+            let Some(message) = live.hosts().wait(0) else {
+                break;
+            };
+            self.receive(message, live);
+        }
         let open = |executor: usize| {
             let work = works.get(executor).copied().flatten();
             live.is_running(executor) || work.is_some_and(|work| live.is_outside(&work))
         };
+        let is_delegated = |task: usize| live.is_delegated(task.into());
         let next = stepper.next_moment_but(&open);
-        let due = next.map_or(u64::MAX, u64::from).min(left);
-        let now = ticks(live.hosts().now());
-        let late = now.saturating_sub(stepper.now()) >= due;
-        let deadline = stepper.now().saturating_add(due);
-        let deadline = start.saturating_add(deadline.saturating_mul(pace.nanos));
-        let message = next_message(live, deadline, late);
-        let now = ticks(live.hosts().now());
-        let passed = now.saturating_sub(stepper.now()).min(due);
-        if passed > 0 {
-            at_once = 0;
-            stepper.pass(u32::try_from(passed).unwrap_or(u32::MAX), &mut seen);
-            watch.moment(stepper);
+        let own = stepper.next_moment_without_ticks(&open, &is_delegated);
+        let first = self.messages.front();
+        let message = first.map(|(time, _)| time.saturating_sub(stepper.now()));
+        let events = [message, live.next_result(), Some(left)];
+        let event = events.into_iter().flatten().min().unwrap_or(left);
+        let due = next.map_or(event, |next| event.min(next.into()));
+        let own = own.map_or(event, |own| event.min(own.into()));
+        let most = live.hold(stepper).map_or(due, |hold| due.min(hold.into()));
+        let passed = self.now(live).saturating_sub(stepper.now()).min(most);
+        if passed > 0 && passed == most || due == 0 {
+            return Ticks::try_from(passed).unwrap_or(Ticks::MAX);
         }
-        if let Some(message) = message {
-            live.message(message);
+        let at = |after: u64| {
+            let time = stepper.now().saturating_add(after);
+            let nanos = time.saturating_mul(self.unit);
+            self.start.saturating_add(nanos)
+        };
+        let until = at(own).min(at(due).saturating_add(FOLLOW_NANOS));
+        let now = live.hosts().now();
+        let longest = now.saturating_add(MAX_WAIT_NANOS);
+        // If the time is over, the model waits for the report of a thread.
+        let until = if until > now {
+            until.min(longest)
+        } else {
+            longest
+        };
+        if let Some(message) = live.hosts().wait(until) {
+            self.receive(message, live);
+            return 0;
+        }
+        let passed = self.now(live).saturating_sub(stepper.now()).min(most);
+        Ticks::try_from(passed).unwrap_or(Ticks::MAX)
+    }
+
+    /// Passes on reports of delegated tasks, which have times of their own, and keeps other messages until
+    /// the model reaches the present time.
+    fn receive(&mut self, message: Message, live: &mut Live<'_>) {
+        if let Message::Lost { component, .. } = message {
+            live.expect_loss(component);
+        }
+        let is_report = match &message {
+            Message::CodelResult(_, ran) => live.is_delegated_executor(ran.ticket as usize),
+            Message::Recalled { .. } | Message::Probed { .. } => true,
+            _ => false,
+        };
+        match is_report {
+            true => live.message(message),
+            false => self.messages.push_back((self.now(live), message)),
         }
     }
 }
@@ -128,17 +233,19 @@ fn note_begun(
     }
 }
 
-/// Returns the next message of the hosts until a deadline, in nanoseconds. Messages that have already arrived
-/// come first: time never passes them. Without a message and without due actions (`late`), the thread waits
-/// and yields the processor.
-fn next_message(live: &mut Live<'_>, deadline: u64, late: bool) -> Option<Message> {
-    match live.hosts().wait(0) {
-        None if !late => {
-            let until = live.hosts().now().saturating_add(MAX_WAIT_NANOS);
-            live.hosts().wait(deadline.min(until))
-        }
-        other => other,
+/// Keeps only ticks, if some are possible while the thread of a delegated task has ended a codel at the same
+/// moment: the thread counts ticks at the end of its cycle as ticks during it.
+fn put_ticks_first(allowed: &mut Vec<Action>, live: &Live<'_>) {
+    if !allowed
+        .iter()
+        .any(|action| matches!(action, Action::Tick { .. }))
+    {
+        return;
     }
+    allowed.retain(|action| match *action {
+        Action::Finish { executor, .. } => !live.is_delegated_executor(executor),
+        _ => true,
+    });
 }
 
 /// Returns true under `fair` if all possible actions take a core from a thread.

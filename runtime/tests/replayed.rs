@@ -17,10 +17,21 @@ use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
 use crate::random_systems::{load, random, systems};
 
 /// Steps, by name.
-struct Recording<'s> {
+pub(crate) struct Recording<'s> {
     system: &'s TimedSystem,
-    steps: Vec<Step>,
-    end: u64,
+    pub(crate) steps: Vec<Step>,
+    /// Time of the end, in base units.
+    pub(crate) end: u64,
+}
+
+impl<'s> Recording<'s> {
+    pub(crate) fn new(system: &'s TimedSystem) -> Self {
+        Recording {
+            system,
+            steps: Vec::new(),
+            end: 0,
+        }
+    }
 }
 
 impl Record for Recording<'_> {
@@ -49,11 +60,7 @@ fn record(prepared: &Prepared, until: u64, seed: u64, durations: Durations) -> (
         stop_at_violation: false,
         record: false,
     };
-    let mut recording = Recording {
-        system,
-        steps: Vec::new(),
-        end: 0,
-    };
+    let mut recording = Recording::new(system);
     let none: Option<&mut Profile<Vec<u8>>> = None;
     let bounds = vec![None; system.tasks.len()];
     simulate_recorded(
@@ -68,7 +75,7 @@ fn record(prepared: &Prepared, until: u64, seed: u64, durations: Durations) -> (
     (recording.steps, recording.end)
 }
 
-fn replay(verified: &TimedSystem, steps: &[Step], end: u64) -> ReplayReport {
+pub(crate) fn replay(verified: &TimedSystem, steps: &[Step], end: u64) -> ReplayReport {
     let system = with_any_exception(verified);
     let mut replay = Replay::new(&system, verified, None);
     for step in steps {

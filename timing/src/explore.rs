@@ -31,7 +31,7 @@ pub use findings::{Bound, Findings, Found, Measured};
 pub use liveness::{Liveness, LivenessQuery, liveness};
 pub use never_observed::{NeverObserved, TaskWithoutJob};
 pub use reductions::{Activity, Kind, Kinds, Reason};
-pub use rules::{Action, Moment, MomentKind, Work};
+pub use rules::{Action, IdleTurn, Moment, MomentKind, Work};
 pub use run::{Run, SystemRun};
 pub use search::{
     ZoneFindings, explore, explore_with_reports, search_once, search_zones, walk_to_long_responses,

@@ -209,8 +209,12 @@ impl<'s> HostedComponents<'s> {
 
     /// Returns true if a codel may end with an event of this full name.
     pub fn declares(&self, codel: CodelId, event: &str) -> bool {
-        let declared = self.declared.get(codel);
-        declared.is_some_and(|string| string.iter().any(|name| name == event))
+        self.events(codel).iter().any(|name| name == event)
+    }
+
+    /// Returns the full names of the events that a codel may end with.
+    pub fn events(&self, codel: CodelId) -> &[String] {
+        self.declared.get(codel).map_or(&[], Vec::as_slice)
     }
 
     /// Returns the stated execution time of a codel, in nanoseconds.

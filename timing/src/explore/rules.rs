@@ -54,6 +54,7 @@ mod control_task;
 mod cores;
 mod describe;
 mod exchange;
+mod idle;
 mod jobs;
 pub(crate) mod layout;
 mod moment;
@@ -69,6 +70,7 @@ mod time;
 mod work;
 
 pub(crate) use self::exchange::{Names, Part, Parts, UnitPlaces};
+pub use self::idle::IdleTurn;
 pub use self::moment::{Moment, MomentKind};
 pub(crate) use self::system_rules::SystemRules;
 pub use self::work::Work;
@@ -221,6 +223,16 @@ pub(crate) trait Rules: Sized {
     /// happen. `None`: for ever.
     fn next_moment(&self, s: &State, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks>;
 
+    /// The same, but ticks of the tasks that `is_skipped` selects do not count.
+    fn next_moment_without_ticks(
+        &self,
+        s: &State,
+        can_be_deferred: &dyn Fn(usize) -> bool,
+        _is_skipped: &dyn Fn(usize) -> bool,
+    ) -> Option<Ticks> {
+        self.next_moment(s, can_be_deferred)
+    }
+
     /// Lets time pass, at most until the next moment.
     fn elapse(&self, s: &mut State, time: Ticks);
 
@@ -290,6 +302,18 @@ pub(crate) trait Rules: Sized {
 
     /// Returns the automaton of the activity in a place: accepted, running, or ended and not yet reported.
     fn activity(&self, s: &State, place: usize) -> Option<AutomatonId>;
+
+    /// Returns the only work of a task in its next cycle; `None` if the task is in a cycle, or if something
+    /// else than this work may follow.
+    fn idle_turn(&self, _s: &State, _task: usize) -> Option<IdleTurn> {
+        None
+    }
+
+    /// Returns the time until the next tick of a task, and whether an earlier tick is kept for the next
+    /// cycle. `None` if the task has no timer that runs.
+    fn tick(&self, _s: &State, _task: usize) -> Option<(Ticks, bool)> {
+        None
+    }
 
     /// Interrupts the activity in a place, like a service that interrupts it.
     fn interrupt_activity(&self, s: &mut State, place: usize);

@@ -6,10 +6,10 @@
 //! are reached) as [`Seen`].
 
 use super::observe::{self, Observer};
-use super::rules::{Action, Enabled, Rules, SystemRules, Work};
+use super::rules::{Action, Enabled, IdleTurn, Rules, SystemRules, Work};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
 use crate::property::Predicate;
-use crate::system::{AutomatonId, ClientId, ComponentId, ServiceId, Ticks, TimedSystem};
+use crate::system::{AutomatonId, ClientId, ComponentId, ServiceId, TaskId, Ticks, TimedSystem};
 
 /// The predicates to watch along a run, in addition to jobs and ticks.
 #[derive(Debug, Clone, Default)]
@@ -189,6 +189,33 @@ impl<'s> Stepper<'s> {
         self.walk.next_moment(can_be_deferred)
     }
 
+    /// The same, but ticks of the tasks that `is_skipped` selects do not count.
+    pub fn next_moment_without_ticks(
+        &self,
+        can_be_deferred: &dyn Fn(usize) -> bool,
+        is_skipped: &dyn Fn(usize) -> bool,
+    ) -> Option<Ticks> {
+        self.walk
+            .next_moment_without_ticks(can_be_deferred, is_skipped)
+    }
+
+    /// Returns the only work of a task in its next cycle; `None` if the task is in a cycle, may have to wait
+    /// for a core, or if something else than this work may follow.
+    pub fn idle_turn(&self, task: TaskId) -> Option<IdleTurn> {
+        self.walk.idle_turn(task)
+    }
+
+    /// Returns the time until the next tick of a task, in base units, and whether an earlier tick is kept for
+    /// the next cycle. `None` if the task has no timer that runs.
+    pub fn tick(&self, task: TaskId) -> Option<(Ticks, bool)> {
+        self.walk.tick(task)
+    }
+
+    /// Returns true if a client has taken its last step.
+    pub fn has_ended(&self, client: ClientId) -> bool {
+        self.walk.has_ended(client)
+    }
+
     /// Lets time pass, at most until the next moment, and appends the events of that moment.
     pub fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>) {
         self.walk.pass(time, seen);
@@ -254,6 +281,14 @@ trait Walk {
     fn window(&self, executor: usize) -> Option<(Ticks, Ticks)>;
     fn set_window(&mut self, executor: usize, window: (Ticks, Ticks));
     fn next_moment(&self, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks>;
+    fn next_moment_without_ticks(
+        &self,
+        can_be_deferred: &dyn Fn(usize) -> bool,
+        is_skipped: &dyn Fn(usize) -> bool,
+    ) -> Option<Ticks>;
+    fn idle_turn(&self, task: TaskId) -> Option<IdleTurn>;
+    fn tick(&self, task: TaskId) -> Option<(Ticks, bool)>;
+    fn has_ended(&self, client: ClientId) -> bool;
     fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>);
     fn job(&self, task: usize) -> Option<Ticks>;
     fn awaited(&self, within: usize) -> Option<Ticks>;
@@ -476,6 +511,28 @@ impl<R: Rules> Walk for Walker<R> {
 
     fn next_moment(&self, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
         self.rules.next_moment(&self.s, can_be_deferred)
+    }
+
+    fn next_moment_without_ticks(
+        &self,
+        can_be_deferred: &dyn Fn(usize) -> bool,
+        is_skipped: &dyn Fn(usize) -> bool,
+    ) -> Option<Ticks> {
+        let rules = &self.rules;
+        rules.next_moment_without_ticks(&self.s, can_be_deferred, is_skipped)
+    }
+
+    fn idle_turn(&self, task: TaskId) -> Option<IdleTurn> {
+        self.rules.idle_turn(&self.s, task.into())
+    }
+
+    fn tick(&self, task: TaskId) -> Option<(Ticks, bool)> {
+        self.rules.tick(&self.s, task.into())
+    }
+
+    fn has_ended(&self, client: ClientId) -> bool {
+        let end = self.rules.system().clients[client].done();
+        self.rules.position(&self.s, client) == end
     }
 
     fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>) {

@@ -16,7 +16,7 @@ use typed_index_collections::{TiVec, ti_vec};
 use super::layout::Layout;
 use super::points::{Cycle, Points, StartUp};
 use super::status::{control, flag, permanent, slot, thread};
-use super::{Action, Enabled, Moment, Rules, Work};
+use super::{Action, Enabled, IdleTurn, Moment, Rules, Work};
 use crate::explore::state::{Clocks, Frame, State, TaskStatus, phase};
 use crate::property::Atom;
 use crate::scn::semantics::TickRule;
@@ -266,7 +266,16 @@ impl Rules for SystemRules<'_> {
     }
 
     fn next_moment(&self, s: &State, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
-        self.until_next(s, can_be_deferred)
+        self.until_next(s, can_be_deferred, &|_| false)
+    }
+
+    fn next_moment_without_ticks(
+        &self,
+        s: &State,
+        can_be_deferred: &dyn Fn(usize) -> bool,
+        is_skipped: &dyn Fn(usize) -> bool,
+    ) -> Option<Ticks> {
+        self.until_next(s, can_be_deferred, is_skipped)
     }
 
     fn elapse(&self, s: &mut State, time: Ticks) {
@@ -423,6 +432,16 @@ impl Rules for SystemRules<'_> {
             slot::VOID => None,
             _ => l.automaton(s, place),
         }
+    }
+
+    fn idle_turn(&self, s: &State, task: usize) -> Option<IdleTurn> {
+        self.next_idle_turn(s, task)
+    }
+
+    fn tick(&self, s: &State, task: usize) -> Option<(Ticks, bool)> {
+        let l = &self.layout;
+        self.counts(s, task)
+            .then(|| (l.timer(s, task), l.pending(s, task)))
     }
 
     fn interrupt_activity(&self, s: &mut State, place: usize) {

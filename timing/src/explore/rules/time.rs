@@ -19,11 +19,13 @@ impl SystemRules<'_> {
         starts && self.is_periodic(task)
     }
 
-    /// Returns the time in base units for which no action can become possible, except by ends that can wait.
+    /// Returns the time in base units for which no action can become possible, except by ends that can wait
+    /// and by ticks that are skipped.
     pub(super) fn until_next(
         &self,
         s: &State,
         can_be_deferred: &dyn Fn(usize) -> bool,
+        is_skipped: &dyn Fn(usize) -> bool,
     ) -> Option<Ticks> {
         let l = &self.layout;
         let mut least = FOREVER;
@@ -31,7 +33,8 @@ impl SystemRules<'_> {
         if self.may_swap(s, running) {
             least = 1;
         }
-        for task in (0..l.tasks).filter(|&task| self.counts(s, task)) {
+        let ticks = |task: &usize| self.counts(s, *task) && !is_skipped(*task);
+        for task in (0..l.tasks).filter(ticks) {
             least = least.min(l.timer(s, task));
         }
         let executing = l.executing(s);

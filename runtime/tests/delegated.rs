@@ -1,0 +1,214 @@
+//! Threads that execute cycles by themselves, on random systems: what they do is a run of the model, codels
+//! that exclude each other never overlap, and nothing is lost. The hosts are simulated, with delays of every
+//! message.
+
+use std::collections::HashSet;
+
+use dotgen_runtime::decide::Durations;
+use dotgen_runtime::engine::End;
+use dotgen_runtime::live::{HostedComponent, HostedComponents, Live};
+use dotgen_runtime::profile::Profile;
+use dotgen_runtime::real_clock::Pace;
+use dotgen_runtime::refine;
+use dotgen_runtime::simulation::{Execution, Plan, Record, simulate_recorded};
+use dotgen_runtime::watch::PortUpdate;
+use dotgen_timing::explore::{Action, Stepper};
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::scn::parse;
+use dotgen_timing::system::CodelId;
+use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare, settings};
+use num_rational::Ratio;
+
+use crate::random_systems::{load, random, systems::Dice};
+use crate::replayed::{Recording, replay};
+use crate::simulated_hosts::{MS, Simulated};
+
+/// Duration of a run, in nanoseconds.
+const RUN_NANOS: u64 = 600_000_000;
+
+/// Counts the ends of executed codels.
+struct Ends<'s> {
+    recording: Recording<'s>,
+    parts: &'s HostedComponents<'s>,
+    ended: u64,
+}
+
+impl Record for Ends<'_> {
+    fn on_action(&mut self, stepper: &Stepper, action: Action) {
+        if let Action::Finish { executor, .. } = action {
+            let codel = stepper.work(executor).and_then(|work| work.codel());
+            let real = codel.is_some_and(|codel| self.parts.codel(codel).is_some());
+            self.ended += u64::from(real);
+        }
+        self.recording.on_action(stepper, action);
+    }
+
+    fn interrupt(&mut self, stepper: &Stepper, place: usize) {
+        self.recording.interrupt(stepper, place);
+    }
+
+    fn on_port_update(&mut self, _: &Stepper, _: &PortUpdate) {}
+
+    fn end(&mut self, stepper: &Stepper) {
+        self.recording.end(stepper);
+    }
+}
+
+/// What a run has shown.
+#[derive(Debug, Default)]
+struct Shown {
+    executed: u64,
+    delegated: u64,
+    answered: usize,
+}
+
+/// Runs a random system; `None` if it is not legal.
+fn run(seed: u64) -> Option<Shown> {
+    let mut dice = Dice::new(seed);
+    let texts = match seed % 3 {
+        0 => random::periodic(&mut dice),
+        1 => random::texts(&mut dice),
+        _ => random::varied(&mut dice),
+    };
+    let units = load(&texts.specifications)?;
+    let mut scenario = texts.scenario.clone();
+    for cores in 1..=4 {
+        scenario = scenario.replace(&format!("cores {cores};"), "cores free;");
+    }
+    let scenario = parse(&scenario).scenario;
+    let specs: Vec<_> = units.iter().map(|unit| &*unit.spec).collect();
+    let names = Names::new(&specs);
+    let options = Options::default();
+    let prepared = prepare(
+        &SystemInput {
+            specs: specs.clone(),
+        },
+        &scenario,
+        &options,
+    );
+    if prepared.report.has_errors() {
+        return None;
+    }
+    let settings = settings(&scenario, &options);
+    let hosted = names.components.iter().map(|&member| {
+        Some(HostedComponent {
+            member,
+            missing: HashSet::new(),
+        })
+    });
+    let no_inputs = |_: &str| None;
+    let parts = HostedComponents::new(&prepared, &names, &settings, hosted.collect(), &no_inputs);
+    let mut opened: Prepared = prepared.clone();
+    let is_real = |codel: CodelId| parts.codel(codel).is_some();
+    refine::open(&mut opened, &is_real);
+    refine::scale(&mut opened);
+    refine::release(&mut opened, &is_real);
+    if !seed.is_multiple_of(5) {
+        opened.built.system.clients.clear();
+    }
+    let first = refine::add_outside(&mut opened);
+    let parts = parts.with_outside(first);
+    let system = &opened.built.system;
+    let nanos = (system.unit * Ratio::from_integer(1_000_000_000)).to_integer() as u64;
+    let mut hosts = Simulated::new(system, &parts, seed);
+    let mut live = Live::new(system, &parts, &mut hosts, false, false);
+    let execution = Execution {
+        live: &mut live,
+        pace: Some(Pace { nanos }),
+        follow: None,
+    };
+    let plan = Plan {
+        until: RUN_NANOS / nanos,
+        runs: 1,
+        seed,
+        durations: Durations::Random,
+        stop_at_violation: false,
+        record: false,
+    };
+    let mut recording = Ends {
+        recording: Recording::new(system),
+        parts: &parts,
+        ended: 0,
+    };
+    let none: Option<&mut Profile<Vec<u8>>> = None;
+    let outcome = simulate_recorded(
+        &opened,
+        vec![None; system.tasks.len()],
+        &plan,
+        none,
+        Some(&mut recording),
+        Some(execution),
+        &|| false,
+    );
+    let shown = || {
+        format!(
+            "seed {seed}\n{}\n{}",
+            texts.specifications.join("\n"),
+            texts.scenario
+        )
+    };
+    if outcome.end == End::Standstill {
+        return None;
+    }
+    assert_eq!(outcome.end, End::Done, "{}", shown());
+    drop(outcome);
+    assert_eq!(hosts.lost, Vec::<String>::new(), "{}", shown());
+    let ended = recording.ended;
+    let recording = recording.recording;
+    let report = replay(system, &recording.steps, recording.end);
+    assert_eq!(
+        report.difference_count,
+        0,
+        "{:#?}\n{}",
+        report.differences.first(),
+        shown()
+    );
+    let (executed, delegated) = (hosts.executed, hosts.delegated);
+    assert!(ended <= executed, "{ended} of {executed}\n{}", shown());
+    // Some results of the last milliseconds are on their way.
+    assert!(
+        ended + 300 >= executed,
+        "{ended} of {executed}\n{}",
+        shown()
+    );
+    // The engine waits instead of asking for the time again and again.
+    let events = hosts.received + recording.steps.len() as u64 + RUN_NANOS / MS;
+    assert!(
+        hosts.waits < 4 * events,
+        "{} of {events}\n{}",
+        hosts.waits,
+        shown()
+    );
+    let answered = hosts.answered.borrow().len();
+    Some(Shown {
+        executed,
+        delegated,
+        answered,
+    })
+}
+
+/// Returns the number of systems: `DOTGEN_RUN_SYSTEMS`, by default a few dozen.
+fn systems_to_run() -> u64 {
+    let given = std::env::var("DOTGEN_RUN_SYSTEMS").ok();
+    given
+        .and_then(|variable| variable.parse().ok())
+        .unwrap_or(60)
+}
+
+#[test]
+fn cycles_without_the_engine_are_runs_of_the_model() {
+    let (mut all, mut runs, mut seed) = (Shown::default(), 0, 0);
+    while runs < systems_to_run() {
+        assert!(seed < 20 * systems_to_run() + 100, "few systems are legal");
+        if let Some(shown) = run(seed) {
+            runs += 1;
+            all.executed += shown.executed;
+            all.delegated += shown.delegated;
+            all.answered += shown.answered;
+        }
+        seed += 1;
+    }
+    println!("{all:?} of {runs} random systems");
+    assert!(all.delegated * 5 > all.executed, "{all:?}");
+    assert!(all.answered as u64 > runs, "{all:?}");
+}
