@@ -73,7 +73,13 @@ pub fn interfaces(
             if let Some(path) = name.strip_prefix(&of_package) {
                 let mut text = heading(&mapping, name);
                 for (constant, value) in constants {
-                    let _ = writeln!(text, "uint32 {constant}={value}");
+                    // The field of the enumeration has the value also without a constant.
+                    let _ = match names::is_macro(constant) {
+                        true => {
+                            writeln!(text, "# {constant}={value}: a macro of C, not a constant")
+                        }
+                        false => writeln!(text, "uint32 {constant}={value}"),
+                    };
                 }
                 let path = format!("{path}.msg");
                 sources.push(path.clone());
