@@ -295,7 +295,7 @@ fn build(package: &str, sources: &[String], needs: &BTreeSet<String>) -> String 
         .map(|source| format!("  \"{source}\"\n"))
         .collect();
     format!(
-        "cmake_minimum_required(VERSION 3.8)\nproject({package})\n\nfind_package(ament_cmake REQUIRED)\n\
+        "cmake_minimum_required(VERSION 3.20)\nproject({package})\n\nfind_package(ament_cmake REQUIRED)\n\
          find_package(rosidl_default_generators REQUIRED)\n{find}\n\
          rosidl_generate_interfaces(${{PROJECT_NAME}}\n{sources}{depends})\n\n\
          ament_export_dependencies(rosidl_default_runtime)\nament_package()\n"
