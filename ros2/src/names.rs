@@ -175,6 +175,24 @@ pub fn camel(name: &str) -> Result<String, String> {
     }
 }
 
+/// The local name of a service or action.
+///
+/// # Errors
+/// In words: its class in C++ has a member of this name, or the name does not begin with a letter.
+pub fn service(name: &str, is_action: bool) -> Result<String, String> {
+    let local = camel(name)?;
+    let members: &[&str] = match is_action {
+        true => &["Feedback", "Goal", "Impl", "Result"],
+        false => &["Event", "Request", "Response"],
+    };
+    match members.contains(&local.as_str()) {
+        false => Ok(local),
+        true => Err(format!(
+            "`{name}` becomes `{local}`, a member of its class in C++: rename it"
+        )),
+    }
+}
+
 /// Package and local name of a type that has a name: `or_t3d` and `Pos`.
 ///
 /// # Errors
@@ -260,6 +278,8 @@ mod tests {
             assert!(package([name]).is_err(), "{name}");
         }
         assert!(package(["test"]).is_err() && field("test").is_ok());
+        assert!(service("goal", true).is_err() && service("goal", false).is_ok());
+        assert!(service("request", false).is_err() && service("request", true).is_ok());
         assert!(constant("_1").is_err() && camel("_1").is_err());
         for part in ["", "1", "a-b", "a/b", "*"] {
             assert!(topic(["demo", part]).is_err(), "{part}");
