@@ -73,7 +73,13 @@ pub fn interfaces(
             if let Some(path) = name.strip_prefix(&of_package) {
                 let mut text = heading(&mapping, name);
                 for (constant, value) in constants {
-                    let _ = writeln!(text, "uint32 {constant}={value}");
+                    // The field of the enumeration has the value also without a constant.
+                    let _ = match names::is_macro(constant) {
+                        true => {
+                            writeln!(text, "# {constant}={value}: a macro of C, not a constant")
+                        }
+                        false => writeln!(text, "uint32 {constant}={value}"),
+                    };
                 }
                 let path = format!("{path}.msg");
                 sources.push(path.clone());
@@ -289,7 +295,7 @@ fn build(package: &str, sources: &[String], needs: &BTreeSet<String>) -> String 
         .map(|source| format!("  \"{source}\"\n"))
         .collect();
     format!(
-        "cmake_minimum_required(VERSION 3.8)\nproject({package})\n\nfind_package(ament_cmake REQUIRED)\n\
+        "cmake_minimum_required(VERSION 3.20)\nproject({package})\n\nfind_package(ament_cmake REQUIRED)\n\
          find_package(rosidl_default_generators REQUIRED)\n{find}\n\
          rosidl_generate_interfaces(${{PROJECT_NAME}}\n{sources}{depends})\n\n\
          ament_export_dependencies(rosidl_default_runtime)\nament_package()\n"

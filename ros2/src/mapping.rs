@@ -43,6 +43,8 @@ pub struct Mapping<'s> {
     packages: BTreeMap<String, String>,
     /// By full name: the part of the model and its place.
     origins: BTreeMap<String, (Phrase, Src)>,
+    /// By generated files: the full name and its part of the model.
+    files: BTreeMap<String, (String, Phrase)>,
     /// Messages of types that are complete.
     done: HashMap<TypeId, String>,
     /// Types whose messages are being made.
@@ -60,6 +62,7 @@ impl<'s> Mapping<'s> {
             constants: BTreeMap::new(),
             packages: BTreeMap::new(),
             origins: BTreeMap::new(),
+            files: BTreeMap::new(),
             done: HashMap::new(),
             around: Vec::new(),
             depth: 0,
@@ -84,18 +87,23 @@ impl<'s> Mapping<'s> {
         }
     }
 
-    /// Reserves a full name for a part of the model.
+    /// Reserves a full name, and the generated files of this name, for a part of the model.
     pub(crate) fn claim(&mut self, name: &str, origin: Phrase, src: Src) -> Result<(), Obstacle> {
-        match self.origins.get(name) {
-            Some((other, _)) if *other != origin => Err(Obstacle {
-                why: format!("{other} and {origin} both become `{name}`: rename one"),
-                src,
-            }),
-            _ => {
-                self.origins.insert(name.to_owned(), (origin, src));
-                Ok(())
+        let files = names::files(name);
+        let why = match self.files.get(&files) {
+            Some((same, other)) if same == name && *other != origin => {
+                format!("{other} and {origin} both become `{name}`: rename one")
             }
-        }
+            Some((close, other)) if close != name => {
+                format!("{other} and {origin} both become the files `{files}`: rename one")
+            }
+            _ => {
+                self.files.insert(files, (name.to_owned(), origin.clone()));
+                self.origins.insert(name.to_owned(), (origin, src));
+                return Ok(());
+            }
+        };
+        Err(Obstacle { why, src })
     }
 
     /// The packages of the specification, in order.

@@ -29,6 +29,15 @@ const KEYWORDS: &str = " \
      typedef typeid typename union unsigned using virtual void volatile wchar_t while with xor xor_eq \
      yield ";
 
+/// Macros that end the compilation of generated C and C++ if fields or packages have their names.
+const MACROS: &str = " errno linux unix ";
+
+/// Targets of every build with CMake and ament. A package has a target of its own name.
+const TARGETS: &str = " all clean edit_cache help install preinstall rebuild_cache test uninstall ";
+
+/// Macros of headers that generated C++, or a program that includes it, includes.
+const UPPER_CASE_MACROS: &str = include_str!("macros.txt");
+
 /// Words in lower case with single `_` between them: a word begins at `_`, and at an upper case letter that
 /// follows a lower case letter or digit.
 fn snake(name: &str) -> String {
@@ -64,17 +73,23 @@ fn checked(name: String, of: &str) -> Result<String, String> {
             "`{of}` has no name in ROS 2: begin it with a letter"
         ));
     }
-    if KEYWORDS.contains(&format!(" {name} ")) {
-        let becomes = becomes(of, &name);
-        return Err(format!("{becomes} a keyword of C++ or Python: rename it"));
-    }
-    Ok(name)
+    let word = format!(" {name} ");
+    let kind = if KEYWORDS.contains(&word) {
+        "keyword of C++ or Python"
+    } else if MACROS.contains(&word) {
+        "macro of C"
+    } else {
+        return Ok(name);
+    };
+    let becomes = becomes(of, &name);
+    Err(format!("{becomes} a {kind}: rename it"))
 }
 
 /// The package of a path of modules: `or_t3d`.
 ///
 /// # Errors
-/// In words: the name is a keyword or a package of ROS 2, or does not begin with a letter.
+/// In words: the name is a keyword, a macro, a package of ROS 2 or a target of CMake, or does not begin with
+/// a letter.
 pub fn package<'n>(modules: impl IntoIterator<Item = &'n str>) -> Result<String, String> {
     let modules: Vec<&str> = modules.into_iter().collect();
     if modules.is_empty() {
@@ -82,19 +97,21 @@ pub fn package<'n>(modules: impl IntoIterator<Item = &'n str>) -> Result<String,
     }
     let path = modules.join("::");
     let name = checked(snake(&modules.join("_")), &path)?;
-    match STANDARD.contains(&name.as_str()) {
-        false => Ok(name),
-        true => {
-            let becomes = becomes(&path, &name);
-            Err(format!("{becomes} a package of ROS 2: rename it"))
-        }
-    }
+    let kind = if STANDARD.contains(&name.as_str()) {
+        "package of ROS 2"
+    } else if TARGETS.contains(&format!(" {name} ")) {
+        "target of CMake"
+    } else {
+        return Ok(name);
+    };
+    let becomes = becomes(&path, &name);
+    Err(format!("{becomes} a {kind}: rename it"))
 }
 
 /// The name of a field: `max_speed`.
 ///
 /// # Errors
-/// In words: the name is a keyword, or does not begin with a letter.
+/// In words: the name is a keyword or a macro, or does not begin with a letter.
 pub fn field(name: &str) -> Result<String, String> {
     checked(snake(name), name)
 }
@@ -113,6 +130,32 @@ pub fn constant(name: &str) -> Result<String, String> {
     }
 }
 
+/// Returns true for the name of a macro, which generated C++ cannot declare as a constant.
+pub(crate) fn is_macro(constant: &str) -> bool {
+    UPPER_CASE_MACROS
+        .split_whitespace()
+        .any(|word| word == constant)
+}
+
+/// The generated files of a message, service or action: `demo/msg/max_speed` for `demo/msg/MaxSpeed`, but
+/// `demo/msg/ab` for both `AB` and `Ab`.
+pub(crate) fn files(name: &str) -> String {
+    let (folder, local) = name.rsplit_once('/').unwrap_or_default();
+    let mut out = format!("{folder}/");
+    let mut before: Option<char> = None;
+    let mut rest = local.chars().peekable();
+    while let Some(c) = rest.next() {
+        let follows_word = before.is_some_and(|letter| !letter.is_ascii_uppercase());
+        let begins_word = before.is_some() && rest.peek().is_some_and(char::is_ascii_lowercase);
+        if c.is_ascii_uppercase() && (follows_word || begins_word) {
+            out.push('_');
+        }
+        out.push(c.to_ascii_lowercase());
+        before = Some(c);
+    }
+    out
+}
+
 /// The local name of a message, service or action: `MaxSpeed`.
 ///
 /// # Errors
@@ -128,6 +171,24 @@ pub fn camel(name: &str) -> Result<String, String> {
         true => Ok(out),
         false => Err(format!(
             "`{name}` has no name in ROS 2: begin it with a letter"
+        )),
+    }
+}
+
+/// The local name of a service or action.
+///
+/// # Errors
+/// In words: its class in C++ has a member of this name, or the name does not begin with a letter.
+pub fn service(name: &str, is_action: bool) -> Result<String, String> {
+    let local = camel(name)?;
+    let members: &[&str] = match is_action {
+        true => &["Feedback", "Goal", "Impl", "Result"],
+        false => &["Event", "Request", "Response"],
+    };
+    match members.contains(&local.as_str()) {
+        false => Ok(local),
+        true => Err(format!(
+            "`{name}` becomes `{local}`, a member of its class in C++: rename it"
         )),
     }
 }
@@ -189,11 +250,36 @@ mod tests {
     }
 
     #[test]
+    fn generated_files_have_the_names_of_rosidl() {
+        for (local, stem) in [
+            ("MaxSpeed", "max_speed"),
+            ("AB", "ab"),
+            ("Ab", "ab"),
+            ("SetHTTP", "set_http"),
+            ("HTTPGet", "http_get"),
+            ("T3D", "t3_d"),
+            ("T3d", "t3d"),
+            ("AaBbCc", "aa_bb_cc"),
+        ] {
+            assert_eq!(files(&format!("a/msg/{local}")), format!("a/msg/{stem}"));
+        }
+    }
+
+    #[test]
+    fn macros_are_not_constants() {
+        assert!(is_macro("EOF") && is_macro("NAN") && is_macro("SIGINT"));
+        assert!(!is_macro("OFF") && !is_macro("AUTO"));
+    }
+
+    #[test]
     fn names_that_cannot_be_used_are_refused() {
-        for name in ["or", "class", "from", "_1"] {
+        for name in ["or", "class", "from", "linux", "_1"] {
             assert!(field(name).is_err(), "{name}");
             assert!(package([name]).is_err(), "{name}");
         }
+        assert!(package(["test"]).is_err() && field("test").is_ok());
+        assert!(service("goal", true).is_err() && service("goal", false).is_ok());
+        assert!(service("request", false).is_err() && service("request", true).is_ok());
         assert!(constant("_1").is_err() && camel("_1").is_err());
         for part in ["", "1", "a-b", "a/b", "*"] {
             assert!(topic(["demo", part]).is_err(), "{part}");

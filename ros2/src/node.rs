@@ -232,8 +232,8 @@ impl Offer<'_, '_> {
         };
         let topic = [self.component.name.as_str(), service.name.as_str()];
         let topic = names::topic(topic).map_err(obstacle)?;
-        let local = names::camel(&service.name).map_err(obstacle)?;
         let is_action = service.kind == ServiceKind::Activity;
+        let local = names::service(&service.name, is_action).map_err(obstacle)?;
         let folder = if is_action { "action" } else { "srv" };
         let name = format!("{}/{folder}/{local}", self.package);
         let origin = Phrase::words("service ").and_name(service.name.as_str());

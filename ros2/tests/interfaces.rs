@@ -84,3 +84,29 @@ fn packages_that_need_each_other_are_refused() {
     assert_eq!(found.len(), 2, "{found:?}");
     assert!(found[0].contains("`a` is not") && found[0].contains("`b` need each other"));
 }
+
+#[test]
+fn names_that_do_not_build_are_left_out() {
+    let unit = unit(
+        "module m {
+           struct a_b { long x; }; struct ab { long x; };
+           enum reason { EOF, OK }; struct s { reason why; };
+         };
+         component demo {
+           version \"1.0\"; lang \"c\";
+           port out m::a_b p; port out m::ab q; port out m::s r;
+         };",
+    );
+    let found =
+        interfaces(&unit.spec, &[&unit.spec.components[0]], &Rules::new()).expect("no rules");
+    let refused: Vec<String> = found.refused.iter().map(ToString::to_string).collect();
+    assert!(
+        refused[0].contains("both become the files `m/msg/ab`"),
+        "{refused:?}"
+    );
+    let constants = &found.files["m/msg/Reason.msg"];
+    assert!(
+        constants.contains("# EOF=0: a macro") && constants.contains("uint32 OK=1"),
+        "{constants}"
+    );
+}
