@@ -28,16 +28,25 @@ pub(crate) const NOTICES: &str = "THIRD-PARTY-NOTICES.txt";
 /// The features of the program that the README's command installs and that is tested.
 pub(crate) const FEATURES: &str = "dotgen/zenoh";
 
-/// Compiles the server and returns the path of the program.
-///
-/// A profile is built once in a run of xtask, because no source changes meanwhile.
-pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
-    static BUILT: [OnceLock<()>; 2] = [OnceLock::new(), OnceLock::new()];
-    let built = match profile {
+/// Profiles in which the server is built in this run of xtask, during which no source changes.
+static BUILT: [OnceLock<()>; 2] = [OnceLock::new(), OnceLock::new()];
+
+fn built(profile: Profile) -> &'static OnceLock<()> {
+    match profile {
         Profile::Dev => &BUILT[0],
         Profile::Dist => &BUILT[1],
-    };
-    if built.get().is_some() {
+    }
+}
+
+/// Says that the tests are built, and with them the server in [`Profile::Dev`]. A build of the server alone has
+/// fewer features of libraries, and would compile zenoh and most of the workspace again.
+pub(crate) fn is_built_with_tests() {
+    let _ = built(Profile::Dev).set(());
+}
+
+/// Compiles the server, unless it is built, and returns the path of the program.
+pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
+    if built(profile).get().is_some() {
         return Ok(server_program(profile));
     }
     let mut arguments = vec![
@@ -55,7 +64,7 @@ pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
     }
     step("Building the server (a first build takes some minutes)");
     run::run(run::cargo(&arguments))?;
-    let _ = built.set(());
+    let _ = built(profile).set(());
     Ok(server_program(profile))
 }
 

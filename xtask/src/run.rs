@@ -3,6 +3,7 @@
 use std::io::{BufRead, BufReader, IsTerminal};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -25,10 +26,22 @@ pub(crate) fn command(directory: &Path, program: &str, arguments: &[&str]) -> Co
     command
 }
 
+/// True if builds lint.
+static LINTS: AtomicBool = AtomicBool::new(false);
+
+/// From now on, each cargo lints the crates of the workspace while it builds them: Clippy is the compiler, so
+/// that lints need no second build. What it compiles is kept apart from what rustc compiles.
+pub(crate) fn lint_while_building() {
+    LINTS.store(true, Ordering::Relaxed);
+}
+
 /// The cargo that runs xtask.
 pub(crate) fn cargo(arguments: &[&str]) -> Command {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let mut cargo = command(crate::root(), &cargo, arguments);
+    if LINTS.load(Ordering::Relaxed) {
+        cargo.env("RUSTC_WORKSPACE_WRAPPER", "clippy-driver");
+    }
     // `cargo run` sets it for xtask; the cargo below determines its own.
     cargo.env_remove("CARGO_MANIFEST_DIR");
     cargo
@@ -69,7 +82,16 @@ pub(crate) fn capture(mut command: Command) -> Result<String> {
 
 /// Runs a command to its end, shows its output at once, and passes every line of standard output to `line` as
 /// well. Returns true if it succeeded.
-pub(crate) fn watch(mut command: Command, mut line: impl FnMut(&str)) -> Result<bool> {
+pub(crate) fn watch(command: Command, mut line: impl FnMut(&str)) -> Result<bool> {
+    lines(command, |text| {
+        println!("{text}");
+        line(text);
+    })
+}
+
+/// Runs a command to its end, and passes every line of standard output to `line` at once, without showing it.
+/// Returns true if it succeeded.
+pub(crate) fn lines(mut command: Command, mut line: impl FnMut(&str)) -> Result<bool> {
     let shown = show(&command);
     eprintln!("    {shown}");
     let mut child = command
@@ -79,9 +101,7 @@ pub(crate) fn watch(mut command: Command, mut line: impl FnMut(&str)) -> Result<
     if let Some(stdout) = child.stdout.take() {
         for text in BufReader::new(stdout).split(b'\n') {
             let text = text?;
-            let text = String::from_utf8_lossy(&text);
-            println!("{text}");
-            line(&text);
+            line(&String::from_utf8_lossy(&text));
         }
     }
     Ok(child.wait()?.success())

@@ -6,6 +6,7 @@
 mod editors;
 mod without_data;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -53,6 +54,9 @@ impl Outcome {
     }
 }
 
+/// The suite whose build, with Clippy as the compiler, is that of the others.
+const CLIPPY: &str = "clippy";
+
 const SUITES: &[Suite] = &[
     Suite {
         name: "format",
@@ -60,7 +64,7 @@ const SUITES: &[Suite] = &[
         run: format,
     },
     Suite {
-        name: "clippy",
+        name: CLIPPY,
         editor: false,
         run: clippy,
     },
@@ -149,6 +153,9 @@ pub(crate) fn test(options: &Options) -> Result<bool> {
             }
         }
     }
+    if suites.iter().any(|suite| suite.name == CLIPPY) {
+        run::lint_while_building();
+    }
     let mut rows = Vec::new();
     for (i, suite) in suites.iter().enumerate() {
         step(&format!("[{}/{}] {}", i + 1, suites.len(), suite.name));
@@ -208,20 +215,39 @@ fn format() -> Result<Outcome> {
     run::watch(run::cargo(&["fmt", "--all", "--check"]), |_| ()).map(one)
 }
 
+/// Builds all that the suite `rust` runs, and the benchmarks, and lints them meanwhile.
 fn clippy() -> Result<Outcome> {
     let arguments = [
-        "clippy",
+        "test",
+        "--no-run",
         "--locked",
         "--workspace",
         "--all-targets",
         "--features",
         extension::FEATURES,
-        "--quiet",
-        "--",
-        "--deny",
-        "warnings",
+        "--message-format=json",
     ];
-    run::watch(run::cargo(&arguments), |_| ()).map(one)
+    // A crate is compiled with and without its tests, and has most findings twice.
+    let mut found = BTreeSet::new();
+    let built = run::lines(run::cargo(&arguments), |line| {
+        if let Some(finding) = finding(line)
+            && found.insert(finding.clone())
+        {
+            eprintln!("{finding}");
+        }
+    })?;
+    if built {
+        extension::is_built_with_tests();
+    }
+    Ok(one(built && found.is_empty()))
+}
+
+/// The text of a finding, from a line of the messages of cargo.
+fn finding(line: &str) -> Option<String> {
+    let message: serde_json::Value = serde_json::from_str(line).ok()?;
+    let is_finding = message["reason"] == "compiler-message";
+    let text = message["message"]["rendered"].as_str()?;
+    is_finding.then(|| text.to_owned())
 }
 
 fn notices() -> Result<Outcome> {
@@ -264,6 +290,7 @@ fn rust() -> Result<Outcome> {
     if !succeeded && outcome.failed == 0 {
         bail!("the tests do not compile");
     }
+    extension::is_built_with_tests();
     outcome.notes = slowest(times);
     outcome.notes.push(without_data::Uses::read()?.summary());
     Ok(outcome)
@@ -478,6 +505,15 @@ mod tests {
         assert_eq!(super::time(line), Some((0.123, "cli::help".to_owned())));
         assert_eq!(super::time("test cli::help ... ignored"), None);
         assert_eq!(super::time("test result: ok. 1 passed"), None);
+    }
+
+    #[test]
+    fn findings_are_read_from_the_messages_of_cargo() {
+        let finding = r#"{"reason":"compiler-message","message":{"rendered":"warning: `dbg!`"}}"#;
+        assert_eq!(super::finding(finding).as_deref(), Some("warning: `dbg!`"));
+        let other = r#"{"reason":"compiler-artifact","fresh":true}"#;
+        assert_eq!(super::finding(other), None);
+        assert_eq!(super::finding("no JSON"), None);
     }
 
     #[test]

@@ -20,7 +20,7 @@ use dotgen_analysis::{
 use super::*;
 
 /// Number of places tried in the suite, each with all its items.
-const PLACES: usize = 2_000;
+const PLACES: usize = 300;
 
 /// The number of errors of each code.
 type Errors = BTreeMap<String, usize>;

@@ -96,5 +96,5 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
 
 #[test]
 fn explorer_agrees_on_chains() {
-    all_agree(first(), cases().max(300), 2, compare);
+    all_agree(first(), cases(), 2, compare);
 }

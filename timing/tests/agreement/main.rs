@@ -421,12 +421,17 @@ fn excess(
     Ok(())
 }
 
-/// Returns the number of systems, which the environment can raise.
-fn cases() -> u64 {
+/// Returns the number of systems: `DOTGEN_TIMING_CASES`, or else `ordinary`.
+fn cases_or(ordinary: u64) -> u64 {
     std::env::var("DOTGEN_TIMING_CASES")
         .ok()
         .and_then(|variable| variable.parse().ok())
-        .unwrap_or(500)
+        .unwrap_or(ordinary)
+}
+
+/// Returns the number of systems that are compared with brute force, by default a hundred.
+fn cases() -> u64 {
+    cases_or(100)
 }
 
 /// Returns the first seed, which the environment can set to repeat a system.
