@@ -94,9 +94,8 @@ pub struct Children {
     interrupt: Interrupt,
     /// Number of starts. Messages of hosts of an earlier start are ignored.
     started: u64,
-    begin: Instant,
-    /// The same time on the clock of the hosts, in nanoseconds.
-    begin_nanos: u64,
+    /// Time of the start, on the clock of the hosts, in nanoseconds.
+    begin: u64,
     arrivals: Receiver<EngineEvent>,
     sender: Sender<EngineEvent>,
     /// Messages that arrived while the engine waited for something else.
@@ -136,8 +135,7 @@ impl Children {
             debug: None,
             interrupt,
             started: 0,
-            begin: Instant::now(),
-            begin_nanos: monotonic_nanos(),
+            begin: monotonic_nanos(),
             early: VecDeque::new(),
             outside: Vec::new(),
             requests: Arc::default(),
@@ -288,21 +286,27 @@ impl Children {
         None
     }
 
+    /// Converts a time of a host to nanoseconds since the start. No time is in the future, whatever a codel
+    /// has done to its host.
+    fn since_begin(&self, nanos: u64) -> u64 {
+        nanos.saturating_sub(self.begin).min(self.now())
+    }
+
     /// Converts an event to a message for the engine.
     fn message(&mut self, arrival: EngineEvent) -> Option<Message> {
         match arrival {
             EngineEvent::HostMessage(component, _, HostMessage::CodelResult(mut ran)) => {
-                ran.ended = ran.ended.saturating_sub(self.begin_nanos);
+                ran.ended = self.since_begin(ran.ended);
                 Some(Message::CodelResult(component, ran))
             }
             EngineEvent::HostMessage(component, _, HostMessage::Recalled { ticket }) => {
                 Some(Message::Recalled { component, ticket })
             }
-            EngineEvent::HostMessage(component, _, HostMessage::Probed { ticket, until }) => {
-                let until = until.saturating_sub(self.begin_nanos);
+            EngineEvent::HostMessage(component, _, HostMessage::Probed { probe, until }) => {
+                let until = self.since_begin(until);
                 Some(Message::Probed {
                     component,
-                    ticket,
+                    probe,
                     until,
                 })
             }
@@ -383,8 +387,7 @@ impl Hosts for Children {
                 None => return Err("a host does not begin".to_owned()),
             }
         }
-        self.begin = Instant::now();
-        self.begin_nanos = monotonic_nanos();
+        self.begin = monotonic_nanos();
         Ok(())
     }
 
@@ -406,7 +409,7 @@ impl Hosts for Children {
 
     fn delegate(&mut self, delegation: &Delegation) {
         let mut delegation = delegation.clone();
-        delegation.first_tick += self.begin_nanos;
+        delegation.first_tick += self.begin;
         let component = delegation.call.component;
         self.order(component, &HostCommand::Delegate(delegation));
     }
@@ -415,8 +418,8 @@ impl Hosts for Children {
         self.order(component, &HostCommand::Recall { lane });
     }
 
-    fn probe(&mut self, component: ComponentId, lane: u32) {
-        self.order(component, &HostCommand::Probe { lane });
+    fn probe(&mut self, component: ComponentId, lane: u32, probe: u32) {
+        self.order(component, &HostCommand::Probe { lane, probe });
     }
 
     fn executing(&self, component: ComponentId, lane: u32) -> Option<u32> {
@@ -470,8 +473,8 @@ impl Hosts for Children {
         if let Some(message) = self.early.pop_front() {
             return Some(message);
         }
-        let until = Duration::from_nanos(until).min(DEBUGGER_TIMEOUT);
-        let until = self.begin + until;
+        let left = Duration::from_nanos(until.saturating_sub(self.now()));
+        let until = Instant::now() + left.min(DEBUGGER_TIMEOUT);
         loop {
             let arrival = self.next_unless_interrupted(until)?;
             if let Some(message) = self.message(arrival) {
@@ -481,7 +484,7 @@ impl Hosts for Children {
     }
 
     fn now(&self) -> u64 {
-        u64::try_from(self.begin.elapsed().as_nanos()).unwrap_or(u64::MAX)
+        monotonic_nanos().saturating_sub(self.begin)
     }
 
     fn blocked_after_nanos(&self) -> Option<u64> {

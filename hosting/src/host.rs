@@ -104,7 +104,7 @@ fn remote_call(output: Output, waiting: Arc<Mutex<Waiting>>) -> RemoteCall {
             remote,
             inputs,
         };
-        tell(&output, &asked).map_err(|_| libc::ENOTCONN)?;
+        tell(&output, asked).map_err(|_| libc::ENOTCONN)?;
         answer.recv().unwrap_or(Err(libc::ENOTCONN))
     })
 }
@@ -114,7 +114,7 @@ struct Host {
     options: HostOptions,
     component: Component,
     output: Output,
-    executing: Executing,
+    executing: Option<Executing>,
 }
 
 fn serve(library: &Path, options: HostOptions) -> io::Result<()> {
@@ -124,23 +124,24 @@ fn serve(library: &Path, options: HostOptions) -> io::Result<()> {
         realtime::raise_priority(realtime::ENGINE_PRIORITY);
     }
     let (input, output) = channels()?;
-    let executing = Executing::open(&options.executing, options.lanes)?;
+    // Without the table, the engine cannot name the codel with which this process ends.
+    let executing = Executing::open(&options.executing, options.lanes).ok();
     let component = match Component::load(library) {
         Ok(component) => component,
-        Err(why) => return tell(&output, &HostMessage::Unusable(why)),
+        Err(why) => return tell(&output, HostMessage::Unusable(why)),
     };
     if options.debug {
         debugger::permit();
-        tell(&output, &HostMessage::Waiting)?;
+        tell(&output, HostMessage::Waiting)?;
         debugger::wait();
     }
     if options.real_time && !realtime::lock_memory(realtime::Pages::All) {
-        tell(&output, &HostMessage::Denied("locked memory".to_owned()))?;
+        tell(&output, HostMessage::Denied("locked memory".to_owned()))?;
     }
     let waiting = Arc::<Mutex<Waiting>>::default();
     // The value is set once: a process has one component.
     let _ = REMOTE_CALL.set(remote_call(output.clone(), waiting.clone()));
-    tell(&output, &HostMessage::Ready)?;
+    tell(&output, HostMessage::Ready)?;
     let host = Host {
         options,
         component,
@@ -179,7 +180,7 @@ fn follow(host: &Arc<Host>, mut input: impl Read, waiting: &Mutex<Waiting>) -> i
             HostCommand::Share { port, id, path } => host.component.share(port, &id, &path)?,
             HostCommand::End { service, instance } => {
                 let outputs = host.component.end(service, instance);
-                tell(&host.output, &HostMessage::Ended(outputs))?;
+                tell(&host.output, HostMessage::Ended(outputs))?;
             }
             HostCommand::Run(call) => {
                 let lane = lanes.entry(call.lane);
@@ -197,9 +198,9 @@ fn follow(host: &Arc<Host>, mut input: impl Read, waiting: &Mutex<Waiting>) -> i
                     lane.recall();
                 }
             }
-            HostCommand::Probe { lane } => {
+            HostCommand::Probe { lane, probe } => {
                 if let Some(lane) = lanes.get(&lane) {
-                    lane.probe(host)?;
+                    lane.probe(host, probe)?;
                 }
             }
         }
@@ -217,7 +218,11 @@ fn channels() -> io::Result<(BufReader<File>, Output)> {
     Ok((BufReader::new(File::from(input)), output))
 }
 
-fn tell(output: &Output, reply: &HostMessage) -> io::Result<()> {
+fn tell(output: &Output, message: HostMessage) -> io::Result<()> {
+    tell_all(output, &[message])
+}
+
+fn tell_all(output: &Output, messages: &[HostMessage]) -> io::Result<()> {
     let mut output = output.lock().unwrap_or_else(|error| error.into_inner());
-    reply.send(&mut *output)
+    HostMessage::send_all(messages, &mut *output)
 }

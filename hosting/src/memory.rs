@@ -1,5 +1,5 @@
-//! Memory that the engine shares with hosts. On systems with anonymous shared memory it has no name: the system
-//! frees it with the last process that uses it, however that process ends.
+//! Memory that the engine shares with hosts. On systems with anonymous shared memory it has no name: the
+//! system frees it with the last process that uses it, however that process ends.
 #![allow(
     unsafe_code,
     reason = "memory that is shared with other processes is mapped"

@@ -29,7 +29,7 @@ pub(super) enum HostCommand {
     /// Ends the cycles of a thread.
     Recall { lane: u32 },
     /// Asks for the results of the cycles of a thread.
-    Probe { lane: u32 },
+    Probe { lane: u32, probe: u32 },
     /// Ends a request.
     End { service: u32, instance: u32 },
     /// Gives an input port the path of its [data](super::shared_data).
@@ -56,7 +56,7 @@ pub(super) enum HostMessage {
     /// The cycles that a thread executed by itself have ended.
     Recalled { ticket: u32 },
     /// All results of cycles until a time of the shared clock have been sent.
-    Probed { ticket: u32, until: u64 },
+    Probed { probe: u32, until: u64 },
     /// The outputs of a request.
     Ended(Vec<u8>),
     /// A right that the system does not grant, as text.
@@ -82,7 +82,7 @@ impl HostCommand {
             HostCommand::Run(call) => out.byte(1).call(call),
             HostCommand::Delegate(delegation) => out.byte(5).delegation(delegation),
             HostCommand::Recall { lane } => out.byte(6).number(*lane),
-            HostCommand::Probe { lane } => out.byte(7).number(*lane),
+            HostCommand::Probe { lane, probe } => out.byte(7).number(*lane).number(*probe),
             HostCommand::End { service, instance } => {
                 out.byte(2).number(*service).number(*instance)
             }
@@ -133,6 +133,7 @@ impl HostCommand {
             },
             7 => HostCommand::Probe {
                 lane: reader.number()?,
+                probe: reader.number()?,
             },
             _ => return Err(nonsense()),
         };
@@ -141,13 +142,24 @@ impl HostCommand {
 }
 
 impl HostMessage {
-    pub(super) fn send(&self, to: &mut impl Write) -> io::Result<()> {
+    /// Sends messages in one piece: a reader is woken once.
+    pub(super) fn send_all(messages: &[HostMessage], to: &mut impl Write) -> io::Result<()> {
+        let mut bytes = Vec::new();
+        for message in messages {
+            bytes.extend(message.bytes()?);
+        }
+        to.write_all(&bytes)?;
+        to.flush()
+    }
+
+    /// Encodes the message as a frame.
+    fn bytes(&self) -> io::Result<Vec<u8>> {
         let mut out = Frame::default();
         match self {
             HostMessage::Ready => out.byte(0),
             HostMessage::Waiting => out.byte(6),
             HostMessage::Recalled { ticket } => out.byte(7).number(*ticket),
-            HostMessage::Probed { ticket, until } => out.byte(8).number(*ticket).long(*until),
+            HostMessage::Probed { probe, until } => out.byte(8).number(*probe).long(*until),
             HostMessage::Unusable(why) => out.byte(1).bytes(why.as_bytes()),
             HostMessage::Ended(outputs) => out.byte(2).bytes(outputs),
             HostMessage::Denied(what) => out.byte(4).bytes(what.as_bytes()),
@@ -176,8 +188,7 @@ impl HostMessage {
                 &mut out
             }
         };
-        to.write_all(&out.whole()?)?;
-        to.flush()
+        out.whole()
     }
 
     /// Reads a message. Returns `None` at the end of the input.
@@ -229,7 +240,7 @@ impl HostMessage {
                 ticket: reader.number()?,
             },
             8 => HostMessage::Probed {
-                ticket: reader.number()?,
+                probe: reader.number()?,
                 until: reader.long()?,
             },
             _ => return Err(nonsense()),
@@ -468,7 +479,8 @@ mod tests {
         };
         let reply = HostMessage::CodelResult(ran);
         let mut bytes = Vec::new();
-        reply.send(&mut bytes).expect("memory takes all");
+        let all = std::slice::from_ref(&reply);
+        HostMessage::send_all(all, &mut bytes).expect("memory takes all");
         let mut from = bytes.as_slice();
         assert_eq!(
             HostMessage::receive(&mut from).expect("it is whole"),

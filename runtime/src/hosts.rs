@@ -188,8 +188,8 @@ pub enum Message {
     Probed {
         /// Component.
         component: ComponentId,
-        /// Ticket of its call.
-        ticket: u32,
+        /// Number of the probe.
+        probe: u32,
         /// Time, in nanoseconds since the start.
         until: u64,
     },
@@ -252,8 +252,9 @@ pub trait Hosts {
     /// Ends a delegation after the codel that its thread executes. [`Message::Recalled`] follows.
     fn recall(&mut self, component: ComponentId, lane: u32);
 
-    /// Asks until when all results of a delegation have been sent. [`Message::Probed`] follows.
-    fn probe(&mut self, component: ComponentId, lane: u32);
+    /// Asks until when all results of a delegation have been sent. [`Message::Probed`] follows, with the
+    /// number of this probe.
+    fn probe(&mut self, component: ComponentId, lane: u32, probe: u32);
 
     /// Returns the codel that the thread of a task executes by itself, or executed when its component was
     /// lost.

@@ -318,9 +318,9 @@ impl<'p> Live<'p> {
             Message::Recalled { component, ticket } => self.recalled(component, ticket),
             Message::Probed {
                 component,
-                ticket,
+                probe,
                 until,
-            } => self.probed(component, ticket, until),
+            } => self.probed(component, probe, until),
             Message::Lost { component, why } => self.lost(component, why),
             Message::OutsideRequest(request) => {
                 let Some(request) = self.defer_request(request) else {

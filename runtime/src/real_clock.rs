@@ -73,7 +73,7 @@ pub fn run(
         allowed.clear();
         let actions = possible.actions().iter().copied();
         allowed.extend(actions.filter(|action| may_happen(action, &works, live)));
-        put_ticks_first(&mut allowed, live);
+        put_ticks_before_ends(&mut allowed, live);
         let drawn = possible.may_wait() && only_preemptions(&allowed);
         if !(allowed.is_empty() || drawn && decide.waits()) {
             at_once += 1;
@@ -124,7 +124,12 @@ impl Clock {
 
     /// Returns the time in base units.
     fn now(&self, live: &mut Live<'_>) -> u64 {
-        live.hosts().now().saturating_sub(self.start) / self.unit
+        self.ticks(live.hosts().now())
+    }
+
+    /// Returns a time of the hosts in base units.
+    fn ticks(&self, nanos: u64) -> u64 {
+        nanos.saturating_sub(self.start) / self.unit
     }
 
     /// Passes on the messages whose time the model has reached.
@@ -165,8 +170,11 @@ impl Clock {
         let event = events.into_iter().flatten().min().unwrap_or(left);
         let due = next.map_or(event, |next| event.min(next.into()));
         let own = own.map_or(event, |own| event.min(own.into()));
-        let most = live.hold(stepper).map_or(due, |hold| due.min(hold.into()));
-        let passed = self.now(live).saturating_sub(stepper.now()).min(most);
+        // One reading decides whether time passes or the thread waits.
+        let now = live.hosts().now();
+        let most = live.hold(stepper, now);
+        let most = most.map_or(due, |hold| due.min(hold.into()));
+        let passed = self.ticks(now).saturating_sub(stepper.now()).min(most);
         if passed > 0 && passed == most || due == 0 {
             return Ticks::try_from(passed).unwrap_or(Ticks::MAX);
         }
@@ -176,8 +184,10 @@ impl Clock {
             self.start.saturating_add(nanos)
         };
         let until = at(own).min(at(due).saturating_add(FOLLOW_NANOS));
-        let now = live.hosts().now();
-        let longest = now.saturating_add(MAX_WAIT_NANOS);
+        let longest = match live.probe_long(now, FOLLOW_NANOS) {
+            true => now.saturating_add(FOLLOW_NANOS),
+            false => now.saturating_add(MAX_WAIT_NANOS),
+        };
         // If the time is over, the model waits for the report of a thread.
         let until = if until > now {
             until.min(longest)
@@ -233,9 +243,9 @@ fn note_begun(
     }
 }
 
-/// Keeps only ticks, if some are possible while the thread of a delegated task has ended a codel at the same
-/// moment: the thread counts ticks at the end of its cycle as ticks during it.
-fn put_ticks_first(allowed: &mut Vec<Action>, live: &Live<'_>) {
+/// If ticks are possible, removes the ends of codels of delegated tasks: their threads count a tick at the
+/// end of a cycle as a tick during it.
+fn put_ticks_before_ends(allowed: &mut Vec<Action>, live: &Live<'_>) {
     if !allowed
         .iter()
         .any(|action| matches!(action, Action::Tick { .. }))

@@ -38,8 +38,8 @@ fn built(profile: Profile) -> &'static OnceLock<()> {
     }
 }
 
-/// Says that the tests are built, and with them the server in [`Profile::Dev`]. A build of the server alone has
-/// fewer features of libraries, and would compile zenoh and most of the workspace again.
+/// Says that the tests are built, and with them the server in [`Profile::Dev`]. A build of the server alone
+/// has fewer features of libraries, and would compile zenoh and most of the workspace again.
 pub(crate) fn is_built_with_tests() {
     let _ = built(Profile::Dev).set(());
 }

@@ -2,14 +2,13 @@
 //! delegated, at its ticks by itself.
 
 use std::io;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
 use dotgen_runtime::hosts::{Call, CodelEnd, CodelResult, DelegatedYield, Delegation};
 
-use super::{CONTROL, Host, tell};
+use super::{CONTROL, Host, tell, tell_all};
 use crate::clock::monotonic_nanos;
 use crate::realtime;
 use crate::wire::HostMessage;
@@ -29,8 +28,6 @@ enum Job {
 /// The results of cycles that have not been sent.
 #[derive(Default)]
 struct Reports {
-    /// Ticket of the latest delegation.
-    ticket: AtomicU32,
     unsent: Mutex<Vec<CodelResult>>,
 }
 
@@ -43,8 +40,11 @@ impl Reports {
 
     /// Sends the results, in order, also if two threads do so.
     fn send(&self, unsent: &mut Vec<CodelResult>, host: &Host) -> io::Result<()> {
-        let mut results = unsent.drain(..);
-        results.try_for_each(|ran| tell(&host.output, &HostMessage::CodelResult(ran)))
+        if unsent.is_empty() {
+            return Ok(());
+        }
+        let messages: Vec<_> = unsent.drain(..).map(HostMessage::CodelResult).collect();
+        tell_all(&host.output, &messages)
     }
 }
 
@@ -93,12 +93,11 @@ impl Lane {
     }
 
     /// Sends all results of cycles, and the time until which they are all.
-    pub(super) fn probe(&self, host: &Host) -> io::Result<()> {
+    pub(super) fn probe(&self, host: &Host, probe: u32) -> io::Result<()> {
         let mut unsent = self.reports.lock();
         let until = monotonic_nanos();
-        let ticket = self.reports.ticket.load(Ordering::Relaxed);
         self.reports.send(&mut unsent, host)?;
-        tell(&host.output, &HostMessage::Probed { ticket, until })
+        tell(&host.output, HostMessage::Probed { probe, until })
     }
 }
 
@@ -130,7 +129,7 @@ impl Worker {
         if let Some(core) = core.filter(|&core| !realtime::pin(core)) {
             // Without a channel nothing can be reported.
             let denied = HostMessage::Denied(format!("core {core}"));
-            let _ = tell(&self.host.output, &denied);
+            let _ = tell(&self.host.output, denied);
         }
     }
 
@@ -139,7 +138,7 @@ impl Worker {
             let sent = match job {
                 Job::Codel(call) => {
                     let ran = self.execute(call.ticket, call.codel, call.instance);
-                    tell(&self.host.output, &HostMessage::CodelResult(ran))
+                    tell(&self.host.output, HostMessage::CodelResult(ran))
                 }
                 Job::Cycles(delegation) => self.cycles(&delegation),
                 // The cycles have ended by themselves.
@@ -171,7 +170,6 @@ impl Worker {
     /// Executes cycles until the engine recalls them or must decide.
     fn cycles(&self, delegation: &Delegation) -> io::Result<()> {
         let ticket = delegation.call.ticket;
-        self.reports.ticket.store(ticket, Ordering::Relaxed);
         let (mut tick, mut state) = (delegation.first_tick, delegation.state);
         while self.is_due(tick) {
             let end = self.cycle(delegation, state)?;
@@ -186,7 +184,13 @@ impl Worker {
             let passed = ended.saturating_sub(tick) / delegation.period.max(1);
             tick += passed.max(1) * delegation.period;
         }
-        tell(&self.host.output, &HostMessage::Recalled { ticket })
+        tell(&self.host.output, HostMessage::Recalled { ticket })
+    }
+
+    fn note_executing(&self, codel: Option<u32>) {
+        if let Some(executing) = &self.host.executing {
+            executing.set(self.number, codel);
+        }
     }
 
     /// Waits until a tick. Returns false if the engine recalls the cycles.
@@ -202,7 +206,7 @@ impl Worker {
     fn cycle(&self, delegation: &Delegation, mut state: usize) -> io::Result<CycleEnd> {
         let call = &delegation.call;
         while let Some(entry) = delegation.states.get(state) {
-            self.host.executing.set(self.number, Some(entry.codel));
+            self.note_executing(Some(entry.codel));
             let mut ran = self.execute(call.ticket, entry.codel, call.instance);
             let follows = |(event, _): &&(String, DelegatedYield)| *event == ran.name;
             let next = match ran.how {
@@ -219,7 +223,7 @@ impl Worker {
             match next {
                 Some(DelegatedYield::Next(to)) => state = to,
                 Some(DelegatedYield::Pause(to)) => {
-                    self.host.executing.set(self.number, None);
+                    self.note_executing(None);
                     return Ok(CycleEnd::Paused(to, ended));
                 }
                 None => break,
@@ -232,7 +236,7 @@ impl Worker {
                 break;
             }
         }
-        self.host.executing.set(self.number, None);
+        self.note_executing(None);
         Ok(CycleEnd::Over)
     }
 }

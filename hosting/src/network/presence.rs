@@ -1,6 +1,7 @@
 //! The components of this run, as other machines see them, and those of other machines.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use dotgen_timing::system::ComponentId;
 use zenoh::liveliness::LivelinessToken;
@@ -13,6 +14,9 @@ use crate::remote::{RemoteComponents, host_name};
 
 /// The first word of the keys of tokens. Because of its `@`, no wildcard of a port matches it.
 const TOKENS: &str = "@dotgen";
+
+/// Number of changes that are reported: a machine that appears and disappears all the time fills no log.
+const MAX_NOTES: usize = 1_000;
 
 /// The tokens of the components of this run. Zenoh reports a token as gone when it is dropped, when its
 /// process ends, or when its machine is silent for the lease of the transport.
@@ -44,6 +48,7 @@ pub(super) fn follow(
     tell: &Notifier,
 ) -> zenoh::Result<()> {
     let (own, remote, tell) = (session.zid().to_string(), remote.clone(), tell.clone());
+    let notes = AtomicUsize::new(0);
     let all = session
         .liveliness()
         .declare_subscriber(format!("{TOKENS}/*/*/*"));
@@ -60,7 +65,11 @@ pub(super) fn follow(
                 true => "has appeared",
                 false => "has disappeared",
             };
-            tell(&format!("`{component}` of the machine `{host}` {what}"));
+            match notes.fetch_add(1, Ordering::Relaxed) {
+                ..MAX_NOTES => tell(&format!("`{component}` of the machine `{host}` {what}")),
+                MAX_NOTES => tell("further changes of other machines are only in `progress`"),
+                _ => {}
+            }
         }
     });
     all.background().wait()

@@ -1,7 +1,8 @@
 //! Requests of other machines to services of this run: `COMPONENT/SERVICE`, with JSON as at the socket.
 
 use std::collections::{BTreeMap, HashMap};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use dotgen_runtime::hosts::{Message, OutsideRequest, RequestReply};
@@ -15,14 +16,17 @@ use crate::children::RunInbox;
 use crate::clients::{MAX_REQUEST_BYTES, MAX_WAITING, VERSION};
 use crate::components::{KnownComponent, inputs_of, reply_of};
 
-/// Replies that have not been sent. Further ones are lost: their clients get none.
+/// Replies that have not been sent. More requests are refused, and if there are even more replies, clients
+/// whose requests are refused get none.
 const QUEUED: usize = 1024;
 
 /// The requests of other machines that have not ended.
 pub(super) struct Requests {
     known: BTreeMap<ComponentId, KnownComponent>,
     inbox: RunInbox,
-    replies: SyncSender<(Query, Value)>,
+    replies: Sender<(Query, Value)>,
+    /// Number of replies that have not been sent.
+    queued: Arc<AtomicUsize>,
     /// By their numbers, with the component and the index of the service.
     pending: Mutex<HashMap<u64, (ComponentId, usize, Query)>>,
 }
@@ -33,12 +37,15 @@ impl Requests {
         known: BTreeMap<ComponentId, KnownComponent>,
         inbox: RunInbox,
     ) -> Arc<Requests> {
-        let (replies, queue) = sync_channel(QUEUED);
-        std::thread::spawn(move || send(&queue));
+        let (replies, queue) = channel();
+        let queued = Arc::<AtomicUsize>::default();
+        let unsent = queued.clone();
+        std::thread::spawn(move || send(&queue, &unsent));
         Arc::new(Requests {
             known,
             inbox,
             replies,
+            queued,
             pending: Mutex::default(),
         })
     }
@@ -70,7 +77,9 @@ impl Requests {
     }
 
     fn hear(&self, component: ComponentId, index: usize, query: Query) {
-        if let Err(why) = self.begin(component, index, &query) {
+        if let Err(why) = self.begin(component, index, &query)
+            && self.queued.load(Ordering::Relaxed) < 2 * QUEUED
+        {
             self.reply(query, json!({"event": "error", "message": why}));
         }
     }
@@ -98,7 +107,7 @@ impl Requests {
             .map_err(|error| format!("this is no JSON: {error}"))?;
         let (wanted, inputs) = inputs_of(known, index, input.as_ref())?;
         let mut pending = self.pending();
-        if pending.len() >= MAX_WAITING {
+        if pending.len() >= MAX_WAITING || self.queued.load(Ordering::Relaxed) >= QUEUED {
             return Err(format!(
                 "too many requests: {MAX_WAITING} of other machines have not ended; wait for some of them"
             ));
@@ -130,11 +139,12 @@ impl Requests {
 
     fn reply(&self, query: Query, mut reply: Value) {
         reply["version"] = VERSION.into();
-        let _ = self.replies.try_send((query, reply));
+        self.queued.fetch_add(1, Ordering::Relaxed);
+        let _ = self.replies.send((query, reply));
     }
 }
 
-fn send(queue: &Receiver<(Query, Value)>) {
+fn send(queue: &Receiver<(Query, Value)>, unsent: &AtomicUsize) {
     for (query, reply) in queue {
         let text = reply.to_string();
         // The client may be gone.
@@ -148,5 +158,6 @@ fn send(queue: &Receiver<(Query, Value)>) {
                 .encoding(Encoding::APPLICATION_JSON)
                 .wait(),
         };
+        unsent.fetch_sub(1, Ordering::Relaxed);
     }
 }

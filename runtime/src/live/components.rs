@@ -173,6 +173,12 @@ impl<'s> HostedComponents<'s> {
         *self.remotes.get(component)?.get(remote as usize)?
     }
 
+    /// Returns true if codels of a component may request services of others.
+    pub fn has_remotes(&self, component: ComponentId) -> bool {
+        let remotes = self.remotes.get(component);
+        remotes.is_some_and(|remotes| !remotes.is_empty())
+    }
+
     /// Adds clients for requests from outside. They follow the clients of the scenario: see
     /// [`refine`](crate::refine).
     pub fn with_outside(mut self, first: ClientId) -> Self {

@@ -1,5 +1,5 @@
-//! Hosts that exist in simulated time only: their messages are delayed, and their codels take random times and
-//! end at random.
+//! Hosts that exist in simulated time only: their messages are delayed, and their codels take random times
+//! and end at random.
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -23,7 +23,9 @@ enum Event {
     Run(Call),
     Delegate(Delegation),
     Recall(LaneId),
-    Probe(LaneId),
+    Probe(LaneId, u32),
+    /// The process of a component ends.
+    Lost(ComponentId),
     /// The codel that a lane executes ends.
     End(LaneId),
     /// A tick of a lane, if its delegation has this number.
@@ -66,7 +68,17 @@ pub(crate) struct Simulated<'s> {
     /// Number of messages that the engine received, and of its waits without one.
     pub(crate) received: u64,
     pub(crate) waits: u64,
+    /// The components that were reported as lost, with the reasons.
     pub(crate) lost: Vec<String>,
+    /// Components whose processes have ended.
+    gone: HashSet<ComponentId>,
+    /// A component whose process stands still from a time on, in nanoseconds.
+    stopped: Option<(ComponentId, u64)>,
+    /// Ends of codels, in nanoseconds.
+    pub(crate) ends: Vec<u64>,
+    /// Number of planned requests, and of those with an answer or an acceptance.
+    pub(crate) requests: u64,
+    pub(crate) replied: HashSet<u64>,
     pub(crate) answered: RefCell<HashSet<u64>>,
 }
 
@@ -86,14 +98,29 @@ impl<'s> Simulated<'s> {
             received: 0,
             waits: 0,
             lost: Vec::new(),
+            gone: HashSet::new(),
+            stopped: None,
+            ends: Vec::new(),
+            requests: 0,
+            replied: HashSet::new(),
             answered: RefCell::default(),
         };
-        hosts.requests();
+        hosts.plan_requests();
         hosts
     }
 
+    /// Ends the process of a component at a time, in nanoseconds.
+    pub(crate) fn lose(&mut self, component: ComponentId, time: u64) {
+        self.plan(time, Event::Lost(component));
+    }
+
+    /// Lets the process of a component stand still from a time on, in nanoseconds.
+    pub(crate) fn stop(&mut self, component: ComponentId, time: u64) {
+        self.stopped = Some((component, time));
+    }
+
     /// Plans requests and aborts from outside.
-    fn requests(&mut self) {
+    fn plan_requests(&mut self) {
         let services = self.system.services.len() as u32;
         if services == 0 {
             return;
@@ -105,6 +132,7 @@ impl<'s> Simulated<'s> {
             if self.system.services[service].builtin.is_some() {
                 continue;
             }
+            self.requests += 1;
             let inputs = Vec::new();
             let request = OutsideRequest {
                 id,
@@ -152,12 +180,14 @@ impl<'s> Simulated<'s> {
     fn begin(&mut self, lane: LaneId, ticket: u32, codel: u32) {
         let own = self.codels(lane.0, codel);
         assert!(!own.is_empty(), "the codel exists");
-        let others = self.lanes.iter().filter(|(other, _)| other.0 == lane.0);
-        for (_, other) in others {
+        for (other_lane, other) in &self.lanes {
+            if self.gone.contains(&other_lane.0) {
+                continue;
+            }
             let Some((number, ..)) = other.codel else {
                 continue;
             };
-            let running = self.codels(lane.0, number);
+            let running = self.codels(other_lane.0, number);
             let excluded = own.iter().all(|&one| {
                 let conflicts = &self.system.codels[one].conflicts;
                 running.iter().all(|&other| conflicts.contains(other))
@@ -176,6 +206,7 @@ impl<'s> Simulated<'s> {
             .min();
         let unit = u64::from(period.unwrap_or(1_000)) * 1_000;
         let time = match self.dice.below(20) {
+            0 if self.dice.below(10) == 0 => u64::from(self.dice.below(20)) * unit,
             0 => u64::from(self.dice.below(2_500)) * unit / 1_000,
             1..=4 => u64::from(self.dice.below(300)) * unit / 1_000,
             _ => 1_000 + u64::from(self.dice.below(40_000)),
@@ -202,6 +233,7 @@ impl<'s> Simulated<'s> {
             }
         };
         self.executed += 1;
+        self.ends.push(now);
         CodelResult {
             ticket,
             codel,
@@ -214,7 +246,25 @@ impl<'s> Simulated<'s> {
         }
     }
 
+    /// Returns true if an event is one of a process that has ended or stands still.
+    fn is_of_dead(&self, event: &Event) -> bool {
+        let component = match event {
+            Event::Run(call) => call.component,
+            Event::Delegate(delegation) => delegation.call.component,
+            Event::Recall(lane) | Event::Probe(lane, _) => lane.0,
+            Event::End(lane) | Event::Tick(lane, _) => lane.0,
+            Event::Lost(_) | Event::Arrival(_) => return false,
+        };
+        let stopped = self
+            .stopped
+            .is_some_and(|(of, since)| of == component && self.now.get() >= since);
+        stopped || self.gone.contains(&component)
+    }
+
     fn happen(&mut self, event: Event) -> Option<Message> {
+        if self.is_of_dead(&event) {
+            return None;
+        }
         match event {
             Event::Arrival(message) => return Some(message),
             Event::Run(call) => self.begin((call.component, call.lane), call.ticket, call.codel),
@@ -236,29 +286,27 @@ impl<'s> Simulated<'s> {
                 self.plan(tick.max(self.now.get()), Event::Tick(lane, number));
             }
             Event::Recall(lane) => {
-                let Some(state) = self.lanes.get_mut(&lane) else {
-                    return None;
-                };
-                let Some(cycles) = &mut state.cycles else {
-                    return None;
-                };
+                let state = self.lanes.get_mut(&lane)?;
+                let cycles = state.cycles.as_mut()?;
                 cycles.recalled = true;
                 if state.codel.is_none() {
                     self.finish(lane);
                 }
             }
-            Event::Probe(lane) => {
+            Event::Probe(lane, probe) => {
                 self.flush(lane);
-                let (ticket, until) = (self.lanes[&lane].ticket, self.now.get());
-                let component = lane.0;
-                self.tell(
+                let (component, until) = (lane.0, self.now.get());
+                let answer = Message::Probed {
                     component,
-                    Message::Probed {
-                        component,
-                        ticket,
-                        until,
-                    },
-                );
+                    probe,
+                    until,
+                };
+                self.tell(component, answer);
+            }
+            Event::Lost(component) => {
+                self.gone.insert(component);
+                let why = "was planned to be lost".to_owned();
+                self.tell(component, Message::Lost { component, why });
             }
             Event::Tick(lane, number) => {
                 let cycles = self.lanes[&lane].cycles.as_ref();
@@ -360,8 +408,8 @@ impl Hosts for Simulated<'_> {
         self.send(component, true, Event::Recall((component, lane)));
     }
 
-    fn probe(&mut self, component: ComponentId, lane: u32) {
-        self.send(component, true, Event::Probe((component, lane)));
+    fn probe(&mut self, component: ComponentId, lane: u32, probe: u32) {
+        self.send(component, true, Event::Probe((component, lane), probe));
     }
 
     fn executing(&self, _: ComponentId, _: u32) -> Option<u32> {
@@ -409,6 +457,7 @@ impl Hosts for Simulated<'_> {
     fn reply(&mut self, _: ComponentId, _: u32, _: Result<Vec<u8>, ReplyError>) {}
 
     fn answer(&mut self, id: u64, answer: RequestReply) {
+        self.replied.insert(id);
         if answer != RequestReply::Accepted {
             assert!(self.answered.borrow_mut().insert(id), "one answer");
         }

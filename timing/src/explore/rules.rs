@@ -70,10 +70,9 @@ mod time;
 mod work;
 
 pub(crate) use self::exchange::{Names, Part, Parts, UnitPlaces};
-pub use self::idle::IdleTurn;
 pub use self::moment::{Moment, MomentKind};
 pub(crate) use self::system_rules::SystemRules;
-pub use self::work::Work;
+pub use self::work::{IdleTurn, Work};
 use super::state::{Clocks, Frame, State, TaskStatus};
 use crate::property::Atom;
 use crate::system::{AutomatonId, ClientId, ComponentId, ServiceId, TaskId, Ticks, TimedSystem};

@@ -285,8 +285,8 @@ fn the_middle_tier_is_never_below_the_interpreter_on_what_comes_at_any_time() {
     assert!(late as u64 >= cases() / 20, "bounds are compared");
 }
 
-/// Returns the number of systems: `DOTGEN_TIMING_CASES`, by default a few dozen. The interpreter of the servers
-/// needs a fifth of a second for each.
+/// Returns the number of systems: `DOTGEN_TIMING_CASES`, by default a few dozen. The interpreter of the
+/// servers needs a fifth of a second for each.
 fn cases() -> u64 {
     cases_or(40)
 }

@@ -3,23 +3,8 @@
 use super::SystemRules;
 use super::points::Cycle;
 use super::status::{flag, permanent, slot, thread};
+use super::work::IdleTurn;
 use crate::explore::state::{State, phase};
-use crate::system::{AutomatonId, Ticks};
-
-/// The only work of a periodic task in its next cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct IdleTurn {
-    /// Executor of its codels.
-    pub executor: usize,
-    /// Place of the activity, as in [`Work::State`](super::Work::State).
-    pub slot: usize,
-    /// The permanent activity, or an activity.
-    pub automaton: AutomatonId,
-    /// State of its machine in which the cycle begins.
-    pub state: usize,
-    /// Time until the next tick, in base units.
-    pub tick: Ticks,
-}
 
 impl SystemRules<'_> {
     /// Returns the work of the next cycle of a task, if the task is between two cycles, is periodic, needs no

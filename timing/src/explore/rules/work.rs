@@ -1,6 +1,6 @@
 //! The work of executors.
 
-use crate::system::{AutomatonId, ClientId, CodelId, ServiceId};
+use crate::system::{AutomatonId, ClientId, CodelId, ServiceId, Ticks};
 
 /// The work of an executor. Numbers index into the tables of the [`TimedSystem`](crate::system::TimedSystem).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,4 +42,19 @@ impl Work {
             Work::Delay { .. } => None,
         }
     }
+}
+
+/// The only work of a periodic task in its next cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct IdleTurn {
+    /// Executor of its codels.
+    pub executor: usize,
+    /// Place of the activity, as in [`Work::State`].
+    pub slot: usize,
+    /// The permanent activity, or an activity.
+    pub automaton: AutomatonId,
+    /// State of its machine in which the cycle begins.
+    pub state: usize,
+    /// Time until the next tick, in base units.
+    pub tick: Ticks,
 }
