@@ -109,7 +109,7 @@ fn remote_call(output: Output, waiting: Arc<Mutex<Waiting>>) -> RemoteCall {
     })
 }
 
-/// What the threads of a host share.
+/// The state that all threads of a host use.
 struct Host {
     options: HostOptions,
     component: Component,

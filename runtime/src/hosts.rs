@@ -47,7 +47,7 @@ pub struct DelegatedState {
     pub next: Vec<(String, DelegatedYield)>,
 }
 
-/// What follows a codel of a [`Delegation`].
+/// The successor of a codel in a [`Delegation`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DelegatedYield {
     /// Another state, in the same cycle.

@@ -7,7 +7,8 @@
 //! [`progress`] reports the state of a run under way.
 //!
 //! If components have codels, [`live`] has them executed by [`hosts`], which this crate knows only as a
-//! trait. On the real clock ([`real_clock`]) the rules are the same, with real times ([`refine`]).
+//! trait. On the real clock ([`real_clock`], [`model_time`]) the rules are the same, with real times
+//! ([`refine`]).
 
 pub mod checker;
 pub mod counts;
@@ -15,6 +16,7 @@ pub mod decide;
 pub mod engine;
 pub mod hosts;
 pub mod live;
+pub mod model_time;
 pub mod profile;
 pub mod progress;
 pub mod real_clock;

@@ -13,6 +13,7 @@ use crate::decide::Decide;
 use crate::engine::{self, End, MAX_ACTIONS_AT_ONE_MOMENT};
 use crate::hosts::Message;
 use crate::live::Live;
+use crate::model_time::ModelTime;
 use crate::watch::RunObserver;
 
 /// The conversion of the clock to base units.
@@ -52,7 +53,7 @@ pub fn run(
         return End::NotStarted;
     }
     let mut clock = Clock::start(live, pace);
-    live.permit_delegations(clock.start, clock.unit);
+    live.permit_delegations(clock.time);
     loop {
         live.step(stepper, &seen);
         for observation in &seen {
@@ -105,10 +106,7 @@ pub fn run(
 
 /// The clock of the hosts, and the messages that the model has not reached yet.
 struct Clock {
-    /// Time of the start, in nanoseconds.
-    start: u64,
-    /// Nanoseconds per base unit.
-    unit: u64,
+    time: ModelTime,
     /// Messages with their times, in base units.
     messages: VecDeque<(u64, Message)>,
 }
@@ -116,20 +114,14 @@ struct Clock {
 impl Clock {
     fn start(live: &mut Live<'_>, pace: Pace) -> Clock {
         Clock {
-            start: live.hosts().now(),
-            unit: pace.nanos.max(1),
+            time: ModelTime::new(live.hosts().now(), pace.nanos),
             messages: VecDeque::new(),
         }
     }
 
     /// Returns the time in base units.
     fn now(&self, live: &mut Live<'_>) -> u64 {
-        self.ticks(live.hosts().now())
-    }
-
-    /// Returns a time of the hosts in base units.
-    fn ticks(&self, nanos: u64) -> u64 {
-        nanos.saturating_sub(self.start) / self.unit
+        self.time.ticks(live.hosts().now())
     }
 
     /// Passes on the messages whose time the model has reached.
@@ -174,15 +166,11 @@ impl Clock {
         let now = live.hosts().now();
         let most = live.hold(stepper, now);
         let most = most.map_or(due, |hold| due.min(hold.into()));
-        let passed = self.ticks(now).saturating_sub(stepper.now()).min(most);
+        let passed = self.time.ticks(now).saturating_sub(stepper.now()).min(most);
         if passed > 0 && passed == most || due == 0 {
             return Ticks::try_from(passed).unwrap_or(Ticks::MAX);
         }
-        let at = |after: u64| {
-            let time = stepper.now().saturating_add(after);
-            let nanos = time.saturating_mul(self.unit);
-            self.start.saturating_add(nanos)
-        };
+        let at = |after: u64| self.time.nanos(stepper.now().saturating_add(after));
         let until = at(own).min(at(due).saturating_add(FOLLOW_NANOS));
         let longest = match live.probe_long(now, FOLLOW_NANOS) {
             true => now.saturating_add(FOLLOW_NANOS),

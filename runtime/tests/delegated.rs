@@ -52,7 +52,7 @@ impl Record for Ends<'_> {
     }
 }
 
-/// What a run has shown.
+/// Counts of a run.
 #[derive(Debug, Default)]
 struct Shown {
     executed: u64,

@@ -30,7 +30,7 @@ pub(crate) fn command(directory: &Path, program: &str, arguments: &[&str]) -> Co
 static LINTS: AtomicBool = AtomicBool::new(false);
 
 /// From now on, each cargo lints the crates of the workspace while it builds them: Clippy is the compiler, so
-/// that lints need no second build. What it compiles is kept apart from what rustc compiles.
+/// that lints need no second build. Its artifacts are separate from those of rustc.
 pub(crate) fn lint_while_building() {
     LINTS.store(true, Ordering::Relaxed);
 }

@@ -34,6 +34,7 @@ use typed_index_collections::TiVec;
 
 use super::{Live, lane};
 use crate::hosts::{Call, CodelResult, DelegatedState, DelegatedYield, Delegation, Message};
+use crate::model_time::ModelTime;
 
 /// Least time between a delegation and its first tick, in nanoseconds.
 const MIN_NOTICE_NANOS: u64 = 50_000;
@@ -46,25 +47,6 @@ const PROBE_TIMEOUT_NANOS: u64 = 2_000_000_000;
 
 /// Number of results that may wait for the model.
 const MAX_RESULTS: usize = 10_000;
-
-/// The conversion of the time of hosts to that of the model.
-#[derive(Debug, Clone, Copy)]
-struct ModelTime {
-    /// Time of the start, in nanoseconds.
-    start: u64,
-    /// Nanoseconds per base unit.
-    unit: u64,
-}
-
-impl ModelTime {
-    fn ticks(self, nanos: u64) -> u64 {
-        nanos.saturating_sub(self.start) / self.unit
-    }
-
-    fn nanos(self, ticks: u64) -> u64 {
-        self.start.saturating_add(ticks.saturating_mul(self.unit))
-    }
-}
 
 /// A task that its thread executes by itself.
 #[derive(Debug)]
@@ -142,15 +124,10 @@ impl Delegations {
 }
 
 impl Live<'_> {
-    /// Permits delegations: the run is on the real clock. `start` is the time of its start, in nanoseconds,
-    /// and `unit` the number of nanoseconds per base unit.
-    pub fn permit_delegations(&mut self, start: u64, unit: u64) {
+    /// Permits delegations: the run is on the real clock.
+    pub fn permit_delegations(&mut self, time: ModelTime) {
         // Under a debugger a thread may stand still for any time, and a violation may end an activity.
         let allowed = !self.stops_activities && self.hosts.blocked_after_nanos().is_some();
-        let time = ModelTime {
-            start,
-            unit: unit.max(1),
-        };
         self.delegations.time = allowed.then_some(time);
     }
 
@@ -205,7 +182,7 @@ impl Live<'_> {
         let excludes = |other: CodelId| self.excludes_any(other, &codels);
         let is_free = |service: ServiceId| !self.disturbs(service, &codels);
         let running = self.running.iter().flatten();
-        let running = running.filter_map(|running| running.work.codel());
+        let mut codels_running = running.filter_map(|running| running.work.codel());
         let handled = stepper.handling(component).map(|(service, _)| service);
         // The model sends a request even if it was aborted meanwhile.
         let sent = self.parts.client_of(component);
@@ -213,7 +190,7 @@ impl Live<'_> {
         self.is_alive(component)
             // A codel that waits for another component must not keep its results back.
             && !self.parts.has_remotes(component)
-            && !running.into_iter().any(excludes)
+            && !codels_running.any(excludes)
             && !(self.delegations.tasks.iter())
                 .any(|other| other.codels.iter().any(|&codel| excludes(codel)))
             && handled.into_iter().chain(sent).all(is_free)
@@ -261,7 +238,7 @@ impl Live<'_> {
         self.hosts.delegate(&Delegation {
             call,
             first_tick: time.nanos(first_tick),
-            period: u64::from(period).saturating_mul(time.unit),
+            period: time.duration(period.into()),
             state: turn.state,
             states,
         });

@@ -1,4 +1,4 @@
-//! What the results of codels mean in the model.
+//! The outcomes in the model that results of codels stand for.
 
 use dotgen_timing::explore::Work;
 use dotgen_timing::system::{CodelId, Machine, Yield};

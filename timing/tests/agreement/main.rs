@@ -421,9 +421,12 @@ fn excess(
     Ok(())
 }
 
-/// Returns the number of systems: `DOTGEN_TIMING_CASES`, or else `ordinary`.
+/// The environment variable with the number of systems.
+const CASES: &str = "DOTGEN_TIMING_CASES";
+
+/// Returns the number of systems that the environment states, or else `ordinary`.
 fn cases_or(ordinary: u64) -> u64 {
-    std::env::var("DOTGEN_TIMING_CASES")
+    std::env::var(CASES)
         .ok()
         .and_then(|variable| variable.parse().ok())
         .unwrap_or(ordinary)

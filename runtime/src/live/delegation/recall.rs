@@ -1,4 +1,4 @@
-//! Recalls of delegated tasks, and what waits for them.
+//! Recalls of delegated tasks, and the calls and requests that wait for them.
 
 use dotgen_timing::system::{CodelId, ComponentId};
 

@@ -1,4 +1,4 @@
-//! Tasks between two cycles: what their next tick brings, if nothing else happens before.
+//! Tasks between two cycles, and their work at the next tick if nothing else happens before.
 
 use super::SystemRules;
 use super::points::Cycle;
