@@ -64,13 +64,23 @@ struct Shown {
 }
 
 /// Runs a random system; `None` if it is not legal.
-fn run(seed: u64) -> Option<Shown> {
+fn run_random(seed: u64) -> Option<Shown> {
     let mut dice = Dice::new(seed);
     let texts = match seed % 3 {
         0 => random::periodic(&mut dice),
         1 => random::texts(&mut dice),
         _ => random::varied(&mut dice),
     };
+    run(seed, &texts, &mut dice, &|_| ())
+}
+
+/// Runs a system whose hosts are changed by `prepare_hosts`; `None` if it is not legal.
+fn run(
+    seed: u64,
+    texts: &random::Texts,
+    dice: &mut Dice,
+    prepare_hosts: &dyn Fn(&mut Simulated<'_>),
+) -> Option<Shown> {
     let units = load(&texts.specifications)?;
     let mut scenario = texts.scenario.clone();
     if seed % 4 == 1 {
@@ -119,6 +129,7 @@ fn run(seed: u64) -> Option<Shown> {
     let system = &opened.built.system;
     let nanos = (system.unit * Ratio::from_integer(1_000_000_000)).to_integer() as u64;
     let mut hosts = Simulated::new(system, &parts, seed);
+    prepare_hosts(&mut hosts);
     let last = ComponentId::from(system.components.len() - 1);
     let loses = seed % 7 == 3;
     let stops = seed % 7 == 4;
@@ -231,7 +242,7 @@ fn cycles_without_the_engine_are_runs_of_the_model() {
     let (mut all, mut runs, mut seed) = (Shown::default(), 0, 0);
     while runs < systems_to_run() {
         assert!(seed < 20 * systems_to_run() + 100, "few systems are legal");
-        if let Some(shown) = run(seed) {
+        if let Some(shown) = run_random(seed) {
             runs += 1;
             all.executed += shown.executed;
             all.delegated += shown.delegated;
@@ -246,4 +257,28 @@ fn cycles_without_the_engine_are_runs_of_the_model() {
     assert!(all.delegated * 8 > all.executed, "{all:?}");
     assert!(all.answered as u64 > runs, "{all:?}");
     assert!(all.replied * 20 > all.requests * 19, "{all:?}");
+}
+
+#[test]
+fn a_thread_does_not_run_ahead_of_a_task_that_waits_for_locks() {
+    // In the queue for locks, `fast` waits behind `set`, which waits for `slow`.
+    let specification = "component c {
+       version \"1\"; lang \"c\"; ids { long f; long g; };
+       task fast { period 1 ms; codel<start> fast_start(inout f) yield pause::start; };
+       task slow { period 200 ms; codel<start> slow_start(inout g) yield pause::start; };
+       function other() { codel read_f(in f); };
+       function set() { codel set_g(inout g); };
+     };";
+    let scenario = "scenario s { semantics servers; unit 1 ms; cores free; check response *; }";
+    let texts = random::Texts {
+        specifications: vec![specification.to_owned()],
+        scenario: scenario.to_owned(),
+    };
+    let seed = 2;
+    let shown = run(seed, &texts, &mut Dice::new(seed), &|hosts| {
+        hosts.fix("c.slow.start", 150 * MS);
+        hosts.only_request("set", 430 * MS);
+    });
+    let shown = shown.expect("it is legal");
+    assert!(shown.delegated > 100, "{shown:?}");
 }

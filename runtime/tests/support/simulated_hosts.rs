@@ -74,6 +74,8 @@ pub(crate) struct Simulated<'s> {
     gone: HashSet<ComponentId>,
     /// A component whose process stands still from a time on, in nanoseconds.
     stopped: Option<(ComponentId, u64)>,
+    /// A codel that always takes the same time, in nanoseconds.
+    long: Option<(String, u64)>,
     /// Ends of codels, in nanoseconds.
     pub(crate) ends: Vec<u64>,
     /// Number of planned requests, and of those with an answer or an acceptance.
@@ -100,6 +102,7 @@ impl<'s> Simulated<'s> {
             lost: Vec::new(),
             gone: HashSet::new(),
             stopped: None,
+            long: None,
             ends: Vec::new(),
             requests: 0,
             replied: HashSet::new(),
@@ -112,6 +115,26 @@ impl<'s> Simulated<'s> {
     /// Ends the process of a component at a time, in nanoseconds.
     pub(crate) fn lose(&mut self, component: ComponentId, time: u64) {
         self.plan(time, Event::Lost(component));
+    }
+
+    /// Fixes the execution time of a codel, in nanoseconds. No codel ends with an exception.
+    pub(crate) fn fix(&mut self, codel: &str, time: u64) {
+        self.long = Some((codel.to_owned(), time));
+    }
+
+    /// Requests a service at a time, in nanoseconds, and nothing else.
+    pub(crate) fn only_request(&mut self, name: &str, time: u64) {
+        self.events.clear();
+        let mut services = self.system.services.iter_enumerated();
+        let (service, _) = services
+            .find(|(_, service)| service.name == name)
+            .expect("the service exists");
+        let request = OutsideRequest {
+            id: 1_000,
+            service,
+            inputs: Vec::new(),
+        };
+        self.plan(time, Event::Arrival(Message::OutsideRequest(request)));
     }
 
     /// Lets the process of a component stand still from a time on, in nanoseconds.
@@ -211,6 +234,11 @@ impl<'s> Simulated<'s> {
             1..=4 => u64::from(self.dice.below(300)) * unit / 1_000,
             _ => 1_000 + u64::from(self.dice.below(40_000)),
         };
+        let path = self.system.codels[own[0]].path.to_string();
+        let time = match &self.long {
+            Some((long, fixed)) if *long == path => *fixed,
+            _ => time,
+        };
         let now = self.now.get();
         self.lanes.entry(lane).or_default().codel = Some((codel, ticket, now));
         self.plan(now + time, Event::End(lane));
@@ -223,7 +251,9 @@ impl<'s> Simulated<'s> {
         let (codel, ticket, begun) = state.codel.take().expect("it executes a codel");
         let events = self.codels(lane.0, codel).first().copied();
         let events = events.map_or(&[][..], |codel| self.parts.events(codel));
-        let (how, name) = match self.dice.below(60) {
+        // With fixed times, all codels end with an event.
+        let drawn = self.dice.below(60) + if self.long.is_some() { 60 } else { 0 };
+        let (how, name) = match drawn {
             0 => (CodelEnd::Exception, "::e_planned".to_owned()),
             1 => (CodelEnd::Other, "-7".to_owned()),
             _ if events.is_empty() => (CodelEnd::Event, String::new()),
