@@ -28,11 +28,7 @@ fn collect(
     println!("cargo::rerun-if-changed={}", directory.display());
     for entry in std::fs::read_dir(directory)? {
         let path = entry?.path();
-        let name = path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if path.is_dir() {
             collect(&path, &format!("{group}{name}/"), found)?;
         } else if let Some(name) = name.strip_suffix(".md")

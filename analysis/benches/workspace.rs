@@ -44,9 +44,7 @@ fn workspace() -> AnalysisHost {
 fn check_all(analysis: &Analysis) {
     for i in 0..COMPONENTS {
         let found = analysis.diagnostics(&path(i)).unwrap_or_default();
-        let rejected = found
-            .iter()
-            .any(|diagnostic| diagnostic.severity == Severity::Error);
+        let rejected = found.iter().any(|diagnostic| diagnostic.severity == Severity::Error);
         assert!(!rejected, "{found:#?}");
     }
 }
@@ -71,17 +69,13 @@ fn cold_component(bencher: Bencher<'_, '_>) {
 /// The first check of the whole workspace.
 #[divan::bench(sample_count = 5)]
 fn cold_workspace(bencher: Bencher<'_, '_>) {
-    bencher
-        .with_inputs(workspace)
-        .bench_values(|host| check_all(&host.analysis()));
+    bencher.with_inputs(workspace).bench_values(|host| check_all(&host.analysis()));
 }
 
 /// A change of one name, inside one codel.
 #[divan::bench(sample_count = 200)]
 fn keystroke_in_a_codel(bencher: Bencher<'_, '_>) {
-    keystrokes(bencher, 50, |text| {
-        text.replacen("c50_step7(", "c50_stepX(", 1)
-    });
+    keystrokes(bencher, 50, |text| text.replacen("c50_step7(", "c50_stepX(", 1));
 }
 
 /// A change in a comment.
@@ -101,10 +95,7 @@ fn keystrokes(bencher: Bencher<'_, '_>, i: usize, edit: impl Fn(&str) -> String)
     bencher.bench_local(|| {
         edited = !edited;
         let text = if edited { &after } else { &before };
-        host.apply(Change {
-            files: vec![(path(i), Some(text.clone()))],
-            ..Change::default()
-        });
+        host.apply(Change { files: vec![(path(i), Some(text.clone()))], ..Change::default() });
         let analysis = host.analysis();
         analysis.diagnostics(&path(i))
     });
@@ -125,14 +116,8 @@ fn cold_check_of_the_largest_real_specification(bencher: Bencher<'_, '_>) {
         return;
     };
     let folders = corpus.read_dir_utf8().into_iter().flatten().flatten();
-    let files = folders.flat_map(|folder| {
-        folder
-            .path()
-            .read_dir_utf8()
-            .into_iter()
-            .flatten()
-            .flatten()
-    });
+    let files =
+        folders.flat_map(|folder| folder.path().read_dir_utf8().into_iter().flatten().flatten());
     let sizes = files
         .filter(|file| file.path().extension() == Some("gen"))
         .filter_map(|file| Some((file.metadata().ok()?.len(), file.path().to_owned())));
@@ -149,9 +134,6 @@ fn cold_check_of_the_largest_real_specification(bencher: Bencher<'_, '_>) {
             }),
             ..Change::default()
         });
-        host.analysis()
-            .diagnostics(&largest)
-            .map(|diagnostic| diagnostic.len())
-            .unwrap_or_default()
+        host.analysis().diagnostics(&largest).map(|diagnostic| diagnostic.len()).unwrap_or_default()
     });
 }

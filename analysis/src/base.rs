@@ -215,16 +215,14 @@ impl RootDatabase {
         let mut db = RootDatabase::new(loader, None);
         let (from, to) = (other.workspace(), db.workspace());
         to.set_roots(&mut db).to(from.roots(other).clone());
-        to.set_include_dirs(&mut db)
-            .to(from.include_dirs(other).clone());
+        to.set_include_dirs(&mut db).to(from.include_dirs(other).clone());
         to.set_defines(&mut db).to(from.defines(other).clone());
         // The installed release does not depend on the loader.
         let release = from.release(other).clone();
         let release = release.or_else(|| other.installed().release(other).clone());
         to.set_release(&mut db).to(release);
         to.set_projects(&mut db).to(from.projects(other).clone());
-        to.set_severities(&mut db)
-            .to(from.severities(other).clone());
+        to.set_severities(&mut db).to(from.severities(other).clone());
         db.set_max_bytes(other.max_bytes());
         db
     }
@@ -234,10 +232,8 @@ impl RootDatabase {
         if self.tables.max_bytes.swap(limit, Ordering::Relaxed) == limit {
             return;
         }
-        let known: Vec<(Utf8PathBuf, SourceFile)> = lock(&self.tables.files)
-            .iter()
-            .map(|(path, file)| (path.clone(), *file))
-            .collect();
+        let known: Vec<(Utf8PathBuf, SourceFile)> =
+            lock(&self.tables.files).iter().map(|(path, file)| (path.clone(), *file)).collect();
         for (path, file) in known {
             let size = match file.status(self) {
                 FileStatus::TooLarge(size) => *size,
@@ -260,12 +256,7 @@ impl RootDatabase {
 
     /// The content of a path on disk.
     fn read(&self, path: &Utf8Path) -> (FileStatus, Arc<str>) {
-        match self
-            .tables
-            .loader
-            .size(path)
-            .filter(|size| *size > self.max_bytes())
-        {
+        match self.tables.loader.size(path).filter(|size| *size > self.max_bytes()) {
             Some(size) => (FileStatus::TooLarge(size), "".into()),
             None => self.split(self.tables.loader.read(path)),
         }
@@ -373,9 +364,7 @@ impl Db for RootDatabase {
         let name = normalize(name);
         let mut texts = lock(&self.tables.texts);
         let new = || SourceFile::new(self, name.clone(), FileStatus::Text, text.clone());
-        *texts
-            .entry((name.clone(), text.clone()))
-            .or_insert_with(new)
+        *texts.entry((name.clone(), text.clone())).or_insert_with(new)
     }
 
     fn packages(&self, arguments: &[String]) -> Packages {
@@ -444,9 +433,7 @@ impl PartialEq for Lexed {
 
 #[salsa::tracked(lru = 24)]
 pub(crate) fn lexed(db: &dyn Db, file: SourceFile) -> Lexed {
-    Lexed {
-        raw: Arc::new(lex(file.text(db))),
-    }
+    Lexed { raw: Arc::new(lex(file.text(db))) }
 }
 
 /// The lines of a file.

@@ -18,11 +18,7 @@ pub(crate) struct BodyView {
 impl BodyView {
     /// The view of `component`, number `index` of `spec` (maybe in an earlier state).
     pub(crate) fn new(spec: &Spec, index: u32, component: &Component) -> BodyView {
-        let mut numbering = Numbering {
-            spec,
-            numbers: FxHashMap::default(),
-            order: Vec::new(),
-        };
+        let mut numbering = Numbering { spec, numbers: FxHashMap::default(), order: Vec::new() };
         let mut component = component.clone();
         component.for_each_type_id(&mut |id| numbering.renumber(id));
         // A name among the states may be the name of an exception.
@@ -76,12 +72,7 @@ impl BodyView {
             types.push(ty);
         }
         BodyView {
-            spec: Spec {
-                release: spec.release,
-                types,
-                components,
-                ..Spec::default()
-            },
+            spec: Spec { release: spec.release, types, components, ..Spec::default() },
             index: places.get(&index).copied(),
         }
     }
@@ -96,11 +87,7 @@ const UNKNOWN: Type = Type {
     kind: TypeKind::Unknown,
     name: None,
     scope: Vec::new(),
-    src: crate::model::Src {
-        visit: 0,
-        item: 0,
-        node: 0,
-    },
+    src: crate::model::Src { visit: 0, item: 0, node: 0 },
     parent: None,
     masquerade: Vec::new(),
 };
@@ -143,30 +130,17 @@ fn named_by(component: &Component) -> impl Iterator<Item = u32> {
     let remotes = component.remotes.iter().map(|remote| remote.interface);
     let named = component.provides.iter().chain(&component.uses);
     let named = named.chain(&component.extends).copied();
-    named
-        .chain(remotes)
-        .chain(tasks)
-        .chain(ports)
-        .chain(services)
+    named.chain(remotes).chain(tasks).chain(ports).chain(services)
 }
 
 /// Renumbers the components that a component names.
 fn renumber_components(component: &mut Component, f: impl FnMut(&mut u32)) {
-    let tasks = component
-        .tasks
-        .iter_mut()
-        .map(|task| &mut task.imported_from);
-    let ports = component
-        .ports
-        .iter_mut()
-        .map(|port| &mut port.imported_from);
+    let tasks = component.tasks.iter_mut().map(|task| &mut task.imported_from);
+    let ports = component.ports.iter_mut().map(|port| &mut port.imported_from);
     let services = component.services.iter_mut();
     let services = services.map(|service| &mut service.imported_from);
     let imported = tasks.chain(ports).chain(services).flatten();
-    let remotes = component
-        .remotes
-        .iter_mut()
-        .map(|remote| &mut remote.interface);
+    let remotes = component.remotes.iter_mut().map(|remote| &mut remote.interface);
     let named = component.provides.iter_mut().chain(&mut component.uses);
     let named = named.chain(&mut component.extends);
     named.chain(remotes).chain(imported).for_each(f);

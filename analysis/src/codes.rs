@@ -99,20 +99,17 @@ pub fn all() -> impl Iterator<Item = Code> {
         fix: code.fix,
         reference: code.reference,
     });
-    let lints = lints::CODES
-        .iter()
-        .chain(verification::CODES)
-        .map(|code| Code {
-            id: code.id,
-            severity: code.severity,
-            on: code.on,
-            meaning: code.meaning,
-            why: code.why,
-            example: Some(code.example),
-            corrected: shown(code.corrected),
-            fix: code.fix,
-            reference: false,
-        });
+    let lints = lints::CODES.iter().chain(verification::CODES).map(|code| Code {
+        id: code.id,
+        severity: code.severity,
+        on: code.on,
+        meaning: code.meaning,
+        why: code.why,
+        example: Some(code.example),
+        corrected: shown(code.corrected),
+        fix: code.fix,
+        reference: false,
+    });
     syntax.chain(checks).chain(lints)
 }
 

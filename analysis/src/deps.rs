@@ -112,24 +112,16 @@ pub struct UnknownName {
 impl Dependencies {
     /// Returns true if nothing is missing.
     pub fn is_complete(&self) -> bool {
-        self.packages
-            .iter()
-            .all(|package| package.missing.is_none())
+        self.packages.iter().all(|package| package.missing.is_none())
             && self.includes.iter().all(|include| include.found.is_some())
-            && self
-                .interfaces
-                .iter()
-                .all(|interface| interface.found.is_some())
+            && self.interfaces.iter().all(|interface| interface.found.is_some())
             && self.unknown.is_empty()
     }
 
     /// Missing packages that the specification itself requires: unknown names may be declared in them.
     pub fn missing_packages(&self) -> impl Iterator<Item = &Package> {
         let wanted = |package: &&Package| package.required_by == RequiredBy::Specification;
-        self.packages
-            .iter()
-            .filter(wanted)
-            .filter(|package| package.missing.is_some())
+        self.packages.iter().filter(wanted).filter(|package| package.missing.is_some())
     }
 }
 
@@ -167,10 +159,7 @@ fn packages(db: &dyn Db, spec: &Spec) -> Vec<Package> {
         let names = packages::names(&requirement).into_iter();
         Package {
             missing: asked.flags(db).as_ref().err().cloned(),
-            own: asked
-                .flags(db)
-                .as_ref()
-                .is_ok_and(|flag| !flag.own.is_empty()),
+            own: asked.flags(db).as_ref().is_ok_and(|flag| !flag.own.is_empty()),
             brought_by: names.map(provider).collect(),
             requirement,
             required_by,
@@ -181,11 +170,7 @@ fn packages(db: &dyn Db, spec: &Spec) -> Vec<Package> {
 
 fn provider(name: &str) -> Provider {
     let provider = packages::providers(name);
-    Provider {
-        package: name.to_owned(),
-        robotpkg: provider.robotpkg,
-        debian: provider.debian,
-    }
+    Provider { package: name.to_owned(), robotpkg: provider.robotpkg, debian: provider.debian }
 }
 
 fn includes(db: &dyn Db, unit: UnitKey<'_>) -> Vec<Include> {
@@ -232,9 +217,7 @@ fn interfaces(spec: &Spec, locations: &UnitLocations) -> Vec<Interface> {
             out.push(Interface {
                 name: interface.name.clone(),
                 component: component.name.clone(),
-                found: locations
-                    .locate(interface.src)
-                    .map(|location| location.path),
+                found: locations.locate(interface.src).map(|location| location.path),
             });
         }
         for name in spec.missing_interfaces(index) {
@@ -259,18 +242,12 @@ fn unknown(spec: &Spec) -> Vec<UnknownName> {
     let mut out: Vec<UnknownName> = Vec::new();
     for gap in &spec.gaps {
         let (name, used_as) = match &gap.missing {
-            Missing::Name {
-                name,
-                constant: true,
-            } => (name, "constant"),
+            Missing::Name { name, constant: true } => (name, "constant"),
             Missing::Name { name, .. } => (name, "type"),
             Missing::Exception { name, .. } => (name, "exception"),
             _ => continue,
         };
-        let name = UnknownName {
-            name: name.clone(),
-            used_as,
-        };
+        let name = UnknownName { name: name.clone(), used_as };
         if !out.contains(&name) {
             out.push(name);
         }

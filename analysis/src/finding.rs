@@ -85,14 +85,7 @@ macro_rules! families {
     };
 }
 
-families!(
-    FileProblem,
-    NameProblem,
-    ValueProblem,
-    DeclarationProblem,
-    CodelProblem,
-    LintWarning
-);
+families!(FileProblem, NameProblem, ValueProblem, DeclarationProblem, CodelProblem, LintWarning);
 
 impl FindingKind {
     /// The message: the error, then the advice.
@@ -160,12 +153,7 @@ impl Near {
     /// A name that replaces the token as it is.
     pub fn new(at: Src, name: &str) -> Near {
         let name = SmolStr::new(name);
-        Near {
-            at,
-            text: name.clone(),
-            name,
-            plain: false,
-        }
+        Near { at, text: name.clone(), name, plain: false }
     }
 }
 

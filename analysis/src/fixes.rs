@@ -40,27 +40,18 @@ pub(crate) struct TextFix {
 impl TextFix {
     /// The fix as the only way to correct the finding.
     pub(crate) fn plain(self) -> TextFix {
-        TextFix {
-            kind: FixKind::Plain,
-            ..self
-        }
+        TextFix { kind: FixKind::Plain, ..self }
     }
 
     /// The fix as one that changes the behaviour of the program.
     pub(crate) fn choice(self) -> TextFix {
-        TextFix {
-            kind: FixKind::Choice,
-            ..self
-        }
+        TextFix { kind: FixKind::Choice, ..self }
     }
 
     /// The fix of a file.
     pub(crate) fn within(self, path: &Utf8Path) -> Fix {
-        let edit = |(range, new_text)| FileEdit {
-            path: path.to_owned(),
-            range: bytes(range),
-            new_text,
-        };
+        let edit =
+            |(range, new_text)| FileEdit { path: path.to_owned(), range: bytes(range), new_text };
         Fix {
             kind: self.kind,
             title: self.title,
@@ -95,9 +86,8 @@ impl FixSite<'_> {
         let body = node.children().find_map(ast::Body::cast);
         let last = body.into_iter().flat_map(|body| body.syntax().children());
         let last = last.filter(|child| {
-            let mut tokens = child
-                .children_with_tokens()
-                .filter_map(|element| element.into_token());
+            let mut tokens =
+                child.children_with_tokens().filter_map(|element| element.into_token());
             let first = tokens.find(|token| !token.kind().is_trivia());
             first.is_some_and(|token| words.contains(&token.text()))
         });
@@ -114,11 +104,7 @@ impl FixSite<'_> {
             let at = TextSize::try_from(range.start).ok()?;
             Some((TextRange::empty(base + at), text))
         });
-        Some(TextFix {
-            kind: FixKind::Guess,
-            title,
-            edits: edits.collect(),
-        })
+        Some(TextFix { kind: FixKind::Guess, title, edits: edits.collect() })
     }
 
     /// Adds a property at the end of the body of a declaration. Creates the body if there is none.
@@ -135,10 +121,7 @@ impl FixSite<'_> {
                     }
                     Some(last) => {
                         let indent = indent_of(&last);
-                        (
-                            TextRange::empty(end_of(&last)),
-                            format!("\n{indent}{property}"),
-                        )
+                        (TextRange::empty(end_of(&last)), format!("\n{indent}{property}"))
                     }
                     None => {
                         let open = body.syntax().first_token()?;
@@ -150,20 +133,15 @@ impl FixSite<'_> {
                 }
             }
             None => {
-                let end = node
-                    .last_token()
-                    .filter(|token| token.kind() == SyntaxKind::SEMICOLON)?;
+                let end =
+                    node.last_token().filter(|token| token.kind() == SyntaxKind::SEMICOLON)?;
                 (
                     TextRange::empty(end.text_range().start()),
                     format!(" {{\n{outer}  {property}\n{outer}}}"),
                 )
             }
         };
-        Some(TextFix {
-            kind: FixKind::Guess,
-            title,
-            edits: vec![edit],
-        })
+        Some(TextFix { kind: FixKind::Guess, title, edits: vec![edit] })
     }
 
     fn token_at(&self, range: TextRange) -> Option<SyntaxToken> {
@@ -327,10 +305,7 @@ impl FixSite<'_> {
             return pause;
         };
         let paused = format!("pause::{}", self.text(range));
-        match list
-            .states()
-            .any(|state| state.syntax().text() == paused.as_str())
-        {
+        match list.states().any(|state| state.syntax().text() == paused.as_str()) {
             true => (with_comma(state.syntax()), String::new()),
             false => pause,
         }
@@ -338,10 +313,7 @@ impl FixSite<'_> {
 
     pub(crate) fn end_somewhere(&self) -> Vec<TextFix> {
         let codel = self.node::<ast::CodelProperty>(self.range);
-        codel
-            .and_then(|codel| add_yield(codel.syntax(), "ether"))
-            .into_iter()
-            .collect()
+        codel.and_then(|codel| add_yield(codel.syntax(), "ether")).into_iter().collect()
     }
 
     pub(crate) fn add_stop_codel(&self) -> Vec<TextFix> {
@@ -351,14 +323,10 @@ impl FixSite<'_> {
         let name = self.text(self.range);
         let codel = self.free_codel(&format!("{name}_stop"));
         let property = format!("codel<stop> {codel}() yield ether;");
-        self.add_property(
-            service.syntax(),
-            &property,
-            format!("Add the codel `{codel}`"),
-        )
-        .map(TextFix::choice)
-        .into_iter()
-        .collect()
+        self.add_property(service.syntax(), &property, format!("Add the codel `{codel}`"))
+            .map(TextFix::choice)
+            .into_iter()
+            .collect()
     }
 
     pub(crate) fn interrupt_itself(&self) -> Vec<TextFix> {
@@ -377,10 +345,7 @@ impl FixSite<'_> {
         const PLACEHOLDER: &str = " wcet 1 ms";
         let edit = |range: TextRange| {
             let codel: ast::Codel = self.node(range)?;
-            Some((
-                TextRange::empty(end_of(codel.syntax())),
-                PLACEHOLDER.to_owned(),
-            ))
+            Some((TextRange::empty(end_of(codel.syntax())), PLACEHOLDER.to_owned()))
         };
         let one = edit(self.range);
         let all: Vec<_> = one
@@ -402,11 +367,7 @@ impl FixSite<'_> {
         if all.len() > 1 {
             fixes.push(TextFix {
                 kind: FixKind::Choice,
-                title: format!(
-                    "Insert `{}` in all {} codels",
-                    PLACEHOLDER.trim(),
-                    all.len()
-                ),
+                title: format!("Insert `{}` in all {} codels", PLACEHOLDER.trim(), all.len()),
                 edits: all,
             });
         }
@@ -419,25 +380,17 @@ impl FixSite<'_> {
             .iter()
             .map(|&range| {
                 let text = self.text(range);
-                let rest = text
-                    .strip_prefix("ids")
-                    .filter(|rest| rest.starts_with(char::is_whitespace));
+                let rest =
+                    text.strip_prefix("ids").filter(|rest| rest.starts_with(char::is_whitespace));
                 let length = if rest.is_some() { 4 } else { 0 };
-                (
-                    TextRange::at(range.start(), TextSize::from(length)),
-                    "local ".to_owned(),
-                )
+                (TextRange::at(range.start(), TextSize::from(length)), "local ".to_owned())
             })
             .collect();
         let title = "Validate the new value".to_owned();
         if edits.is_empty() {
             Vec::new()
         } else {
-            vec![TextFix {
-                kind: FixKind::Choice,
-                title,
-                edits,
-            }]
+            vec![TextFix { kind: FixKind::Choice, title, edits }]
         }
     }
 
@@ -459,17 +412,12 @@ impl FixSite<'_> {
         let Some(part) = part else { return Vec::new() };
         let alone = match part.parent() {
             Some(list) if matches!(part.kind(), SyntaxKind::EXCEPTION | SyntaxKind::DECLARATOR) => {
-                list.children()
-                    .filter(|child| child.kind() == part.kind())
-                    .count()
-                    == 1
+                list.children().filter(|child| child.kind() == part.kind()).count() == 1
             }
             _ => true,
         };
         let range = if alone {
-            let item = part
-                .ancestors()
-                .find(|ancestor| ast::Item::can_cast(ancestor.kind()));
+            let item = part.ancestors().find(|ancestor| ast::Item::can_cast(ancestor.kind()));
             item.map(|ancestor| whole_lines(&ancestor))
         } else {
             Some(with_comma(&part))
@@ -489,10 +437,7 @@ impl FixSite<'_> {
         let Some(comment) = self.token_at(self.range) else {
             return Vec::new();
         };
-        if !matches!(
-            comment.kind(),
-            SyntaxKind::LINE_COMMENT | SyntaxKind::BLOCK_COMMENT
-        ) {
+        if !matches!(comment.kind(), SyntaxKind::LINE_COMMENT | SyntaxKind::BLOCK_COMMENT) {
             return Vec::new();
         }
         let mut range = comment.text_range();
@@ -517,10 +462,7 @@ impl FixSite<'_> {
 /// Adds a state to the yields of a codel.
 fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
     let yields = codel.descendants().find_map(ast::Yields::cast)?;
-    if yields
-        .states()
-        .any(|candidate| candidate.syntax().text() == state)
-    {
+    if yields.states().any(|candidate| candidate.syntax().text() == state) {
         return None;
     }
     let name = codel.descendants().find_map(ast::Codel::cast)?.name()?;

@@ -112,9 +112,7 @@ pub struct Analysis {
 impl AnalysisHost {
     /// An empty database over a loader.
     pub fn new(loader: Arc<dyn Loader>) -> AnalysisHost {
-        AnalysisHost {
-            db: RootDatabase::new(loader, None),
-        }
+        AnalysisHost { db: RootDatabase::new(loader, None) }
     }
 
     /// Like [`AnalysisHost::new`], with a callback that receives the events of the database.
@@ -123,9 +121,7 @@ impl AnalysisHost {
         loader: Arc<dyn Loader>,
         events: crate::base::EventCallback,
     ) -> AnalysisHost {
-        AnalysisHost {
-            db: RootDatabase::new(loader, Some(events)),
-        }
+        AnalysisHost { db: RootDatabase::new(loader, Some(events)) }
     }
 
     /// Applies changes. Cancels the running snapshots and waits until they are dropped.
@@ -174,9 +170,7 @@ impl AnalysisHost {
             }
         }
         if let Some(mut chosen) = change.chosen {
-            chosen
-                .iter_mut()
-                .for_each(|pair| *pair = (normalize(&pair.0), normalize(&pair.1)));
+            chosen.iter_mut().for_each(|pair| *pair = (normalize(&pair.0), normalize(&pair.1)));
             if *workspace.chosen(db) != chosen {
                 workspace.set_chosen(db).to(chosen);
             }
@@ -184,9 +178,7 @@ impl AnalysisHost {
         if let Some(active) = change.active {
             let active = Some(normalize(&active));
             // A header does not choose the unit that shows it.
-            let is_root = active
-                .as_ref()
-                .is_some_and(|path| workspace.roots(db).contains(path))
+            let is_root = active.as_ref().is_some_and(|path| workspace.roots(db).contains(path))
                 && active.as_ref().is_some_and(|path| {
                     let file = db.file(path);
                     unit::roots_of(db, file).first() == Some(&file)
@@ -219,9 +211,7 @@ impl AnalysisHost {
 
     /// A snapshot of the present state.
     pub fn analysis(&self) -> Analysis {
-        Analysis {
-            db: self.db.clone(),
-        }
+        Analysis { db: self.db.clone() }
     }
 }
 
@@ -453,8 +443,6 @@ impl Analysis {
 
     /// The declarations of a file as text, as lowering sees them.
     pub fn item_tree(&self, path: &Utf8Path) -> Cancellable<Option<String>> {
-        self.in_file(path, |view| {
-            format!("{:#?}", unit::item_tree(view.db, view.key))
-        })
+        self.in_file(path, |view| format!("{:#?}", unit::item_tree(view.db, view.key)))
     }
 }

@@ -124,15 +124,9 @@ pub enum Item {
 #[allow(missing_docs, reason = "the arguments as words, quotes removed")]
 pub enum Pragma {
     /// `#pragma requires "pkg >= v" …`
-    Requires {
-        arguments: Vec<(SmolStr, Ptr)>,
-        ptr: Ptr,
-    },
+    Requires { arguments: Vec<(SmolStr, Ptr)>, ptr: Ptr },
     /// `#pragma provides i j`
-    Provides {
-        arguments: Vec<(SmolStr, Ptr)>,
-        ptr: Ptr,
-    },
+    Provides { arguments: Vec<(SmolStr, Ptr)>, ptr: Ptr },
     /// `#pragma masquerade TEMPLATE TYPE DATA`
     Masquerade {
         arguments: Vec<(SmolStr, Ptr)>,
@@ -141,11 +135,7 @@ pub enum Pragma {
         ptr: Ptr,
     },
     /// `#pragma wcet CODEL DURATION [UNIT]`: codel name, then the duration as an expression.
-    Wcet {
-        codel: Option<Name>,
-        duration: Option<Duration>,
-        ptr: Ptr,
-    },
+    Wcet { codel: Option<Name>, duration: Option<Duration>, ptr: Ptr },
 }
 
 /// `const T N = V;`

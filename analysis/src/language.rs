@@ -50,6 +50,5 @@ pub fn is_scenario(path: &Utf8Path) -> bool {
 
 /// Returns true if a file is a header in C or C++, by its name.
 pub fn is_header(path: &Utf8Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| HEADERS.contains(&extension))
+    path.extension().is_some_and(|extension| HEADERS.contains(&extension))
 }

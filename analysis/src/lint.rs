@@ -25,12 +25,7 @@ pub use unused::unused;
 
 /// Checks one component. Interfaces are incomplete by nature and never reported.
 pub fn component(spec: &Spec, component: &Component, config: &LintConfig) -> Vec<Finding> {
-    let mut lint = Lint {
-        spec,
-        component,
-        config,
-        found: Vec::new(),
-    };
+    let mut lint = Lint { spec, component, config, found: Vec::new() };
     if component.kind == ComponentKind::Component {
         state_machine::check(&mut lint);
         data_flow::check(&mut lint);
@@ -87,16 +82,11 @@ impl<'a> Lint<'a> {
     }
 
     fn codel_name(&self, codel: CodelRef) -> CodelName {
-        CodelName {
-            name: self.codel(codel).name.clone(),
-            owner: self.owner_name(codel.owner),
-        }
+        CodelName { name: self.codel(codel).name.clone(), owner: self.owner_name(codel.owner) }
     }
 
     /// Returns true if any codel of the component has an execution time.
     fn has_timing(&self) -> bool {
-        self.component
-            .all_codels()
-            .any(|codel| self.codel(codel).wcet.is_some())
+        self.component.all_codels().any(|codel| self.codel(codel).wcet.is_some())
     }
 }

@@ -62,10 +62,7 @@ struct Separator {
 
 impl Default for Separator {
     fn default() -> Separator {
-        Separator {
-            before: String::new(),
-            after: " ".to_owned(),
-        }
+        Separator { before: String::new(), after: " ".to_owned() }
     }
 }
 
@@ -146,10 +143,7 @@ mod tests {
         );
         check("yield a1 // one\n;", "yield a1, // one\n      new\n;");
         check("yield a1 /* one */;", "yield a1 /* one */, new;");
-        check(
-            "a1 // one\n, b2 // two\n;",
-            "a1 // one\n, b2 // two\n, new\n;",
-        );
+        check("a1 // one\n, b2 // two\n;", "a1 // one\n, b2 // two\n, new\n;");
     }
 
     #[test]

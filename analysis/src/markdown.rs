@@ -43,13 +43,11 @@ fn escape_line(line: &str, out: &mut String) {
 pub fn code(text: &str) -> String {
     let text: String = text
         .chars()
-        .map(|character| {
-            if character == '\n' || character == '\r' {
-                ' '
-            } else {
-                visible(character)
-            }
-        })
+        .map(
+            |character| {
+                if character == '\n' || character == '\r' { ' ' } else { visible(character) }
+            },
+        )
         .collect();
     let ticks = ticks(&text, 1);
     // Markdown removes one blank at both ends.
@@ -63,37 +61,21 @@ pub fn code(text: &str) -> String {
 /// A text as a block of code in a language.
 pub fn block(language: &str, text: &str) -> String {
     let ticks = ticks(text, 3);
-    let text: Cow<'_, str> = match text
-        .chars()
-        .all(|character| character == '\n' || visible(character) == character)
-    {
-        true => text.into(),
-        false => text
-            .chars()
-            .map(|character| {
-                if character == '\n' {
-                    character
-                } else {
-                    visible(character)
-                }
-            })
-            .collect(),
-    };
+    let text: Cow<'_, str> =
+        match text.chars().all(|character| character == '\n' || visible(character) == character) {
+            true => text.into(),
+            false => text
+                .chars()
+                .map(|character| if character == '\n' { character } else { visible(character) })
+                .collect(),
+        };
     format!("{ticks}{language}\n{text}\n{ticks}")
 }
 
 /// Backquotes: more than in any run in the text, and at least `least`.
 fn ticks(text: &str, least: usize) -> String {
-    let longest = text
-        .split(|character| character != '`')
-        .map(str::len)
-        .max()
-        .unwrap_or(0);
-    let count = if longest == 0 {
-        least
-    } else {
-        (longest + 1).max(least)
-    };
+    let longest = text.split(|character| character != '`').map(str::len).max().unwrap_or(0);
+    let count = if longest == 0 { least } else { (longest + 1).max(least) };
     "`".repeat(count)
 }
 
@@ -126,10 +108,7 @@ mod tests {
             ("```\n`x`", "\\`\\`\\`\n\\`x\\`"),
             ("a | b\n---", "a \\| b\n\\---"),
             ("a\u{1b}[31mb\u{202e}", "a\u{fffd}\\[31mb\u{fffd}"),
-            (
-                "*a* __b__ ~~c~~ d_e",
-                "\\*a\\* \\_\\_b\\_\\_ \\~\\~c\\~\\~ d_e",
-            ),
+            ("*a* __b__ ~~c~~ d_e", "\\*a\\* \\_\\_b\\_\\_ \\~\\~c\\~\\~ d_e"),
         ] {
             assert_eq!(text(given), expected);
         }

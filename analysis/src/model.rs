@@ -465,12 +465,8 @@ impl Spec {
                 | TypeKind::StructMember { ty }
                 | TypeKind::UnionMember { ty, .. }
                 | TypeKind::Const { ty, .. } => ty,
-                TypeKind::ForwardStruct {
-                    definition: Some(ty),
-                }
-                | TypeKind::ForwardUnion {
-                    definition: Some(ty),
-                } => ty,
+                TypeKind::ForwardStruct { definition: Some(ty) }
+                | TypeKind::ForwardUnion { definition: Some(ty) } => ty,
                 _ => return id,
             };
         }
@@ -514,11 +510,8 @@ impl Component {
 
     /// Tasks and services with a state machine, in order.
     pub fn machines(&self) -> impl Iterator<Item = Owner> + '_ {
-        let has_machine = |owner: &Owner| {
-            self.codels_of(*owner)
-                .iter()
-                .any(|codel| codel.kind == CodelKind::Fsm)
-        };
+        let has_machine =
+            |owner: &Owner| self.codels_of(*owner).iter().any(|codel| codel.kind == CodelKind::Fsm);
         self.owners().filter(has_machine)
     }
 

@@ -31,17 +31,11 @@ pub fn with_prototypes(
     locations: Option<&dyn Locations>,
     prototypes: Option<&Prototypes<'_>>,
 ) -> Json {
-    let writer = Writer {
-        spec,
-        locations,
-        prototypes,
-    };
+    let writer = Writer { spec, locations, prototypes };
     let mut components: Vec<&Component> = spec.components.iter().collect();
     components.sort_by(|a, b| a.name.cmp(&b.name));
-    let components: Vec<Json> = components
-        .iter()
-        .map(|component| writer.component(component))
-        .collect();
+    let components: Vec<Json> =
+        components.iter().map(|component| writer.component(component)).collect();
     json!({ "components": components, "types": writer.types() })
 }
 
@@ -88,32 +82,18 @@ impl Writer<'_> {
         let stack = component.stack.as_ref().map(amount);
         out.put_some("stack", stack);
         if let Some(TypeKind::Struct { members }) = component.ids.map(|ty| &self.spec.ty(ty).kind) {
-            let members: Vec<Json> = members
-                .iter()
-                .map(|member| self.ids_member(*member))
-                .collect();
+            let members: Vec<Json> =
+                members.iter().map(|member| self.ids_member(*member)).collect();
             out.put("ids", members);
         }
         let all = |list: &mut dyn Iterator<Item = Json>| Json::Array(list.collect());
         let tasks = (0..).zip(&component.tasks);
-        out.put(
-            "tasks",
-            all(&mut tasks.map(|(i, task)| self.task(component, i, task))),
-        );
-        out.put(
-            "ports",
-            all(&mut component.ports.iter().map(|port| self.port(port))),
-        );
+        out.put("tasks", all(&mut tasks.map(|(i, task)| self.task(component, i, task))));
+        out.put("ports", all(&mut component.ports.iter().map(|port| self.port(port))));
         let services = 0..component.services.len() as u32;
-        out.put(
-            "services",
-            all(&mut services.map(|service| self.service(component, service))),
-        );
+        out.put("services", all(&mut services.map(|service| self.service(component, service))));
         let remotes = component.remotes.iter();
-        out.put(
-            "remotes",
-            all(&mut remotes.map(|remote| self.remote(component, remote))),
-        );
+        out.put("remotes", all(&mut remotes.map(|remote| self.remote(component, remote))));
         let mut throws = component.throws.clone();
         let inner = component.tasks.iter().map(|task| &task.throws);
         let inner = inner.chain(component.services.iter().map(|service| &service.throws));
@@ -185,14 +165,9 @@ impl Writer<'_> {
         out.put("name", service.name.as_str());
         out.put("kind", json!(service.kind));
         out.put_some("doc", service.doc.as_deref());
-        let task = service
-            .task
-            .and_then(|task| component.tasks.get(task as usize));
+        let task = service.task.and_then(|task| component.tasks.get(task as usize));
         out.put_some("task", task.map(|task| task.name.as_str()));
-        let params = service
-            .params
-            .iter()
-            .map(|param| self.param(component, None, param));
+        let params = service.params.iter().map(|param| self.param(component, None, param));
         out.put("params", params.collect::<Vec<_>>());
         for (key, kind) in [
             ("validate", CodelKind::Validate),
@@ -218,16 +193,10 @@ impl Writer<'_> {
         let mut out = Object::default();
         out.put("name", remote.name.as_str());
         out.put("kind", json!(remote.kind));
-        let params = remote
-            .params
-            .iter()
-            .map(|param| self.param(component, None, param));
+        let params = remote.params.iter().map(|param| self.param(component, None, param));
         out.put("params", params.collect::<Vec<_>>());
         let interface = self.spec.components.get(remote.interface as usize);
-        out.put_some(
-            "interface",
-            interface.map(|interface| interface.name.as_str()),
-        );
+        out.put_some("interface", interface.map(|interface| interface.name.as_str()));
         out.put("throws", self.names_of(&remote.throws));
         self.place(&mut out, remote.src);
         out.done()
@@ -263,9 +232,7 @@ impl Writer<'_> {
                 out.put("valuekind", value.word());
             }
             TypeKind::Enum { enumerators } => {
-                let names = enumerators
-                    .iter()
-                    .map(|enumerator| self.short_name(*enumerator));
+                let names = enumerators.iter().map(|enumerator| self.short_name(*enumerator));
                 out.put("members", names.collect::<Vec<_>>());
             }
             TypeKind::Struct { members } | TypeKind::Exception { members } => {
@@ -319,13 +286,8 @@ impl Writer<'_> {
             TypeKind::String { bound: Some(bound) } => format!("string<{bound}>"),
             TypeKind::Array { .. } => {
                 let (mut element, mut dimensions) = (id, String::new());
-                while let (
-                    None,
-                    TypeKind::Array {
-                        element: inner,
-                        length,
-                    },
-                ) = (&self.spec.ty(element).name, &self.spec.ty(element).kind)
+                while let (None, TypeKind::Array { element: inner, length }) =
+                    (&self.spec.ty(element).name, &self.spec.ty(element).kind)
                 {
                     dimensions.push_str(&format!("[{length}]"));
                     element = *inner;
@@ -382,10 +344,7 @@ impl Writer<'_> {
     fn origin(&self, out: &mut Object, interface: Option<u32>) {
         let interface =
             interface.and_then(|interface| self.spec.components.get(interface as usize));
-        out.put_some(
-            "imported-from",
-            interface.map(|interface| interface.name.as_str()),
-        );
+        out.put_some("imported-from", interface.map(|interface| interface.name.as_str()));
     }
 
     fn place(&self, out: &mut Object, src: Src) {
@@ -430,11 +389,7 @@ fn amount(quantity: &Quantity) -> Json {
 
 fn states(states: &[State]) -> Json {
     let text = |state: &State| {
-        if state.paused {
-            format!("pause::{}", state.name)
-        } else {
-            state.name.to_string()
-        }
+        if state.paused { format!("pause::{}", state.name) } else { state.name.to_string() }
     };
     states.iter().map(text).collect()
 }
@@ -445,10 +400,7 @@ fn service_names(component: &Component, list: &ServiceList) -> Json {
         return component.services.iter().map(name).collect();
     }
     let named = list.services.iter();
-    named
-        .filter_map(|service| component.services.get(*service as usize))
-        .map(name)
-        .collect()
+    named.filter_map(|service| component.services.get(*service as usize)).map(name).collect()
 }
 
 fn unique<const N: usize>(lists: [&Vec<TypeId>; N]) -> Vec<TypeId> {

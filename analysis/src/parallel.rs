@@ -97,21 +97,10 @@ mod tests {
     #[test]
     fn results_are_in_order() {
         let items: Vec<u32> = (0..1000).collect();
-        let out = map(
-            &items,
-            || 1,
-            |number| number + 1,
-            |one, number| number + one,
-        );
+        let out = map(&items, || 1, |number| number + 1, |one, number| number + one);
         assert_eq!(out, (1..=1000).collect::<Vec<u32>>());
         assert!(
-            map(
-                &[] as &[u32],
-                || 1,
-                |number| number + 1,
-                |one, number| number + one
-            )
-            .is_empty()
+            map(&[] as &[u32], || 1, |number| number + 1, |one, number| number + one).is_empty()
         );
     }
 

@@ -39,27 +39,16 @@ pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated 
         .collect();
     let wrapper = ItemTree {
         items: (0..roots.len() as u32)
-            .map(|ordinal| Item::Include {
-                ordinal,
-                ptr: Ptr {
-                    item: ordinal,
-                    node: 0,
-                },
-            })
+            .map(|ordinal| Item::Include { ordinal, ptr: Ptr { item: ordinal, node: 0 } })
             .collect(),
     };
-    let paths: Vec<SmolStr> = visits
-        .iter()
-        .map(|visit| SmolStr::new(visit.key.file(db).path(db).as_str()))
-        .collect();
+    let paths: Vec<SmolStr> =
+        visits.iter().map(|visit| SmolStr::new(visit.key.file(db).path(db).as_str())).collect();
     let after_wrapper = |visit: u32| visit + 1;
     let mut input = vec![elab::Visit {
         tree: &wrapper,
         file: u32::MAX,
-        includes: roots
-            .iter()
-            .map(|&root| Some(after_wrapper(root)))
-            .collect(),
+        includes: roots.iter().map(|&root| Some(after_wrapper(root))).collect(),
         path: "",
     }];
     input.extend(visits.iter().zip(&paths).map(|(visit, path)| {
@@ -70,9 +59,7 @@ pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated 
                 .includes
                 .iter()
                 .map(|include| {
-                    include
-                        .filter(|&include| visits[include as usize].reached)
-                        .map(after_wrapper)
+                    include.filter(|&include| visits[include as usize].reached).map(after_wrapper)
                 })
                 .collect(),
             path,
@@ -151,9 +138,7 @@ fn is_last_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> bool {
 pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Finding>> {
     let visits = &visits(db, unit).visits;
     let is_root = |visit: u32| {
-        let visit = visit
-            .checked_sub(WRAPPER + 1)
-            .and_then(|index| visits.get(index as usize));
+        let visit = visit.checked_sub(WRAPPER + 1).and_then(|index| visits.get(index as usize));
         visit.is_some_and(|visit| visit.includer.is_none())
     };
     Arc::new(lint::unused(elaborated(db, unit), is_root))

@@ -39,12 +39,8 @@ const MAX_UNITS: usize = 16;
 /// All diagnostics of a unit, by file and place.
 #[salsa::tracked(lru = 0)]
 pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Diagnostic>> {
-    let mut report = Reporter {
-        db,
-        visits: visits(db, unit),
-        missing: UnreadParts::default(),
-        out: Vec::new(),
-    };
+    let mut report =
+        Reporter { db, visits: visits(db, unit), missing: UnreadParts::default(), out: Vec::new() };
     let mut seen = FxHashSet::default();
     for (i, visit) in report.visits.visits.iter().enumerate() {
         if visit.reached && seen.insert(visit.key) {
@@ -60,10 +56,7 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
             report.finding(body);
         }
     }
-    let rejected = report
-        .out
-        .iter()
-        .any(|diagnostic| diagnostic.severity == Severity::Error);
+    let rejected = report.out.iter().any(|diagnostic| diagnostic.severity == Severity::Error);
     for body in 0..body_count(db, unit) {
         report.lints(lint_body(db, unit, body), rejected);
     }
@@ -87,12 +80,7 @@ pub(crate) fn file_diagnostics(db: &dyn Db, file: SourceFile) -> Vec<Diagnostic>
     for &root in roots_of(db, file).iter().take(MAX_UNITS) {
         let report = unit_report(db, unit_of_root(db, root));
         let start = report.partition_point(|report| report.path.as_str() < path.as_str());
-        out.extend(
-            report[start..]
-                .iter()
-                .take_while(|report| report.path == *path)
-                .cloned(),
-        );
+        out.extend(report[start..].iter().take_while(|report| report.path == *path).cloned());
     }
     if file.status(db).is_text()
         && let Some((_, key)) = serving_visit(db, unit::serving_unit(db, file), file)
@@ -296,10 +284,7 @@ pub(crate) fn shown(
 ) -> Diagnostic {
     let wording = kind.wording(near, because);
     Diagnostic {
-        reference: Some(Reference {
-            text: kind.reference(),
-            at: usize::from(range.start()),
-        }),
+        reference: Some(Reference { text: kind.reference(), at: usize::from(range.start()) }),
         ..Diagnostic::new(
             kind.code(),
             kind.severity(),
@@ -361,19 +346,13 @@ pub(crate) fn trials(db: &dyn Db, of: &Diagnostic, all: &[Diagnostic]) -> Vec<Fi
     let text = db.file(&of.path).text(db);
     let line = |at: usize| text.get(..at).map(|text| text.matches('\n').count());
     // Other errors on the same line are consequences and disappear with it.
-    let here = all
-        .iter()
-        .filter(|diagnostic| diagnostic.path == of.path)
-        .filter(is_parse);
+    let here = all.iter().filter(|diagnostic| diagnostic.path == of.path).filter(is_parse);
     let mut here = here.filter(|diagnostic| line(diagnostic.range.start) == line(of.range.start));
     let Some(cause) = Some(of).filter(is_parse).or_else(|| here.next()) else {
         return Vec::new();
     };
     let repairs = trial::repairs(text, text_range(&cause.range));
-    repairs
-        .into_iter()
-        .map(|repair| repair.within(&of.path))
-        .collect()
+    repairs.into_iter().map(|repair| repair.within(&of.path)).collect()
 }
 
 /// Returns true if a quote is missing somewhere in a file: a literal is not closed, or a string begins like
@@ -439,18 +418,12 @@ pub(crate) fn unused_allowances(
     for suppression in suppressions(db, key).iter() {
         let scope = bytes(suppression.scope);
         let has = |found: &Diagnostic, code: &str| {
-            let related = found
-                .related
-                .iter()
-                .map(|related| (&related.path, &related.range));
+            let related = found.related.iter().map(|related| (&related.path, &related.range));
             let mut places = std::iter::once((&found.path, &found.range)).chain(related);
             found.code == code
                 && places.any(|place| place.0 == path && scope.contains(&place.1.start))
         };
-        let codes = suppression
-            .codes
-            .iter()
-            .filter(|code| code.0.starts_with(family));
+        let codes = suppression.codes.iter().filter(|code| code.0.starts_with(family));
         for (code, range) in codes {
             if is_switched_off(db, code) || found.iter().any(|diagnostic| has(diagnostic, code)) {
                 continue;
@@ -467,10 +440,7 @@ pub(crate) fn unused_allowances(
 /// place of a finding counts.
 pub(crate) fn adjust(db: &dyn Db, mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     diagnostics.retain(|diagnostic| {
-        let related = diagnostic
-            .related
-            .iter()
-            .map(|related| (&related.path, &related.range));
+        let related = diagnostic.related.iter().map(|related| (&related.path, &related.range));
         let mut places = std::iter::once((&diagnostic.path, &diagnostic.range)).chain(related);
         !places.any(|(path, range)| is_allowed(db, path, range.start, diagnostic.code))
     });
@@ -524,10 +494,7 @@ fn configure(db: &dyn Db, diagnostics: &mut Vec<Diagnostic>) {
         return;
     }
     diagnostics.retain_mut(|diagnostic| {
-        let setting = configured
-            .iter()
-            .rev()
-            .find(|(code, _)| code == diagnostic.code);
+        let setting = configured.iter().rev().find(|(code, _)| code == diagnostic.code);
         match setting {
             Some(_) if diagnostic.severity == Severity::Error => true,
             Some((_, None)) => false,

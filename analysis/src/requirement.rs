@@ -59,11 +59,7 @@ fn is_string(text: &str, at: usize) -> bool {
     let before = &text[..at];
     let line = before.rfind('\n').map_or(0, |index| index + 1);
     let plain = !before[line..].contains(['"', '\'']) && !before[line..].contains("//");
-    if plain
-        && before
-            .rfind("/*")
-            .is_none_or(|open| before[open + 2..].contains("*/"))
-    {
+    if plain && before.rfind("/*").is_none_or(|open| before[open + 2..].contains("*/")) {
         return true;
     }
     let raw = dotgen_syntax::lexer::lex(text);
@@ -116,10 +112,7 @@ fn bound(db: &dyn Db, files: impl IntoIterator<Item = SourceFile>) -> Option<Rel
             continue;
         };
         todo.extend(
-            found
-                .includes
-                .iter()
-                .map(|include| db.file(&normalize(&directory.join(include)))),
+            found.includes.iter().map(|include| db.file(&normalize(&directory.join(include)))),
         );
     }
     bound
@@ -130,9 +123,7 @@ fn bound(db: &dyn Db, files: impl IntoIterator<Item = SourceFile>) -> Option<Rel
 #[salsa::tracked]
 fn of_project(db: &dyn Db, workspace: Workspace, directory: Option<Utf8PathBuf>) -> ReleaseChoice {
     let projects = workspace.projects(db);
-    let project = projects
-        .iter()
-        .find(|project| Some(&project.directory) == directory.as_ref());
+    let project = projects.iter().find(|project| Some(&project.directory) == directory.as_ref());
     let given = match project {
         Some(project) => project.release.as_ref(),
         None => workspace.release(db).as_ref(),
@@ -141,10 +132,7 @@ fn of_project(db: &dyn Db, workspace: Workspace, directory: Option<Utf8PathBuf>)
         return given.clone();
     }
     let of_project = |path: &&Utf8PathBuf| {
-        workspace
-            .project(db, path)
-            .map(|project| &project.directory)
-            == directory.as_ref()
+        workspace.project(db, path).map(|project| &project.directory) == directory.as_ref()
     };
     let roots = workspace.roots(db).iter().filter(of_project);
     ReleaseChoice::required(bound(db, roots.map(|root| db.file(root))))

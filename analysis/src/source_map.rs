@@ -83,11 +83,7 @@ impl TextMove {
         let (a, b) = (&a[start..], &b[start..]);
         let same = a.iter().rev().zip(b.iter().rev());
         let same = same.take_while(|(a, b)| a == b).count();
-        Some(TextMove {
-            start,
-            old_end: old.len() - same,
-            new_end: new.len() - same,
-        })
+        Some(TextMove { start, old_end: old.len() - same, new_end: new.len() - same })
     }
 
     /// The new place of a range; `None` if some of it was replaced.
@@ -129,9 +125,7 @@ impl UnitLocations {
                 moved: None,
             })
         });
-        UnitLocations {
-            visits: std::iter::once(None).chain(places).collect(),
-        }
+        UnitLocations { visits: std::iter::once(None).chain(places).collect() }
     }
 
     /// The places in the present texts of the files, as far as they still exist. `text` returns the old and
@@ -154,9 +148,7 @@ impl UnitLocations {
     /// The macro calls in the file of an id, in text order.
     pub fn macro_calls(&self, src: Src) -> &[MacroCall] {
         let visit = self.visits.get(src.visit as usize);
-        visit
-            .and_then(Option::as_ref)
-            .map_or(&[], |places| &places.calls)
+        visit.and_then(Option::as_ref).map_or(&[], |places| &places.calls)
     }
 }
 
@@ -180,11 +172,7 @@ fn macro_calls<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<[MacroCall]> {
             .enumerate()
             .map(|(number, token)| token.text.len() + usize::from(number > 0 && !token.glued))
             .sum();
-        Some(MacroCall {
-            range,
-            expanded,
-            punctuation,
-        })
+        Some(MacroCall { range, expanded, punctuation })
     });
     calls.collect()
 }
@@ -198,10 +186,7 @@ impl Locations for UnitLocations {
         }
         let position = |offset| {
             let position = visit.lines.line_col(offset, PositionEncoding::Utf8);
-            LineCol {
-                line: position.line,
-                col: position.col,
-            }
+            LineCol { line: position.line, col: position.col }
         };
         Some(Location {
             path: visit.path.clone(),
@@ -214,10 +199,7 @@ impl Locations for UnitLocations {
 
 /// The pointer of an id inside its visit.
 pub(crate) fn ptr(src: Src) -> Ptr {
-    Ptr {
-        item: src.item,
-        node: src.node,
-    }
+    Ptr { item: src.item, node: src.node }
 }
 
 /// Byte offsets.

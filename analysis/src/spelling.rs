@@ -5,11 +5,8 @@ use std::cmp::Ordering;
 use dotgen_syntax::{SyntaxKind, lexer::lex};
 
 /// Words of the language with the same meaning (language reference, 2.3) that edits write.
-const PAIRS: [[&str; 2]; 3] = [
-    ["yield", "yields"],
-    ["throw", "throws"],
-    ["interrupt", "interrupts"],
-];
+const PAIRS: [[&str; 2]; 3] =
+    [["yield", "yields"], ["throw", "throws"], ["interrupt", "interrupts"]];
 
 /// The style of an author for words with two spellings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -95,15 +92,9 @@ mod tests {
         assert_eq!(as_in("", piece), piece);
         assert_eq!(as_in("// yields throws\n\"yields\"", piece), piece);
         assert_eq!(
-            as_in(
-                "codel <a> g() yields a; codel <b> h() yields b; codel<c> i() yield a;",
-                piece
-            ),
+            as_in("codel <a> g() yields a; codel <b> h() yields b; codel<c> i() yield a;", piece),
             "codel <start> f() yields ether; // yield\nthrow x;"
         );
-        assert_eq!(
-            as_in("codel f(); codel g(); codel<a> h() yield b;", piece),
-            piece
-        );
+        assert_eq!(as_in("codel f(); codel g(); codel<a> h() yield b;", piece), piece);
     }
 }

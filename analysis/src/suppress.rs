@@ -37,19 +37,14 @@ pub(crate) fn suppressions<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<S
         return Arc::default();
     }
     let root = parsed(db, key).syntax();
-    let tokens = root
-        .descendants_with_tokens()
-        .filter_map(|element| element.into_token());
+    let tokens = root.descendants_with_tokens().filter_map(|element| element.into_token());
     Arc::new(tokens.filter_map(|token| suppression(&token)).collect())
 }
 
 const MARK: &str = "dotgen:";
 
 fn suppression(comment: &SyntaxToken) -> Option<Suppression> {
-    if !matches!(
-        comment.kind(),
-        SyntaxKind::LINE_COMMENT | SyntaxKind::BLOCK_COMMENT
-    ) {
+    if !matches!(comment.kind(), SyntaxKind::LINE_COMMENT | SyntaxKind::BLOCK_COMMENT) {
         return None;
     }
     let text = comment.text();
@@ -99,9 +94,7 @@ fn scope(comment: &SyntaxToken) -> Option<TextRange> {
             .filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty())
             .last()?;
         outermost_item_at(&first).or_else(|| {
-            first
-                .parent_ancestors()
-                .find(|ancestor| ast::Item::can_cast(ancestor.kind()))
+            first.parent_ancestors().find(|ancestor| ast::Item::can_cast(ancestor.kind()))
         })?
     };
     Some(item.text_range())

@@ -45,10 +45,7 @@ mod tests {
     #[test]
     fn nothing_reaches_the_terminal_that_it_obeys() {
         assert!(matches!(text("plain é 😀\n\tx"), Cow::Borrowed(_)));
-        assert_eq!(
-            text("a\u{1b}]0;x\u{7}b\r\u{9b}31m"),
-            "a\\u{1b}]0;x\\u{7}b\\u{d}\\u{9b}31m"
-        );
+        assert_eq!(text("a\u{1b}]0;x\u{7}b\r\u{9b}31m"), "a\\u{1b}]0;x\\u{7}b\\u{d}\\u{9b}31m");
         assert_eq!(text("\u{202e}neg."), "\\u{202e}neg.");
         assert_eq!(name("a\nb\u{8}"), "a\\nb\\u{8}");
     }

@@ -47,12 +47,8 @@ impl Loader for MemoryLoader {
         let known = self.packages.lock().unwrap();
         let mut flags = PackageFlags::default();
         for argument in arguments {
-            let found = known
-                .get(argument)
-                .ok_or(format!("no package `{argument}`"))?;
-            flags
-                .include_dirs
-                .extend(found.include_dirs.iter().cloned());
+            let found = known.get(argument).ok_or(format!("no package `{argument}`"))?;
+            flags.include_dirs.extend(found.include_dirs.iter().cloned());
             flags.defines.extend(found.defines.iter().cloned());
         }
         Ok(flags)
@@ -65,10 +61,7 @@ impl Loader for MemoryLoader {
             .filter_map(|key| key.strip_prefix(path).ok())
             .filter_map(|path| {
                 let mut parts = path.components();
-                Some(DirEntry {
-                    name: parts.next()?.to_string(),
-                    is_dir: parts.next().is_some(),
-                })
+                Some(DirEntry { name: parts.next()?.to_string(), is_dir: parts.next().is_some() })
             })
             .collect();
         out.dedup();
@@ -125,27 +118,15 @@ impl Fixture {
         for (path, mut text) in split(fixture) {
             if let Some(offset) = text.find("$0") {
                 text.replace_range(offset..offset + 2, "");
-                cursor = Some(FilePosition {
-                    path: path.clone(),
-                    offset,
-                });
+                cursor = Some(FilePosition { path: path.clone(), offset });
             }
             if path.extension() == Some("gen") {
                 roots.push(path.clone());
             }
             loader.files.lock().unwrap().insert(path, text);
         }
-        host.apply(Change {
-            roots: Some(roots),
-            config: Some(config),
-            ..Change::default()
-        });
-        Fixture {
-            host,
-            loader,
-            cursor,
-            log,
-        }
+        host.apply(Change { roots: Some(roots), config: Some(config), ..Change::default() });
+        Fixture { host, loader, cursor, log }
     }
 
     pub(crate) fn analysis(&self) -> Analysis {
@@ -167,10 +148,8 @@ impl Fixture {
 
     /// Gives a file a new text, as an editor does.
     pub(crate) fn edit(&mut self, path: &str, text: impl Into<String>) {
-        self.host.apply(Change {
-            files: vec![(path.into(), Some(text.into()))],
-            ..Change::default()
-        });
+        self.host
+            .apply(Change { files: vec![(path.into(), Some(text.into()))], ..Change::default() });
     }
 
     /// Replaces the one occurrence of a piece of text.
@@ -228,9 +207,8 @@ pub(crate) fn annotations(text: &str) -> Vec<(Range<usize>, String)> {
             && rest.trim_start().starts_with('^')
         {
             let column = line.find('^').unwrap();
-            let length = line[column..]
-                .find(|character| character != '^')
-                .unwrap_or(line.len() - column);
+            let length =
+                line[column..].find(|character| character != '^').unwrap_or(line.len() - column);
             let label = line[column + length..].trim().to_owned();
             out.push((previous + column..previous + column + length, label));
         } else {

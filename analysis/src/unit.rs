@@ -169,20 +169,11 @@ pub(crate) fn visits<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Visits<'db> {
 pub(crate) fn defines(db: &dyn Db, file: SourceFile) -> Arc<Vec<Define>> {
     let name = SmolStr::new(file.path(db).as_str());
     let raw = &lexed(db, file).raw;
-    let pre = preprocess(
-        &name,
-        file.text(db),
-        raw,
-        MacroEnv::empty(),
-        &mut preproc::NoIncludes,
-    );
-    let defines = pre
-        .directives
-        .into_iter()
-        .filter_map(|directive| match directive.kind {
-            DirectiveKind::Define(define) => Some(define),
-            _ => None,
-        });
+    let pre = preprocess(&name, file.text(db), raw, MacroEnv::empty(), &mut preproc::NoIncludes);
+    let defines = pre.directives.into_iter().filter_map(|directive| match directive.kind {
+        DirectiveKind::Define(define) => Some(define),
+        _ => None,
+    });
     Arc::new(defines.collect())
 }
 
@@ -217,11 +208,7 @@ pub(crate) fn index(db: &dyn Db) -> bool {
     });
     let included = includers(db);
     let mut roots = roots.iter();
-    roots.any(|root| {
-        included
-            .get(&db.file(root))
-            .is_some_and(|includer| !includer.is_empty())
-    })
+    roots.any(|root| included.get(&db.file(root)).is_some_and(|includer| !includer.is_empty()))
 }
 
 /// The roots of the units that contain a file: other roots that include it, or, if there are none, the file
@@ -236,15 +223,9 @@ pub(crate) fn roots_of(db: &dyn Db, file: SourceFile) -> Vec<SourceFile> {
     if roots.is_empty() {
         roots.push(file);
     }
-    let chosen = workspace
-        .chosen(db)
-        .iter()
-        .find(|chosen| chosen.0 == *file.path(db));
+    let chosen = workspace.chosen(db).iter().find(|chosen| chosen.0 == *file.path(db));
     // The choice of the user counts more than the most recently edited document.
-    for preferred in [
-        workspace.active(db).as_ref(),
-        chosen.map(|chosen| &chosen.1),
-    ] {
+    for preferred in [workspace.active(db).as_ref(), chosen.map(|chosen| &chosen.1)] {
         let position = |path| roots.iter().position(|root| root.path(db) == path);
         if let Some(at) = preferred.and_then(position) {
             roots[..=at].rotate_right(1);
@@ -257,10 +238,7 @@ pub(crate) fn roots_of(db: &dyn Db, file: SourceFile) -> Vec<SourceFile> {
 pub(crate) fn files<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Vec<SourceFile> {
     let mut seen = FxHashSet::default();
     let visits = walk_unit(db, unit).visits.iter();
-    visits
-        .map(|walk_visit| walk_visit.file)
-        .filter(|&file| seen.insert(file))
-        .collect()
+    visits.map(|walk_visit| walk_visit.file).filter(|&file| seen.insert(file)).collect()
 }
 
 /// The unit that serves a file.
@@ -375,10 +353,7 @@ pub(crate) fn text_facts<'db>(db: &'db dyn Db, key: FileKey<'db>) -> TextFacts {
     TextFacts {
         misplaced_includes: !lowered(db, key).misplaced.is_empty(),
         bad_include: errors.iter().any(|error| {
-            matches!(
-                error.kind,
-                Preprocessing::IncludeWithoutFile | Preprocessing::IncludeWithMore
-            )
+            matches!(error.kind, Preprocessing::IncludeWithoutFile | Preprocessing::IncludeWithMore)
         }),
         inside_out: parse.inside_out,
         has_expansions: !parse.expansion.is_empty(),
@@ -406,10 +381,7 @@ impl<'a> Replay<'a> {
                 DirectiveEffect::Requires(requirement) => requires.push(requirement),
             }
         }
-        Replay {
-            includes,
-            requires: requires.into_iter(),
-        }
+        Replay { includes, requires: requires.into_iter() }
     }
 }
 

@@ -37,10 +37,7 @@ pub struct UnitResult {
 impl UnitResult {
     /// Returns true if GenoM3 would accept it: it has no error.
     pub fn accepted(&self) -> bool {
-        !self
-            .diagnostics
-            .iter()
-            .any(|diagnostic| diagnostic.severity == Severity::Error)
+        !self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 
     /// Returns true if its text has errors: files missing on this machine are not errors of the text.
@@ -53,10 +50,8 @@ impl UnitResult {
 
     /// Returns true if some of its text does not parse.
     pub fn has_syntax_errors(&self) -> bool {
-        let mut errors = self
-            .diagnostics
-            .iter()
-            .filter(|diagnostic| diagnostic.severity == Severity::Error);
+        let mut errors =
+            self.diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
         errors.any(|error| {
             dotgen_syntax::codes::find(error.code).is_some() && !codes::is_environment(error.code)
         })
@@ -64,24 +59,18 @@ impl UnitResult {
 
     /// Returns true if it needs files or packages that are missing on this machine.
     pub fn lacks_files(&self) -> bool {
-        self.diagnostics
-            .iter()
-            .any(|diagnostic| codes::is_environment(diagnostic.code))
+        self.diagnostics.iter().any(|diagnostic| codes::is_environment(diagnostic.code))
     }
 }
 
 /// The present results for a unit.
 pub(crate) fn unit_result<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> UnitResult {
     let diagnostics = report::unit_report(db, unit).clone();
-    let rejected = diagnostics
-        .iter()
-        .any(|diagnostic| diagnostic.severity == Severity::Error);
+    let rejected = diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error);
     let words = unit::files(db, unit).into_iter().filter(|_| rejected);
     let words = words.flat_map(|file| unit::mentioned(db, file).words.iter().cloned());
     let is_cut = unit::files(db, unit).into_iter().any(|file| {
-        let errors = diagnostics
-            .iter()
-            .filter(|diagnostic| diagnostic.severity == Severity::Error);
+        let errors = diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
         let mut here = errors.filter(|error| error.path == *file.path(db));
         let end = file.text(db).trim_end().len();
         here.any(|error| dotgen_syntax::codes::find(error.code).is_some() && error.range.end >= end)
@@ -91,10 +80,7 @@ pub(crate) fn unit_result<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> UnitResul
         words: Arc::new(words.collect()),
         spec: elaborated(db, unit).spec.clone(),
         diagnostics,
-        files: unit::files(db, unit)
-            .iter()
-            .map(|file| file.path(db).clone())
-            .collect(),
+        files: unit::files(db, unit).iter().map(|file| file.path(db).clone()).collect(),
         locations: Arc::new(UnitLocations::new(db, unit)),
     }
 }

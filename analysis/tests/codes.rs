@@ -38,10 +38,7 @@ impl Loader for Headers {
 fn reported(text: &str) -> Vec<Diagnostic> {
     let host = AnalysisHost::new(Arc::new(Headers));
     let input = BatchInput {
-        inputs: vec![Input::Text {
-            name: "/fixture/main.gen".into(),
-            text: text.into(),
-        }],
+        inputs: vec![Input::Text { name: "/fixture/main.gen".into(), text: text.into() }],
         ..BatchInput::default()
     };
     let result = host.analysis().batch(&input).unwrap();
@@ -131,11 +128,8 @@ const OF_FILES: [&str; 3] = ["pp-include-depth", "pp-include-place", "inactive-c
 
 #[test]
 fn examples_of_syntax_trigger_their_codes_until_they_are_corrected() {
-    let shows = |text: &str, id: &str| {
-        reported(text)
-            .iter()
-            .any(|diagnostic| diagnostic.code == id)
-    };
+    let shows =
+        |text: &str, id: &str| reported(text).iter().any(|diagnostic| diagnostic.code == id);
     for code in dotgen_syntax::codes::all() {
         if code.corrected.is_empty() || OF_FILES.contains(&code.id) {
             continue;

@@ -135,10 +135,7 @@ fn check(root: &Path, case: &Json, release: Release) -> Result<(), String> {
             let required = error["consequence"] != true;
             if required && !is_near(error, &errors) {
                 let ours: Vec<String> = errors.iter().map(|error| show(error)).collect();
-                return Err(format!(
-                    "no error near {error}; ours:\n    {}",
-                    ours.join("\n    ")
-                ));
+                return Err(format!("no error near {error}; ours:\n    {}", ours.join("\n    ")));
             }
         }
         check_codes(want, &errors)?;
@@ -164,9 +161,7 @@ fn run(root: &Path, case: &Json, release: Release) -> UnitResult {
     let here = file.parent().unwrap().to_str().unwrap().to_owned();
     let fill = |json: &Json| json.as_str().unwrap().replace("{case}", &here);
     let mut input = BatchInput {
-        inputs: vec![Input::File(
-            Utf8PathBuf::from_path_buf(file.clone()).unwrap(),
-        )],
+        inputs: vec![Input::File(Utf8PathBuf::from_path_buf(file.clone()).unwrap())],
         ..BatchInput::default()
     };
     for argument in case["args"].as_array().into_iter().flatten() {
@@ -179,12 +174,8 @@ fn run(root: &Path, case: &Json, release: Release) -> UnitResult {
         }
     }
     let env = case["env"].as_object().into_iter().flatten();
-    let env = env
-        .map(|(name, value)| (name.clone(), fill(value)))
-        .collect();
-    let mut host = AnalysisHost::new(Arc::new(Disk {
-        env: Mutex::new(env),
-    }));
+    let env = env.map(|(name, value)| (name.clone(), fill(value))).collect();
+    let mut host = AnalysisHost::new(Arc::new(Disk { env: Mutex::new(env) }));
     let origin = ReleaseOrigin::CommandLine;
     host.apply(Change {
         config: Some(Config {
@@ -218,16 +209,12 @@ fn check_codes(want: &Json, errors: &[&Diagnostic]) -> Result<(), String> {
     let wanted: Vec<&Json> = want["errors"].as_array().into_iter().flatten().collect();
     let ids = |line: &Json| {
         let here = wanted.iter().filter(|error| error["line"] == *line);
-        here.filter_map(|error| error["check"].as_str())
-            .map(code_of)
-            .collect::<Vec<_>>()
+        here.filter_map(|error| error["check"].as_str()).map(code_of).collect::<Vec<_>>()
     };
     for error in wanted.iter().filter(|error| error["consequence"] != true) {
         let codes = ids(&error["line"]);
         if codes.is_empty()
-            || codes
-                .iter()
-                .any(|code| codes::find(code).is_none() && *code != "dropped")
+            || codes.iter().any(|code| codes::find(code).is_none() && *code != "dropped")
         {
             continue;
         }
@@ -271,9 +258,7 @@ fn is_near(want: &Json, diagnostics: &[&Diagnostic]) -> bool {
     diagnostics.iter().any(|diagnostic| {
         let (first, last) = lines(diagnostic);
         diagnostic.path.file_name() == want["file"].as_str()
-            && wanted
-                .iter()
-                .any(|line| first.abs_diff(*line) <= 1 || (first..=last).contains(line))
+            && wanted.iter().any(|line| first.abs_diff(*line) <= 1 || (first..=last).contains(line))
     })
 }
 
@@ -310,19 +295,11 @@ fn compare(want: &Json, ours: &Json, at: &str) -> Result<(), String> {
         (Json::String(any), _) if any == "*" => Ok(()),
         // Parameters of remote attributes are paths in the reference, names in dotgen.
         (Json::String(want), Json::String(ours)) if at.contains(".remotes[") => {
-            if want.trim_start_matches('.') == ours {
-                Ok(())
-            } else {
-                differ()
-            }
+            if want.trim_start_matches('.') == ours { Ok(()) } else { differ() }
         }
         // The reference includes the end of the line in the last argument of `_Pragma("requires …")`.
         (Json::String(want), Json::String(ours)) if at.contains(".requires") => {
-            if want.trim_end() == ours {
-                Ok(())
-            } else {
-                differ()
-            }
+            if want.trim_end() == ours { Ok(()) } else { differ() }
         }
         (Json::Object(want), Json::Object(ours)) => {
             for (key, value) in want {
@@ -354,11 +331,7 @@ fn compare(want: &Json, ours: &Json, at: &str) -> Result<(), String> {
             let (Some(a), Some(b)) = (a.as_f64(), b.as_f64()) else {
                 return differ();
             };
-            if (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) {
-                Ok(())
-            } else {
-                differ()
-            }
+            if (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) { Ok(()) } else { differ() }
         }
         _ if want == ours => Ok(()),
         _ => differ(),
@@ -373,34 +346,24 @@ fn published_specifications_are_accepted() {
         return;
     };
     let mut checked = 0;
-    for (folder, include) in [
-        ("components", "components/standins"),
-        ("robnav", "robnav"),
-        ("quadcopter", "quadcopter"),
-    ] {
+    for (folder, include) in
+        [("components", "components/standins"), ("robnav", "robnav"), ("quadcopter", "quadcopter")]
+    {
         let mut pending = vec![root.join(folder)];
         while let Some(path) = pending.pop() {
             if path.is_dir() && path != root.join("components/standins") {
-                pending.extend(
-                    fs::read_dir(path)
-                        .unwrap()
-                        .map(|entry| entry.unwrap().path()),
-                );
+                pending.extend(fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()));
                 continue;
             }
             if path.extension().is_none_or(|extension| extension != "gen") {
                 continue;
             }
             let input = BatchInput {
-                inputs: vec![Input::File(
-                    Utf8PathBuf::from_path_buf(path.clone()).unwrap(),
-                )],
+                inputs: vec![Input::File(Utf8PathBuf::from_path_buf(path.clone()).unwrap())],
                 include_dirs: vec![root.join(include).to_str().unwrap().into()],
                 ..BatchInput::default()
             };
-            let host = AnalysisHost::new(Arc::new(Installed(Disk {
-                env: Mutex::default(),
-            })));
+            let host = AnalysisHost::new(Arc::new(Installed(Disk { env: Mutex::default() })));
             let unit = host.analysis().batch(&input).unwrap();
             let found = unit.diagnostics.iter();
             let found: Vec<String> = found

@@ -16,10 +16,7 @@ use expect_test::expect;
 
 fn check(input: BatchInput, config: Config) -> Vec<Diagnostic> {
     let mut host = AnalysisHost::new(Arc::new(Disk));
-    host.apply(Change {
-        config: Some(config),
-        ..Change::default()
-    });
+    host.apply(Change { config: Some(config), ..Change::default() });
     host.analysis().batch(&input).unwrap().diagnostics.to_vec()
 }
 
@@ -35,14 +32,8 @@ fn strict() -> Config {
 }
 
 fn text(text: &str) -> BatchInput {
-    let input = Input::Text {
-        name: "/fixture/main.gen".into(),
-        text: text.into(),
-    };
-    BatchInput {
-        inputs: vec![input],
-        ..BatchInput::default()
-    }
+    let input = Input::Text { name: "/fixture/main.gen".into(), text: text.into() };
+    BatchInput { inputs: vec![input], ..BatchInput::default() }
 }
 
 fn codes_of(source: &str) -> Vec<&'static str> {
@@ -51,10 +42,7 @@ fn codes_of(source: &str) -> Vec<&'static str> {
         .iter()
         .find(|check| check.severity == Severity::Error && !check.code.starts_with("fsm/un"))
     {
-        panic!(
-            "the fixture is rejected: {}: {}\n{source}",
-            error.code, error.message
-        );
+        panic!("the fixture is rejected: {}: {}\n{source}", error.code, error.message);
     }
     found.iter().map(|check| check.code).collect()
 }
@@ -66,9 +54,7 @@ fn codels_without_execution_time_are_counted() {
             "component c {{ task t {{ period 5 ms; codel<start> f() yield a wcet 1 ms; {codels} }}; }};"
         );
         let found = check(text(&spec), strict());
-        let missing = found
-            .into_iter()
-            .find(|check| check.code == "timing/missing-wcet");
+        let missing = found.into_iter().find(|check| check.code == "timing/missing-wcet");
         missing.map(|check| check.message).unwrap_or_default()
     };
     expect!["`g` of task `t` has no execution time and counts as taking none; add `wcet` with the measured \
@@ -81,19 +67,9 @@ fn codels_without_execution_time_are_counted() {
 fn every_example_triggers_its_code() {
     for code in CODES {
         let found = codes_of(code.example);
-        assert!(
-            found.contains(&code.id),
-            "{}: {found:?}\n{}",
-            code.id,
-            code.example
-        );
+        assert!(found.contains(&code.id), "{}: {found:?}\n{}", code.id, code.example);
         let found = codes_of(code.corrected);
-        assert!(
-            !found.contains(&code.id),
-            "{}: corrected: {found:?}\n{}",
-            code.id,
-            code.corrected
-        );
+        assert!(!found.contains(&code.id), "{}: corrected: {found:?}\n{}", code.id, code.corrected);
     }
 }
 
@@ -200,10 +176,7 @@ const NEAR_MISSES: &[(&str, &str)] = &[
         "service/blind-validate",
         "component c { ids { long x; }; attribute set(in x) { validate check(local in x); }; };",
     ),
-    (
-        "service/long-function",
-        "component c { function f() { codel g() wcet 200 us; }; };",
-    ),
+    ("service/long-function", "component c { function f() { codel g() wcet 200 us; }; };"),
     (
         "service/order-cycle",
         "component c { function f() { before g; }; function g() { after f; }; };",
@@ -221,18 +194,12 @@ const NEAR_MISSES: &[(&str, &str)] = &[
         "component c { task t { period 1 s; }; activity a() { task t; local long x; codel<start> f(out x) \
             yield ether; }; };",
     ),
-    (
-        "style/missing-doc",
-        "component c { doc \"d\"; function f() { doc \"e\"; }; };",
-    ),
+    ("style/missing-doc", "component c { doc \"d\"; function f() { doc \"e\"; }; };"),
     (
         "style/naming",
         "component c { function set_speed(); function get_speed(); function stop(); };",
     ),
-    (
-        "style/order",
-        "component c { ids { long x; }; attribute a(in x); function f(); };",
-    ),
+    ("style/order", "component c { ids { long x; }; attribute a(in x); function f(); };"),
     (
         "lint/unused-suppression",
         "component c {\n// dotgen: allow(service/order-cycle) on purpose\nfunction f() { before g; };\nfunction g() { before f; };\n};",
@@ -257,20 +224,13 @@ fn no_near_miss_triggers_its_code() {
 #[test]
 fn rules_of_taste_are_off_by_default() {
     let found = check(text("component c { function f(); };"), Config::default());
-    assert!(
-        found.iter().all(|check| !check.code.starts_with("style/")),
-        "{found:?}"
-    );
+    assert!(found.iter().all(|check| !check.code.starts_with("style/")), "{found:?}");
 }
 
 #[test]
 fn a_comment_allows_a_finding_where_it_stands() {
     let circle = |comment: &str, place: &str| {
-        let (above, behind) = if place == "above" {
-            (comment, "")
-        } else {
-            ("", comment)
-        };
+        let (above, behind) = if place == "above" { (comment, "") } else { ("", comment) };
         let source = format!(
             "component c {{\n  {above}\n  function f() {{ before g; }}; {behind}\n  function g() {{ before f; }};\n}};\n"
         );
@@ -299,11 +259,9 @@ fn corpus() -> Vec<(Utf8PathBuf, Utf8PathBuf)> {
     let Some(shared) = shared.and_then(|path| Utf8PathBuf::from_path_buf(path).ok()) else {
         return out;
     };
-    for (folder, include) in [
-        ("components", "components/standins"),
-        ("robnav", "robnav"),
-        ("quadcopter", "quadcopter"),
-    ] {
+    for (folder, include) in
+        [("components", "components/standins"), ("robnav", "robnav"), ("quadcopter", "quadcopter")]
+    {
         let Ok(entries) = shared.join(folder).read_dir_utf8() else {
             continue;
         };
@@ -333,18 +291,10 @@ fn real_specifications_are_healthy() {
             ..BatchInput::default()
         };
         let found = check(input, Config::default());
-        let count = |severity| {
-            found
-                .iter()
-                .filter(|check| check.severity == severity)
-                .count()
-        };
+        let count = |severity| found.iter().filter(|check| check.severity == severity).count();
         assert_eq!(count(Severity::Error), 0, "{path}: {found:#?}");
         let warnings = count(Severity::Warning);
-        assert!(
-            warnings * 100 <= lines.max(100),
-            "{path}: {warnings} warnings in {lines} lines"
-        );
+        assert!(warnings * 100 <= lines.max(100), "{path}: {warnings} warnings in {lines} lines");
         let name = path.file_name().unwrap_or_default();
         let text = std::fs::read_to_string(&path).unwrap();
         for check in found.iter().filter(|check| check.path == path) {

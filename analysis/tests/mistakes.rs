@@ -38,10 +38,7 @@ impl Loader for Overlay {
     }
 
     fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags {
-            include_dirs: self.packages.clone(),
-            ..PackageFlags::default()
-        })
+        Ok(PackageFlags { include_dirs: self.packages.clone(), ..PackageFlags::default() })
     }
 
     fn list_dir(&self, path: &Utf8Path) -> Vec<DirEntry> {
@@ -105,30 +102,17 @@ fn components(folder: &Path, includes: &[Utf8PathBuf]) -> Vec<Component> {
     let mut paths = Vec::new();
     collect(folder, &mut paths);
     paths.sort();
-    let paths = paths
-        .into_iter()
-        .filter_map(|path| path.canonicalize().ok());
+    let paths = paths.into_iter().filter_map(|path| path.canonicalize().ok());
     let paths = paths.filter_map(|path| Utf8PathBuf::from_path_buf(path).ok());
     let component = |path: Utf8PathBuf| {
         let text = std::fs::read_to_string(&path).ok()?;
         let around = path.ancestors().skip(1).take(2);
         let own = around.flat_map(|ancestor| {
-            [
-                ancestor.to_owned(),
-                ancestor.join("idl"),
-                ancestor.join("include"),
-            ]
+            [ancestor.to_owned(), ancestor.join("idl"), ancestor.join("include")]
         });
         let includes: Vec<Utf8PathBuf> = own.chain(includes.iter().cloned()).collect();
-        let component = Component {
-            path,
-            text,
-            includes,
-        };
-        component
-            .errors(&component.text)
-            .is_empty()
-            .then_some(component)
+        let component = Component { path, text, includes };
+        component.errors(&component.text).is_empty().then_some(component)
     };
     paths.filter_map(component).collect()
 }
@@ -159,11 +143,7 @@ fn published() -> Vec<Component> {
     let mut add = |path: PathBuf| folders.extend(Utf8PathBuf::from_path_buf(path));
     for entry in std::fs::read_dir(&corpus).into_iter().flatten().flatten() {
         add(entry.path());
-        for inner in std::fs::read_dir(entry.path())
-            .into_iter()
-            .flatten()
-            .flatten()
-        {
+        for inner in std::fs::read_dir(entry.path()).into_iter().flatten().flatten() {
             if inner.path().is_dir() {
                 add(inner.path());
             }

@@ -21,10 +21,7 @@ fn model(path: &Path) -> Json {
     let host = AnalysisHost::new(Arc::new(EmptyLoader));
     let name = Utf8Path::new("/model").join(path.file_name().unwrap().to_str().unwrap());
     let input = BatchInput {
-        inputs: vec![Input::Text {
-            name,
-            text: text.into(),
-        }],
+        inputs: vec![Input::Text { name, text: text.into() }],
         ..BatchInput::default()
     };
     let unit = host.analysis().batch(&input).unwrap();
@@ -52,10 +49,7 @@ fn documents_follow_the_schema() {
 fn types(text: &str) -> String {
     let host = AnalysisHost::new(Arc::new(EmptyLoader));
     let input = BatchInput {
-        inputs: vec![Input::Text {
-            name: "/types.gen".into(),
-            text: text.into(),
-        }],
+        inputs: vec![Input::Text { name: "/types.gen".into(), text: text.into() }],
         ..BatchInput::default()
     };
     let unit = host.analysis().batch(&input).unwrap();

@@ -24,10 +24,7 @@ fn found(text: &str, severity: Severity) -> Vec<(&'static str, String)> {
         ..Change::default()
     });
     let input = BatchInput {
-        inputs: vec![Input::Text {
-            name: "/fixture/main.gen".into(),
-            text: text.into(),
-        }],
+        inputs: vec![Input::Text { name: "/fixture/main.gen".into(), text: text.into() }],
         ..BatchInput::default()
     };
     let unit = host.analysis().batch(&input).unwrap();
@@ -80,17 +77,11 @@ fn whatever_has_a_name_is_a_type() {
     taken(&texts);
     for text in texts {
         let warnings = found(text, Severity::Warning);
-        assert!(
-            warnings.iter().any(|warning| warning.0 == "not-a-type"),
-            "{text}"
-        );
+        assert!(warnings.iter().any(|warning| warning.0 == "not-a-type"), "{text}");
     }
     refused(&[
         ("enum e { A }; const A k = A;", "const-type"),
-        (
-            "enum e { A }; union u switch (A) { case A: long x; };",
-            "union-switch-type",
-        ),
+        ("enum e { A }; union u switch (A) { case A: long x; };", "union-switch-type"),
         (
             "component c { function f(in start x) { codel g(in x); }; task t { codel<start> g() yields \
                 ether; }; };",
@@ -116,22 +107,10 @@ fn empty_braces_give_no_value() {
         "component c { function f(in long x[2] = { , 1, 2 }); };",
     ]);
     refused(&[
-        (
-            "component c { function f(in long x = { 1 }); };",
-            "init-compound-scalar",
-        ),
-        (
-            "component c { function f(in long x[2] = { , }); };",
-            "syntax",
-        ),
-        (
-            "component c { function f(in long x[2] = { 1, , 2 }); };",
-            "syntax",
-        ),
-        (
-            "component c { function f(in long x[2] = { 1, {}, 2, 3 }); };",
-            "init-bounds",
-        ),
+        ("component c { function f(in long x = { 1 }); };", "init-compound-scalar"),
+        ("component c { function f(in long x[2] = { , }); };", "syntax"),
+        ("component c { function f(in long x[2] = { 1, , 2 }); };", "syntax"),
+        ("component c { function f(in long x[2] = { 1, {}, 2, 3 }); };", "init-bounds"),
     ]);
 }
 
@@ -157,16 +136,10 @@ fn the_ids_of_a_component_take_their_name_when_it_begins() {
             ether; }; };",
     ]);
     refused(&[
-        (
-            "module c { typedef long ids; }; component c { };",
-            "name-clash",
-        ),
+        ("module c { typedef long ids; }; component c { };", "name-clash"),
         ("component ids;", "name-clash-enclosing"),
         ("interface ids;", "name-clash-enclosing"),
-        (
-            "component c { typedef long ids; ids { long x; }; };",
-            "name-clash",
-        ),
+        ("component c { typedef long ids; ids { long x; }; };", "name-clash"),
     ]);
 }
 
@@ -177,10 +150,7 @@ fn the_ids_are_a_type_once_there_are_some() {
     ]);
     refused(&[
         ("component c { ids { ids again; }; };", "unknown-type"),
-        (
-            "component c { typedef ids t; ids { long x; }; };",
-            "unknown-type",
-        ),
+        ("component c { typedef ids t; ids { long x; }; };", "unknown-type"),
     ]);
 }
 
@@ -196,10 +166,7 @@ fn misplaced_codels_are_read() {
             "component c { function f() { codel<start> g(in nope) yields ether; }; };",
             "service-fsm-codel",
         ),
-        (
-            "component c { task t { codel g(in nope); }; };",
-            "codel-in-task",
-        ),
+        ("component c { task t { codel g(in nope); }; };", "codel-in-task"),
     ] {
         let errors = found(text, Severity::Error);
         let mut codes: Vec<&str> = errors.iter().map(|error| error.0).collect();
@@ -216,10 +183,7 @@ fn local_variables_are_declared_once_in_a_declaration() {
         "component c { function f() { local long x; }; function f() { local long y; local long x; }; };",
     ]);
     refused(&[
-        (
-            "component c { function f() { local long x; local long x; }; };",
-            "param-duplicate",
-        ),
+        ("component c { function f() { local long x; local long x; }; };", "param-duplicate"),
         (
             "component c { function f() { local long x; }; function f() { local long x; local long x; }; };",
             "param-duplicate",
@@ -234,19 +198,10 @@ fn an_interface_that_names_itself_imports_itself() {
         "interface i { extends i; typedef long t; port in t p; };",
     ]);
     refused(&[
-        (
-            "interface i { version \"1\"; extends i; };",
-            "prop-duplicate",
-        ),
-        (
-            "interface i { typedef long t; port in t p; provides i; };",
-            "name-clash",
-        ),
+        ("interface i { version \"1\"; extends i; };", "prop-duplicate"),
+        ("interface i { typedef long t; port in t p; provides i; };", "name-clash"),
         ("interface i { function f(); uses i; };", "redefinition"),
-        (
-            "interface i { function f() { codel g(); }; extends i; };",
-            "prop-duplicate",
-        ),
+        ("interface i { function f() { codel g(); }; extends i; };", "prop-duplicate"),
     ]);
 }
 
@@ -284,10 +239,8 @@ fn what_an_interface_imports_by_the_same_property_comes_twice() {
 
 #[test]
 fn imported_codels_are_not_compared() {
-    taken(&[
-        "interface i { ids { long x; }; function f() { codel g(in ::all); }; };
-         component c { ids { double y; }; provides i; function h() { codel g(in ::all); }; };",
-    ]);
+    taken(&["interface i { ids { long x; }; function f() { codel g(in ::all); }; };
+         component c { ids { double y; }; provides i; function h() { codel g(in ::all); }; };"]);
     refused(&[(
         "interface i { ids { long x; }; function f() { codel g(in ::all); }; };
          component c { ids { double y; }; function h() { codel g(in ::all); }; };",
@@ -303,10 +256,7 @@ fn comments_in_pragmas_are_words() {
         "#pragma unknown /* fine */ // fine\n",
     ]);
     refused(&[
-        (
-            "interface i { };\n#pragma provides i // why\n",
-            "pragma-provides-unknown",
-        ),
+        ("interface i { };\n#pragma provides i // why\n", "pragma-provides-unknown"),
         (
             "typedef long t;\n#pragma masquerade ros t \"text\" /* why */\n",
             "pragma-masquerade-syntax",
@@ -322,9 +272,6 @@ fn directives_that_one_would_not_write() {
         "#if 1\n#else\n#elif 1\nconst long a = 1;\n#endif\nconst long b = a;\n",
     ]);
     refused(&[("#line 3 \"a\" \"b\"\n", "pp-line-bad")]);
-    let errors = found(
-        "#define f(x) x\nconst long a = f /* c */ (1);\n",
-        Severity::Error,
-    );
+    let errors = found("#define f(x) x\nconst long a = f /* c */ (1);\n", Severity::Error);
     assert!(!errors.is_empty());
 }

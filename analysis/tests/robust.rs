@@ -49,10 +49,7 @@ fn texts() -> Vec<Vec<String>> {
 fn check(text: &str) {
     let host = AnalysisHost::new(Arc::new(EmptyLoader));
     let input = BatchInput {
-        inputs: vec![Input::Text {
-            name: "/text.gen".into(),
-            text: text.into(),
-        }],
+        inputs: vec![Input::Text { name: "/text.gen".into(), text: text.into() }],
         ..BatchInput::default()
     };
     let unit = host.analysis().batch(&input).unwrap();

@@ -57,10 +57,6 @@ fn report(text: &[u8]) -> Result<(String, u8), String> {
         (0, 0) => 2,
         _ => 0,
     };
-    out += if status == 2 {
-        "nothing is certified\n"
-    } else {
-        ""
-    };
+    out += if status == 2 { "nothing is certified\n" } else { "" };
     Ok((out, status))
 }

@@ -85,11 +85,7 @@ fn contradicts(tables: &Tables, case: &[Literal], work: &mut Work) -> Result<boo
         }
     }
     let left: Vec<Vec<&State>> = left.into_values().collect();
-    let pairs = left
-        .iter()
-        .map(Vec::len)
-        .sum::<usize>()
-        .saturating_mul(left.len());
+    let pairs = left.iter().map(Vec::len).sum::<usize>().saturating_mul(left.len());
     work.spend(pairs)?;
     if left.iter().any(Vec::is_empty) || are_too_many(tables, &left) || without_slot(&left) {
         return Ok(true);
@@ -125,20 +121,14 @@ fn exclude(
 
 /// Returns true if more parts have a core than there are cores.
 fn are_too_many(tables: &Tables, left: &[Vec<&State>]) -> bool {
-    let with_core = left
-        .iter()
-        .filter(|states| states.iter().all(|state| state.core));
+    let with_core = left.iter().filter(|states| states.iter().all(|state| state.core));
     tables.cores.is_some_and(|cores| with_core.count() > cores)
 }
 
 /// Returns true if a part has a codel of a service without any activity.
 fn without_slot(left: &[Vec<&State>]) -> bool {
     let void = |service: &String| {
-        (left.iter()).any(|states| {
-            states
-                .iter()
-                .all(|state| state.void.as_ref() == Some(service))
-        })
+        (left.iter()).any(|states| states.iter().all(|state| state.void.as_ref() == Some(service)))
     };
     let of_void = |state: &&State| state.service.as_ref().is_some_and(void);
     left.iter().any(|states| states.iter().all(of_void))

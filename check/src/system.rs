@@ -50,14 +50,7 @@ impl<'c> Tables<'c> {
         let codels = codels.into_iter().map(|(name, codel)| {
             let (shared, exclusive) = (set(&codel.shared), set(&codel.exclusive));
             let alone = codel.alone;
-            (
-                name,
-                Locks {
-                    shared,
-                    exclusive,
-                    alone,
-                },
-            )
+            (name, Locks { shared, exclusive, alone })
         });
         let out = Tables {
             cores: system.cores,
@@ -70,9 +63,7 @@ impl<'c> Tables<'c> {
         }
         let names = |part: &'c Part| part.states.iter().map(|state| state.name.as_str());
         let states = system.parts.iter();
-        let states = states
-            .map(|part| (part.name.as_str(), names(part).collect()))
-            .collect();
+        let states = states.map(|part| (part.name.as_str(), names(part).collect())).collect();
         for atom in &system.atoms {
             work.spend(atom.parts.len())?;
             known(atom, &states).map_err(|error| format!("atom `{}`: {error}", atom.name))?;
@@ -93,10 +84,7 @@ impl<'c> Tables<'c> {
             let ends = find("state", &states, &step.from).and(find("state", &states, &step.to));
             ends.map_err(|error| format!("step `{}`: {error}", step.what))?;
         }
-        let mut executed = part
-            .states
-            .iter()
-            .filter_map(|state| state.executes.as_ref());
+        let mut executed = part.states.iter().filter_map(|state| state.executes.as_ref());
         executed.try_for_each(|codel| find("codel", &self.codels, codel).map(drop))
     }
 

@@ -22,9 +22,7 @@ fn certificate(never: &str) -> String {
 
 fn outcome(text: &str) -> String {
     let answers = check(text.as_bytes()).unwrap();
-    let [answer] = &answers[..] else {
-        panic!("{answers:?}")
-    };
+    let [answer] = &answers[..] else { panic!("{answers:?}") };
     format!("{}: {}", answer.check, answer.outcome)
 }
 
@@ -37,10 +35,7 @@ fn an_answer_has_the_predicate_that_is_proved() {
     let nothing = "s: always C (proved): accepted: never false";
     assert_eq!(outcome(&certificate(r#"{ "or": [] }"#)), nothing);
     let one = certificate(r#"{ "atom": "A" }"#);
-    assert_eq!(
-        outcome(&one),
-        "s: always C (proved): refused: no invariant excludes `A` true"
-    );
+    assert_eq!(outcome(&one), "s: always C (proved): refused: no invariant excludes `A` true");
 }
 
 #[test]
@@ -55,8 +50,6 @@ fn a_certificate_that_needs_too_much_work_is_refused() {
     let pair = r#"{ "or": [{ "atom": "A" }, { "atom": "B" }] }"#;
     let all = vec![pair; 40].join(",");
     let answers = check(certificate(&format!(r#"{{ "and": [{all}] }}"#)).as_bytes()).unwrap();
-    let Outcome::Refused(reason) = &answers[0].outcome else {
-        panic!("{answers:?}")
-    };
+    let Outcome::Refused(reason) = &answers[0].outcome else { panic!("{answers:?}") };
     assert!(reason.contains("steps"), "{reason}");
 }

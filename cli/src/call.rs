@@ -117,9 +117,7 @@ impl RunConnection {
     pub(super) fn schema(&mut self, path: &str) -> anyhow::Result<Value> {
         let (component, port) = path.split_once('/').unwrap_or((path, ""));
         let mut all = self.components()?;
-        let found = all
-            .iter_mut()
-            .find(|candidate| candidate["name"] == component);
+        let found = all.iter_mut().find(|candidate| candidate["name"] == component);
         let ports = found.and_then(|component| component["ports"].as_array_mut());
         let port = ports.and_then(|all| all.iter_mut().find(|component| component["name"] == port));
         Ok(port.map_or(json!({}), |port| port["schema"].take()))
@@ -148,14 +146,10 @@ pub(super) fn call(arguments: &Call) -> anyhow::Result<Outcome> {
 fn call_elsewhere(arguments: &Call, input: &Value) -> anyhow::Result<Outcome> {
     use std::ops::ControlFlow;
 
-    let Call {
-        component, service, ..
-    } = arguments;
+    let Call { component, service, .. } = arguments;
     let mut result = None;
     let mut hear = |message: Value| {
-        result = refused(&message)
-            .and_then(|()| show(&message, arguments.ack))
-            .transpose();
+        result = refused(&message).and_then(|()| show(&message, arguments.ack)).transpose();
         match result {
             Some(_) => ControlFlow::Break(()),
             None => ControlFlow::Continue(()),
@@ -210,11 +204,7 @@ pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Outcome> {
         match message["event"].as_str() {
             Some("data") => {}
             Some("lost") => {
-                explain_failure(
-                    message["message"]
-                        .as_str()
-                        .unwrap_or("the component is gone"),
-                );
+                explain_failure(message["message"].as_str().unwrap_or("the component is gone"));
                 return Ok(Outcome::Errors);
             }
             _ => continue,

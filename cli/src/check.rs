@@ -148,9 +148,8 @@ fn check(session: &mut Session, report: &mut FileReports, trouble: &mut ErrorRep
 
 fn check_specifications(session: &mut Session, report: &mut FileReports) -> anyhow::Result<()> {
     let specifications = session.files.iter().filter(|file| !file.is_scenario());
-    let specifications: Vec<Utf8PathBuf> = specifications
-        .map(|specification| specification.path.clone())
-        .collect();
+    let specifications: Vec<Utf8PathBuf> =
+        specifications.map(|specification| specification.path.clone()).collect();
     // The includes of each file have to be known before the question which files are included.
     session.ask_each(&specifications, Analysis::files_of_root, |_, _, _| Ok(()))?;
     let ours: FxHashSet<&Utf8PathBuf> = session.files.iter().map(|file| &file.path).collect();
@@ -161,10 +160,7 @@ fn check_specifications(session: &mut Session, report: &mut FileReports) -> anyh
             // there, and may be incomplete alone.
             let roots =
                 session.ask(&file.path, |analysis| analysis.roots_containing(&file.path))?;
-            if roots
-                .iter()
-                .any(|root| *root != file.path && ours.contains(root))
-            {
+            if roots.iter().any(|root| *root != file.path && ours.contains(root)) {
                 continue;
             }
         }
@@ -177,10 +173,7 @@ fn check_specifications(session: &mut Session, report: &mut FileReports) -> anyh
     })?;
     for path in &wanted {
         if let Some(found) = reports.remove(path) {
-            if found
-                .iter()
-                .any(|diagnostic| is_environment(diagnostic.code))
-            {
+            if found.iter().any(|diagnostic| is_environment(diagnostic.code)) {
                 let needs = session.ask(path, |analysis| analysis.dependencies(path))?;
                 report.waiting.extend(OpenNames::of(&needs));
             }
@@ -224,11 +217,7 @@ fn scenario_with(
     if found.is_empty() {
         let specs = problem.specs();
         let unknown = Names::new(&specs).unknown_names(&problem.scenario);
-        found.extend(
-            unknown
-                .iter()
-                .map(|unknown_name| problem.diagnostic(unknown_name)),
-        );
+        found.extend(unknown.iter().map(|unknown_name| problem.diagnostic(unknown_name)));
     }
     Ok(found)
 }

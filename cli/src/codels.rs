@@ -134,10 +134,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 
 pub(super) fn project(session: &mut Session) -> Project<'_> {
     let files = session.codels();
-    let stubs = StubOptions {
-        use_parameters: true,
-        ..StubOptions::default()
-    };
+    let stubs = StubOptions { use_parameters: true, ..StubOptions::default() };
     let given: Vec<_> = (session.files.iter())
         .filter_map(|file| Some((file.path.clone(), file.text.clone()?)))
         .collect();
@@ -205,13 +202,9 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
     }
     report.finish();
     report::print(&report, arguments.format)?;
-    errors
-        .into_iter()
-        .for_each(|error| trouble.tell(&anyhow::Error::msg(error)));
+    errors.into_iter().for_each(|error| trouble.tell(&anyhow::Error::msg(error)));
     let differs = report.diagnostics.iter();
-    let differs = differs
-        .filter(|diagnostic| diagnostic.severity != Severity::Hint)
-        .count();
+    let differs = differs.filter(|diagnostic| diagnostic.severity != Severity::Hint).count();
     Ok(trouble.outcome(match differs == 0 && !broken {
         true => Outcome::Fine,
         false => Outcome::Errors,
@@ -233,10 +226,7 @@ fn has_errors(folder: &Folder) {
             "{} missing on this machine: `dotgen deps {path}` says what brings it",
             count(&here, "thing")
         ),
-        (true, _) => format!(
-            "{}: `dotgen check {path}` shows them",
-            count(&text, "error")
-        ),
+        (true, _) => format!("{}: `dotgen check {path}` shows them", count(&text, "error")),
         (false, false) => format!(
             "{}, and {} missing on this machine: `dotgen check {path}` and `dotgen deps {path}` say more",
             count(&text, "error"),
@@ -300,18 +290,13 @@ fn yield_of_codel(text: &str) -> Result<(String, String), String> {
 fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
     let (files, mut trouble) = session::specifications(&arguments.paths);
     check_is_file(&arguments.paths)?;
-    let options = SyncOptions {
-        remove_yields: arguments.remove_yield.clone(),
-        ..SyncOptions::default()
-    };
+    let options =
+        SyncOptions { remove_yields: arguments.remove_yield.clone(), ..SyncOptions::default() };
     let mut outcome = Outcome::Fine;
     for mut session in session::open(files, &arguments.reading)? {
         let roots = roots(&session);
         let done = command::sync(&mut project(&mut session), &roots, &options);
-        if trouble
-            .ok_or_report(write(&done.changes, arguments.dry_run))
-            .is_none()
-        {
+        if trouble.ok_or_report(write(&done.changes, arguments.dry_run)).is_none() {
             continue;
         }
         let mut out = anstream::stdout();
@@ -323,18 +308,10 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
         }
         for note in &done.notes {
             let path = session::display(&note.path).into();
-            report::note(
-                &ManualChange {
-                    path,
-                    ..note.clone()
-                }
-                .to_string(),
-            );
+            report::note(&ManualChange { path, ..note.clone() }.to_string());
         }
         let left = done.left.findings.iter();
-        let left: Vec<_> = left
-            .filter(|finding| finding.severity != Severity::Hint)
-            .collect();
+        let left: Vec<_> = left.filter(|finding| finding.severity != Severity::Hint).collect();
         for finding in &left {
             let at = finding.at.as_ref();
             let at = at.map_or_else(String::new, |at| {
@@ -369,20 +346,12 @@ fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
         .map(|file| {
             let path = output.join(file.path);
             let before = Disk.read(&path).map(|read| read.to_string());
-            FileChange {
-                path,
-                before,
-                after: file.text,
-            }
+            FileChange { path, before, after: file.text }
         })
         .collect();
     let ignored = output.join(".gitignore");
     if arguments.output.is_none() && !ignored.exists() {
-        changes.push(FileChange {
-            path: ignored,
-            before: None,
-            after: IGNORED.to_owned(),
-        });
+        changes.push(FileChange { path: ignored, before: None, after: IGNORED.to_owned() });
     }
     write(&changes, false)?;
     Ok(Outcome::Fine)
@@ -396,10 +365,7 @@ fn write(changes: &[FileChange], dry_run: bool) -> anyhow::Result<()> {
     if dry_run {
         for change in changes {
             let path = session::display(&change.path).into();
-            let shown = FileChange {
-                path,
-                ..change.clone()
-            };
+            let shown = FileChange { path, ..change.clone() };
             write!(out, "{}", encoding::shown(&shown.diff()))?;
         }
         return Ok(());
@@ -411,11 +377,7 @@ fn write(changes: &[FileChange], dry_run: bool) -> anyhow::Result<()> {
             true => "changed",
             false => "created",
         };
-        writeln!(
-            out,
-            "{did} {}",
-            terminal::name(&session::display(&change.path))
-        )?;
+        writeln!(out, "{did} {}", terminal::name(&session::display(&change.path)))?;
     }
     Ok(())
 }

@@ -75,10 +75,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
                     |change: &FileChange| report::new_content(&change.path, &change.after);
                 let contents: Vec<_> = changes.iter().map(content).collect();
                 trouble.ok_or_report(report::write_files(&contents));
-                written = changes
-                    .iter()
-                    .map(|change| session::display(&change.path))
-                    .collect();
+                written = changes.iter().map(|change| session::display(&change.path)).collect();
             }
             all.push(FileDependencies {
                 file: session::display(path),
@@ -90,16 +87,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     match arguments.format {
         Format::Json => {
-            let text = format!(
-                "{:#}\n",
-                json!({ "version": VERSION, "specifications": all })
-            );
+            let text = format!("{:#}\n", json!({ "version": VERSION, "specifications": all }));
             std::io::stdout().write_all(dotgen_syntax::encoding::shown(&text).as_bytes())?;
         }
         Format::Text => {
             let mut out = Vec::new();
-            all.iter()
-                .try_for_each(|dependencies| print(dependencies, &mut out))?;
+            all.iter().try_for_each(|dependencies| print(dependencies, &mut out))?;
             let text = String::from_utf8_lossy(&out);
             let text = dotgen_syntax::encoding::shown(&text);
             anstream::stdout().write_all(text.as_bytes())?;
@@ -124,10 +117,7 @@ impl Relative for Dependencies {
             let found = include.found.iter_mut().chain(&mut include.searched);
             std::iter::once(&mut include.by).chain(found)
         });
-        let interfaces = self
-            .interfaces
-            .iter_mut()
-            .flat_map(|interface| &mut interface.found);
+        let interfaces = self.interfaces.iter_mut().flat_map(|interface| &mut interface.found);
         for path in includes.chain(interfaces) {
             let shown = session::display(path);
             *path = if shown.is_empty() { "." } else { &shown }.into();
@@ -198,9 +188,8 @@ fn print_package(package: &Package, out: &mut impl Write) -> std::io::Result<()>
         None => writeln!(out, "  package {requirement} ({by}): found"),
         Some(why) => {
             let brings = package.brought_by.iter();
-            let brings: Vec<String> = brings
-                .map(|provider| packages::advice(&provider.package))
-                .collect();
+            let brings: Vec<String> =
+                brings.map(|provider| packages::advice(&provider.package)).collect();
             let why = terminal::text(why);
             writeln!(out, "  package {requirement} ({by}): MISSING: {why}")?;
             writeln!(out, "    install {}", terminal::text(&brings.join("; ")))
@@ -215,16 +204,12 @@ fn print_include(
 ) -> std::io::Result<()> {
     let path = terminal::name(&include.path);
     match &include.found {
-        Some(found) if include.stand_in => writeln!(
-            out,
-            "  include {path}: STAND-IN {}",
-            terminal::name(found.as_str())
-        ),
+        Some(found) if include.stand_in => {
+            writeln!(out, "  include {path}: STAND-IN {}", terminal::name(found.as_str()))
+        }
         Some(found) => writeln!(out, "  include {path}: {}", place(found)),
         None => {
-            let packages = needs
-                .missing_packages()
-                .flat_map(|package| &package.brought_by);
+            let packages = needs.missing_packages().flat_map(|package| &package.brought_by);
             let packages: Vec<&str> = packages.map(|package| package.package.as_str()).collect();
             let advice = match packages.as_slice() {
                 [] => "add its directory with -I, or install the package that has it".to_owned(),
@@ -232,11 +217,7 @@ fn print_include(
                 several => format!("most likely it comes with one of {}", several.join(", ")),
             };
             let by = terminal::name(include.by.as_str());
-            writeln!(
-                out,
-                "  include {path} (of {by}): MISSING: {}",
-                terminal::text(&advice)
-            )?;
+            writeln!(out, "  include {path} (of {by}): MISSING: {}", terminal::text(&advice))?;
             let places: Vec<&str> = include.searched.iter().map(|path| path.as_str()).collect();
             let places = match places.as_slice() {
                 [] => "nowhere: no directory is searched for `<>`".to_owned(),

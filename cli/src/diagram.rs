@@ -134,10 +134,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         connections.extend_from_slice(session.connections());
     }
     let wish = request(arguments);
-    let around = SystemContext {
-        connections,
-        ..SystemContext::default()
-    };
+    let around = SystemContext { connections, ..SystemContext::default() };
     let drawn = pictures::draw(&units, &around, &wish);
     if drawn.is_empty() {
         bail!("{}", nothing(&wish));
@@ -213,10 +210,7 @@ fn pictures_as_files(
 
 /// Returns the requested format, or that of the file's name. Both have to agree.
 fn format(arguments: &Arguments) -> anyhow::Result<Format> {
-    let file = arguments
-        .output
-        .as_deref()
-        .filter(|output| !output.is_dir());
+    let file = arguments.output.as_deref().filter(|output| !output.is_dir());
     let named = file.and_then(by_name);
     if let (None, None, Some(file)) = (arguments.format, named, file)
         && let Some(unknown) = file.extension()
@@ -286,9 +280,7 @@ fn bytes(picture: &Picture, format: Format, theme: Colours) -> anyhow::Result<Ve
         Format::Mermaid => Form::Mermaid,
         Format::Svg | Format::Json => Form::Svg,
     };
-    Ok(encoding::shown(&picture.text(form, theme))
-        .into_owned()
-        .into_bytes())
+    Ok(encoding::shown(&picture.text(form, theme)).into_owned().into_bytes())
 }
 
 fn file_name(picture: &Picture, format: Format) -> String {
@@ -322,11 +314,7 @@ fn write(pictures: Vec<(Option<Utf8PathBuf>, Vec<u8>)>) -> anyhow::Result<()> {
     let mut files = Vec::new();
     for (path, bytes) in pictures {
         match path.filter(|path| path != "-") {
-            Some(path) => files.push(NewContent {
-                path: path.into(),
-                bytes,
-                mode: None,
-            }),
+            Some(path) => files.push(NewContent { path: path.into(), bytes, mode: None }),
             None => std::io::stdout().write_all(&bytes)?,
         }
     }

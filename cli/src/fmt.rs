@@ -44,11 +44,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    if arguments
-        .paths
-        .iter()
-        .any(|path| session::is_standard_input(path))
-    {
+    if arguments.paths.iter().any(|path| session::is_standard_input(path)) {
         if arguments.paths.len() > 1 {
             bail!("`-` stands for standard input and goes with no other path");
         }
@@ -76,12 +72,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if !arguments.check {
         trouble.ok_or_report(report::write_files(&changed));
     }
-    Ok(
-        trouble.outcome(match arguments.check && !changed.is_empty() {
-            true => Outcome::Errors,
-            false => Outcome::Fine,
-        }),
-    )
+    Ok(trouble.outcome(match arguments.check && !changed.is_empty() {
+        true => Outcome::Errors,
+        false => Outcome::Fine,
+    }))
 }
 
 /// Returns the text of a file, and the formatted text.
@@ -140,10 +134,7 @@ fn standard_input(check: bool) -> anyhow::Result<Outcome> {
     let old = session::standard_input()?;
     let parse = parse_text(&old);
     let style = format::Options::default();
-    let new = format::apply(
-        &old,
-        &format::format(&parse.syntax(), &parse.broken(), None, &style),
-    );
+    let new = format::apply(&old, &format::format(&parse.syntax(), &parse.broken(), None, &style));
     if !check {
         std::io::stdout().write_all(&encoding::encode(&new))?;
     } else if old != new {

@@ -34,10 +34,7 @@ pub(super) struct Arguments {
 pub(super) fn intercept() -> Option<ExitCode> {
     let mut arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
     let program = arguments.next().unwrap_or_default();
-    let program = Path::new(&program)
-        .file_stem()?
-        .to_string_lossy()
-        .into_owned();
+    let program = Path::new(&program).file_stem()?.to_string_lossy().into_owned();
     let arguments: Vec<String> = arguments.collect();
     if program == "genom3" {
         return Some(run_as_genom3(&arguments));
@@ -56,10 +53,7 @@ pub(super) fn run_parsed(arguments: &Arguments) -> ExitCode {
 
 /// Runs as `genom3`: without configuration, with the options of `genom3` only.
 fn run_as_genom3(arguments: &[String]) -> ExitCode {
-    let packages = PackageConfig {
-        may_run: true,
-        ..PackageConfig::default()
-    };
+    let packages = PackageConfig { may_run: true, ..PackageConfig::default() };
     run("genom3", arguments, packages, &ConfigFile::default())
 }
 
@@ -77,10 +71,7 @@ fn in_project(arguments: &[String]) -> ExitCode {
             template_paths: (!templates.is_empty()).then(|| templates.join(":")),
         }
     });
-    let packages = PackageConfig {
-        may_run: true,
-        ..file.config.packages.clone()
-    };
+    let packages = PackageConfig { may_run: true, ..file.config.packages.clone() };
     run("dotgen generate", &arguments, packages, &file)
 }
 
@@ -120,11 +111,7 @@ fn configuration(words: &[String]) -> ConfigFile {
     let settings = read.settings.resolved_against(&directory);
     ConfigFile {
         config: Config::new(&settings, &directory, true),
-        source: Some(ConfigProblems {
-            path,
-            text: text.into(),
-            problems: read.problems,
-        }),
+        source: Some(ConfigProblems { path, text: text.into(), problems: read.problems }),
     }
 }
 

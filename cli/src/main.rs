@@ -234,11 +234,7 @@ fn failure(error: &anyhow::Error) {
     let error = format!("{error:#}");
     let error = terminal::text(&error);
     // If standard error is closed, nothing can be reported.
-    let _ = writeln!(
-        anstream::stderr(),
-        "{style}error{style:#}: {}",
-        encoding::shown(&error)
-    );
+    let _ = writeln!(anstream::stderr(), "{style}error{style:#}: {}", encoding::shown(&error));
 }
 
 #[cfg(all(test, unix))]

@@ -39,17 +39,9 @@ fn add(
         bytes,
         mode: None,
     });
-    for subcommand in command
-        .get_subcommands()
-        .filter(|subcommand| !subcommand.is_hide_set())
-    {
+    for subcommand in command.get_subcommands().filter(|subcommand| !subcommand.is_hide_set()) {
         if subcommand.get_name() != "help" {
-            add(
-                subcommand,
-                &format!("{name}-{}", subcommand.get_name()),
-                arguments,
-                pages,
-            )?;
+            add(subcommand, &format!("{name}-{}", subcommand.get_name()), arguments, pages)?;
         }
     }
     Ok(())

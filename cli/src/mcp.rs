@@ -40,9 +40,7 @@ pub(super) struct Arguments {}
 
 pub(super) fn run() -> anyhow::Result<Outcome> {
     logging::install("warn");
-    let runtime = tokio::runtime::Builder::new_current_thread()
-        .enable_all()
-        .build()?;
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(async {
         let service = Tools::default().serve(rmcp::transport::stdio()).await?;
         service.waiting().await?;
@@ -169,8 +167,7 @@ impl Tools {
         Parameters(parameter): Parameters<Name>,
         context: Context,
     ) -> CallToolResult {
-        self.command(["query", "--", &parameter.name, &parameter.path], &context)
-            .await
+        self.command(["query", "--", &parameter.name, &parameter.path], &context).await
     }
 
     #[tool(
@@ -182,8 +179,7 @@ impl Tools {
         Parameters(parameter): Parameters<Specifications>,
         context: Context,
     ) -> CallToolResult {
-        self.command(["check", "--", &parameter.path], &context)
-            .await
+        self.command(["check", "--", &parameter.path], &context).await
     }
 
     #[tool(
@@ -195,10 +191,7 @@ impl Tools {
         context: Context,
     ) -> CallToolResult {
         match parameter.unsafe_fixes {
-            false => {
-                self.command(["check", "--fix", "--", &parameter.path], &context)
-                    .await
-            }
+            false => self.command(["check", "--fix", "--", &parameter.path], &context).await,
             true => {
                 let words = ["check", "--fix", "--unsafe-fixes", "--", &parameter.path];
                 self.command(words, &context).await
@@ -219,8 +212,7 @@ impl Tools {
             CodelAction::Sync => "sync",
             CodelAction::Stub => "stub",
         };
-        self.command(["codels", action, "--", &parameter.path], &context)
-            .await
+        self.command(["codels", action, "--", &parameter.path], &context).await
     }
 
     #[tool(
@@ -232,11 +224,7 @@ impl Tools {
         Parameters(parameter): Parameters<Specifications>,
         context: Context,
     ) -> CallToolResult {
-        self.command(
-            ["verify", "--timeout", VERIFY_SECONDS, "--", &parameter.path],
-            &context,
-        )
-        .await
+        self.command(["verify", "--timeout", VERIFY_SECONDS, "--", &parameter.path], &context).await
     }
 
     #[tool(
@@ -249,15 +237,7 @@ impl Tools {
         context: Context,
     ) -> CallToolResult {
         self.command(
-            [
-                "run",
-                "--simulate",
-                "all",
-                "--until",
-                &parameter.duration,
-                "--",
-                &parameter.path,
-            ],
+            ["run", "--simulate", "all", "--until", &parameter.duration, "--", &parameter.path],
             &context,
         )
         .await
@@ -277,11 +257,7 @@ impl Tools {
             PictureKind::System => "system",
             PictureKind::Locks => "locks",
         };
-        self.command(
-            ["diagram", of, "--format", "mermaid", "--", &parameter.path],
-            &context,
-        )
-        .await
+        self.command(["diagram", of, "--format", "mermaid", "--", &parameter.path], &context).await
     }
 
     #[tool(
@@ -293,8 +269,7 @@ impl Tools {
         Parameters(parameter): Parameters<Code>,
         context: Context,
     ) -> CallToolResult {
-        self.command(["explain", "--", &parameter.code], &context)
-            .await
+        self.command(["explain", "--", &parameter.code], &context).await
     }
 }
 
@@ -339,9 +314,7 @@ impl Tools {
         }
         let output = shortened(&output, MAX_OUTPUT_BYTES);
         let errors = shortened(&errors, MAX_MESSAGE_BYTES);
-        let texts = [output, errors]
-            .into_iter()
-            .filter(|output| !output.is_empty());
+        let texts = [output, errors].into_iter().filter(|output| !output.is_empty());
         let content = texts.map(ContentBlock::text).collect();
         match code {
             Some(0 | 1 | 3) => CallToolResult::success(content),
@@ -377,11 +350,7 @@ fn run_self(
     if status.code().is_none() && is_late() {
         errors += &format!("ended after {} s: name a smaller part\n", TIMEOUT.as_secs());
     }
-    Ok((
-        status.code(),
-        String::from_utf8_lossy(&output).into_owned(),
-        errors,
-    ))
+    Ok((status.code(), String::from_utf8_lossy(&output).into_owned(), errors))
 }
 
 /// The text, or its beginning of `limit` bytes up to the end of a line, with the number of further lines.
@@ -390,14 +359,8 @@ fn shortened(text: &str, limit: usize) -> String {
         return text.to_owned();
     }
     let starts = text.char_indices().map(|(at, _)| at);
-    let end = starts
-        .take_while(|at| *at <= limit)
-        .last()
-        .unwrap_or_default();
+    let end = starts.take_while(|at| *at <= limit).last().unwrap_or_default();
     let end = text[..end].rfind('\n').map_or(end, |at| at + 1);
     let left = text[end..].lines().count();
-    format!(
-        "{}… {left} more lines: name one file or declaration\n",
-        &text[..end]
-    )
+    format!("{}… {left} more lines: name one file or declaration\n", &text[..end])
 }

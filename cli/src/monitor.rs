@@ -94,15 +94,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Unusable);
     };
     let trace = arguments.trace.iter();
-    let written: Vec<Output<'_>> = trace
-        .map(|path| Output {
-            path,
-            endings: &[PERFETTO],
-        })
-        .collect();
-    let read = problem
-        .files()
-        .chain(files.logs.iter().map(|log| log.as_path()));
+    let written: Vec<Output<'_>> =
+        trace.map(|path| Output { path, endings: &[PERFETTO] }).collect();
+    let read = problem.files().chain(files.logs.iter().map(|log| log.as_path()));
     outputs::check(&written, read)?;
     let options = Options {
         cores: arguments.cores.map(|core| core.0),
@@ -110,9 +104,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         semantics: arguments.semantics.map(SemanticsName::preset),
         ..Options::default()
     };
-    let input = SystemInput {
-        specs: problem.specs(),
-    };
+    let input = SystemInput { specs: problem.specs() };
     let prepared = prepare(&input, &problem.scenario, &options);
     if prepared.report.has_errors() {
         let told = together(&prepared.report.diagnostics);

@@ -51,14 +51,8 @@ fn interface(text: &str) -> Result<(String, Utf8PathBuf), String> {
 
 fn task(text: &str) -> NewTask {
     match text.split_once('=') {
-        Some((name, period)) => NewTask {
-            name: name.to_owned(),
-            period: Some(period.to_owned()),
-        },
-        None => NewTask {
-            name: text.to_owned(),
-            period: None,
-        },
+        Some((name, period)) => NewTask { name: name.to_owned(), period: Some(period.to_owned()) },
+        None => NewTask { name: text.to_owned(), period: None },
     }
 }
 
@@ -68,8 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     };
     let interfaces = |all: &[(String, Utf8PathBuf)]| -> anyhow::Result<Vec<_>> {
         let all = all.iter();
-        all.map(|pair| Ok((pair.0.clone(), absolute(&pair.1)?)))
-            .collect()
+        all.map(|pair| Ok((pair.0.clone(), absolute(&pair.1)?))).collect()
     };
     let name = Utf8Path::new(&arguments.name);
     let folder = absolute(arguments.directory.as_deref().unwrap_or(name))?;
@@ -86,10 +79,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut host = AnalysisHost::new(std::sync::Arc::new(Vfs::default()));
     let files = component::files(&mut host, &Disk, &folder, &answers);
     let files = files.map_err(anyhow::Error::msg)?;
-    let contents: Vec<_> = files
-        .iter()
-        .map(|file| report::new_content(&file.0, &file.1))
-        .collect();
+    let contents: Vec<_> = files.iter().map(|file| report::new_content(&file.0, &file.1)).collect();
     report::write_files(&contents)?;
     for (path, _) in &files {
         report::note(&format!("wrote `{}`", session::display(path)));

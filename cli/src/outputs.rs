@@ -41,14 +41,9 @@ pub(super) fn check<'f>(
         }
         let fits = |text: &&str| path.extension() == Some(text);
         if !endings.is_empty() && !endings.iter().any(fits) {
-            let names: Vec<String> = endings
-                .iter()
-                .map(|ending| format!("FILE.{ending}"))
-                .collect();
-            bail!(
-                "`{path}` does not say what it is to be; name it {}",
-                names.join(" or ")
-            );
+            let names: Vec<String> =
+                endings.iter().map(|ending| format!("FILE.{ending}")).collect();
+            bail!("`{path}` does not say what it is to be; name it {}", names.join(" or "));
         }
         let identity = Identity::of(path);
         if read.contains(&identity) || path.exists() && is_source(path) {
@@ -65,10 +60,7 @@ pub(super) fn check<'f>(
 /// Returns true if a name is that of a source or of settings. Sources of codels and settings are not among
 /// the files that are read before a run.
 fn is_source(path: &Utf8Path) -> bool {
-    let known = matches!(
-        Language::of(path),
-        Some(Language::Specification | Language::Scenario)
-    );
+    let known = matches!(Language::of(path), Some(Language::Specification | Language::Scenario));
     known || path.extension() == Some("toml") || Grammar::of_path(path.as_str()).is_some()
 }
 

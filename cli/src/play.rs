@@ -45,14 +45,10 @@ pub(super) struct Arguments {
 }
 
 fn renaming(text: &str) -> Result<(String, String), String> {
-    let (from, to) = text
-        .split_once('=')
-        .ok_or("write FROM=TO, for example pom/frame=nhfc/state")?;
+    let (from, to) =
+        text.split_once('=').ok_or("write FROM=TO, for example pom/frame=nhfc/state")?;
     let from = from.trim().trim_start_matches('/');
-    Ok((
-        from.to_owned(),
-        to.trim().trim_start_matches('/').to_owned(),
-    ))
+    Ok((from.to_owned(), to.trim().trim_start_matches('/').to_owned()))
 }
 
 fn factor(text: &str) -> Result<f64, String> {
@@ -105,10 +101,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     let all = || topics.values().flat_map(|topic| &topic.targets);
     Ok(
-        match (
-            all().any(|target| target.written > 0),
-            all().any(|target| target.refused.is_some()),
-        ) {
+        match (all().any(|target| target.written > 0), all().any(|target| target.refused.is_some()))
+        {
             (false, _) => Outcome::Unusable,
             (true, true) => Outcome::Errors,
             (true, false) => Outcome::Fine,
@@ -121,13 +115,11 @@ fn inputs(components: &[Value]) -> Vec<Port> {
     let ports = components.iter().flat_map(|component| {
         let name = component["name"].as_str().unwrap_or_default();
         let ports = component["ports"].as_array().into_iter().flatten();
-        ports
-            .filter(|port| port["direction"] == "in")
-            .map(move |port| Port {
-                path: format!("{name}/{}", port["name"].as_str().unwrap_or_default()),
-                multiple: port["multiple"] == true,
-                schema: port["schema"].clone(),
-            })
+        ports.filter(|port| port["direction"] == "in").map(move |port| Port {
+            path: format!("{name}/{}", port["name"].as_str().unwrap_or_default()),
+            multiple: port["multiple"] == true,
+            schema: port["schema"].clone(),
+        })
     });
     ports.collect()
 }
@@ -138,11 +130,8 @@ fn targets(
     ports: &[Port],
     renamed: &[(String, String)],
 ) -> anyhow::Result<BTreeMap<u16, Topic>> {
-    let names: Vec<&str> = data
-        .topics
-        .values()
-        .map(|topic| topic.trim_start_matches('/'))
-        .collect();
+    let names: Vec<&str> =
+        data.topics.values().map(|topic| topic.trim_start_matches('/')).collect();
     let paths: Vec<&str> = ports.iter().map(|port| port.path.as_str()).collect();
     check_renamed(renamed, &names, &paths)?;
     let mut topics: BTreeMap<u16, Topic> = BTreeMap::new();
@@ -154,28 +143,17 @@ fn targets(
     for (channel, name) in order {
         let (own, instance) = port_of(name);
         let (component, port) = own.split_once('/').unwrap_or((own, ""));
-        let chosen: Vec<&str> = (renamed.iter())
-            .filter(|entry| entry.0 == name)
-            .map(|pair| pair.1.as_str())
-            .collect();
-        let mut topic = Topic {
-            name: name.to_owned(),
-            targets: Vec::new(),
-            why: None,
-        };
+        let chosen: Vec<&str> =
+            (renamed.iter()).filter(|entry| entry.0 == name).map(|pair| pair.1.as_str()).collect();
+        let mut topic = Topic { name: name.to_owned(), targets: Vec::new(), why: None };
         for (number, declaration) in ports.iter().enumerate() {
             let named = chosen.iter().find(|to| port_of(to).0 == declaration.path);
-            let fits = declaration
-                .path
-                .split_once('/')
-                .is_some_and(|(_, own)| own == port);
+            let fits = declaration.path.split_once('/').is_some_and(|(_, own)| own == port);
             if named.is_none() && (!chosen.is_empty() || !fits) {
                 continue;
             }
             let given = named.and_then(|to| port_of(to).1).or(instance);
-            let instance = declaration
-                .multiple
-                .then(|| given.unwrap_or(component).to_owned());
+            let instance = declaration.multiple.then(|| given.unwrap_or(component).to_owned());
             match taken.get(&(number, instance.clone())) {
                 Some(other) => {
                     let why = "choose one with --topic";
@@ -193,9 +171,8 @@ fn targets(
             }
         }
         if topic.targets.is_empty() && topic.why.is_none() {
-            topic.why = Some(format!(
-                "the run has no input port `{port}`; --topic names another one"
-            ));
+            topic.why =
+                Some(format!("the run has no input port `{port}`; --topic names another one"));
         }
         topics.insert(*channel, topic);
     }
@@ -213,16 +190,10 @@ fn check_renamed(
 ) -> anyhow::Result<()> {
     for (from, to) in renamed {
         if !names.contains(&from.as_str()) {
-            bail!(
-                "`--topic {from}={to}`: the recording has no `{from}`; {}",
-                advice(from, names)
-            );
+            bail!("`--topic {from}={to}`: the recording has no `{from}`; {}", advice(from, names));
         }
         if !paths.contains(&port_of(to).0) {
-            bail!(
-                "`--topic {from}={to}`: the run has no input port `{to}`; {}",
-                advice(to, paths)
-            );
+            bail!("`--topic {from}={to}`: the run has no input port `{to}`; {}", advice(to, paths));
         }
     }
     Ok(())
@@ -245,15 +216,9 @@ fn play(
     speed: f64,
     talk: &mut RunConnection,
 ) -> anyhow::Result<bool> {
-    let has_target = |number: &u16| {
-        topics
-            .get(number)
-            .is_some_and(|topic| !topic.targets.is_empty())
-    };
-    let played = data
-        .messages
-        .iter()
-        .filter(|message| has_target(&message.channel));
+    let has_target =
+        |number: &u16| topics.get(number).is_some_and(|topic| !topic.targets.is_empty());
+    let played = data.messages.iter().filter(|message| has_target(&message.channel));
     let mut played: Vec<_> = played.collect();
     played.sort_by_key(|message| message.at);
     let first = played.first().map_or(0, |message| message.at);
@@ -267,11 +232,7 @@ fn play(
         }
         pace.wait(Duration::from_nanos(message.at - first).div_f64(speed));
         let value: Result<Value, _> = serde_json::from_slice(&message.text);
-        for target in topic
-            .targets
-            .iter_mut()
-            .filter(|target| target.refused.is_none())
-        {
+        for target in topic.targets.iter_mut().filter(|target| target.refused.is_none()) {
             let Some(port) = ports.get(target.port) else {
                 continue;
             };
@@ -322,9 +283,7 @@ fn is_not_finite(value: &Value, schema: &Value) -> bool {
             let kinds = schema["type"].as_array();
             kinds.is_some_and(|all| all.iter().any(|value| value == "number"))
         }
-        Value::Array(all) => all
-            .iter()
-            .any(|value| is_not_finite(value, &inner["items"])),
+        Value::Array(all) => all.iter().any(|value| is_not_finite(value, &inner["items"])),
         Value::Object(all) => {
             let mut all = all.iter();
             all.any(|(name, value)| is_not_finite(value, &inner["properties"][name]))
@@ -339,10 +298,7 @@ fn print(topics: &BTreeMap<u16, Topic>, ports: &[Port]) -> anyhow::Result<()> {
         let name = terminal::text(&topic.name);
         for target in &topic.targets {
             let path = ports.get(target.port).map_or("", |port| port.path.as_str());
-            let instance = target
-                .instance
-                .as_ref()
-                .map(|instance| format!("/{instance}"));
+            let instance = target.instance.as_ref().map(|instance| format!("/{instance}"));
             let to = format!("{path}{}", instance.unwrap_or_default());
             let to = terminal::text(&to);
             match (&target.refused, target.written) {
@@ -350,11 +306,9 @@ fn print(topics: &BTreeMap<u16, Topic>, ports: &[Port]) -> anyhow::Result<()> {
                 (Some(why), 0) => {
                     writeln!(out, "{name}: not played to {to}: {}", terminal::text(why))?
                 }
-                (Some(why), written) => writeln!(
-                    out,
-                    "{name}: only {written} values to {to}: {}",
-                    terminal::text(why)
-                )?,
+                (Some(why), written) => {
+                    writeln!(out, "{name}: only {written} values to {to}: {}", terminal::text(why))?
+                }
             }
         }
         if let Some(why) = &topic.why {

@@ -87,11 +87,8 @@ struct Finding {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let (files, trouble) = session::specifications(&arguments.paths);
-    let names: Vec<&str> = arguments
-        .name
-        .split(['.', ':'])
-        .filter(|part| !part.is_empty())
-        .collect();
+    let names: Vec<&str> =
+        arguments.name.split(['.', ':']).filter(|part| !part.is_empty()).collect();
     if names.is_empty() {
         bail!("`{}` is not a name", arguments.name);
     }
@@ -103,10 +100,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             continue;
         };
         let all = session.ask(&first.path, |analysis| analysis.named(&names))?;
-        let mut all: Vec<_> = all
-            .into_iter()
-            .map(|declaration| (declaration, None))
-            .collect();
+        let mut all: Vec<_> = all.into_iter().map(|declaration| (declaration, None)).collect();
         if all.is_empty() {
             all = session.states(&first.path, &names)?;
             known.extend(session.ask(&first.path, |analysis| analysis.named(&[]))?);
@@ -117,34 +111,22 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         for (declaration, machine) in &all {
             let described = describer.describe(declaration, machine.as_ref())?;
             // A shared file may be read under several configurations.
-            match found
-                .iter_mut()
-                .find(|declaration| declaration.place == described.place)
-            {
+            match found.iter_mut().find(|declaration| declaration.place == described.place) {
                 Some(same) => same.add_uses(described.uses),
                 None => found.push(described),
             }
         }
     }
     if left_out > 0 {
-        report::note(&format!(
-            "{left_out} more declarations: write more of the name"
-        ));
+        report::note(&format!("{left_out} more declarations: write more of the name"));
     }
     match arguments.format {
         Format::Json => {
-            let text = format!(
-                "{:#}\n",
-                json!({ "version": VERSION, "declarations": found })
-            );
+            let text = format!("{:#}\n", json!({ "version": VERSION, "declarations": found }));
             std::io::stdout().write_all(dotgen_syntax::encoding::shown(&text).as_bytes())?;
         }
         Format::Text => {
-            let text = found
-                .iter()
-                .map(Declaration::text)
-                .collect::<Vec<_>>()
-                .join("\n");
+            let text = found.iter().map(Declaration::text).collect::<Vec<_>>().join("\n");
             let text = dotgen_syntax::encoding::shown(&text);
             anstream::stdout().write_all(text.as_bytes())?;
         }
@@ -155,10 +137,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         let candidates: Vec<String> = known.iter().filter_map(simple).collect();
         let near = nearest(last, candidates.iter().map(String::as_str));
         let near = near.map_or_else(String::new, |text| format!("; did you mean `{text}`?"));
-        super::failure(&anyhow::anyhow!(
-            "nothing is named `{}`{near}",
-            arguments.name
-        ));
+        super::failure(&anyhow::anyhow!("nothing is named `{}`{near}", arguments.name));
     }
     Ok(trouble.outcome(match found.is_empty() {
         true => Outcome::Errors,
@@ -181,9 +160,7 @@ impl Session {
         for machine in self.ask(about, |analysis| analysis.named(machine))? {
             let component = machine.names.first().map_or("", String::as_str);
             let states = self.ask(about, |analysis| analysis.named(&[component, state]))?;
-            let states = states
-                .into_iter()
-                .filter(|state| state.kind == SymbolKind::State);
+            let states = states.into_iter().filter(|state| state.kind == SymbolKind::State);
             found.extend(states.map(|state| (state, Some(machine.clone()))));
         }
         Ok(found)
@@ -199,11 +176,7 @@ struct Describer<'s> {
 
 impl Describer<'_> {
     fn new(session: &Session) -> Describer<'_> {
-        Describer {
-            session,
-            texts: Texts::default(),
-            diagnostics: FxHashMap::default(),
-        }
+        Describer { session, texts: Texts::default(), diagnostics: FxHashMap::default() }
     }
 
     /// Everything known about a declaration; its uses only those inside `machine`.
@@ -213,27 +186,17 @@ impl Describer<'_> {
         machine: Option<&NamedDeclaration>,
     ) -> anyhow::Result<Declaration> {
         let about = &declaration.path;
-        let at = FilePosition {
-            path: about.clone(),
-            offset: declaration.range.start,
-        };
+        let at = FilePosition { path: about.clone(), offset: declaration.range.start };
         let documentation = self.session.ask(about, |analysis| analysis.hover(&at))?;
-        let uses = self
-            .session
-            .ask(about, |analysis| analysis.references(&at, false))?;
+        let uses = self.session.ask(about, |analysis| analysis.references(&at, false))?;
         let is_used = |range: &FileRange| {
             machine.is_none_or(|machine| {
                 range.path == machine.path && machine.full_range.contains(&range.range.start)
             })
         };
-        let uses = uses
-            .into_iter()
-            .flatten()
-            .map(|usage| usage.place)
-            .filter(is_used);
-        let uses: anyhow::Result<Vec<Place>> = uses
-            .map(|usage| self.place(&usage.path, usage.range.start))
-            .collect();
+        let uses = uses.into_iter().flatten().map(|usage| usage.place).filter(is_used);
+        let uses: anyhow::Result<Vec<Place>> =
+            uses.map(|usage| self.place(&usage.path, usage.range.start)).collect();
         Ok(Declaration {
             name: declaration.qualified(),
             kind: declaration.kind,
@@ -248,9 +211,7 @@ impl Describer<'_> {
     fn findings(&mut self, declaration: &NamedDeclaration) -> anyhow::Result<Vec<Finding>> {
         let path = &declaration.path;
         if !self.diagnostics.contains_key(path) {
-            let all = self
-                .session
-                .ask(path, |analysis| analysis.diagnostics(path))?;
+            let all = self.session.ask(path, |analysis| analysis.diagnostics(path))?;
             self.diagnostics.insert(path.clone(), all);
         }
         let mut found = Vec::new();
@@ -267,30 +228,19 @@ impl Describer<'_> {
         }
         let finding = |(code, severity, message, at)| {
             let line = self.place(path, at)?.line;
-            Ok(Finding {
-                code,
-                severity,
-                message,
-                line,
-            })
+            Ok(Finding { code, severity, message, line })
         };
         found.into_iter().map(finding).collect()
     }
 
     fn place(&mut self, path: &Utf8PathBuf, offset: usize) -> anyhow::Result<Place> {
         if !self.texts.contains_key(path) {
-            let text = self
-                .session
-                .ask(path, |analysis| analysis.text(path))?
-                .unwrap_or_default();
-            self.texts
-                .insert(path.clone(), Lines::new(text, Encoding::Utf32));
+            let text = self.session.ask(path, |analysis| analysis.text(path))?.unwrap_or_default();
+            self.texts.insert(path.clone(), Lines::new(text, Encoding::Utf32));
         }
         let lines = &self.texts[path];
         let position = lines.position(offset);
-        let text = lines
-            .line(position.line)
-            .and_then(|line| lines.text().get(line));
+        let text = lines.line(position.line).and_then(|line| lines.text().get(line));
         Ok(Place {
             file: session::display(path),
             line: position.line + 1,
@@ -312,9 +262,7 @@ impl Declaration {
 
     /// The declaration as Markdown, with its uses and findings.
     fn text(&self) -> String {
-        let Place {
-            file, line, column, ..
-        } = &self.place;
+        let Place { file, line, column, .. } = &self.place;
         let mut out = format!("{file}:{line}:{column}: {}\n", self.name);
         if let Some(documentation) = &self.documentation {
             let lines: Vec<&str> = documentation.trim().lines().collect();
@@ -329,19 +277,13 @@ impl Declaration {
             out += &format!("\n{} use{plural}:\n", self.uses.len());
         }
         for usage in &self.uses {
-            out += &format!(
-                "{}:{}:{}: {}\n",
-                usage.file, usage.line, usage.column, usage.text
-            );
+            out += &format!("{}:{}:{}: {}\n", usage.file, usage.line, usage.column, usage.text);
         }
         if !self.findings.is_empty() {
             out += "\nfindings:\n";
         }
         for finding in &self.findings {
-            out += &format!(
-                "{file}:{}: {} [{}]\n",
-                finding.line, finding.message, finding.code
-            );
+            out += &format!("{file}:{}: {} [{}]\n", finding.line, finding.message, finding.code);
         }
         out
     }

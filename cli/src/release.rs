@@ -90,21 +90,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     let mut out = anstream::stdout().lock();
     match diff.format {
-        Format::Json => writeln!(
-            out,
-            "{:#}",
-            json!({ "version": 1, "specifications": reports })
-        )?,
-        Format::Text => reports
-            .iter()
-            .try_for_each(|report| print(report, &mut out))?,
+        Format::Json => writeln!(out, "{:#}", json!({ "version": 1, "specifications": reports }))?,
+        Format::Text => reports.iter().try_for_each(|report| print(report, &mut out))?,
     }
-    Ok(
-        trouble.outcome(match reports.iter().all(FileDiff::is_empty) {
-            true => Outcome::Fine,
-            false => Outcome::Errors,
-        }),
-    )
+    Ok(trouble.outcome(match reports.iter().all(FileDiff::is_empty) {
+        true => Outcome::Fine,
+        false => Outcome::Errors,
+    }))
 }
 
 fn compare(diff: &Diff, path: &Utf8PathBuf) -> anyhow::Result<FileDiff> {
@@ -113,33 +105,24 @@ fn compare(diff: &Diff, path: &Utf8PathBuf) -> anyhow::Result<FileDiff> {
         Some(from) => from,
         None => {
             let session = session::single(path, &diff.reading)?;
-            let used = session
-                .ask(path, |analysis| analysis.release(path))?
-                .release;
+            let used = session.ask(path, |analysis| analysis.release(path))?.release;
             if used == to { Release::OLDEST } else { used }
         }
     };
     let read = |release: Release| -> anyhow::Result<_> {
-        let reading = SpecificationOptions {
-            release: Some(release),
-            ..diff.reading.clone()
-        };
+        let reading = SpecificationOptions { release: Some(release), ..diff.reading.clone() };
         let session = session::single(path, &reading)?;
         let unit = session.ask(path, |analysis| analysis.root_unit(path))?;
         Ok((session, unit))
     };
     let ((old_session, old), (new_session, new)) = (read(from)?, read(to)?);
     let mut checks = Vec::new();
-    for (release, session, own, other) in [
-        (from, &old_session, &old, &new),
-        (to, &new_session, &new, &old),
-    ] {
+    for (release, session, own, other) in
+        [(from, &old_session, &old, &new), (to, &new_session, &new, &old)]
+    {
         for diagnostic in own.diagnostics.iter() {
             if diagnostic.severity == Severity::Hint
-                || other
-                    .diagnostics
-                    .iter()
-                    .any(|that| is_same(diagnostic, that))
+                || other.diagnostics.iter().any(|that| is_same(diagnostic, that))
             {
                 continue;
             }
@@ -185,19 +168,9 @@ impl FileDiff {
 }
 
 fn print(diff: &FileDiff, out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(
-        out,
-        "{}: from GenoM3 {} to {}",
-        diff.file, diff.from, diff.to
-    )?;
-    for release in [diff.from, diff.to]
-        .iter()
-        .filter(|release| !release.is_verified())
-    {
-        writeln!(
-            out,
-            "  {release} is known from its changes only: not verified"
-        )?;
+    writeln!(out, "{}: from GenoM3 {} to {}", diff.file, diff.from, diff.to)?;
+    for release in [diff.from, diff.to].iter().filter(|release| !release.is_verified()) {
+        writeln!(out, "  {release} is known from its changes only: not verified")?;
     }
     if diff.is_empty() {
         return writeln!(out, "  nothing changes");

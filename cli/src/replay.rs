@@ -90,9 +90,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         semantics: arguments.semantics.map(SemanticsName::preset),
         ..Options::default()
     };
-    let input = SystemInput {
-        specs: problem.specs(),
-    };
+    let input = SystemInput { specs: problem.specs() };
     let mut prepared = prepare(&input, &problem.scenario, &options);
     if prepared.report.has_errors() {
         let told = together(&prepared.report.diagnostics);
@@ -166,11 +164,7 @@ fn print_text(
     let time = |units: u64| {
         let seconds = prepared.built.system.unit * num_rational::Ratio::from_integer(units.into());
         let nanos: i128 = (seconds * num_rational::Ratio::from_integer(1_000_000_000)).to_integer();
-        format!(
-            "{}.{:06} s",
-            nanos / 1_000_000_000,
-            nanos % 1_000_000_000 / 1_000
-        )
+        format!("{}.{:06} s", nanos / 1_000_000_000, nanos % 1_000_000_000 / 1_000)
     };
     if title != recorded {
         let recorded = terminal::text(recorded);
@@ -191,12 +185,7 @@ fn print_text(
     for difference in &report.differences {
         let what = differs(difference, &time);
         let step = terminal::text(&difference.step.describe()).into_owned();
-        writeln!(
-            out,
-            "\nstep {}, at {}: {step}",
-            difference.number,
-            time(difference.step.time)
-        )?;
+        writeln!(out, "\nstep {}, at {}: {step}", difference.number, time(difference.step.time))?;
         writeln!(out, "  {}", terminal::text(&what))?;
         writeln!(out, "  the rule: {}", difference.rule.describe())?;
     }
@@ -218,25 +207,18 @@ fn print_text(
 /// Describes a difference.
 fn differs(difference: &Difference, time: &dyn Fn(u64) -> String) -> String {
     match &difference.what {
-        DifferenceKind::Longer { took, limit } => format!(
-            "took {}, and may take {}",
-            time(*took),
-            time(u64::from(*limit))
-        ),
-        DifferenceKind::Shorter { took, limit } => format!(
-            "took {}, and takes at least {}",
-            time(*took),
-            time(u64::from(*limit))
-        ),
+        DifferenceKind::Longer { took, limit } => {
+            format!("took {}, and may take {}", time(*took), time(u64::from(*limit)))
+        }
+        DifferenceKind::Shorter { took, limit } => {
+            format!("took {}, and takes at least {}", time(*took), time(u64::from(*limit)))
+        }
         DifferenceKind::Undeclared => "an exception that is not declared".to_owned(),
         DifferenceKind::Impossible { possible } if possible.is_empty() => {
             "is not possible there: nothing but time can pass".to_owned()
         }
         DifferenceKind::Impossible { possible } => {
-            let all: Vec<String> = possible
-                .iter()
-                .map(|possible| possible.describe())
-                .collect();
+            let all: Vec<String> = possible.iter().map(|possible| possible.describe()).collect();
             format!("is not possible there; this is: {}", all.join(", or "))
         }
         DifferenceKind::Omitted { due } => format!("before it has to come: {}", due.describe()),

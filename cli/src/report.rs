@@ -55,25 +55,15 @@ impl OpenNames {
     /// Returns the names that need something missing, if there are any.
     pub(super) fn of(needs: &Dependencies) -> Option<OpenNames> {
         let unknown = needs.unknown.iter().map(|name| name.name.to_string());
-        let interfaces = needs
-            .interfaces
-            .iter()
-            .filter(|interface| interface.found.is_none());
+        let interfaces = needs.interfaces.iter().filter(|interface| interface.found.is_none());
         let interfaces = interfaces.map(|interface| interface.name.to_string());
         let mut names: Vec<String> = unknown.chain(interfaces).collect();
         names.sort();
         names.dedup();
         let packages = needs.missing_packages();
-        let packages = packages.flat_map(|package| {
-            package
-                .brought_by
-                .iter()
-                .map(|provider| provider.package.clone())
-        });
-        let files = needs
-            .includes
-            .iter()
-            .filter(|include| include.found.is_none());
+        let packages = packages
+            .flat_map(|package| package.brought_by.iter().map(|provider| provider.package.clone()));
+        let files = needs.includes.iter().filter(|include| include.found.is_none());
         let mut missing: Vec<String> = packages.collect();
         if missing.is_empty() {
             missing.extend(files.map(|file| file.path.clone()));
@@ -97,11 +87,7 @@ impl FileReports {
     pub(super) fn finish(&mut self) {
         let mut seen = HashSet::new();
         self.diagnostics.retain(|diagnostic| {
-            let place = (
-                diagnostic.path.clone(),
-                diagnostic.range.start,
-                diagnostic.range.end,
-            );
+            let place = (diagnostic.path.clone(), diagnostic.range.start, diagnostic.range.end);
             seen.insert((place, diagnostic.code, diagnostic.message.clone()))
         });
     }
@@ -151,9 +137,7 @@ pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFi
         };
         let mut found = vfs::files_below(&path, &[SCENARIO]);
         found.retain(|path| !files.iter().any(|file| file.path == *path));
-        let names: Vec<_> = (found.iter())
-            .map(|path| format!("`{}`", display(path)))
-            .collect();
+        let names: Vec<_> = (found.iter()).map(|path| format!("`{}`", display(path))).collect();
         match names.as_slice() {
             [] => {}
             [one] => note(&format!("{one} is not used; name it to use its checks")),

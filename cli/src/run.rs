@@ -120,12 +120,7 @@ pub(super) struct Arguments {
     runs: u64,
 
     /// Seed of random times and yields
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
 
     /// Execution times of simulated codels, within their intervals
@@ -306,10 +301,7 @@ impl Arguments {
                 self.record.is_some() && several,
                 "`--record` writes one run: one scenario, without `--runs`",
             ),
-            (
-                self.debug && several,
-                "`--debug` is for one run: one scenario, without `--runs`",
-            ),
+            (self.debug && several, "`--debug` is for one run: one scenario, without `--runs`"),
             (
                 self.debug && self.simulate == Simulate::All,
                 "`--debug` is for codels that are executed: leave `--simulate all` out",
@@ -363,10 +355,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     arguments.check(all.len())?;
     #[cfg(unix)]
     if arguments.systemd {
-        let titles: Vec<&str> = all
-            .iter()
-            .map(|(_, problem)| problem.path.file_stem().unwrap_or_default())
-            .collect();
+        let titles: Vec<&str> =
+            all.iter().map(|(_, problem)| problem.path.file_stem().unwrap_or_default()).collect();
         let unit = systemd::unit(&titles.join(", "), std::env::args_os().skip(1))?;
         std::io::stdout().write_all(unit.as_bytes())?;
         return Ok(trouble.outcome(Outcome::Fine));
@@ -375,20 +365,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let log = arguments.profile.iter().map(|profile| output(profile, &[]));
     let trace = arguments.trace.iter();
     let trace = trace.map(|trace| output(trace, &[PERFETTO, VIEWER]));
-    let record = arguments
-        .record
-        .iter()
-        .map(|record| output(record, &[MCAP]));
+    let record = arguments.record.iter().map(|record| output(record, &[MCAP]));
     let written: Vec<Output<'_>> = log.chain(trace).chain(record).collect();
     outputs::check(&written, all.iter().flat_map(|pair| pair.1.files()))?;
     let mut answers = Vec::new();
     for (session, problem) in all {
-        match one(
-            arguments,
-            (&session, problem),
-            (&checks, &interrupt),
-            &mut trouble,
-        )? {
+        match one(arguments, (&session, problem), (&checks, &interrupt), &mut trouble)? {
             Ended::Answered(answer) => answers.push(*answer),
             Ended::Unusable => trouble.told(),
             Ended::Stopped(outcome) => return Ok(outcome),
@@ -401,15 +383,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
     }
     let ended = |answer: &Answer| !matches!(answer.report.end, End::Done | End::NothingLeft);
-    Ok(
-        trouble.outcome(if answers.iter().any(|answer| answer.report.violated()) {
-            Outcome::Errors
-        } else if answers.iter().any(ended) {
-            Outcome::GaveUp
-        } else {
-            Outcome::Fine
-        }),
-    )
+    Ok(trouble.outcome(if answers.iter().any(|answer| answer.report.violated()) {
+        Outcome::Errors
+    } else if answers.iter().any(ended) {
+        Outcome::GaveUp
+    } else {
+        Outcome::Fine
+    }))
 }
 
 impl Arguments {
@@ -419,9 +399,9 @@ impl Arguments {
     fn waiting(&self) -> dotgen_hosting::children::Waiting {
         let format = self.format;
         Box::new(move |component, process| match format {
-            Format::Text => report::note(&format!(
-                "`{component}` waits for a debugger: gdb -p {process}"
-            )),
+            Format::Text => {
+                report::note(&format!("`{component}` waits for a debugger: gdb -p {process}"))
+            }
             Format::Json => {
                 let line = serde_json::json!({
                     "format": dotgen_runtime::report::FORMAT,

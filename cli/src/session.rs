@@ -184,10 +184,8 @@ impl NamedFiles {
                 let found = vfs::files_below(&path, extensions);
                 skipped = unusable_names(&path, extensions);
                 if found.is_empty() && skipped.is_empty() {
-                    let all: Vec<String> = extensions
-                        .iter()
-                        .map(|extension| format!(".{extension}"))
-                        .collect();
+                    let all: Vec<String> =
+                        extensions.iter().map(|extension| format!(".{extension}")).collect();
                     let all = match all.split_last() {
                         Some((last, rest)) if !rest.is_empty() => {
                             format!("{} or {last}", rest.join(", "))
@@ -196,9 +194,7 @@ impl NamedFiles {
                     };
                     bail!("no {all} file below `{argument}`");
                 }
-                found
-                    .into_iter()
-                    .for_each(|path| self.push(path, false, None));
+                found.into_iter().for_each(|path| self.push(path, false, None));
             }
             FileContent::Text(_) | FileContent::NotUtf8(_) => {
                 refuse_codels(argument)?;
@@ -214,17 +210,12 @@ impl NamedFiles {
 /// Returns an error for each file below a directory whose name is not UTF-8: no message and no include could
 /// name it.
 fn unusable_names(directory: &Utf8Path, extensions: &[&str]) -> Vec<anyhow::Error> {
-    let entries = walkdir::WalkDir::new(directory)
-        .into_iter()
-        .filter_entry(|entry| {
-            let hidden = entry.file_name().to_string_lossy().starts_with('.');
-            entry.depth() == 0 || !(hidden && entry.file_type().is_dir())
-        });
+    let entries = walkdir::WalkDir::new(directory).into_iter().filter_entry(|entry| {
+        let hidden = entry.file_name().to_string_lossy().starts_with('.');
+        entry.depth() == 0 || !(hidden && entry.file_type().is_dir())
+    });
     let wanted = |entry: &walkdir::DirEntry| {
-        let extension = entry
-            .path()
-            .extension()
-            .and_then(|extension| extension.to_str());
+        let extension = entry.path().extension().and_then(|extension| extension.to_str());
         entry.path().to_str().is_none()
             && extension.is_some_and(|extension| extensions.contains(&extension))
     };
@@ -243,10 +234,7 @@ const STANDARD_INPUT: &str = "-";
 
 /// Returns true if an argument is that for standard input.
 pub(super) fn is_standard_input(argument: &Utf8Path) -> bool {
-    matches!(
-        argument.as_str(),
-        STANDARD_INPUT | "/dev/stdin" | "/dev/fd/0" | "/proc/self/fd/0"
-    )
+    matches!(argument.as_str(), STANDARD_INPUT | "/dev/stdin" | "/dev/fd/0" | "/proc/self/fd/0")
 }
 
 /// Reads all of standard input, as the text of a file.
@@ -268,10 +256,7 @@ pub(super) struct ErrorReporter {
 impl ErrorReporter {
     /// Creates a reporter that prints nothing, for a first pass that a second one repeats.
     pub(super) fn silent() -> ErrorReporter {
-        ErrorReporter {
-            any: false,
-            silent: true,
-        }
+        ErrorReporter { any: false, silent: true }
     }
 
     /// Prints an error on standard error.
@@ -315,11 +300,7 @@ pub(super) fn single(
     files.iter().try_for_each(refuse_scenario)?;
     if files.len() > 1 {
         let names: Vec<_> = files.iter().map(|file| display(&file.path)).collect();
-        bail!(
-            "`{argument}` has {} specifications; name one: {}",
-            names.len(),
-            names.join(", ")
-        );
+        bail!("`{argument}` has {} specifications; name one: {}", names.len(), names.join(", "));
     }
     let mut sessions = open(files, reading)?;
     sessions.pop().context("there is nothing to read")
@@ -334,10 +315,8 @@ pub(super) fn open(
     let mut nearest: FxHashMap<Utf8PathBuf, Option<Utf8PathBuf>> = FxHashMap::default();
     for file in files {
         let around = file.path.parent().unwrap_or(&file.path).to_owned();
-        let directory = nearest
-            .entry(around)
-            .or_insert_with(|| config::nearest_directory(&file.path))
-            .clone();
+        let directory =
+            nearest.entry(around).or_insert_with(|| config::nearest_directory(&file.path)).clone();
         match groups.iter_mut().find(|group| group.0 == directory) {
             Some(group) => group.1.push(file),
             None => groups.push((directory, vec![file])),
@@ -357,12 +336,7 @@ pub(super) fn around(
     reading: &SpecificationOptions,
 ) -> Session {
     let here = absolute(Utf8Path::new(".")).unwrap_or_default();
-    Session::new(
-        config::nearest_directory(path).as_deref(),
-        &here,
-        files,
-        reading,
-    )
+    Session::new(config::nearest_directory(path).as_deref(), &here, files, reading)
 }
 
 pub(super) fn absolute(path: &Utf8Path) -> anyhow::Result<Utf8PathBuf> {
@@ -398,11 +372,7 @@ impl Session {
             let read = config::from_toml(&text);
             let own = read.settings.resolved_against(directory);
             settings = settings.over(own.chosen_by(ReleaseOrigin::ConfigurationFile(path.clone())));
-            config = Some(ConfigProblems {
-                path,
-                text,
-                problems: read.problems,
-            });
+            config = Some(ConfigProblems { path, text, problems: read.problems });
         }
         let mut configuration = Config::new(&settings, here, true);
         configuration.packages.own_interfaces &= !reading.only_installed;
@@ -499,9 +469,7 @@ impl Session {
             let paths = std::iter::once(&diagnostic.path).chain(related);
             for path in paths.chain(fixes.map(|fix| &fix.path)) {
                 if !texts.contains_key(path) {
-                    let text = self
-                        .ask(path, |analysis| analysis.text(path))?
-                        .unwrap_or_default();
+                    let text = self.ask(path, |analysis| analysis.text(path))?.unwrap_or_default();
                     texts.insert(path.clone(), Lines::new(text, Encoding::Utf16));
                 }
             }

@@ -35,9 +35,7 @@ fn near(wrong: &str, arguments: impl Iterator<Item = String>) -> Option<String> 
     for word in arguments {
         command = command.find_subcommand(&word).unwrap_or(command);
     }
-    let shown = command
-        .get_arguments()
-        .filter(|argument| !argument.is_hide_set());
+    let shown = command.get_arguments().filter(|argument| !argument.is_hide_set());
     let options: Vec<&str> = shown.filter_map(|argument| argument.get_long()).collect();
     nearest(wrong, options).map(|text| format!("--{text}"))
 }
@@ -50,10 +48,7 @@ mod tests {
             super::near(wrong, words.iter().map(|word| (*word).to_owned()))
         };
         assert_eq!(near("--fxi", &["check", "lamp"]).as_deref(), Some("--fix"));
-        assert_eq!(
-            near("--dryrun", &["codels", "stub"]).as_deref(),
-            Some("--dry-run")
-        );
+        assert_eq!(near("--dryrun", &["codels", "stub"]).as_deref(), Some("--dry-run"));
         assert_eq!(near("--colour", &["check"]).as_deref(), Some("--color"));
         assert_eq!(near("--frobnicate", &["check"]), None);
     }

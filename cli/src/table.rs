@@ -80,10 +80,7 @@ fn row(line: usize, text: &str, timed: bool, columns: &[Column]) -> Result<Row, 
     let mut all = cells.iter().map(String::as_str);
     let expected = columns.len() + usize::from(timed);
     if cells.len() != expected {
-        return Err(format!(
-            "has {} cells, and the header {expected}",
-            cells.len()
-        ));
+        return Err(format!("has {} cells, and the header {expected}", cells.len()));
     }
     let time = match timed {
         true => {
@@ -144,9 +141,7 @@ fn path(title: &str, schema: &Value) -> Result<Vec<Step>, String> {
             out.push(Step::Member(name.to_owned()));
         }
         for index in indices.split_inclusive(']') {
-            let index = index
-                .strip_prefix('[')
-                .and_then(|rest| rest.strip_suffix(']'));
+            let index = index.strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
             let index = index.and_then(|index| index.parse().ok());
             let index = index.filter(|&index| index <= MAX_INDEX);
             out.push(Step::Index(index.ok_or("has a wrong index")?));
@@ -235,10 +230,7 @@ fn put(value: &mut Value, path: &[Step], cell: Value) -> Option<()> {
             if value.is_null() {
                 *value = Value::Object(Map::new());
             }
-            value
-                .as_object_mut()?
-                .entry(name.as_str())
-                .or_insert(Value::Null)
+            value.as_object_mut()?.entry(name.as_str()).or_insert(Value::Null)
         }
         Step::Index(index) => {
             if value.is_null() {
@@ -293,10 +285,7 @@ mod tests {
         ];
         assert_eq!(values(text).expect("a table"), expected);
         // The run checks values that do not fit.
-        assert_eq!(
-            values("pos.n\n1.5\nx\n").expect("a table")[1],
-            json!({"pos": {"n": "x"}})
-        );
+        assert_eq!(values("pos.n\n1.5\nx\n").expect("a table")[1], json!({"pos": {"n": "x"}}));
     }
 
     #[test]

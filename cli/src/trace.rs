@@ -57,10 +57,7 @@ pub(super) fn write(
         let place = problem.place(spec, src);
         Ok::<_, anyhow::Error>(place.and_then(|(path, range)| {
             let lines = texts.entry(path.clone()).or_insert_with(|| lines(&path));
-            Some(Location {
-                uri: uri::from_path(&path)?,
-                range: lines.as_ref()?.range(&range),
-            })
+            Some(Location { uri: uri::from_path(&path)?, range: lines.as_ref()?.range(&range) })
         }))
     })?;
     let wrong = || format!("cannot write `{path}`");

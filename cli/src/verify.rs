@@ -241,19 +241,13 @@ fn seconds(text: &str) -> Result<Duration, String> {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let checks: Vec<&str> = arguments.checks.iter().map(|check| body(check)).collect();
-    checks
-        .iter()
-        .try_for_each(|wanted| check(wanted, 0).map(drop))?;
+    checks.iter().try_for_each(|wanted| check(wanted, 0).map(drop))?;
     let mut answers = Vec::new();
     let interrupt = interrupt::on_terminal();
     let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
     let written = arguments.trace.iter().chain(&arguments.certificate);
-    let written: Vec<Output<'_>> = written
-        .map(|path| Output {
-            path,
-            endings: &[VIEWER],
-        })
-        .collect();
+    let written: Vec<Output<'_>> =
+        written.map(|path| Output { path, endings: &[VIEWER] }).collect();
     outputs::check(&written, all.iter().flat_map(|pair| pair.1.files()))?;
     for (session, problem) in all {
         let is_first = answers.is_empty();
@@ -271,18 +265,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if let Some(path) = &arguments.certificate {
         certificate::write(path, &answers)?;
     }
-    Ok(
-        trouble.outcome(if answers.iter().any(|answer| answer.report.refuted()) {
-            Outcome::Errors
-        } else if answers
-            .iter()
-            .any(|answer| answer.report.unknown() || answer.report.nothing())
-        {
-            Outcome::GaveUp
-        } else {
-            Outcome::Fine
-        }),
-    )
+    Ok(trouble.outcome(if answers.iter().any(|answer| answer.report.refuted()) {
+        Outcome::Errors
+    } else if answers.iter().any(|answer| answer.report.unknown() || answer.report.nothing()) {
+        Outcome::GaveUp
+    } else {
+        Outcome::Fine
+    }))
 }
 
 /// Verifies one problem, and prints the answers as text unless JSON is wanted. Returns `None` after errors of
@@ -311,10 +300,7 @@ fn answer(
     };
     let report = progress::during(&cancel, &doing, |tell| {
         problem.verify(&options, &cancel, &|report| {
-            tell(Activity {
-                what: doing.clone(),
-                how_far: report.how_far(),
-            })
+            tell(Activity { what: doing.clone(), how_far: report.how_far() })
         })
     });
     let told = |all: &[dotgen_timing::diagnostic::Diagnostic]| {
@@ -330,15 +316,7 @@ fn answer(
     }
     let diagnostics = told(&report.diagnostics)?.to_json()?;
     let why = why::of_report(&problem, &options, &report, Some(&cancel));
-    let mut answer = Answer {
-        why,
-        problem,
-        options,
-        report,
-        first,
-        diagnostics,
-        limits: None,
-    };
+    let mut answer = Answer { why, problem, options, report, first, diagnostics, limits: None };
     if is_text {
         text::head(&answer, is_first, arguments.explain)?;
     }
@@ -355,9 +333,7 @@ fn answer(
 /// with such a run counts.
 fn write_trace(path: &Utf8Path, answers: &[Answer]) -> anyhow::Result<()> {
     let with_run = |answer: &'_ Answer| runs::chosen(&answer.report, None);
-    let found = answers
-        .iter()
-        .find_map(|answer| Some((answer, with_run(answer)?)));
+    let found = answers.iter().find_map(|answer| Some((answer, with_run(answer)?)));
     let Some((answer, number)) = found else {
         bail!("`--trace`: no check has a run to be written");
     };
@@ -457,10 +433,7 @@ fn of_specifications(
         }
     }
     let problem = Problem::default_scenario(&first, &names, units);
-    Ok(sessions
-        .into_iter()
-        .next()
-        .map(|session| (session, problem)))
+    Ok(sessions.into_iter().next().map(|session| (session, problem)))
 }
 
 impl Arguments {
@@ -516,11 +489,7 @@ fn check(body: &str, at: usize) -> anyhow::Result<Check> {
         Err(error) => {
             let at = error.range.start.min(body.len());
             let at = body.get(..at).map_or(0, |body| body.chars().count());
-            bail!(
-                "in `--check`: {}\n  {body}\n  {}^",
-                error.message,
-                " ".repeat(at)
-            )
+            bail!("in `--check`: {}\n  {body}\n  {}^", error.message, " ".repeat(at))
         }
     }
 }

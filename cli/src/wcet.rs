@@ -111,11 +111,7 @@ pub(super) fn given(files: &[Utf8PathBuf]) -> anyhow::Result<InputFiles> {
     let is_text =
         |path: &&Utf8PathBuf| language::is_specification(path) || language::is_scenario(path);
     let texts: Vec<_> = files.iter().filter(is_text).cloned().collect();
-    let logs: Vec<_> = files
-        .iter()
-        .filter(|file| !is_text(file))
-        .cloned()
-        .collect();
+    let logs: Vec<_> = files.iter().filter(|file| !is_text(file)).cloned().collect();
     anyhow::ensure!(
         !logs.is_empty(),
         "no log is named; give a file that a server or `dotgen run --profile` has written"

@@ -24,11 +24,7 @@ pub(super) struct Arguments {
     port: String,
 
     /// Value, as JSON; `-` reads values from standard input, one per line, and writes each as it comes
-    #[arg(
-        value_name = "JSON",
-        allow_negative_numbers = true,
-        required_unless_present = "csv"
-    )]
+    #[arg(value_name = "JSON", allow_negative_numbers = true, required_unless_present = "csv")]
     value: Option<String>,
 
     /// Write the rows of a table: its header names members (`pos.x,pos.y`), its first column can be `time`,
@@ -68,10 +64,7 @@ const REPORTED_DELAY: Duration = Duration::from_millis(100);
 
 impl Pacer {
     pub(super) fn begin() -> Pacer {
-        Pacer {
-            begin: Instant::now(),
-            latest: Duration::ZERO,
-        }
+        Pacer { begin: Instant::now(), latest: Duration::ZERO }
     }
 
     /// Waits until a time after the beginning.
@@ -147,11 +140,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 }
 
 fn input<'t>(arguments: &Arguments, talk: &'t mut RunConnection) -> Input<'t> {
-    Input {
-        talk,
-        port: arguments.port.clone(),
-        instance: arguments.instance.clone(),
-    }
+    Input { talk, port: arguments.port.clone(), instance: arguments.instance.clone() }
 }
 
 fn parse(text: &str) -> anyhow::Result<Value> {

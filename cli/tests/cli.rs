@@ -74,16 +74,8 @@ fn errors_as_sarif() {
     let rule = &run["tool"]["driver"]["rules"][0];
     assert_eq!(rule["id"], "name-clash");
     let summary = rule["shortDescription"]["text"].as_str().expect("text");
-    assert!(
-        summary.ends_with('.') && !summary.contains('\n'),
-        "{summary}"
-    );
-    assert!(
-        rule["help"]["markdown"]
-            .as_str()
-            .expect("text")
-            .starts_with("# name-clash")
-    );
+    assert!(summary.ends_with('.') && !summary.contains('\n'), "{summary}");
+    assert!(rule["help"]["markdown"].as_str().expect("text").starts_with("# name-clash"));
     // Where the manual is installed concerns no other machine.
     assert!(!stdout(&output).contains("file:"), "{}", stdout(&output));
     let result = &run["results"][0];
@@ -100,10 +92,7 @@ fn a_directory_stands_for_its_specifications() {
     let directory = Directory::new(&[
         ("a/arm.gen", "#include \"part.gen\"\n"),
         // Makes sense only where it is included.
-        (
-            "a/part.gen",
-            "#ifndef OK\n#define OK\n#endif\nconst long a = 1;\n",
-        ),
+        ("a/part.gen", "#ifndef OK\n#define OK\n#endif\nconst long a = 1;\n"),
         ("b/leg.gen", "const long a = 1;\n"),
         ("b/not.idl", "const long a = 1\n"),
         (".git/x.gen", "const long a = 1\n"),
@@ -135,9 +124,7 @@ fn macros_and_include_directories_come_attached_or_not() {
     for arguments in [
         &["check", "-Iidl", "-DN=3", "-DFLAG", "arm.gen"][..],
         &["check", "-I", "idl", "-D", "N=3", "-D", "FLAG", "arm.gen"],
-        &[
-            "check", "arm.gen", "-I", "nowhere", "-Iidl", "-DN=2", "-DN=3", "-DFLAG=1",
-        ],
+        &["check", "arm.gen", "-I", "nowhere", "-Iidl", "-DN=2", "-DN=3", "-DFLAG=1"],
     ] {
         let output = directory.run(arguments);
         assert_eq!(status(&output), 0, "{arguments:?}: {}", stdout(&output));
@@ -151,18 +138,12 @@ fn the_configuration_file_counts_below_the_command_line() {
     let directory = Directory::new(&[
         ("robot/arm/arm.gen", text),
         ("robot/idl/pose.idl", POSE),
-        (
-            "robot/dotgen.toml",
-            "include-paths = ['idl']\ndefines = { N = 3 }\n",
-        ),
+        ("robot/dotgen.toml", "include-paths = ['idl']\ndefines = { N = 3 }\n"),
     ]);
     assert_eq!(status(&directory.run(&["check", "robot/arm/arm.gen"])), 0);
     assert_eq!(status(&directory.run(&["check", "-DN=4", "robot"])), 1);
 
-    directory.write(
-        "robot/dotgen.toml",
-        b"include-paths = ['idl']\ndefine = { N = 3 }\n",
-    );
+    directory.write("robot/dotgen.toml", b"include-paths = ['idl']\ndefine = { N = 3 }\n");
     let output = directory.run(&["check", "robot"]);
     assert_eq!(status(&output), 1);
     insta::assert_snapshot!(stdout(&output));
@@ -171,10 +152,7 @@ fn the_configuration_file_counts_below_the_command_line() {
 #[test]
 fn packages_are_found_by_the_program_or_without_it() {
     let directory = Directory::new(&[
-        (
-            "arm.gen",
-            "#pragma requires \"pose-idl >= 1\"\n#include <pose.idl>\n",
-        ),
+        ("arm.gen", "#pragma requires \"pose-idl >= 1\"\n#include <pose.idl>\n"),
         ("inc/pose.idl", POSE),
         (
             "pc/pose-idl.pc",
@@ -184,9 +162,7 @@ fn packages_are_found_by_the_program_or_without_it() {
     let path = directory.path().join("pc");
     for program in ["pkg-config", "/no/such/program"] {
         let mut command = directory.command(&["check", "arm.gen"]);
-        command
-            .env("PKG_CONFIG", program)
-            .env("PKG_CONFIG_PATH", &path);
+        command.env("PKG_CONFIG", program).env("PKG_CONFIG_PATH", &path);
         let output = command.output().expect("the program runs");
         assert_eq!(status(&output), 0, "{program}: {}", stdout(&output));
     }
@@ -229,11 +205,7 @@ component c {
         let text = right.replace("  uses nav;\n", "").replace(from, to);
         let output = check(&text, "");
         assert_eq!(status(&output), 1, "{to}: {}", stdout(&output));
-        assert!(
-            stdout(&output).contains(&format!("error[{code}]")),
-            "{to}: {}",
-            stdout(&output)
-        );
+        assert!(stdout(&output).contains(&format!("error[{code}]")), "{to}: {}", stdout(&output));
     }
 }
 
@@ -248,15 +220,9 @@ fn wrong_usage_and_files_that_cannot_be_read() {
     directory.write("latin.gen", b"// caf\xe9\n");
     for (arguments, message) in [
         (&["check"][..], "required arguments were not provided"),
-        (
-            &["check", "--format", "xml", "x.gen"],
-            "invalid value 'xml'",
-        ),
+        (&["check", "--format", "xml", "x.gen"], "invalid value 'xml'"),
         (&["chekc", "x.gen"], "unrecognized subcommand"),
-        (
-            &["check", "missing.gen"],
-            "cannot read `missing.gen`: no such file or directory",
-        ),
+        (&["check", "missing.gen"], "cannot read `missing.gen`: no such file or directory"),
         (&["check", "empty"], "no .gen file below `empty`"),
         (&["tree", "empty"], "no .gen file below `empty`"),
         (&["model", "two"], "`two` has 2 specifications; name one: "),
@@ -264,15 +230,9 @@ fn wrong_usage_and_files_that_cannot_be_read() {
             &["check", "codels.c"],
             "`codels.c` is a source of codels, not a specification; `dotgen codels check`",
         ),
-        (
-            &["diagram", "fsm", "latin.gen", "-o", "x.jpg"],
-            "there is no picture format `jpg`",
-        ),
+        (&["diagram", "fsm", "latin.gen", "-o", "x.jpg"], "there is no picture format `jpg`"),
         (&["check", "--fxi", "x.gen"], "'--fix'"),
-        (
-            &["wcet", "stats", "x.out"],
-            "cannot read `x.out`: no such file or directory",
-        ),
+        (&["wcet", "stats", "x.out"], "cannot read `x.out`: no such file or directory"),
         (&["model", "missing.gen"], "cannot read `missing.gen`"),
     ] {
         let output = directory.run(arguments);
@@ -296,11 +256,7 @@ fn includes_that_are_no_files_are_diagnostics() {
     for file in ["arm.gen", "self.gen"] {
         let output = directory.run(&["check", "--deny", "missing", file]);
         assert_eq!(status(&output), 1, "{}", stdout(&output));
-        assert!(
-            stdout(&output).contains("error[pp-include-"),
-            "{}",
-            stdout(&output)
-        );
+        assert!(stdout(&output).contains("error[pp-include-"), "{}", stdout(&output));
     }
 }
 
@@ -311,10 +267,7 @@ fn colours_only_where_they_are_wanted() {
         let output = command.output().expect("the program runs");
         stdout(&output).contains('\u{1b}')
     };
-    assert!(
-        !coloured(&mut directory.command(&["check", "arm.gen"])),
-        "a pipe"
-    );
+    assert!(!coloured(&mut directory.command(&["check", "arm.gen"])), "a pipe");
     let mut forced = directory.command(&["check", "arm.gen"]);
     assert!(coloured(forced.env("CLICOLOR_FORCE", "1")), "asked for");
     let mut refused = directory.command(&["check", "arm.gen"]);
@@ -364,10 +317,7 @@ fn formatting_in_place_and_as_a_check() {
     assert_eq!(status(&check), 1, "{}", stderr(&check));
     let diff = stdout(&check);
     assert!(diff.contains("--- a.gen\n+++ a.gen\n@@"), "{diff}");
-    assert!(
-        diff.contains("-typedef  long t;\n+typedef long t;\n"),
-        "{diff}"
-    );
+    assert!(diff.contains("-typedef  long t;\n+typedef long t;\n"), "{diff}");
     let read = |name: &str| std::fs::read_to_string(directory.path().join(name)).expect("a file");
     assert_eq!(read("a.gen"), ugly, "--check changes nothing");
 
@@ -427,25 +377,15 @@ fn scenarios_are_checked_and_formatted() {
     let spec = "component c { task t { period 10 ms; codel<start> f() yield pause::start wcet 1 ms; }; };\n";
     let directory = Directory::new(&[
         ("c.gen", spec),
-        (
-            "good.scn",
-            "scenario s {\n  use \"c.gen\";\n  check schedulable c.t;\n}\n",
-        ),
-        (
-            "bad.scn",
-            "scenario s {\n  use \"c.gen\";\n  check schedulable c.u;\n}\n",
-        ),
+        ("good.scn", "scenario s {\n  use \"c.gen\";\n  check schedulable c.t;\n}\n"),
+        ("bad.scn", "scenario s {\n  use \"c.gen\";\n  check schedulable c.u;\n}\n"),
         ("ugly.scn", "scenario  s {\nuse \"c.gen\" ;\n}\n"),
         ("broken.scn", "scenario  s {\nuse\n}\n"),
     ]);
     let output = directory.run(&["check", "good.scn"]);
     assert_eq!(stdout(&output), "checked 1 file: no problems\n");
     let output = directory.run(&["check", "bad.scn"]);
-    assert!(
-        stdout(&output).contains("error[scn-unknown-name]"),
-        "{}",
-        stdout(&output)
-    );
+    assert!(stdout(&output).contains("error[scn-unknown-name]"), "{}", stdout(&output));
     assert_eq!(status(&output), 1);
 
     assert_eq!(status(&directory.run(&["fmt", "--check", "ugly.scn"])), 1);
@@ -453,25 +393,13 @@ fn scenarios_are_checked_and_formatted() {
     let text = std::fs::read_to_string(directory.path().join("ugly.scn")).expect("a file");
     assert_eq!(text, "scenario s {\n  use \"c.gen\";\n}\n");
     let output = directory.run(&["fmt", "broken.scn"]);
-    assert!(
-        stderr(&output).contains("left as it is"),
-        "{}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).contains("left as it is"), "{}", stderr(&output));
 
-    for command in [
-        &["model"][..],
-        &["tree"],
-        &["diagram", "fsm"],
-        &["codels", "check"],
-    ] {
+    for command in [&["model"][..], &["tree"], &["diagram", "fsm"], &["codels", "check"]] {
         let output = directory.run(&[command, &["good.scn"]].concat());
         assert_eq!(status(&output), 2);
         let said = stderr(&output);
-        assert!(
-            said.contains("`dotgen verify good.scn` verifies it"),
-            "{said}"
-        );
+        assert!(said.contains("`dotgen verify good.scn` verifies it"), "{said}");
     }
 }
 
@@ -502,10 +430,7 @@ fn commands_say_that_there_was_nothing_to_do() {
     let directory = Directory::new(&[("c.gen", spec), ("open.gen", "component  c {\n")]);
     let output = directory.run(&["codels", "check", "c.gen"]);
     let said = stderr(&output);
-    assert!(
-        said.contains("nothing was compared; `dotgen codels stub c.gen`"),
-        "{said}"
-    );
+    assert!(said.contains("nothing was compared; `dotgen codels stub c.gen`"), "{said}");
     assert_eq!(status(&output), 0);
     assert_eq!(stderr(&directory.run(&["codels", "stub", "c.gen"])), "");
     let again = stderr(&directory.run(&["codels", "stub", "c.gen"]));
@@ -523,10 +448,7 @@ fn a_macro_must_have_a_name() {
     let output = directory.run(&["check", "-D", "1X=2", "c.gen"]);
     assert_eq!(status(&output), 2);
     assert!(stderr(&output).contains("1X"), "{}", stderr(&output));
-    assert_eq!(
-        status(&directory.run(&["check", "-DF(x)=x", "-DA", "c.gen"])),
-        0
-    );
+    assert_eq!(status(&directory.run(&["check", "-DF(x)=x", "-DA", "c.gen"])), 0);
 }
 
 #[test]
@@ -534,20 +456,12 @@ fn the_manual_is_part_of_the_program() {
     let directory = Directory::new(&[]);
     let output = directory.run(&["explain", "fsm/busy-loop"]);
     assert_eq!(status(&output), 0);
-    assert!(
-        stdout(&output).starts_with("# fsm/busy-loop\n"),
-        "{}",
-        stdout(&output)
-    );
+    assert!(stdout(&output).starts_with("# fsm/busy-loop\n"), "{}", stdout(&output));
     let all = stdout(&directory.run(&["explain"]));
     assert!(all.lines().count() > 150 && all.lines().any(|line| line == "missing-semicolon"));
     let output = directory.run(&["explain", "fsm/bussy-loop"]);
     assert_eq!(status(&output), 2);
-    assert!(
-        stderr(&output).contains("did you mean `fsm/busy-loop`?"),
-        "{}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).contains("did you mean `fsm/busy-loop`?"), "{}", stderr(&output));
 }
 
 #[test]
@@ -572,9 +486,5 @@ fn sources_that_are_being_written_lack_one_warning() {
     assert_eq!(severities(), ["hint", "hint", "hint", "hint", "warning"]);
     let allowed = specification("  // dotgen: allow(codel/missing-definition) made by a script\n");
     directory.write("c.gen", allowed.as_bytes());
-    assert_eq!(
-        severities(),
-        ["hint"],
-        "the comment of the function that exists"
-    );
+    assert_eq!(severities(), ["hint"], "the comment of the function that exists");
 }

@@ -26,15 +26,7 @@ fn a_component_waits_for_a_debugger_which_stops_in_a_codel() {
         return;
     }
     let directory = with_body("");
-    let arguments = [
-        "run",
-        "bad/bad.gen",
-        "--debug",
-        "--until",
-        "1s",
-        "--format",
-        "json",
-    ];
+    let arguments = ["run", "bad/bad.gen", "--debug", "--until", "1s", "--format", "json"];
     let mut command = directory.command(&arguments);
     let command = command.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut run = command.spawn().expect("the program starts");
@@ -46,15 +38,8 @@ fn a_component_waits_for_a_debugger_which_stops_in_a_codel() {
     assert_eq!(waiting["component"], "bad");
     let process = waiting["process"].as_u64().expect("a number").to_string();
     // It stops where the codel begins, and knows what was handed to it: nothing is optimized out.
-    let steps = [
-        "break bad_again",
-        "continue",
-        "print *n",
-        "next",
-        "print *n",
-        "delete",
-        "continue",
-    ];
+    let steps =
+        ["break bad_again", "continue", "print *n", "next", "print *n", "delete", "continue"];
     let steps = steps.iter().flat_map(|step| ["-ex", step]);
     let gdb = Command::new("gdb")
         .args(["-nx", "-batch", "-p", &process])
@@ -113,15 +98,7 @@ fn processes_and_threads_have_the_names_of_components_and_tasks() {
         return;
     }
     let directory = with_body("");
-    let arguments = [
-        "run",
-        "bad/bad.gen",
-        "good/good.gen",
-        "--clock",
-        "real",
-        "--socket",
-        "s",
-    ];
+    let arguments = ["run", "bad/bad.gen", "good/good.gen", "--clock", "real", "--socket", "s"];
     let _run = Listening::start(&directory, &arguments);
     let name = |path: &Path| {
         let name = std::fs::read_to_string(path.join("comm")).unwrap_or_default();
@@ -131,10 +108,8 @@ fn processes_and_threads_have_the_names_of_components_and_tasks() {
         let of_host = |host: u32| {
             let path = PathBuf::from(format!("/proc/{host}"));
             let threads = std::fs::read_dir(path.join("task")).into_iter().flatten();
-            let mut threads: Vec<String> = threads
-                .flatten()
-                .map(|thread| name(&thread.path()))
-                .collect();
+            let mut threads: Vec<String> =
+                threads.flatten().map(|thread| name(&thread.path())).collect();
             threads.sort();
             (name(&path), threads)
         };
@@ -142,12 +117,8 @@ fn processes_and_threads_have_the_names_of_components_and_tasks() {
         found.sort();
         found
     };
-    let is = |component: &str| {
-        (
-            component.to_owned(),
-            vec![component.to_owned(), "main".to_owned()],
-        )
-    };
+    let is =
+        |component: &str| (component.to_owned(), vec![component.to_owned(), "main".to_owned()]);
     let wanted = [is("bad"), is("good")];
     soon("their names", || (names() == wanted).then_some(()));
 }

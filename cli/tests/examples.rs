@@ -46,8 +46,5 @@ fn examples_are_in_shape() {
         .output()
         .expect("dotgen runs");
     let would_change = String::from_utf8_lossy(&output.stdout);
-    assert!(
-        output.status.success(),
-        "run `dotgen fmt examples`:\n{would_change}"
-    );
+    assert!(output.status.success(), "run `dotgen fmt examples`:\n{would_change}");
 }

@@ -56,9 +56,8 @@ const SLOW: &[&str] = &[
 /// What is in a directory, sorted.
 fn names(directory: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(directory).expect("a directory").flatten();
-    let mut all: Vec<String> = entries
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect();
+    let mut all: Vec<String> =
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     all.sort();
     all
 }
@@ -70,9 +69,7 @@ fn start(command: &mut Command) -> Child {
 }
 
 fn none_is_left(directory: &Directory) {
-    soon("the end of hosts", || {
-        processes(directory).is_empty().then_some(())
-    });
+    soon("the end of hosts", || processes(directory).is_empty().then_some(()));
 }
 
 #[test]
@@ -173,11 +170,7 @@ fn a_host_that_is_killed_is_told_and_the_others_go_on() {
     let told = |output: &Output| stderr(output).contains("::dotgen::lost");
     let called = soon("the loss", || Some(directory.run(&call)).filter(told));
     assert_eq!(status(&called), 1);
-    assert!(
-        stderr(&called).contains("::dotgen::lost"),
-        "{}",
-        stderr(&called)
-    );
+    assert!(stderr(&called).contains("::dotgen::lost"), "{}", stderr(&called));
     run.signal("-TERM");
     assert_eq!(ended(&mut run.0).code(), Some(1));
 }
@@ -198,10 +191,7 @@ fn a_signal_ends_compilers() {
     signal("-TERM", run.id());
     assert_eq!(ended(&mut run).code(), Some(3));
     assert_eq!(names(&directory.path().join("tmp")), Vec::<String>::new());
-    assert_eq!(
-        names(directory.path()),
-        ["bad", "compiler", "good", "started", "tmp"]
-    );
+    assert_eq!(names(directory.path()), ["bad", "compiler", "good", "started", "tmp"]);
     // What was begun does not count as made.
     let objects = directory.path().join("good/.dotgen/run/good");
     assert!(!objects.join("good-run.so").exists());
@@ -282,11 +272,7 @@ fn a_log_for_which_there_is_no_room_is_told() {
     let output = shell.output().expect("it runs");
     assert_eq!(status(&output), 2, "{}", stderr(&output));
     assert!(stdout(&output).contains("good.main"), "the runs are told");
-    assert!(
-        stderr(&output).contains("cannot write `log`"),
-        "{}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).contains("cannot write `log`"), "{}", stderr(&output));
     // What was written stays.
     assert_eq!(names(directory.path()), ["bad", "good", "log"]);
     assert!(directory.read("log").len() > 30_000);
@@ -322,19 +308,13 @@ fn what_codels_do_to_their_process_ends_their_component_alone() {
         ("exit(7);".to_owned(), "exit status 7"),
         ("_exit(0);".to_owned(), "exit status 0"),
         ("*(volatile int *)8 = 1;".to_owned(), "SIGSEGV"),
-        (
-            "volatile char all[1 << 28]; all[0] = 1; all[1 << 27] = 1;".to_owned(),
-            "SIG",
-        ),
+        ("volatile char all[1 << 28]; all[0] = 1; all[1 << 27] = 1;".to_owned(), "SIG"),
         ("kill(getpid(), 9);".to_owned(), "SIGKILL"),
         // It may come to its own end, or be ended.
         (close.to_owned(), "ended"),
         (close.to_owned() + for_ever, "ended"),
         (nonsense.to_owned() + for_ever, "written into it"),
-        (
-            "if (fork() == 0) for (;;) pause(); abort();".to_owned(),
-            "SIGABRT",
-        ),
+        ("if (fork() == 0) for (;;) pause(); abort();".to_owned(), "SIGABRT"),
     ] {
         let body = format!("extern int kill(int, int); {body}");
         let said = lost(&body, "virtual");
@@ -388,10 +368,7 @@ fn what_is_no_child_of_a_codel_is_left_alone() {
     let ended = shell.status().expect("a shell").code();
     assert!(matches!(ended, Some(0 | 1)), "{ended:?}");
     let job: u32 = directory.read("job").trim().parse().expect("a number");
-    assert!(
-        Path::new(&format!("/proc/{job}/exe")).exists(),
-        "it goes on"
-    );
+    assert!(Path::new(&format!("/proc/{job}/exe")).exists(), "it goes on");
     signal("-KILL", job);
 }
 
@@ -427,19 +404,9 @@ fn an_engine_that_is_killed_leaves_no_host() {
         return;
     }
     let directory = with_body("");
-    let arguments = [
-        "run",
-        "bad/bad.gen",
-        "good/good.gen",
-        "--clock",
-        "real",
-        "--socket",
-        "s",
-    ];
+    let arguments = ["run", "bad/bad.gen", "good/good.gen", "--clock", "real", "--socket", "s"];
     let mut run = Listening::start(&directory, &arguments);
-    soon("both hosts", || {
-        (hosts(&directory).len() == 2).then_some(())
-    });
+    soon("both hosts", || (hosts(&directory).len() == 2).then_some(()));
     run.signal("-KILL");
     ended(&mut run.0);
     none_is_left(&directory);
@@ -503,13 +470,9 @@ fn a_client_that_does_not_read_or_says_too_much_is_let_go() {
     let mut client = UnixStream::connect(&socket).expect("it listens");
     let timeout = Some(Duration::from_secs(60));
     client.set_read_timeout(timeout).expect("a timeout");
-    client
-        .write_all(&vec![b'x'; 17 << 20])
-        .expect("it is skipped");
+    client.write_all(&vec![b'x'; 17 << 20]).expect("it is skipped");
     let mut said = String::new();
-    BufReader::new(&client)
-        .read_line(&mut said)
-        .expect("in time");
+    BufReader::new(&client).read_line(&mut said).expect("in time");
     assert!(said.contains("too long"), "{said}");
     // Answers that nobody reads.
     let mut client = UnixStream::connect(&socket).expect("it listens");
@@ -538,15 +501,8 @@ fn what_stands_where_a_socket_should_be_stays() {
         ("bad/none/there/s", "bad/none"),
         (&"x".repeat(200), "cannot listen"),
     ] {
-        let arguments = [
-            "run",
-            "good/good.gen",
-            "--clock",
-            "real",
-            "--simulate",
-            "all",
-            "--socket",
-        ];
+        let arguments =
+            ["run", "good/good.gen", "--clock", "real", "--simulate", "all", "--socket"];
         let output = directory.run(&[&arguments[..], &[socket]].concat());
         assert_eq!(status(&output), 2, "{socket}: {}", stderr(&output));
         assert!(stderr(&output).contains(said), "{}", stderr(&output));

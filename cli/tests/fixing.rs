@@ -27,12 +27,8 @@ fn plain_repairs_are_made_and_the_rest_is_reported() {
     let diff = directory.run(&["check", "--diff", "c.gen"]);
     assert_eq!(status(&diff), 1);
     let shown = stdout(&diff);
-    for line in [
-        "-  tsak t {\n",
-        "+  task t {\n",
-        "-    period 100 Hz;\n",
-        "+    period 10 ms;\n",
-    ] {
+    for line in ["-  tsak t {\n", "+  task t {\n", "-    period 100 Hz;\n", "+    period 10 ms;\n"]
+    {
         assert!(shown.contains(line), "{shown}");
     }
     assert_eq!(text_of(&directory), SLIPS, "--diff changes nothing");
@@ -52,17 +48,12 @@ fn plain_repairs_are_made_and_the_rest_is_reported() {
     let document: Value = serde_json::from_str(&stdout(&fixed)).expect("JSON");
     assert_eq!(document["version"], 1);
     let left = document["diagnostics"].as_array().expect("a list");
-    let errors: Vec<&Value> = left
-        .iter()
-        .filter(|diagnostic| diagnostic["severity"] == "error")
-        .collect();
+    let errors: Vec<&Value> =
+        left.iter().filter(|diagnostic| diagnostic["severity"] == "error").collect();
     assert_eq!(errors.len(), 1, "{errors:#?}");
     assert_eq!(errors[0]["code"], "param-unknown");
     let fix = &errors[0]["fixes"][0];
-    assert_eq!(
-        (&fix["title"], &fix["safe"]),
-        (&json!("Change to `on`"), &json!(false))
-    );
+    assert_eq!((&fix["title"], &fix["safe"]), (&json!("Change to `on`"), &json!(false)));
     assert_eq!(fix["edits"][0]["newText"], "on");
 
     let again = directory.run(&["check", "--diff", "c.gen"]);
@@ -82,34 +73,19 @@ fn misspelt_words_and_names_of_a_scenario_are_corrected() {
     let fixed = directory.run(&["check", "--fix", "s.scn"]);
     // No check is near to this word.
     assert_eq!(status(&fixed), 1);
-    assert_eq!(
-        text(),
-        wrong.replace("coers", "cores"),
-        "{}",
-        stderr(&fixed)
-    );
+    assert_eq!(text(), wrong.replace("coers", "cores"), "{}", stderr(&fixed));
     let right = wrong.replace("  check quick c.main;\n", "");
     directory.write("s.scn", right.as_bytes());
     // A name is a guess: the scenario would check another task.
     let fixed = directory.run(&["check", "--fix", "s.scn"]);
     assert_eq!(status(&fixed), 1);
     assert_eq!(text(), right.replace("coers", "cores"));
-    assert_eq!(
-        status(&directory.run(&["check", "--unsafe-fixes", "s.scn"])),
-        2
-    );
+    assert_eq!(status(&directory.run(&["check", "--unsafe-fixes", "s.scn"])), 2);
     directory.write("s.scn", right.as_bytes());
     let fixed = directory.run(&["check", "--fix", "--unsafe-fixes", "s.scn"]);
     assert_eq!(status(&fixed), 0, "{}", stderr(&fixed));
-    assert_eq!(
-        text(),
-        right.replace("coers", "cores").replace("mian", "main")
-    );
-    assert!(
-        stderr(&fixed).contains("note: fixed `s.scn`: "),
-        "{}",
-        stderr(&fixed)
-    );
+    assert_eq!(text(), right.replace("coers", "cores").replace("mian", "main"));
+    assert!(stderr(&fixed).contains("note: fixed `s.scn`: "), "{}", stderr(&fixed));
 }
 
 #[test]
@@ -118,10 +94,7 @@ fn sarif_has_the_fixes() {
     let output = directory.run(&["check", "--format", "sarif", "c.gen"]);
     let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     let results = document["runs"][0]["results"].as_array().expect("a list");
-    let fixes = results
-        .iter()
-        .find_map(|json| json.get("fixes"))
-        .expect("fixes");
+    let fixes = results.iter().find_map(|json| json.get("fixes")).expect("fixes");
     assert_eq!(fixes[0]["properties"]["safe"], true);
     let change = &fixes[0]["artifactChanges"][0];
     assert_eq!(change["artifactLocation"]["uri"], "c.gen");

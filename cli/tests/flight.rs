@@ -27,9 +27,7 @@ struct Sample {
 
 /// Writes the files below a folder of the examples to the directory.
 fn copy(directory: &Directory, folder: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../examples")
-        .join(folder);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(folder);
     for entry in std::fs::read_dir(path).expect("an example") {
         let entry = entry.expect("an entry");
         let name = entry.file_name().into_string().expect("UTF-8");
@@ -81,12 +79,9 @@ fn check(points: &[[f64; 3]], desired: &[Sample], body: &[Sample]) {
         let last = last.unwrap_or_else(|| panic!("{point:?} is never desired"));
         let (arrival, departure) = (desired[last].time, desired[last + 1].time);
         assert!(departure - arrival > 1.0, "no rest at {point:?}");
-        let resting = body
-            .iter()
-            .filter(|body| body.time >= departure - WINDOW && body.time < departure);
-        let errors: Vec<f64> = resting
-            .map(|body| distance(&body.position, point))
-            .collect();
+        let resting =
+            body.iter().filter(|body| body.time >= departure - WINDOW && body.time < departure);
+        let errors: Vec<f64> = resting.map(|body| distance(&body.position, point)).collect();
         assert!(errors.len() > 400, "{} samples", errors.len());
         let greatest = errors.iter().copied().fold(0.0, f64::max);
         assert!(greatest < TOLERANCE, "{greatest} m from {point:?}");

@@ -21,10 +21,7 @@ const READER: &str = include_str!("hosted/reader.gen");
 
 /// Two components in a language; one reads the ports of the other.
 fn components(language: &str) -> Directory {
-    let (echo, reader) = (
-        ECHO.replace("LANG", language),
-        READER.replace("LANG", language),
-    );
+    let (echo, reader) = (ECHO.replace("LANG", language), READER.replace("LANG", language));
     let sources = match language {
         "c" => [
             ("echo/codels/echo.c", include_str!("hosted/echo.c")),
@@ -57,10 +54,7 @@ fn run_bad(directory: &Directory, more: &[&str]) -> Value {
 
 fn jobs(report: &Value, task: &str) -> u64 {
     let tasks = report["tasks"].as_array().expect("a list");
-    let found = tasks
-        .iter()
-        .find(|candidate| candidate["task"] == task)
-        .expect("the task");
+    let found = tasks.iter().find(|candidate| candidate["task"] == task).expect("the task");
     found["jobs"].as_u64().expect("a number")
 }
 
@@ -71,13 +65,7 @@ fn codels_in_c_and_in_cxx_run_on_the_virtual_clock() {
             return;
         }
         let directory = components(language);
-        let arguments = [
-            "run",
-            "echo/echo.gen",
-            "reader/reader.gen",
-            "--format",
-            "json",
-        ];
+        let arguments = ["run", "echo/echo.gen", "reader/reader.gen", "--format", "json"];
         let run = || directory.run(&arguments);
         let (first, second) = (json_of(&run()), json_of(&run()));
         assert_eq!(first["executed-codels"], 9, "{first:#}");
@@ -121,10 +109,7 @@ fn values_cross_between_codels_ports_and_a_client_in_python() {
             directory.run(&["call", "--socket", "s", "echo", service, input])
         };
         let counted = call("count", "{\"n\": 3}");
-        assert_eq!(
-            (status(&counted), stdout(&counted).as_str()),
-            (0, "{\"seen\":3}\n")
-        );
+        assert_eq!((status(&counted), stdout(&counted).as_str()), (0, "{\"seen\":3}\n"));
         if language == "c" {
             let nonsense = call("count", "{\"n\": -1}");
             assert_eq!(status(&nonsense), 1, "{}", stdout(&nonsense));
@@ -216,10 +201,7 @@ fn a_codel_that_takes_too_long_is_told() {
     let report = run_bad(&directory, &more);
     let all = report["violations"].as_array().expect("a list");
     let overrun = |json: &&Value| json["kind"] == "overrun" && json["function"] == "bad_again";
-    let found = all
-        .iter()
-        .find(overrun)
-        .unwrap_or_else(|| panic!("{report:#}"));
+    let found = all.iter().find(overrun).unwrap_or_else(|| panic!("{report:#}"));
     assert_eq!(found["limit"], 1.0);
     assert!(found["took"].as_f64() >= Some(30.0), "{found}");
     // On the virtual clock it takes what it states.
@@ -279,21 +261,12 @@ fn a_task_of_shorter_period_has_the_higher_priority() {
         source.concat()
     );
     let directory = Directory::new(&[("pair/pair.gen", TASKS), ("pair/codels/pair.c", &source)]);
-    let arguments = [
-        "run",
-        "pair/pair.gen",
-        "--clock",
-        "real",
-        "--bounds",
-        "none",
-    ];
+    let arguments = ["run", "pair/pair.gen", "--clock", "real", "--bounds", "none"];
     let mut run = Listening::start(&directory, &arguments);
     let begin = Instant::now();
     let seen = loop {
         let hosts = hosts(&directory);
-        let seen = hosts
-            .first()
-            .map_or(BTreeMap::new(), |&host| priorities(host));
+        let seen = hosts.first().map_or(BTreeMap::new(), |&host| priorities(host));
         let has = |task: &str| seen.get(task).is_some_and(|&priority| priority > 0);
         if has("slow") && has("fast") {
             break seen;
@@ -321,9 +294,7 @@ fn attributes_are_set_when_the_run_begins() {
         ("codels/c.c", source),
         ("right.json", r#"{ "c": { "set": { "n": 42 } } }"#),
     ]);
-    let run = [
-        "run", "c.gen", "--clock", "real", "--bounds", "none", "--until", "50ms",
-    ];
+    let run = ["run", "c.gen", "--clock", "real", "--bounds", "none", "--until", "50ms"];
     for (wrong, said) in [
         (r#"{ "d": {} }"#, "`d` is not a component of this run"),
         (r#"{ "c": { "put": {} } }"#, "`c` has no attribute `put`"),
@@ -334,40 +305,20 @@ fn attributes_are_set_when_the_run_begins() {
         directory.write("wrong.json", wrong.as_bytes());
         let output = directory.run(&[&run[..], &["--params", "wrong.json"]].concat());
         assert_eq!(status(&output), 2, "{wrong}");
-        assert!(
-            stderr(&output).contains(said),
-            "{wrong}: {}",
-            stderr(&output)
-        );
+        assert!(stderr(&output).contains(said), "{wrong}: {}", stderr(&output));
     }
-    let arguments = [
-        "run",
-        "c.gen",
-        "--clock",
-        "real",
-        "--bounds",
-        "none",
-        "--params",
-        "right.json",
-    ];
+    let arguments =
+        ["run", "c.gen", "--clock", "real", "--bounds", "none", "--params", "right.json"];
     let socket = directory.path().join("run.sock");
     let socket = socket.to_str().expect("it is text");
-    let mut run = Listening::start(
-        &directory,
-        &[&arguments[..], &["--socket", socket]].concat(),
-    );
+    let mut run = Listening::start(&directory, &[&arguments[..], &["--socket", socket]].concat());
     let begin = Instant::now();
     loop {
         let got = directory.run(&["call", "c", "get", "--socket", socket]);
         if stdout(&got) == "{\"n\":42}\n" {
             break;
         }
-        assert!(
-            begin.elapsed() < Duration::from_secs(20),
-            "{}{}",
-            stdout(&got),
-            stderr(&got)
-        );
+        assert!(begin.elapsed() < Duration::from_secs(20), "{}{}", stdout(&got), stderr(&got));
     }
     run.signal("-TERM");
     ended(&mut run.0);
@@ -376,22 +327,11 @@ fn attributes_are_set_when_the_run_begins() {
 #[test]
 fn a_unit_for_systemd_starts_the_same_run() {
     let directory = Directory::new(&[("c.gen", "component c { task main { period 10 ms; }; };\n")]);
-    let output = directory.run(&[
-        "run",
-        "c.gen",
-        "--clock",
-        "real",
-        "--systemd",
-        "--seed",
-        "3",
-    ]);
+    let output = directory.run(&["run", "c.gen", "--clock", "real", "--systemd", "--seed", "3"]);
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     let unit = stdout(&output);
     let command = " run c.gen --clock real --seed 3\n";
-    assert!(
-        unit.contains("\nExecStart=/") && unit.contains(command),
-        "{unit}"
-    );
+    assert!(unit.contains("\nExecStart=/") && unit.contains(command), "{unit}");
     assert!(unit.contains("\nLimitRTPRIO=49\n"), "{unit}");
 }
 
@@ -406,18 +346,12 @@ fn a_run_that_is_ended_leaves_nothing_behind() {
     let mut run = Listening::start(&directory, &arguments);
     {
         use std::os::unix::fs::PermissionsExt as _;
-        let mode = std::fs::metadata(&socket)
-            .expect("it is there")
-            .permissions();
+        let mode = std::fs::metadata(&socket).expect("it is there").permissions();
         assert_eq!(mode.mode() & 0o777, 0o600);
     }
     let taken = directory.run(&arguments);
     assert_eq!(status(&taken), 2);
-    assert!(
-        stderr(&taken).contains("another run listens"),
-        "{}",
-        stderr(&taken)
-    );
+    assert!(stderr(&taken).contains("another run listens"), "{}", stderr(&taken));
     run.signal("-TERM");
     let status = ended(&mut run.0);
     // It was interrupted; on a busy machine it may have missed a deadline before.
@@ -455,10 +389,7 @@ fn what_does_not_compile_does_not_run() {
 /// Copies a folder, without what was built in it.
 fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).expect("a folder");
-    for entry in std::fs::read_dir(from)
-        .expect("a folder")
-        .filter_map(Result::ok)
-    {
+    for entry in std::fs::read_dir(from).expect("a folder").filter_map(Result::ok) {
         let target = to.join(entry.file_name());
         match entry.path().is_dir() {
             true if entry.file_name() == ".dotgen" => {}
@@ -477,10 +408,7 @@ fn the_examples_run_with_their_stubs_on_both_clocks() {
     for (example, files) in [
         ("motor", &["motor.gen"][..]),
         ("pump", &["pump.gen"]),
-        (
-            "outdoor",
-            &["roblaser.gen", "robloco.gen", "robmap.gen", "robmotion.gen"],
-        ),
+        ("outdoor", &["roblaser.gen", "robloco.gen", "robmap.gen", "robmotion.gen"]),
         ("maneuver", &["maneuver.gen"]),
     ] {
         // Components that lie in one folder share their codels; here each has its own.
@@ -504,10 +432,7 @@ fn the_examples_run_with_their_stubs_on_both_clocks() {
             }
             let output = directory.run(&arguments);
             let report = json_of(&output);
-            assert!(
-                report["executed-codels"].as_u64() > Some(0),
-                "{example}: {report:#}"
-            );
+            assert!(report["executed-codels"].as_u64() > Some(0), "{example}: {report:#}");
             assert_eq!(report["simulated-codels"], 0, "{example}");
             // What stubs yield is declared, and no component ends; whether they are in time is another
             // matter.
@@ -541,11 +466,7 @@ fn whoever_watches_is_told_that_a_component_is_gone() {
     assert!(stderr(&crashed).contains("::dotgen::lost"));
     let watched = directory.run(&["watch", "--socket", "s", "echo/each"]);
     assert_eq!(status(&watched), 1, "{}", stdout(&watched));
-    assert!(
-        stderr(&watched).contains("`echo` was ended by signal"),
-        "{}",
-        stderr(&watched)
-    );
+    assert!(stderr(&watched).contains("`echo` was ended by signal"), "{}", stderr(&watched));
     drop(run);
 }
 
@@ -614,10 +535,7 @@ genom_event {name}_again({arguments}, const {name}_data *data, const genom_conte
   if (it->_length > 150000) creat(\"much\", 0600);
   (void)n;";
     let directory = Directory::new(&[
-        (
-            "w/writes.gen",
-            &task("writes", "long n;", "out", "inout n", 1),
-        ),
+        ("w/writes.gen", &task("writes", "long n;", "out", "inout n", 1)),
         ("w/codels/writes.c", &source("writes", "int32_t *n", write)),
         ("r/reads.gen", &task("reads", "long n;", "in", "in n", 3)),
         ("r/codels/reads.c", &source("reads", "int32_t n", read)),
@@ -630,9 +548,7 @@ genom_event {name}_again({arguments}, const {name}_data *data, const genom_conte
         let report = json_of(&output);
         // On a busy machine a deadline may be missed.
         let violations = report["violations"].as_array().expect("a list");
-        let lost = violations
-            .iter()
-            .any(|violation| violation["kind"] != "check");
+        let lost = violations.iter().any(|violation| violation["kind"] != "check");
         assert!(!lost, "{report:#}");
         assert_eq!(report["simulated-codels"], 0, "{report:#}");
         assert!(directory.path().join("much").exists(), "{clock}");

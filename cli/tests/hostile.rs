@@ -16,10 +16,7 @@ fn a_terminal_gets_no_control_characters() {
             NAME,
             "#include \"\u{1b}[2J.idl\"\nstruct s { nope x; }; struct s {}; // \u{1b}]0;title\u{7}\n",
         ),
-        (
-            "templates/quits/template.tcl",
-            "template fatal \"\\x1b\\[2J failed\"\n",
-        ),
+        ("templates/quits/template.tcl", "template fatal \"\\x1b\\[2J failed\"\n"),
     ]);
     for arguments in [
         &["check", NAME][..],
@@ -41,10 +38,7 @@ fn a_terminal_gets_no_control_characters() {
         let harmful = |character: char| {
             character.is_control() && !matches!(character, '\n' | '\t') || character == '\u{202e}'
         };
-        let found: Vec<char> = printed
-            .chars()
-            .filter(|character| harmful(*character))
-            .collect();
+        let found: Vec<char> = printed.chars().filter(|character| harmful(*character)).collect();
         assert_eq!(found, [], "{arguments:?}: {printed}");
     }
 }
@@ -58,9 +52,7 @@ fn an_editor_gets_no_markdown_of_others() {
     let place = json!({ "textDocument": { "uri": "file:///nowhere/arm.gen" },
                         "position": { "line": 0, "character": 10 } });
     let hover = server.request(1, "textDocument/hover", place);
-    let shown = hover["result"]["contents"]["value"]
-        .as_str()
-        .expect("Markdown");
+    let shown = hover["result"]["contents"]["value"].as_str().expect("Markdown");
     let doc = "\\<img src=x\\> \\[a\\](command:b) \\`c\\` \\*d\\*";
     assert!(shown.contains(doc), "{shown}");
     server.end();

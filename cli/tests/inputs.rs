@@ -88,27 +88,16 @@ fn codels_read_what_clients_write() {
     };
     let trail = r#"[{"x": 1, "y": 2}, {"x": 3}]"#;
     written(&directory, &["reader/trail", trail]);
-    reads(
-        &directory,
-        "reader/seen",
-        &json!([{"x": 3.0, "y": 0.0}, {"x": 1.0, "y": 2.0}]),
-    );
+    reads(&directory, "reader/seen", &json!([{"x": 3.0, "y": 0.0}, {"x": 1.0, "y": 2.0}]));
     written(&directory, &["reader/each", "--instance", "a", "-43"]);
     reads(&directory, "reader/sum", &json!(-42));
     // Data that is longer than before.
-    let long: Vec<Value> = (0..1000)
-        .map(|number| json!({"x": 0.5, "y": number}))
-        .collect();
+    let long: Vec<Value> = (0..1000).map(|number| json!({"x": 0.5, "y": number})).collect();
     let request = json!({"id": "a", "write": "reader/trail", "value": long});
     let answers = ask(&directory, &[request]);
-    assert_eq!(
-        answers,
-        [json!({"id": "a", "event": "written", "version": 1})]
-    );
-    let backwards: Vec<Value> = (0..1000)
-        .rev()
-        .map(|number| json!({"x": 0.5, "y": f64::from(number)}))
-        .collect();
+    assert_eq!(answers, [json!({"id": "a", "event": "written", "version": 1})]);
+    let backwards: Vec<Value> =
+        (0..1000).rev().map(|number| json!({"x": 0.5, "y": f64::from(number)})).collect();
     reads(&directory, "reader/seen", &json!(backwards));
     // Thousands that nobody has read are none but the last.
     let many: Vec<Value> = (0..5000)
@@ -119,12 +108,7 @@ fn codels_read_what_clients_write() {
     reads(&directory, "reader/sum", &json!(5000));
     let described = &ask(&directory, &[json!({"describe": null})])[0];
     let each = &described["components"][0]["ports"][1];
-    let known = json!([
-        each["name"],
-        each["direction"],
-        each["multiple"],
-        each["schema"]["type"]
-    ]);
+    let known = json!([each["name"], each["direction"], each["multiple"], each["schema"]["type"]]);
     assert_eq!(known, json!(["each", "in", true, "integer"]));
 }
 
@@ -154,19 +138,10 @@ fn what_does_not_fit_an_input_port_is_named() {
     told(&["reader/seen", "[]"], "`reader/seen` is an output port");
     told(&["reader", "[]"], "write COMPONENT/PORT");
     told(&["reader/trail", "5"], "the value has to be a list");
-    told(
-        &["reader/trail", r#"[{"x": "far"}]"#],
-        "`[0].x` has to be a number",
-    );
-    told(
-        &["reader/trail", r#"[{"z": 1}]"#],
-        "`[0].z` is not a member",
-    );
+    told(&["reader/trail", r#"[{"x": "far"}]"#], "`[0].x` has to be a number");
+    told(&["reader/trail", r#"[{"z": 1}]"#], "`[0].z` is not a member");
     told(&["reader/each", "1"], "give the `instance`");
-    told(
-        &["reader/trail", "[]", "--instance", "a"],
-        "it is not `multiple`",
-    );
+    told(&["reader/trail", "[]", "--instance", "a"], "it is not `multiple`");
     told(&["reader/trail", "here"], "the value is no JSON");
     told(&["reader/trail", "[]", "--rate", "0"], "values per second");
     told(&["reader/trail"], "<JSON>");
@@ -175,27 +150,14 @@ fn what_does_not_fit_an_input_port_is_named() {
         json!({"id": 2, "write": "reader/each", "value": 1, "instance": 5}),
     ];
     let answers = ask(&directory, &wrong);
-    assert_eq!(
-        answers[0]["message"],
-        "`write` needs a `value` for `reader/trail`"
-    );
-    assert_eq!(
-        answers[1]["message"],
-        "the instance 5 of `reader/each` is not text"
-    );
+    assert_eq!(answers[0]["message"], "`write` needs a `value` for `reader/trail`");
+    assert_eq!(answers[1]["message"], "the instance 5 of `reader/each` is not text");
     let many: Vec<Value> = (0..257)
         .map(|number| json!({"id": number, "write": "reader/each", "instance": format!("i{number}"), "value": 1}))
         .collect();
     let answers = ask(&directory, &many);
-    assert!(
-        answers[..256]
-            .iter()
-            .all(|answer| answer["event"] == "written")
-    );
-    assert_eq!(
-        answers[256]["message"],
-        "`reader/each` has 256 instances; write one of them"
-    );
+    assert!(answers[..256].iter().all(|answer| answer["event"] == "written"));
+    assert_eq!(answers[256]["message"], "`reader/each` has 256 instances; write one of them");
 }
 
 #[test]
@@ -206,25 +168,13 @@ fn an_input_port_that_an_output_port_feeds_is_refused() {
     let directory = components();
     let run = run(&directory, &["echo.gen", "reader.gen"], &[]);
     let told = refused(&directory, &["reader/trail", "[]"]);
-    assert!(
-        told.contains("`reader/trail` is connected to `echo/trail`"),
-        "{told}"
-    );
+    assert!(told.contains("`reader/trail` is connected to `echo/trail`"), "{told}");
     assert!(told.contains("connect_port"), "{told}");
     let told = refused(&directory, &["reader/each", "1", "--instance", "new"]);
     assert!(told.contains("connected to `echo/each`"), "{told}");
     drop(run);
     // The same with a component that is simulated.
-    let words = [
-        "run",
-        "reader.gen",
-        "--clock",
-        "real",
-        "--simulate",
-        "all",
-        "--socket",
-        "s",
-    ];
+    let words = ["run", "reader.gen", "--clock", "real", "--simulate", "all", "--socket", "s"];
     let _run = Listening::start(&directory, &words);
     let told = refused(&directory, &["reader/trail", "[]"]);
     assert!(told.contains("`reader` is simulated"), "{told}");
@@ -256,11 +206,7 @@ genom_event NAME_go(const NAME_NAME_in *from, const NAME_NAME_out *to, const gen
         let path = format!("{name}/codels/{name}.c");
         directory.write(&path, source.replace("NAME", name).as_bytes());
     }
-    let run = run(
-        &directory,
-        &["first/first.gen", "second/second.gen"],
-        &["--record", "run.mcap"],
-    );
+    let run = run(&directory, &["first/first.gen", "second/second.gen"], &["--record", "run.mcap"]);
     written(&directory, &["first/first_in", "7"]);
     written(&directory, &["second/second_in", "8"]);
     reads(&directory, "second/second_out", &json!(8));
@@ -274,24 +220,12 @@ genom_event NAME_go(const NAME_NAME_in *from, const NAME_NAME_out *to, const gen
     run.signal("-INT");
     ended(&mut run.0);
     // The recording is one of the model, whatever was written meanwhile.
-    let files = [
-        "replay",
-        "run.mcap",
-        "first/first.gen",
-        "second/second.gen",
-        "--format",
-        "json",
-    ];
+    let files = ["replay", "run.mcap", "first/first.gen", "second/second.gen", "--format", "json"];
     let report = json_of(&directory.run(&files));
     assert!(report["steps"].as_u64() > Some(10), "{report:#}");
     assert_eq!(report["followed"], report["steps"]);
     let longer = report["differences"].as_array().expect("a list");
-    assert!(
-        longer
-            .iter()
-            .all(|difference| difference["kind"] == "longer"),
-        "{report:#}"
-    );
+    assert!(longer.iter().all(|difference| difference["kind"] == "longer"), "{report:#}");
 }
 
 #[test]
@@ -340,24 +274,14 @@ fn a_recording_is_played_into_input_ports() {
         assert_eq!(status(&output), 2, "{}", stdout(&output));
         assert!(stderr(&output).contains(what), "{}", stderr(&output));
     };
-    told(
-        &["--topic", "echo/trial=reader/trail"],
-        "did you mean `echo/trail`?",
-    );
-    told(
-        &["--topic", "echo/trail=reader/trial"],
-        "did you mean `reader/trail`?",
-    );
+    told(&["--topic", "echo/trial=reader/trail"], "did you mean `echo/trail`?");
+    told(&["--topic", "echo/trail=reader/trial"], "did you mean `reader/trail`?");
     told(&["--topic", "echo/trail"], "write FROM=TO");
     told(&["--speed", "0"], "write a number from");
     directory.write("text.mcap", b"some text");
     let output = directory.run(&["play", "text.mcap", "--socket", "s"]);
     assert_eq!(status(&output), 2);
-    assert!(
-        stderr(&output).contains("no MCAP file"),
-        "{}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).contains("no MCAP file"), "{}", stderr(&output));
 }
 
 #[test]
@@ -367,21 +291,10 @@ fn lines_and_rows_are_values() {
     };
     written(&directory, &["reader/trail", "[]"]);
     // Each line is a value when it comes.
-    let words = [
-        "write",
-        "--socket",
-        "s",
-        "reader/each",
-        "--instance",
-        "a",
-        "-",
-    ];
+    let words = ["write", "--socket", "s", "reader/each", "--instance", "a", "-"];
     let mut command = directory.command(&words);
-    let mut child = command
-        .stdin(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("it starts");
+    let mut child =
+        command.stdin(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
     let mut input = child.stdin.take().expect("it is piped");
     for value in [4, 9] {
         writeln!(input, "{value}").expect("it reads");
@@ -393,30 +306,14 @@ fn lines_and_rows_are_values() {
     assert_eq!(status(&output), 1, "{}", stderr(&output));
     reads(&directory, "reader/sum", &json!(13));
     let told = stderr(&output);
-    assert!(
-        told.contains("line 4 was not written: the value is no JSON"),
-        "{told}"
-    );
-    assert!(
-        told.contains("line 5 was not written: `reader/each`: the value has to be"),
-        "{told}"
-    );
-    directory.write(
-        "trail.csv",
-        b"time,[0].x,[0].y,[1].x\n100,1,2,3\n100.01,4,5,6\n",
-    );
+    assert!(told.contains("line 4 was not written: the value is no JSON"), "{told}");
+    assert!(told.contains("line 5 was not written: `reader/each`: the value has to be"), "{told}");
+    directory.write("trail.csv", b"time,[0].x,[0].y,[1].x\n100,1,2,3\n100.01,4,5,6\n");
     written(&directory, &["reader/trail", "--csv", "trail.csv"]);
-    reads(
-        &directory,
-        "reader/seen",
-        &json!([{"x": 6.0, "y": 0.0}, {"x": 4.0, "y": 5.0}]),
-    );
+    reads(&directory, "reader/seen", &json!([{"x": 6.0, "y": 0.0}, {"x": 4.0, "y": 5.0}]));
     let wrong = |text: &str, words: &[&str], what: &str| {
         directory.write("wrong.csv", text.as_bytes());
-        let told = refused(
-            &directory,
-            &[&["reader/trail", "--csv", "wrong.csv"], words].concat(),
-        );
+        let told = refused(&directory, &[&["reader/trail", "--csv", "wrong.csv"], words].concat());
         assert!(told.contains(what), "{told}");
     };
     wrong("time,[0].x\n1,2\n", &["--rate", "5"], "leave --rate out");
@@ -427,30 +324,12 @@ fn lines_and_rows_are_values() {
     );
     wrong("[0].x\n1,2\n", &[], "`wrong.csv`: line 2 has 2 cells");
     reads(&directory, "reader/seen", &json!([{"x": 1.0, "y": 0.0}]));
-    let words = [
-        "reader/each",
-        "--csv",
-        "each.csv",
-        "--instance",
-        "a",
-        "--rate",
-        "200",
-    ];
+    let words = ["reader/each", "--csv", "each.csv", "--instance", "a", "--rate", "200"];
     directory.write("each.csv", b"value\n1\n2\n3\n");
     written(&directory, &words);
     reads(&directory, "reader/sum", &json!(4));
     // The same value until the run ends.
-    let words = [
-        "write",
-        "--socket",
-        "s",
-        "reader/each",
-        "--instance",
-        "a",
-        "--rate",
-        "200",
-        "20",
-    ];
+    let words = ["write", "--socket", "s", "reader/each", "--instance", "a", "--rate", "200", "20"];
     let mut repeating = directory.command(&words).spawn().expect("it starts");
     reads(&directory, "reader/sum", &json!(21));
     // It is written again after another value.

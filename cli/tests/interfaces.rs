@@ -42,10 +42,7 @@ fn a_fresh_clone_has_nothing_open() {
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     let shown = stdout(&output);
     assert!(shown.contains("hint[pp-requires-own]"), "{shown}");
-    assert!(
-        !shown.contains("warning") && !shown.contains("error"),
-        "{shown}"
-    );
+    assert!(!shown.contains("warning") && !shown.contains("error"), "{shown}");
     assert!(!shown.contains("wait for"), "{shown}");
 
     let listed = stdout(&run(&directory, &["deps", "fly.gen"]));
@@ -123,10 +120,7 @@ fn sources_of_another_component_beside_are_left_out() {
     for name in ["left.gen", "right.gen"] {
         assert_eq!(status(&run(&directory, &["codels", "stub", name])), 0);
     }
-    let output = run(
-        &directory,
-        &["run", "--until", "50ms", "left.gen", "right.gen"],
-    );
+    let output = run(&directory, &["run", "--until", "50ms", "left.gen", "right.gen"]);
     let shown = format!("{}{}", stdout(&output), stderr(&output));
     assert_eq!(status(&output), 0, "{shown}");
 }

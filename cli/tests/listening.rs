@@ -14,9 +14,7 @@ fn nothing_listens_beyond_a_private_socket_unless_told_to() {
     let arguments = [REAL, &["--simulate", "all"]].concat();
     let listening = |run: &Listening| {
         let links = std::fs::read_dir(format!("/proc/{}/fd", run.0.id())).expect("it is mine");
-        let links = links
-            .flatten()
-            .filter_map(|link| std::fs::read_link(link.path()).ok());
+        let links = links.flatten().filter_map(|link| std::fs::read_link(link.path()).ok());
         let sockets = links.filter_map(|link| {
             let name = link.to_str()?.strip_prefix("socket:[")?.strip_suffix(']')?;
             Some(name.to_owned())
@@ -27,10 +25,7 @@ fn nothing_listens_beyond_a_private_socket_unless_told_to() {
             let text = std::fs::read_to_string(format!("/proc/net/{table}")).unwrap_or_default();
             for line in text.lines().skip(1) {
                 let words: Vec<&str> = line.split_whitespace().collect();
-                if words
-                    .get(9)
-                    .is_some_and(|word| sockets.iter().any(|own| own == word))
-                {
+                if words.get(9).is_some_and(|word| sockets.iter().any(|own| own == word)) {
                     found.push((table, words[1].to_owned()));
                 }
             }
@@ -63,10 +58,7 @@ fn nothing_listens_beyond_a_private_socket_unless_told_to() {
     };
     let describe = "{\"id\": 1, \"describe\": null}\n";
     let refused = says(port, describe);
-    assert!(
-        refused.contains("first send") && !refused.contains("\"good\""),
-        "{refused}"
-    );
+    assert!(refused.contains("first send") && !refused.contains("\"good\""), "{refused}");
     let file = directory.path().join(format!("dotgen/{port}.token"));
     let mode = std::os::unix::fs::MetadataExt::mode(&file.metadata().expect("a file"));
     assert_eq!(mode & 0o777, 0o600);
@@ -84,20 +76,12 @@ fn nothing_listens_beyond_a_private_socket_unless_told_to() {
     let _ = std::io::Read::read_to_end(&mut &browser, &mut said);
     assert!(!String::from_utf8_lossy(&said).contains("description"));
     // Somebody listens there already.
-    let taken = [
-        &arguments[..3],
-        &["real", "--simulate", "all", "--socket", "t"],
-    ]
-    .concat();
+    let taken = [&arguments[..3], &["real", "--simulate", "all", "--socket", "t"]].concat();
     let port = port.to_string();
     let taken = [&taken[..], &["--listen", &port]].concat();
     let taken = directory.run(&taken);
     assert_eq!(status(&taken), 2);
-    assert!(
-        stderr(&taken).contains("cannot listen at 127.0.0.1"),
-        "{}",
-        stderr(&taken)
-    );
+    assert!(stderr(&taken).contains("cannot listen at 127.0.0.1"), "{}", stderr(&taken));
     assert!(!directory.path().join("t").exists());
     run.signal("-INT");
     run.0.wait().expect("it ends");

@@ -34,11 +34,7 @@ impl Machines {
             return None;
         }
         let link = "link add name veth0 type veth peer name veth0 netns".split(' ');
-        let link: Vec<&str> = ["-n", one]
-            .into_iter()
-            .chain(link)
-            .chain([&two[..]])
-            .collect();
+        let link: Vec<&str> = ["-n", one].into_iter().chain(link).chain([&two[..]]).collect();
         assert!(ip(&link), "a pair of veth");
         for (machine, address) in [(one, "10.77.0.1/24"), (two, "10.77.0.2/24")] {
             assert!(ip(&["-n", machine, "addr", "add", address, "dev", "veth0"]));
@@ -133,9 +129,7 @@ fn ports_cross_between_machines_and_a_cut_link_ends_nothing_else() {
     first.told("`pong` of the machine `two` has appeared");
     second.told("`ping` of the machine `one` has appeared");
     // The numbers grow only if they cross both ways.
-    soon("ten times", || {
-        (newest(&ping, "ping/of_ping") > 10).then_some(())
-    });
+    soon("ten times", || (newest(&ping, "ping/of_ping") > 10).then_some(()));
     let cut = Instant::now();
     assert!(ip(&["-n", &machines.0[0], "link", "set", "veth0", "down"]));
     let told = [

@@ -62,15 +62,9 @@ impl Client {
 
     /// The texts of an answer, and true if it is an error.
     fn call(&mut self, tool: &str, arguments: Value) -> (String, bool) {
-        let result = self.request(
-            "tools/call",
-            json!({ "name": tool, "arguments": arguments }),
-        );
+        let result = self.request("tools/call", json!({ "name": tool, "arguments": arguments }));
         let blocks = result["content"].as_array().expect("content");
-        let texts: Vec<&str> = blocks
-            .iter()
-            .filter_map(|block| block["text"].as_str())
-            .collect();
+        let texts: Vec<&str> = blocks.iter().filter_map(|block| block["text"].as_str()).collect();
         (texts.concat(), result["isError"] == true)
     }
 }
@@ -90,19 +84,11 @@ fn the_tools_are_at_most_eight_and_described() {
     let mut client = Client::start(&directory);
     let tools = client.request("tools/list", json!({}));
     let tools = tools["tools"].as_array().expect("tools");
-    let names: Vec<&str> = tools
-        .iter()
-        .filter_map(|tool| tool["name"].as_str())
-        .collect();
-    let expected = [
-        "check", "codels", "draw", "explain", "fix", "look_up", "simulate", "verify",
-    ];
+    let names: Vec<&str> = tools.iter().filter_map(|tool| tool["name"].as_str()).collect();
+    let expected = ["check", "codels", "draw", "explain", "fix", "look_up", "simulate", "verify"];
     assert_eq!(names, expected);
     for tool in tools {
-        for (name, property) in tool["inputSchema"]["properties"]
-            .as_object()
-            .expect("properties")
-        {
+        for (name, property) in tool["inputSchema"]["properties"].as_object().expect("properties") {
             let described = property["description"].is_string() || property["$ref"].is_string();
             assert!(described, "{}: {name}", tool["name"]);
         }
@@ -118,17 +104,10 @@ fn a_defect_is_found_explained_and_fixed() {
     assert!(found.contains("error[") && !is_error, "{found}");
     let code = found.split(['[', ']']).nth(1).expect("a code");
     let (page, is_error) = client.call("explain", json!({ "code": code }));
-    assert!(
-        page.starts_with(&format!("# {code}")) && !is_error,
-        "{page}"
-    );
+    assert!(page.starts_with(&format!("# {code}")) && !is_error, "{page}");
     client.call("fix", json!({ "path": "pump.gen" }));
     assert_eq!(directory.read("pump.gen"), PUMP);
-    for (tool, path) in [
-        ("check", "pump.gen"),
-        ("verify", "pump.scn"),
-        ("simulate", "pump.scn"),
-    ] {
+    for (tool, path) in [("check", "pump.gen"), ("verify", "pump.scn"), ("simulate", "pump.scn")] {
         let (text, is_error) = client.call(tool, json!({ "path": path }));
         assert!(!is_error && !text.is_empty(), "{tool}: {text}");
     }
@@ -142,10 +121,7 @@ fn a_long_answer_is_shortened_and_an_error_is_one() {
     let mut client = Client::start(&directory);
     let (answer, _) = client.call("check", json!({}));
     assert!(answer.len() <= 7_000, "{}", answer.len());
-    assert!(
-        answer.contains("more lines: name one file or declaration\n"),
-        "{answer}"
-    );
+    assert!(answer.contains("more lines: name one file or declaration\n"), "{answer}");
     let (answer, is_error) = client.call("check", json!({ "path": "--help" }));
     assert!(is_error, "a path is not an option: {answer}");
 }
@@ -153,14 +129,8 @@ fn a_long_answer_is_shortened_and_an_error_is_one() {
 /// Ten tasks on one core, whose exploration takes minutes.
 fn endless() -> (String, &'static str) {
     let mut text = "component c {\n".to_owned();
-    for (task, period) in [10, 20, 25, 40, 50, 80, 100, 110, 200, 210]
-        .into_iter()
-        .enumerate()
-    {
-        let codel = format!(
-            "codel<start> f{task}() yield pause::start wcet {} ms;",
-            task + 2
-        );
+    for (task, period) in [10, 20, 25, 40, 50, 80, 100, 110, 200, 210].into_iter().enumerate() {
+        let codel = format!("codel<start> f{task}() yield pause::start wcet {} ms;", task + 2);
         text += &format!("  task t{task} {{ period {period} ms; {codel} }};\n");
     }
     let scenario = "scenario s { use \"c.gen\"; cores 1; policy priority; check schedulable *; }\n";
@@ -183,8 +153,5 @@ fn a_cancelled_request_ends_its_command() {
     let started = std::time::Instant::now();
     let (page, is_error) = client.call("explain", json!({ "code": "fsm/busy-loop" }));
     assert!(page.starts_with("# fsm/busy-loop") && !is_error, "{page}");
-    assert!(
-        started.elapsed().as_secs() < 60,
-        "the first command did not end"
-    );
+    assert!(started.elapsed().as_secs() < 60, "the first command did not end");
 }

@@ -51,36 +51,12 @@ fn line(began: u64, took: u64, names: &str) -> String {
 
 fn log() -> String {
     [
-        line(
-            10_000,
-            100,
-            "beat <permanent> beat_start ::cell::start ::cell::pause::main",
-        ),
-        line(
-            20_000,
-            1_500,
-            "beat <permanent> beat_main ::cell::main ::cell::again",
-        ),
-        line(
-            22_000,
-            2_500,
-            "beat <permanent> beat_main ::cell::again ::cell::pause::main",
-        ),
-        line(
-            40_000,
-            300,
-            "rest <permanent> common ::cell::start ::cell::second",
-        ),
-        line(
-            41_000,
-            410,
-            "rest <permanent> rest_second ::cell::second ::cell::pause::start",
-        ),
-        line(
-            45_000,
-            250,
-            "last <permanent> common ::cell::start ::cell::pause::start",
-        ),
+        line(10_000, 100, "beat <permanent> beat_start ::cell::start ::cell::pause::main"),
+        line(20_000, 1_500, "beat <permanent> beat_main ::cell::main ::cell::again"),
+        line(22_000, 2_500, "beat <permanent> beat_main ::cell::again ::cell::pause::main"),
+        line(40_000, 300, "rest <permanent> common ::cell::start ::cell::second"),
+        line(41_000, 410, "rest <permanent> rest_second ::cell::second ::cell::pause::start"),
+        line(45_000, 250, "last <permanent> common ::cell::start ::cell::pause::start"),
         line(50_000, 7, "<control> go go_check validate ::genom::ok"),
         line(51_000, 20, "beat go go_start ::cell::start ::cell::ether"),
         line(52_000, 90_000, "beat go genom_prof_record profiling wakeup"),
@@ -89,22 +65,13 @@ fn log() -> String {
         "9.000000000 9.000000000 8.000000000 cell beat go go_start ::cell::start ::cell::ether\n"
             .to_owned(),
         "rubbish\n".to_owned(),
-        line(
-            60_000,
-            60_000_000,
-            "beat <permanent> beat_main ::cell::main",
-        )[..40]
-            .to_owned(),
+        line(60_000, 60_000_000, "beat <permanent> beat_main ::cell::main")[..40].to_owned(),
     ]
     .concat()
 }
 
 fn files() -> Directory {
-    Directory::new(&[
-        ("cell.gen", SPEC),
-        ("cell.scn", SCENARIO),
-        ("run.out", &log()),
-    ])
+    Directory::new(&[("cell.gen", SPEC), ("cell.scn", SCENARIO), ("run.out", &log())])
 }
 
 fn put(directory: &Directory, name: &str, text: &str) {
@@ -161,10 +128,7 @@ fn measured_times_become_clauses() {
             "common(inout other) yield pause::start wcet 300 us;",
         )
         .replace("go_check(in x);", "go_check(in x) wcet 9 us;")
-        .replace(
-            "go_start(in x) yield ether;",
-            "go_start(in x) yield ether wcet 24 us;",
-        );
+        .replace("go_start(in x) yield ether;", "go_start(in x) yield ether wcet 24 us;");
     assert_eq!(directory.read("cell.gen"), expected);
     assert_eq!(edited(SPEC, &report["edits"]), expected);
     let of = |path: &str, key: &str| -> Value {
@@ -179,11 +143,7 @@ fn measured_times_become_clauses() {
     assert_eq!(of("cell.beat.again", "line"), 3);
     assert_eq!(of("cell.beat.start", "decision"), "new");
     let place = of("cell.beat.start", "place");
-    assert!(
-        place["file"]
-            .as_str()
-            .is_some_and(|file| file.ends_with("cell.gen"))
-    );
+    assert!(place["file"].as_str().is_some_and(|file| file.ends_with("cell.gen")));
     let start = offset(SPEC, &place["range"]["start"]);
     assert!(SPEC[start..].starts_with("<start> beat_start("), "{place}");
     assert_eq!(report["never-seen"], serde_json::json!(["cell.go.stop"]));
@@ -206,10 +166,7 @@ fn nothing_is_lowered_unasked() {
     put(&directory, "cell.gen", &declared);
     import(&directory, &["run.out", "cell.gen"]);
     assert!(directory.read("cell.gen").contains("wcet 20 ms"));
-    import(
-        &directory,
-        &["run.out", "cell.gen", "--replace", "--margin", "1"],
-    );
+    import(&directory, &["run.out", "cell.gen", "--replace", "--margin", "1"]);
     let text = directory.read("cell.gen");
     assert!(text.contains("again wcet 2500 us;"), "{text}");
     // What was written with a greater margin is lowered as well.
@@ -223,10 +180,7 @@ fn a_pragma_is_about_all_uses_of_a_function() {
     put(&directory, "cell.gen", &without);
     import(&directory, &["run.out", "cell.gen", "--as", "pragma"]);
     let text = directory.read("cell.gen");
-    assert!(
-        text.contains("\n#pragma wcet common 360 us\n    codel<start> common("),
-        "{text}"
-    );
+    assert!(text.contains("\n#pragma wcet common 360 us\n    codel<start> common("), "{text}");
     assert_eq!(text.matches("#pragma wcet").count(), 6, "{text}");
     let rest: String = (text.lines().filter(|line| !line.starts_with("#pragma")))
         .map(|line| format!("{line}\n"))
@@ -254,32 +208,21 @@ fn an_interface_that_two_specifications_include_is_edited_once() {
         let names = format!("<control> {service} do_{service} codel ::genom::ok");
         line(10_000, took, &names).replace(" cell ", &format!(" {name} "))
     };
-    let log = [
-        of("one", 500, "ping"),
-        of("two", 1_000, "ping"),
-        of("two", 100, "pong"),
-    ];
-    for (form, ping) in [
-        ("clause", "codel do_ping() wcet 1200 us;"),
-        ("pragma", "#pragma wcet do_ping 1200 us"),
-    ] {
+    let log = [of("one", 500, "ping"), of("two", 1_000, "ping"), of("two", 100, "pong")];
+    for (form, ping) in
+        [("clause", "codel do_ping() wcet 1200 us;"), ("pragma", "#pragma wcet do_ping 1200 us")]
+    {
         let directory = Directory::new(&[
             ("port.gen", interface),
             ("one.gen", &component("one")),
             ("two.gen", &component("two")),
-            (
-                "both.scn",
-                "scenario both { use \"one.gen\"; use \"two.gen\"; }\n",
-            ),
+            ("both.scn", "scenario both { use \"one.gen\"; use \"two.gen\"; }\n"),
             ("run.out", &log.concat()),
         ]);
         import(&directory, &["run.out", "both.scn", "--as", form]);
         let text = directory.read("port.gen");
         assert!(text.contains(ping), "{text}");
-        assert_eq!(
-            text.matches("wcet do_ping").count() + text.matches("() wcet 1200").count(),
-            1
-        );
+        assert_eq!(text.matches("wcet do_ping").count() + text.matches("() wcet 1200").count(), 1);
         assert_eq!(directory.read("one.gen"), component("one"));
         let again = import(&directory, &["run.out", "both.scn", "--as", form]);
         assert_eq!(again["changed"], serde_json::json!([]), "{again:#}");
@@ -306,9 +249,7 @@ fn bytes_that_are_no_utf8_and_line_ends_stay() {
         }
         assert_eq!(old.next(), None, "{}", String::from_utf8_lossy(&new));
         assert!(new.ends_with(b"// caf\xe9 \xff\r\n/* no end of line */"));
-        let alone = new
-            .windows(2)
-            .filter(|window| window[1] == b'\n' && window[0] != b'\r');
+        let alone = new.windows(2).filter(|window| window[1] == b'\n' && window[0] != b'\r');
         assert_eq!(alone.count(), 0);
     }
 }
@@ -323,18 +264,12 @@ fn what_comes_from_a_macro_is_left_to_people() {
             1,
         )
         .replace("wcet 2 ms;", "TIME;")
-        .replace(
-            "codel<start> go_start(in x) yield ether;",
-            "codel<start> BODY;",
-        );
+        .replace("codel<start> go_start(in x) yield ether;", "codel<start> BODY;");
     put(&directory, "cell.gen", &text);
     let output = dotgen(&directory, &["wcet", "import", "run.out", "cell.gen"]);
     assert_eq!(status(&output), 1, "{}", stderr(&output));
     let told = stdout(&output);
-    assert!(
-        told.contains("not written: the time of beat_main"),
-        "{told}"
-    );
+    assert!(told.contains("not written: the time of beat_main"), "{told}");
     let new = directory.read("cell.gen");
     assert!(new.contains("again TIME;"), "{new}");
     assert!(new.contains("yield pause::main wcet 120 us;"), "{new}");
@@ -348,36 +283,17 @@ fn comments_within_a_time_are_left_to_people() {
     let output = dotgen(&directory, &["wcet", "import", "run.out", "cell.gen"]);
     assert_eq!(status(&output), 1, "{}", stderr(&output));
     assert!(stdout(&output).contains("a comment stands within"));
-    assert!(
-        directory
-            .read("cell.gen")
-            .contains("wcet /* by hand */ 2 us;")
-    );
+    assert!(directory.read("cell.gen").contains("wcet /* by hand */ 2 us;"));
 
-    let text = SPEC.replace(
-        "component",
-        "#pragma wcet beat_main 2 us /* by hand */\ncomponent",
-    );
+    let text = SPEC.replace("component", "#pragma wcet beat_main 2 us /* by hand */\ncomponent");
     put(&directory, "cell.gen", &text.replace(" wcet 2 ms;", ";"));
     let output = dotgen(&directory, &["wcet", "import", "run.out", "cell.gen"]);
-    assert!(
-        directory.read("cell.gen").contains("/* by hand */"),
-        "{}",
-        stdout(&output)
-    );
+    assert!(directory.read("cell.gen").contains("/* by hand */"), "{}", stdout(&output));
 
     let files = files();
     let text = SCENARIO.replace("[5,100] us;", "[5,100] /* a; b */ us;");
     put(&files, "cell.scn", &text);
-    let arguments = [
-        "wcet",
-        "import",
-        "run.out",
-        "cell.scn",
-        "--as",
-        "sidecar",
-        "--replace",
-    ];
+    let arguments = ["wcet", "import", "run.out", "cell.scn", "--as", "sidecar", "--replace"];
     let output = dotgen(&files, &arguments);
     assert_eq!(status(&output), 2, "{}", stdout(&output));
     assert_eq!(files.read("cell.scn"), text);
@@ -388,10 +304,7 @@ fn a_log_without_runs_is_an_error() {
     let directory = files();
     put(&directory, "empty.out", "");
     put(&directory, "garbage.out", "no\nlog\n");
-    for (log, why) in [
-        ("empty.out", "it is empty"),
-        ("garbage.out", "2 lines not of a log"),
-    ] {
+    for (log, why) in [("empty.out", "it is empty"), ("garbage.out", "2 lines not of a log")] {
         let output = dotgen(&directory, &["wcet", "stats", log]);
         assert_eq!(status(&output), 2, "{log}");
         assert!(stderr(&output).contains(why), "{}", stderr(&output));
@@ -410,10 +323,7 @@ scenario cell {
 }
 ";
     let text = directory.read("cell.scn");
-    let lines: Vec<&str> = text
-        .lines()
-        .filter(|line| !expected.contains(*line))
-        .collect();
+    let lines: Vec<&str> = text.lines().filter(|line| !expected.contains(*line)).collect();
     let fresh = [
         "  duration cell.beat.start [5,120] us;",
         "  duration cell.beat.again [0,3000] us;",
@@ -429,24 +339,13 @@ scenario cell {
     assert!(lines.len() <= fresh.len(), "{text}");
     assert_eq!(directory.read("cell.gen"), SPEC);
     let verified = dotgen(&directory, &["verify", "cell.scn"]);
-    assert!(
-        !stderr(&verified).contains("error"),
-        "{}",
-        stderr(&verified)
-    );
+    assert!(!stderr(&verified).contains("error"), "{}", stderr(&verified));
     let again = import(&directory, &["run.out", "cell.scn", "--as", "sidecar"]);
     assert_eq!(again["changed"], serde_json::json!([]));
     // Without a scenario there is no place for them.
-    let output = dotgen(
-        &directory,
-        &["wcet", "import", "run.out", "cell.gen", "--as", "sidecar"],
-    );
+    let output = dotgen(&directory, &["wcet", "import", "run.out", "cell.gen", "--as", "sidecar"]);
     assert_eq!(status(&output), 2);
-    assert!(
-        stderr(&output).contains("name one (.scn)"),
-        "{}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).contains("name one (.scn)"), "{}", stderr(&output));
 }
 
 #[test]
@@ -457,15 +356,8 @@ fn a_diff_writes_nothing() {
         assert_eq!(status(&output), 0, "{}", stderr(&output));
         let diff = stdout(&output);
         assert!(diff.starts_with("--- cell.gen\n+++ cell.gen\n"), "{diff}");
-        assert!(
-            diff.contains("\n+      yield pause::main, again wcet 3 ms;\n"),
-            "{diff}"
-        );
-        assert!(
-            stderr(&output).contains("would change cell.gen"),
-            "{}",
-            stderr(&output)
-        );
+        assert!(diff.contains("\n+      yield pause::main, again wcet 3 ms;\n"), "{diff}");
+        assert!(stderr(&output).contains("would change cell.gen"), "{}", stderr(&output));
         assert_eq!(directory.read("cell.gen"), SPEC);
     }
 }
@@ -475,15 +367,10 @@ fn logs_of_others_are_named() {
     let directory = files();
     let strange = line(1_000, 1, "beat go go_start ::cell::nowhere ::cell::ether")
         + &line(2_000, 1, "beat go other ::cell::start ::cell::ether");
-    put(
-        &directory,
-        "run.out",
-        &(log().replace("rubbish\n", &strange)),
-    );
+    put(&directory, "run.out", &(log().replace("rubbish\n", &strange)));
     let report = import(&directory, &["run.out"]);
-    let whys: Vec<&Value> = (report["unknown"].as_array().expect("a list").iter())
-        .map(|json| &json["why"])
-        .collect();
+    let whys: Vec<&Value> =
+        (report["unknown"].as_array().expect("a list").iter()).map(|json| &json["why"]).collect();
     assert_eq!(whys, ["state", "function"]);
     // What a control task executes is known by its service: the server may have another name.
     let others: String = (log().lines().filter(|line| !line.contains("<control>")))
@@ -492,23 +379,12 @@ fn logs_of_others_are_named() {
     put(&directory, "run.out", &others.replace("cell", "bell"));
     let output = dotgen(&directory, &["wcet", "import", "run.out"]);
     assert_eq!(status(&output), 2);
-    assert!(
-        stderr(&output).contains("of other components"),
-        "{}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).contains("of other components"), "{}", stderr(&output));
     put(&directory, "run.out", "");
     let output = dotgen(&directory, &["wcet", "import", "run.out"]);
-    assert!(
-        stderr(&output).contains("the log is empty"),
-        "{}",
-        stderr(&output)
-    );
-    for wrong in [
-        &["missing.out", "cell.gen"][..],
-        &["cell.gen"],
-        &["run.out", "--margin", "0.5"],
-    ] {
+    assert!(stderr(&output).contains("the log is empty"), "{}", stderr(&output));
+    for wrong in [&["missing.out", "cell.gen"][..], &["cell.gen"], &["run.out", "--margin", "0.5"]]
+    {
         let output = dotgen(&directory, &[&["wcet", "import"], wrong].concat());
         assert_eq!(status(&output), 2, "{wrong:?}");
     }
@@ -526,20 +402,14 @@ fn statistics_for_people() {
 fn only_measured_times_are_imported() {
     let directory = Directory::new(&[("cell.gen", SPEC)]);
     let arguments = ["run", "cell.gen", "--simulate", "all", "--until", "1s"];
-    let output = dotgen(
-        &directory,
-        &[&arguments[..], &["--profile", "run.out"]].concat(),
-    );
+    let output = dotgen(&directory, &[&arguments[..], &["--profile", "run.out"]].concat());
     assert!(matches!(status(&output), 0 | 3), "{}", stderr(&output));
     for more in [&[][..], &["--diff", "--format", "json"]] {
         let import = ["wcet", "import", "run.out", "cell.gen"];
         let output = dotgen(&directory, &[&import[..], more].concat());
         assert_eq!(status(&output), 2, "{}", stdout(&output));
         let said = stderr(&output);
-        assert!(
-            said.contains("simulated, not measured: nothing to import"),
-            "{said}"
-        );
+        assert!(said.contains("simulated, not measured: nothing to import"), "{said}");
         assert!(said.contains("--clock real"), "{said}");
         assert_eq!(stdout(&output), "");
     }
@@ -556,9 +426,6 @@ fn only_measured_times_are_imported() {
         stdout(&output)
     );
     let text = directory.read("cell.gen");
-    assert!(
-        text.contains("beat_start(out it) yield pause::main;"),
-        "{text}"
-    );
+    assert!(text.contains("beat_start(out it) yield pause::main;"), "{text}");
     assert!(text.contains("again wcet 3 ms"), "{text}");
 }

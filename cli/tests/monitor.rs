@@ -29,11 +29,7 @@ fn recorded(arguments: &[&str]) -> Directory {
         let text = std::fs::read_to_string(path).expect("an example");
         put(&directory, name, &text);
     }
-    let all = [
-        &["run", "pump.scn", "--until", "5s", "--profile", "run.out"],
-        arguments,
-    ]
-    .concat();
+    let all = [&["run", "pump.scn", "--until", "5s", "--profile", "run.out"], arguments].concat();
     let output = dotgen(&directory, &all);
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     directory
@@ -42,51 +38,31 @@ fn recorded(arguments: &[&str]) -> Directory {
 #[test]
 fn a_run_is_held_to_its_model() {
     let directory = recorded(&[]);
-    let clean = dotgen(
-        &directory,
-        &["monitor", "run.out", "pump.scn", "--format", "json"],
-    );
+    let clean = dotgen(&directory, &["monitor", "run.out", "pump.scn", "--format", "json"]);
     assert_eq!(status(&clean), 0, "{}", stderr(&clean));
     let report = json(&clean);
     assert_eq!(report["deviation-count"], 0);
     for task in report["tasks"].as_array().expect("a list") {
-        assert!(
-            task["greatest"].as_i64() <= task["bound"].as_i64(),
-            "{task}"
-        );
+        assert!(task["greatest"].as_i64() <= task["bound"].as_i64(), "{task}");
         assert!(task["chains"].as_i64() > Some(200), "{task}");
     }
     let log = directory.read("run.out");
-    let third = log
-        .lines()
-        .nth(300)
-        .expect("a long log")
-        .replace("::pause::", "::");
+    let third = log.lines().nth(300).expect("a long log").replace("::pause::", "::");
     let lines = log.lines().enumerate();
     let log: String = lines
         .map(|(number, line)| format!("{}\n", if number == 300 { &third } else { line }))
         .collect();
     put(&directory, "run.out", &log);
-    let wrong = dotgen(
-        &directory,
-        &["monitor", "run.out", "pump.scn", "--format", "json"],
-    );
+    let wrong = dotgen(&directory, &["monitor", "run.out", "pump.scn", "--format", "json"]);
     assert_eq!(status(&wrong), 1, "{}", stderr(&wrong));
     let report = json(&wrong);
     assert_eq!(report["deviations"][0]["line"], 301);
     assert_eq!(report["deviations"][0]["kind"], "transition");
-    assert_eq!(
-        report["deviations"][0]["rule"],
-        "a codel leads to one of its yields"
-    );
+    assert_eq!(report["deviations"][0]["rule"], "a codel leads to one of its yields");
     let text = dotgen(&directory, &["monitor", "run.out", "pump.gen"]);
     assert_eq!(status(&text), 1);
     assert!(stdout(&text).contains("line 301, at "), "{}", stdout(&text));
-    for wrong in [
-        &["run.out"][..],
-        &["pump.scn"],
-        &["missing.out", "pump.scn"],
-    ] {
+    for wrong in [&["run.out"][..], &["pump.scn"], &["missing.out", "pump.scn"]] {
         let output = dotgen(&directory, &[&["monitor"], wrong].concat());
         assert_eq!(status(&output), 2, "{wrong:?}");
     }
@@ -130,9 +106,7 @@ fn a_run_is_followed_through_its_socket() {
     // What another client hears is a log.
     let path = directory.path().join("s");
     let mut client = std::os::unix::net::UnixStream::connect(&path).expect("it listens");
-    client
-        .write_all(b"{\"id\": 7, \"profile\": null}\n")
-        .expect("it reads");
+    client.write_all(b"{\"id\": 7, \"profile\": null}\n").expect("it reads");
     let answers = BufReader::new(&client).lines().map(|line| {
         let answer: Value = serde_json::from_str(&line.expect("text")).expect("JSON");
         assert_eq!(answer["id"], 7);
@@ -147,9 +121,7 @@ fn a_run_is_followed_through_its_socket() {
     assert_eq!(status(&clean), 0, "{}{}", stdout(&clean), stderr(&clean));
 
     // A model that the run does not keep to.
-    let other = directory
-        .read("pump.gen")
-        .replace("wcet 3 ms", "wcet 100 us");
+    let other = directory.read("pump.gen").replace("wcet 3 ms", "wcet 100 us");
     put(&directory, "pump.gen", &other);
     let mut command = directory.command(&["monitor", "s", "pump.scn"]);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -238,9 +210,7 @@ fn a_trace_has_a_slice_for_each_run() {
     let again = std::fs::read(directory.path().join("again.pftrace")).expect("written");
     assert!(trace == again);
     let get = |all: &[(u64, Field<'_>)], key: u64| {
-        all.iter()
-            .find(|entry| entry.0 == key)
-            .map(|pair| pair.1.number())
+        all.iter().find(|entry| entry.0 == key).map(|pair| pair.1.number())
     };
     let mut tracks = std::collections::BTreeMap::new();
     let mut open: std::collections::BTreeMap<u64, Vec<u64>> = std::collections::BTreeMap::new();
@@ -283,24 +253,15 @@ fn a_trace_has_a_slice_for_each_run() {
         }
     }
     assert!(open.values().all(Vec::is_empty));
-    let runs = |task: &str| {
-        log.lines()
-            .filter(|line| line.contains(&format!(" pump {task} ")))
-            .count()
-    };
+    let runs =
+        |task: &str| log.lines().filter(|line| line.contains(&format!(" pump {task} "))).count();
     let waited = |task: &str| {
         let waits = |text: &&str| text.split(' ').next() != text.split(' ').nth(1);
-        let of = log
-            .lines()
-            .filter(|line| line.contains(&format!(" pump {task} ")));
+        let of = log.lines().filter(|line| line.contains(&format!(" pump {task} ")));
         of.filter(waits).count()
     };
     for task in ["control", "report"] {
-        assert_eq!(
-            slices[&format!("task {task}")],
-            runs(task) + waited(task),
-            "{slices:?}"
-        );
+        assert_eq!(slices[&format!("task {task}")], runs(task) + waited(task), "{slices:?}");
     }
     let codels = log.lines().filter(|line| !line.starts_with('#'));
     assert_eq!(slices["core 0"], codels.count(), "{slices:?}");

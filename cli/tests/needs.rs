@@ -42,11 +42,7 @@ fn codels_of_a_fresh_clone_are_compared() {
     found.sort_unstable();
     assert_eq!(
         found,
-        [
-            "codel/never-yielded",
-            "codel/signature-mismatch",
-            "codel/undeclared-yield"
-        ]
+        ["codel/never-yielded", "codel/signature-mismatch", "codel/undeclared-yield"]
     );
     let expected = json!([{
         "file": "c.gen",
@@ -98,9 +94,7 @@ fn what_a_specification_needs_and_what_stands_in_for_it() {
 
     let output = deps(&["--stand-ins"]);
     assert!(stdout(&output).contains("\n    looked in .\n"));
-    let path = directory
-        .path()
-        .join(".dotgen/standins/or/pose/pose_estimator.gen");
+    let path = directory.path().join(".dotgen/standins/or/pose/pose_estimator.gen");
     let standin = std::fs::read_to_string(path).expect("it was written");
     assert!(standin.contains("interface or_pose_estimator"), "{standin}");
     assert!(standin.contains("port out pose_data pose;"), "{standin}");
@@ -115,10 +109,8 @@ fn what_a_specification_needs_and_what_stands_in_for_it() {
     let text = stdout(&output.expect("the program runs"));
     let document: Value = serde_json::from_str(&text).expect("JSON");
     let errors = document["diagnostics"].as_array().expect("a list").iter();
-    let errors: Vec<_> = errors
-        .filter(|error| error["severity"] == "error")
-        .map(|error| &error["code"])
-        .collect();
+    let errors: Vec<_> =
+        errors.filter(|error| error["severity"] == "error").map(|error| &error["code"]).collect();
     assert_eq!(errors, ["pp-requires-unresolved"]);
 }
 
@@ -147,9 +139,7 @@ component c {
     let output = directory.run(&["check", "--format", "json", "c.gen"]);
     let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     let errors = document["diagnostics"].as_array().expect("a list").iter();
-    let errors: Vec<_> = errors
-        .filter(|error| error["severity"] == "error")
-        .collect();
+    let errors: Vec<_> = errors.filter(|error| error["severity"] == "error").collect();
     assert!(errors.is_empty(), "{errors:#?}");
     let output = directory.run(&["deps", "c.gen"]);
     assert_eq!(status(&output), 0, "{}", stdout(&output));

@@ -27,10 +27,7 @@ pub(crate) fn endpoint() -> String {
 
 fn component(name: &str, specification: &str, source: &str) -> Directory {
     Directory::new(&[
-        (
-            &format!("{name}.gen"),
-            &specification.replace("LANG", "c") as &str,
-        ),
+        (&format!("{name}.gen"), &specification.replace("LANG", "c") as &str),
         ("types.idl", TYPES),
         (&format!("codels/{name}.c"), source),
     ])
@@ -69,9 +66,7 @@ fn a_port_of_another_machine_is_read_by_its_name() {
     let first = run(&writes, "echo.gen", &["--zenoh-listen", &endpoint]);
     let second = run(&reads, "reader.gen", &["--zenoh-connect", &endpoint]);
     // The instance `a` of a port that is `multiple` holds 70, and the reader adds one.
-    soon("the instance", || {
-        (newest(&reads, "reader/sum") == "71\n").then_some(())
-    });
+    soon("the instance", || (newest(&reads, "reader/sum") == "71\n").then_some(()));
     soon("structures", || {
         let seen = newest(&reads, "reader/seen");
         seen.contains("\"x\":").then_some(())
@@ -123,17 +118,13 @@ fn a_large_value_arrives() {
     let endpoint = endpoint();
     let _first = run(&writes, "camera.gen", &["--zenoh-listen", &endpoint]);
     let _second = run(&reads, "viewer.gen", &["--zenoh-connect", &endpoint]);
-    soon("the image", || {
-        (newest(&reads, "viewer/last") == "42\n").then_some(())
-    });
+    soon("the image", || (newest(&reads, "viewer/last") == "42\n").then_some(()));
 }
 
 /// The next report of progress.
 fn progress(directory: &Directory) -> Value {
     let mut stream = UnixStream::connect(directory.path().join("s")).expect("it listens");
-    stream
-        .write_all(b"{\"progress\": null}\n")
-        .expect("it reads");
+    stream.write_all(b"{\"progress\": null}\n").expect("it reads");
     let lines = BufReader::new(stream).lines().map_while(Result::ok);
     let mut values = lines.map(|line| serde_json::from_str::<Value>(&line).expect("it is JSON"));
     let progress = values.find(|value| value["event"] == "progress");
@@ -171,9 +162,7 @@ fn a_machine_that_goes_away_is_reported_and_ends_nothing_else() {
     assert_eq!(status(&called), 0, "{}", stderr(&called));
     // A later run is seen again.
     let _again = run(&leaves, "reader.gen", &["--zenoh-connect", &endpoint]);
-    soon("it appears again", || {
-        (remote(&stays)[0]["present"] == true).then_some(())
-    });
+    soon("it appears again", || (remote(&stays)[0]["present"] == true).then_some(()));
 }
 
 #[test]
@@ -194,10 +183,7 @@ fn the_key_can_be_chosen_and_nonsense_is_told() {
     let connect = ["--zenoh-connect", endpoint.as_str()];
     let with = |more: &[&str]| wrong(&[&real[..], &connect, more].concat());
     let told = with(&["--zenoh-read", "reader.nothing=echo/trail"]);
-    assert!(
-        told.contains("`reader` has no input port `nothing`"),
-        "{told}"
-    );
+    assert!(told.contains("`reader` has no input port `nothing`"), "{told}");
     let told = with(&["--zenoh-read", "nobody.trail=echo/trail"]);
     assert!(told.contains("no component `nobody` runs"), "{told}");
     let told = with(&["--zenoh-read", "trail"]);
@@ -234,16 +220,10 @@ fn services_of_another_machine_are_requested() {
     let (code, told) = call(&["echo", "fail", "{\"code\": 1}"]);
     assert_eq!((code, told.contains("echo::e_")), (1, true), "{told}");
     for (wrong, why) in [
-        (
-            ["echo", "set_gain", "{\"gain\": \"much\"}"],
-            "`echo.set_gain`",
-        ),
+        (["echo", "set_gain", "{\"gain\": \"much\"}"], "`echo.set_gain`"),
         (["echo", "set_gain", "{\"loss\": 1}"], "loss"),
         (["echo", "set_gain", "[1]"], "not an object"),
-        (
-            ["echo", "nothing", "{}"],
-            "no run there provides `echo.nothing`",
-        ),
+        (["echo", "nothing", "{}"], "no run there provides `echo.nothing`"),
         (["*", "get_gain", "{}"], "request one service"),
     ] {
         let (code, told) = call(&wrong);
@@ -260,11 +240,7 @@ fn services_of_another_machine_are_requested() {
     run.signal("-KILL");
     let output = waits.wait_with_output().expect("it ends");
     assert_eq!(status(&output), 2);
-    assert!(
-        stderr(&output).contains("run has ended"),
-        "{}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).contains("run has ended"), "{}", stderr(&output));
     let (code, told) = call(&["echo", "get_gain"]);
     assert_eq!((code, told.contains("cannot connect")), (2, true), "{told}");
 }

@@ -7,10 +7,7 @@ fn a_new_component_is_sound_in_step_and_proved() {
     for (tasks, interfaces) in [
         (&[][..], &[][..]),
         (&["--task", "fast=5ms", "--task", "slow=0.5s"][..], &[][..]),
-        (
-            &["--task", "plan"][..],
-            &["--provides", "pose.gen:pose"][..],
-        ),
+        (&["--task", "plan"][..], &["--provides", "pose.gen:pose"][..]),
         (
             &["--task", "exec=10 ms", "--task", "plan"][..],
             &["--uses", "pose.gen:pose", "--provides", "pose.gen:speed"][..],
@@ -24,11 +21,7 @@ fn a_new_component_is_sound_in_step_and_proved() {
         arguments.extend(interfaces);
         let made = directory.run(&arguments);
         assert_eq!(status(&made), 0, "{}", stderr(&made));
-        assert!(
-            stderr(&made).contains("wrote `nav/nav.gen`"),
-            "{}",
-            stderr(&made)
-        );
+        assert!(stderr(&made).contains("wrote `nav/nav.gen`"), "{}", stderr(&made));
         for arguments in [
             &["fmt", "--check", "nav"][..],
             &["check", "nav"][..],
@@ -45,11 +38,7 @@ fn a_new_component_is_sound_in_step_and_proved() {
         let before = text().expect("it is written");
         let again = directory.run(&["new", "nav", "--task", "other=1s"]);
         assert_eq!(status(&again), 2, "{}", stderr(&again));
-        assert!(
-            stderr(&again).contains("is there already"),
-            "{}",
-            stderr(&again)
-        );
+        assert!(stderr(&again).contains("is there already"), "{}", stderr(&again));
         assert_eq!(text().expect("it is there"), before);
     }
 }
@@ -61,10 +50,7 @@ fn wrong_answers_are_refused_with_what_to_do() {
         (&["new", "2d"][..], "`2d` is not a valid name"),
         (&["new", "struct"][..], "`struct` is a keyword"),
         (&["new", "c", "--task", "t=soon"][..], "as in `10 ms`"),
-        (
-            &["new", "c", "--uses", "x.gen:x"][..],
-            "has no interface `x`",
-        ),
+        (&["new", "c", "--uses", "x.gen:x"][..], "has no interface `x`"),
         (&["new", "c", "--uses", "pose"][..], "pose.gen:pose"),
     ] {
         let run = directory.run(arguments);

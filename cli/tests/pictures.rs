@@ -17,11 +17,7 @@ fn pictures_of_the_documentation_are_up_to_date() {
             command.current_dir(&root).arg("diagram");
             let output = command.args(how.split_whitespace()).output();
             let output = output.expect("dotgen runs");
-            assert!(
-                output.status.success(),
-                "{line}\n{}",
-                String::from_utf8_lossy(&output.stderr)
-            );
+            assert!(output.status.success(), "{line}\n{}", String::from_utf8_lossy(&output.stderr));
             output.stdout
         };
         let drawn = draw();

@@ -65,10 +65,7 @@ fn children(id: u32, word: &str) -> Vec<i32> {
     let mut out = Vec::new();
     for task in tasks.flatten() {
         let list = std::fs::read_to_string(task.path().join("children")).unwrap_or_default();
-        out.extend(
-            list.split_whitespace()
-                .filter_map(|word| word.parse::<i32>().ok()),
-        );
+        out.extend(list.split_whitespace().filter_map(|word| word.parse::<i32>().ok()));
     }
     out.retain(|number| {
         let line = std::fs::read(format!("/proc/{number}/cmdline")).unwrap_or_default();
@@ -84,20 +81,13 @@ fn until<T>(mut found: impl FnMut() -> Option<T>) -> T {
         if let Some(found) = found() {
             return found;
         }
-        assert!(
-            start.elapsed() < Duration::from_secs(60),
-            "it does not come"
-        );
+        assert!(start.elapsed() < Duration::from_secs(60), "it does not come");
         std::thread::yield_now();
     }
 }
 
 fn number_in(path: &Path) -> Option<i32> {
-    std::fs::read_to_string(path)
-        .ok()?
-        .strip_suffix('\n')?
-        .parse()
-        .ok()
+    std::fs::read_to_string(path).ok()?.strip_suffix('\n')?.parse().ok()
 }
 
 fn entries(path: &Path) -> usize {
@@ -135,17 +125,13 @@ fn a_preview_ends_with_the_server_however_that_ends() {
         server.send(json!({ "id": 1, "method": "workspace/executeCommand", "params": params }));
         let folder = until(|| {
             let mut all = std::fs::read_dir(&temporary).ok()?.flatten();
-            all.find(|entry| entry.path().join("there").exists())
-                .map(|entry| entry.path())
+            all.find(|entry| entry.path().join("there").exists()).map(|entry| entry.path())
         });
         let id = server.child.id();
         let shell = children(id, "tclsh");
         assert_eq!(shell.len(), 1);
         let shell = Running::new(shell[0]);
-        let helpers: Vec<Running> = children(id, "watch")
-            .into_iter()
-            .map(Running::new)
-            .collect();
+        let helpers: Vec<Running> = children(id, "watch").into_iter().map(Running::new).collect();
         assert_eq!(helpers.len(), 1);
         match how {
             "input" => server.to = None,
@@ -166,10 +152,8 @@ fn what_a_template_starts_ends_with_a_killed_command() {
     }
     let script =
         "set f [open [pwd]/started w]; puts $f [exec sleep 1000 &]; close $f; vwait forever\n";
-    let directory = Directory::new(&[
-        ("lamp.gen", LAMP),
-        ("templates/starts/template.tcl", script),
-    ]);
+    let directory =
+        Directory::new(&[("lamp.gen", LAMP), ("templates/starts/template.tcl", script)]);
     let arguments = ["generate", "-t", "templates", "starts", "lamp.gen"];
     let mut command = directory.command(&arguments);
     let mut child = command.stdin(Stdio::null()).spawn().expect("it starts");
@@ -183,14 +167,9 @@ fn what_a_template_starts_ends_with_a_killed_command() {
 #[test]
 fn the_package_tool_ends_with_the_server() {
     use std::os::unix::fs::PermissionsExt;
-    let directory = Directory::new(&[(
-        "tool",
-        "#!/bin/sh\nsleep 1000 &\necho $! >\"$TRACE\"\nwait\n",
-    )]);
-    let (tool, trace) = (
-        directory.path().join("tool"),
-        directory.path().join("trace"),
-    );
+    let directory =
+        Directory::new(&[("tool", "#!/bin/sh\nsleep 1000 &\necho $! >\"$TRACE\"\nwait\n")]);
+    let (tool, trace) = (directory.path().join("tool"), directory.path().join("trace"));
     std::fs::set_permissions(&tool, PermissionsExt::from_mode(0o755)).expect("it runs");
     let params = json!({ "capabilities": {}, "initializationOptions": { "trusted": true } });
     let mut server = Server::start_with(params, &[("PKG_CONFIG", &tool), ("TRACE", &trace)]);
@@ -212,9 +191,7 @@ fn project(templates: &[(&str, &str)]) -> Directory {
 
 fn generate(directory: &Directory, arguments: &[&str]) -> Output {
     let mut command = directory.command(&["generate", "-t", "../templates"]);
-    command
-        .args(arguments)
-        .current_dir(directory.path().join("work"));
+    command.args(arguments).current_dir(directory.path().join("work"));
     command.output().expect("it runs")
 }
 
@@ -228,40 +205,25 @@ fn a_confined_template_writes_below_the_current_folder() {
             "plain/template.tcl",
             "template parse raw \"text\\n\" file sub/a.txt\ntemplate parse raw x file b.sh\n",
         ),
-        (
-            "hook/template.tcl",
-            "template parse perm 0755 raw x file .git/hooks/post-commit\n",
-        ),
+        ("hook/template.tcl", "template parse perm 0755 raw x file .git/hooks/post-commit\n"),
         (
             "caught/template.tcl",
             "catch {template parse perm a+x raw x file run.sh}\ntemplate parse raw x file fine.txt\n",
         ),
-        (
-            "linked/template.tcl",
-            "template parse raw x file plain/config\n",
-        ),
-        (
-            "texts/template.toml",
-            "about = \"x\"\n[[files]]\npath = \".profile\"\nsource = \"t\"\n",
-        ),
+        ("linked/template.tcl", "template parse raw x file plain/config\n"),
+        ("texts/template.toml", "about = \"x\"\n[[files]]\npath = \".profile\"\nsource = \"t\"\n"),
         ("texts/t", "x"),
         (
             "leaves/template.tcl",
             "template parse raw x file a.txt\ntemplate parse raw x file ../out.txt\n",
         ),
-        (
-            "tool/template.tcl",
-            "engine mode merge-if-change\nengine merge-tool touch\n",
-        ),
+        ("tool/template.tcl", "engine mode merge-if-change\nengine merge-tool touch\n"),
         ("minus/template.tcl", "file mkdir -x/../../made\n"),
         (
             "minus2/template.tcl",
             "file copy -force -- [dotgen template dir]/template.tcl -x/../../made\n",
         ),
-        (
-            "reads/template.tcl",
-            "template parse file /etc/hostname file a.txt\n",
-        ),
+        ("reads/template.tcl", "template parse file /etc/hostname file a.txt\n"),
         ("parses/template.tcl", "dotgen parse file /etc/hostname\n"),
     ]);
     let output = generate(&directory, &["--confined", "plain"]);
@@ -289,18 +251,10 @@ fn a_confined_template_writes_below_the_current_folder() {
     ] {
         let output = generate(&directory, &["--confined", template, "lamp.gen"]);
         assert_eq!(status(&output), 2, "{template}");
-        assert!(
-            stderr(&output).contains(why),
-            "{template}: {}",
-            stderr(&output)
-        );
+        assert!(stderr(&output).contains(why), "{template}: {}", stderr(&output));
     }
     assert_eq!(entries(directory.path()), 2, "nothing is made outside");
-    assert_eq!(
-        entries(&directory.path().join("work")),
-        work,
-        "nor is what came before a failure"
-    );
+    assert_eq!(entries(&directory.path().join("work")), work, "nor is what came before a failure");
     // What is confirmed by name, and what a template does without what it is refused.
     let allow = ["--confined", "--allow", ".git/hooks/post-commit", "hook"];
     let output = generate(&directory, &allow);
@@ -329,17 +283,11 @@ fn a_confined_template_that_fills_its_folder_is_stopped() {
         )
     };
     let (large, empty) = (flood(1_000_000), flood(0));
-    let directory = project(&[
-        ("large/template.tcl", &large),
-        ("empty/template.tcl", &empty),
-    ]);
+    let directory = project(&[("large/template.tcl", &large), ("empty/template.tcl", &empty)]);
     for template in ["large", "empty"] {
         let output = generate(&directory, &["--confined", template]);
         let text = stderr(&output);
-        assert!(
-            text.contains("the template has written more than it may"),
-            "{template}: {text}"
-        );
+        assert!(text.contains("the template has written more than it may"), "{template}: {text}");
         assert_eq!(status(&output), 2, "{template}");
     }
 }
@@ -384,20 +332,13 @@ fn texts_end_at_their_memory_and_stay_in_their_folders() {
         ("wrong", "t:2: "),
         ("up", "../fine/t is not in the folder of the template"),
         ("up2", "\"../out.txt\" of a result is not below"),
-        (
-            "absolute",
-            "\"/tmp/dotgen-out.txt\" of a result is not below",
-        ),
+        ("absolute", "\"/tmp/dotgen-out.txt\" of a result is not below"),
         ("links", "t is not in the folder of the template"),
         ("through", "\"link/a.txt\" of a result is not below"),
     ] {
         let output = generate(&directory, &[template, "lamp.gen"]);
         assert_eq!(status(&output), 2, "{template}: {}", stdout(&output));
-        assert!(
-            stderr(&output).contains(why),
-            "{template}: {}",
-            stderr(&output)
-        );
+        assert!(stderr(&output).contains(why), "{template}: {}", stderr(&output));
     }
     assert_eq!(entries(directory.path()), 2);
 }
@@ -437,11 +378,7 @@ fn where_the_system_confines_nothing_it_is_said() {
     let output = without_support(|| generate(&directory, &["--confined", "plain"]));
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     let said = stderr(&output);
-    for gap in [
-        "files elsewhere",
-        "starting programs",
-        "opening connections",
-    ] {
+    for gap in ["files elsewhere", "starting programs", "opening connections"] {
         assert!(said.contains(gap), "{said}");
     }
     for template in ["minus", "minus2"] {
@@ -465,10 +402,7 @@ fn a_server_outlives_a_text_that_eats_memory() {
             "{% set ns = namespace(x='xx') %}{% for i in range(40) %}{% set ns.x = ns.x ~ ns.x %}{% endfor \
                 %}",
         ),
-        (
-            "templates/out/template.toml",
-            "about = \"x\"\n[[files]]\npath = \"a\"\nsource = \"t\"\n",
-        ),
+        ("templates/out/template.toml", "about = \"x\"\n[[files]]\npath = \"a\"\nsource = \"t\"\n"),
         ("templates/out/t", "x"),
     ]);
     let uri = format!("file://{}", directory.path().display());
@@ -481,10 +415,7 @@ fn a_server_outlives_a_text_that_eats_memory() {
         let params = json!({ "command": "dotgen.generate", "arguments": [argument] });
         let answer = server.request(id, "workspace/executeCommand", params);
         assert_eq!(answer["result"]["status"], "failed", "{answer}");
-        answer["result"]["messages"]
-            .as_str()
-            .expect("a text")
-            .to_owned()
+        answer["result"]["messages"].as_str().expect("a text").to_owned()
     };
     let messages = run(1, "eats", json!([]));
     assert!(messages.contains("1024 MiB of memory"), "{messages}");

@@ -87,12 +87,7 @@ fn every_request_is_answered() {
     let mut server = Server::raw(&[]);
     let code = |answer: Value| answer["error"]["code"].as_i64();
     let document = json!({ "textDocument": { "uri": URI } });
-    for method in [
-        "textDocument/hover",
-        "shutdown",
-        "dotgen/nothing",
-        "$/nothing",
-    ] {
+    for method in ["textDocument/hover", "shutdown", "dotgen/nothing", "$/nothing"] {
         let answer = server.request(1, method, document.clone());
         assert_eq!(code(answer), Some(-32002), "{method} before initialize");
     }
@@ -103,49 +98,23 @@ fn every_request_is_answered() {
     let answer = server.request(4, "initialize", json!({ "capabilities": {} }));
     assert_eq!(code(answer), Some(-32600));
     for method in ["dotgen/nothing", "textDocument/nothing", "$/nothing"] {
-        assert_eq!(
-            code(server.request(5, method, json!({}))),
-            Some(-32601),
-            "{method}"
-        );
+        assert_eq!(code(server.request(5, method, json!({}))), Some(-32601), "{method}");
     }
-    for params in [
-        Value::Null,
-        json!([]),
-        json!({}),
-        json!({ "textDocument": 5 }),
-    ] {
+    for params in [Value::Null, json!([]), json!({}), json!({ "textDocument": 5 })] {
         let answer = server.request(6, "textDocument/hover", params);
         assert_eq!(code(answer), Some(-32602));
     }
     // Notifications with an id, as some clients send them.
-    for (method, params) in [
-        ("initialized", json!({})),
-        ("$/cancelRequest", json!({ "id": 99 })),
-    ] {
+    for (method, params) in [("initialized", json!({})), ("$/cancelRequest", json!({ "id": 99 }))] {
         let answer = server.request(7, method, params);
         assert_eq!(answer["result"], Value::Null, "{method}");
     }
     server.send(json!({ "id": 1.5, "method": "textDocument/hover", "params": document }));
-    assert_eq!(
-        code(server.receive(|message| message["id"] == 1.5)),
-        Some(-32600)
-    );
+    assert_eq!(code(server.receive(|message| message["id"] == 1.5)), Some(-32600));
     server.send(json!({ "id": "text", "method": "dotgen/nothing" }));
-    assert_eq!(
-        code(server.receive(|message| message["id"] == "text")),
-        Some(-32601)
-    );
-    assert_eq!(
-        server.request(8, "shutdown", Value::Null)["result"],
-        Value::Null
-    );
-    for method in [
-        "textDocument/hover",
-        "shutdown",
-        "initialize",
-        "dotgen/nothing",
-    ] {
+    assert_eq!(code(server.receive(|message| message["id"] == "text")), Some(-32601));
+    assert_eq!(server.request(8, "shutdown", Value::Null)["result"], Value::Null);
+    for method in ["textDocument/hover", "shutdown", "initialize", "dotgen/nothing"] {
         let answer = server.request(9, method, document.clone());
         assert_eq!(code(answer), Some(-32600), "{method} after shutdown");
     }
@@ -158,21 +127,13 @@ fn a_whole_session_can_be_sent_at_once() {
     let initialize = json!({ "id": 1, "method": "initialize", "params": { "capabilities": {} } });
     let shutdown = json!({ "id": 2, "method": "shutdown" });
     let exit = json!({ "method": "exit" });
-    for (messages, status) in [
-        (vec![&initialize, &shutdown, &exit], 0),
-        (vec![&initialize, &exit], 1),
-        (vec![&exit], 1),
-    ] {
+    for (messages, status) in
+        [(vec![&initialize, &shutdown, &exit], 0), (vec![&initialize, &exit], 1), (vec![&exit], 1)]
+    {
         let mut server = Server::raw(&[]);
-        let all: Vec<u8> = messages
-            .iter()
-            .flat_map(|other| message((*other).clone()))
-            .collect();
+        let all: Vec<u8> = messages.iter().flat_map(|other| message((*other).clone())).collect();
         server.bytes(&all);
-        for asked in messages
-            .iter()
-            .filter(|message| message.get("id").is_some())
-        {
+        for asked in messages.iter().filter(|message| message.get("id").is_some()) {
             let answer = server.receive(|message| message["id"] == asked["id"]);
             assert!(answer.get("result").is_some(), "{answer}");
         }
@@ -184,10 +145,8 @@ fn a_whole_session_can_be_sent_at_once() {
 #[test]
 fn half_a_character_is_mended_and_asked_for_again() {
     let options = json!({ "documentText": true });
-    let mut server = Server::start_with(
-        json!({ "capabilities": {}, "initializationOptions": options }),
-        &[],
-    );
+    let mut server =
+        Server::start_with(json!({ "capabilities": {}, "initializationOptions": options }), &[]);
     server.open("// \nstruct s { long x; };\n");
     assert_eq!(server.diagnostics(), json!([]));
     let change = |version: i64, at: i64, text: &str| {
@@ -230,21 +189,11 @@ fn half_a_character_goes_when_the_file_is_saved() {
     server.bytes(&frame(&open.to_string().replace("TEXT", "\\ude00 bad")));
     let document = json!({ "textDocument": { "uri": uri } });
     let tree = server.request(1, "dotgen/syntaxTree", document.clone());
-    assert!(
-        tree["result"]
-            .as_str()
-            .is_some_and(|text| text.contains("\u{fffd} bad")),
-        "{tree}"
-    );
+    assert!(tree["result"].as_str().is_some_and(|text| text.contains("\u{fffd} bad")), "{tree}");
     std::fs::write(&path, "// good").expect("saved");
     server.send(json!({ "method": "textDocument/didSave", "params": document }));
     let tree = server.request(2, "dotgen/syntaxTree", document);
-    assert!(
-        tree["result"]
-            .as_str()
-            .is_some_and(|text| text.contains("// good")),
-        "{tree}"
-    );
+    assert!(tree["result"].as_str().is_some_and(|text| text.contains("// good")), "{tree}");
     server.end();
 }
 
@@ -261,9 +210,7 @@ fn a_file_has_one_set_of_diagnostics_however_its_uri_is_spelt() {
             let message =
                 server.receive(|message| message["method"] == "textDocument/publishDiagnostics");
             let uri = message["params"]["uri"].as_str().expect("a URI").to_owned();
-            let count = message["params"]["diagnostics"]
-                .as_array()
-                .map_or(0, Vec::len);
+            let count = message["params"]["diagnostics"].as_array().map_or(0, Vec::len);
             let done = until(&uri, count);
             match count {
                 0 => sets.remove(&uri),
@@ -276,12 +223,7 @@ fn a_file_has_one_set_of_diagnostics_however_its_uri_is_spelt() {
     };
     let before = hear(&mut server, &|_, count| count > 0);
     assert_eq!(before.len(), 1);
-    for (version, name) in [
-        (1, "a%2Bb.gen"),
-        (2, "a%2bb.gen"),
-        (3, "a+b.gen"),
-        (4, "%61+b.gen"),
-    ] {
+    for (version, name) in [(1, "a%2Bb.gen"), (2, "a%2bb.gen"), (3, "a+b.gen"), (4, "%61+b.gen")] {
         let uri = format!("{folder}/{name}");
         let text = "struct s { nope x; };\n";
         let document = json!({ "uri": uri, "languageId": "gen", "version": version, "text": text });
@@ -298,11 +240,8 @@ fn a_file_has_one_set_of_diagnostics_however_its_uri_is_spelt() {
 #[cfg(unix)]
 #[test]
 fn the_server_ends_with_the_process_of_its_client() {
-    let mut client = Command::new("sleep")
-        .arg("1000")
-        .stdin(Stdio::null())
-        .spawn()
-        .expect("sleep runs");
+    let mut client =
+        Command::new("sleep").arg("1000").stdin(Stdio::null()).spawn().expect("sleep runs");
     let mut server =
         Server::start_with(json!({ "capabilities": {}, "processId": client.id() }), &[]);
     server.open("struct s { nope x; };\n");

@@ -13,9 +13,7 @@ pub(crate) fn python(packages: &[&str], import: &str) -> Option<Command> {
         let mut command = Command::new("python3");
         let client = Path::new(env!("CARGO_MANIFEST_DIR")).join("../clients/python");
         let path = std::env::join_paths([&own, &client]).expect("no colons");
-        command
-            .env("PYTHONPATH", path)
-            .env("PYTHONDONTWRITEBYTECODE", "1");
+        command.env("PYTHONPATH", path).env("PYTHONDONTWRITEBYTECODE", "1");
         command
     };
     let works = || {
@@ -68,10 +66,7 @@ fn stubs_are_strict_and_find_what_is_wrong() {
     let gen_file = include_str!("hosted/echo.gen").replace("LANG", "c");
     let directory = Directory::new(&[
         ("echo.gen", gen_file.as_str()),
-        (
-            "reader.gen",
-            &include_str!("hosted/reader.gen").replace("LANG", "c") as &str,
-        ),
+        ("reader.gen", &include_str!("hosted/reader.gen").replace("LANG", "c") as &str),
         ("types.idl", include_str!("hosted/types.idl")),
         ("good.py", USE),
     ]);
@@ -90,10 +85,7 @@ fn stubs_are_strict_and_find_what_is_wrong() {
         "reader.each.write('many', 'a')",
         "reader.each()",
     ];
-    directory.write(
-        "bad.py",
-        (USE.to_owned() + &wrong.join("\n") + "\n").as_bytes(),
-    );
+    directory.write("bad.py", (USE.to_owned() + &wrong.join("\n") + "\n").as_bytes());
     for name in ["echo.gen", "reader.gen"] {
         let generated = directory.run(&["generate", "python", name]);
         assert_eq!(status(&generated), 0, "{}", stderr(&generated));
@@ -104,8 +96,7 @@ fn stubs_are_strict_and_find_what_is_wrong() {
         "--cache-dir=cache",
         "--no-error-summary",
     ]);
-    mypy.args(["good.py", "bad.py", "echo.pyi", "reader.pyi"])
-        .arg(client);
+    mypy.args(["good.py", "bad.py", "echo.pyi", "reader.pyi"]).arg(client);
     let output = mypy.output().expect("it runs");
     let said = stdout(&output);
     let lines: Vec<String> = said
@@ -116,15 +107,9 @@ fn stubs_are_strict_and_find_what_is_wrong() {
     let mut found: Vec<&String> = lines.iter().collect();
     found.dedup();
     let first = USE.lines().count() + 1;
-    let expected: Vec<String> = (first..first + wrong.len())
-        .map(|index| format!("bad.py:{index}"))
-        .collect();
-    assert_eq!(
-        found,
-        expected.iter().collect::<Vec<_>>(),
-        "{said}{}",
-        stderr(&output)
-    );
+    let expected: Vec<String> =
+        (first..first + wrong.len()).map(|index| format!("bad.py:{index}")).collect();
+    assert_eq!(found, expected.iter().collect::<Vec<_>>(), "{said}{}", stderr(&output));
 }
 
 /// Reads a recording and a trace of the pump, strictly.
@@ -189,14 +174,7 @@ fn recordings_and_traces_are_read_by_the_packages_of_their_formats() {
     let directory = Directory::new(&[("read.py", READ)]);
     let pump = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/pump/pump.scn");
     let pump = pump.to_str().expect("it is text");
-    let words = [
-        "--until",
-        "2s",
-        "--record",
-        "run.mcap",
-        "--trace",
-        "run.pftrace",
-    ];
+    let words = ["--until", "2s", "--record", "run.mcap", "--trace", "run.pftrace"];
     let run = directory.run(&[&["run", pump, "--bounds", "none"], &words[..]].concat());
     assert_eq!(status(&run), 0, "{}", stderr(&run));
     let output = python.arg("read.py").current_dir(directory.path()).output();

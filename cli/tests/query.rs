@@ -10,11 +10,7 @@ fn query(arguments: &[&str]) -> (String, String, Option<i32>) {
     let directory = Directory::new(&[("pump.gen", PUMP)]);
     let output = directory.run(&[&["query"], arguments].concat());
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    (
-        text(output.stdout),
-        text(output.stderr),
-        output.status.code(),
-    )
+    (text(output.stdout), text(output.stderr), output.status.code())
 }
 
 fn json(name: &str) -> Value {
@@ -37,9 +33,7 @@ fn a_state_of_an_activity_has_the_uses_in_the_activity() {
     assert_eq!(all[0]["name"], one[0]["name"]);
     let lines = |json: &Value| -> Vec<u64> {
         let uses = json[0]["uses"].as_array().expect("uses");
-        uses.iter()
-            .filter_map(|usage| usage["line"].as_u64())
-            .collect()
+        uses.iter().filter_map(|usage| usage["line"].as_u64()).collect()
     };
     assert_eq!(lines(&one), [33]);
     assert!(lines(&all).len() > 1, "{all}");
@@ -56,10 +50,7 @@ fn the_end_of_a_qualified_name_is_enough() {
 fn an_unknown_name_is_an_error_with_a_suggestion() {
     let (out, error, code) = query(&["pump.contrl"]);
     assert_eq!((out.as_str(), code), ("", Some(1)));
-    assert_eq!(
-        error,
-        "error: nothing is named `pump.contrl`; did you mean `control`?\n"
-    );
+    assert_eq!(error, "error: nothing is named `pump.contrl`; did you mean `control`?\n");
 }
 
 #[test]
@@ -88,9 +79,6 @@ fn a_file_that_folders_share_is_described_once() {
     let declarations = answer["declarations"].as_array().expect("a list");
     assert_eq!(declarations.len(), 1, "{answer}");
     let uses = declarations[0]["uses"].as_array().expect("uses");
-    let files: Vec<&str> = uses
-        .iter()
-        .filter_map(|usage| usage["file"].as_str())
-        .collect();
+    let files: Vec<&str> = uses.iter().filter_map(|usage| usage["file"].as_str()).collect();
     assert_eq!(files, ["a/a.gen", "b/b.gen"]);
 }

@@ -46,9 +46,7 @@ fn pump() -> Directory {
 /// What is in the directory, sorted.
 fn names(directory: &Directory) -> Vec<String> {
     let entries = std::fs::read_dir(directory.path()).expect("a directory");
-    let names = entries
-        .flatten()
-        .map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
     let mut names: Vec<String> = names.collect();
     names.sort();
     names
@@ -61,9 +59,7 @@ fn bytes(directory: &Directory, name: &str) -> Vec<u8> {
 /// Number of whole lines of the log about codels.
 fn lines(directory: &Directory) -> u64 {
     let text = directory.read(LOG);
-    let whole = text
-        .split_inclusive('\n')
-        .filter(|part| part.ends_with('\n'));
+    let whole = text.split_inclusive('\n').filter(|part| part.ends_with('\n'));
     whole.filter(|part| !part.starts_with('#')).count() as u64
 }
 
@@ -91,9 +87,7 @@ fn read_all(directory: &Directory) -> Value {
         let told = format!("`{name}` breaks off after ");
         assert_eq!(text.matches(&told).count(), 1, "{text}");
     };
-    let monitor = [
-        "monitor", LOG, "pump.scn", "--bounds", "none", "--format", "json",
-    ];
+    let monitor = ["monitor", LOG, "pump.scn", "--bounds", "none", "--format", "json"];
     let output = directory.run(&monitor);
     assert!(status(&output) < 2, "{}", stderr(&output));
     note(&stderr(&output), LOG);
@@ -121,9 +115,7 @@ fn next(state: &mut u64) -> u64 {
 /// How often a run is killed: `DOTGEN_RUN_KILLS`, by default a few times.
 fn kills() -> u64 {
     let given = std::env::var("DOTGEN_RUN_KILLS").ok();
-    given
-        .and_then(|variable| variable.parse().ok())
-        .unwrap_or(4)
+    given.and_then(|variable| variable.parse().ok()).unwrap_or(4)
 }
 
 #[test]
@@ -167,26 +159,15 @@ fn a_full_disk_ends_the_files_and_not_the_run() {
     let output = shell.arg(command.get_program()).args(command.get_args());
     let output = output.output().expect("it runs");
     assert_eq!(status(&output), 2, "{}", stderr(&output));
-    assert!(
-        stdout(&output).contains("pump.report"),
-        "the run is reported"
-    );
+    assert!(stdout(&output).contains("pump.report"), "the run is reported");
     for name in [LOG, RECORDING, TRACE] {
         let told = format!("cannot write `{name}`: ");
-        assert_eq!(
-            stderr(&output).matches(&told).count(),
-            1,
-            "{}",
-            stderr(&output)
-        );
+        assert_eq!(stderr(&output).matches(&told).count(), 1, "{}", stderr(&output));
         // It has what there was room for.
         assert!(bytes(&directory, name).len() > 30_000, "{name}");
         assert!(!stdout(&output).contains(name), "{}", stdout(&output));
     }
-    assert_eq!(
-        names(&directory),
-        ["pump.gen", "pump.scn", RECORDING, LOG, TRACE]
-    );
+    assert_eq!(names(&directory), ["pump.gen", "pump.scn", RECORDING, LOG, TRACE]);
     let report = read_all(&directory);
     assert!(report["steps"].as_u64() > Some(100), "{report:#}");
     assert!(packets(&bytes(&directory, TRACE)) > 100);
@@ -203,17 +184,8 @@ fn a_full_disk_ends_the_files_and_not_the_run() {
         let output = directory.run(&run);
         assert_eq!(status(&output), 2, "{}", stderr(&output));
         let told = format!("cannot write `{name}`: No space left on device");
-        assert_eq!(
-            stderr(&output).matches(&told).count(),
-            1,
-            "{}",
-            stderr(&output)
-        );
-        assert!(
-            stdout(&output).contains("pump.report"),
-            "{}",
-            stdout(&output)
-        );
+        assert_eq!(stderr(&output).matches(&told).count(), 1, "{}", stderr(&output));
+        assert!(stdout(&output).contains("pump.report"), "{}", stdout(&output));
         assert!(path.is_symlink());
     }
 }

@@ -18,9 +18,7 @@ fn said(directory: &Directory, arguments: &[&str], environment: &[(&str, &str)])
     let mut command = directory.command(&["check", "--verbose"]);
     command.args(arguments).arg("arm.gen");
     // Whatever is installed here does not count.
-    command
-        .env("PKG_CONFIG_LIBDIR", "/nowhere")
-        .env("PKG_CONFIG", "/nowhere/pkg-config");
+    command.env("PKG_CONFIG_LIBDIR", "/nowhere").env("PKG_CONFIG", "/nowhere/pkg-config");
     command.envs(environment.iter().copied());
     let output = command.output().expect("the program runs");
     let text = stderr(&output);
@@ -42,10 +40,7 @@ fn the_release_beside_the_package_tool_counts() {
     let mut command = directory.command(&["check", "--verbose", "arm.gen"]);
     let output = command.env("PATH", bin).output().expect("the program runs");
     let text = stderr(&output);
-    assert!(
-        text.contains("GenoM3 2.99.41 (installed: package `genom3`)"),
-        "{text}"
-    );
+    assert!(text.contains("GenoM3 2.99.41 (installed: package `genom3`)"), "{text}");
 }
 
 #[test]
@@ -56,10 +51,7 @@ fn the_strongest_word_counts() {
         required,
         "arm.gen: GenoM3 2.99.39 (the specifications require `genom3 >= 2.99.26`)"
     );
-    directory.write(
-        "lib/genom3.pc",
-        b"Name: genom3\nDescription: G\nVersion: 2.99.43\n",
-    );
+    directory.write("lib/genom3.pc", b"Name: genom3\nDescription: G\nVersion: 2.99.43\n");
     let package = ("PKG_CONFIG_PATH", directory.path().join("lib"));
     let package = (package.0, package.1.to_str().expect("UTF-8"));
     assert_eq!(
@@ -74,10 +66,7 @@ fn the_strongest_word_counts() {
     assert!(said(&directory, &[], &[package, templates]).contains("GenoM3 2.99.41 (installed: /"));
     directory.write("dotgen.toml", b"release = \"2.99.40\"\n");
     let file = said(&directory, &[], &[package, templates]);
-    assert!(
-        file.contains("GenoM3 2.99.40 (given by /") && file.contains("dotgen.toml"),
-        "{file}"
-    );
+    assert!(file.contains("GenoM3 2.99.40 (given by /") && file.contains("dotgen.toml"), "{file}");
     let environment = ("DOTGEN_GENOM_RELEASE", "3.1");
     assert_eq!(
         said(&directory, &[], &[environment]),
@@ -96,10 +85,7 @@ fn what_is_no_release_is_refused() {
     assert_eq!(status(&output), 2);
     assert!(stderr(&output).contains("2.99.41"), "{}", stderr(&output));
     let mut command = directory.command(&["check", "arm.gen"]);
-    let output = command
-        .env("DOTGEN_GENOM_RELEASE", "new")
-        .output()
-        .expect("it runs");
+    let output = command.env("DOTGEN_GENOM_RELEASE", "new").output().expect("it runs");
     assert_eq!(status(&output), 2);
     assert!(stderr(&output).contains("DOTGEN_GENOM_RELEASE: `new` is not a release"));
     directory.write("dotgen.toml", b"release = 2.99\n");
@@ -151,22 +137,15 @@ fn what_changes_between_two_releases_is_told() {
         (&"2.99.39".into(), &"2.99.41".into())
     );
     let digests = specification["digests"].as_array().expect("digests");
-    let of = |service: Option<&str>| {
-        digests
-            .iter()
-            .any(|digest| digest["service"].as_str() == service)
-    };
+    let of =
+        |service: Option<&str>| digests.iter().any(|digest| digest["service"].as_str() == service);
     assert!(of(None) && of(Some("stop")), "{specification:#}");
     let prototypes = specification["prototypes"].as_array().expect("prototypes");
     assert_eq!(prototypes[0]["name"], "arm.armStart");
     let types = specification["types"].as_array().expect("types");
-    assert!(
-        types.iter().any(|ty| ty["name"] == "::arm::pose"),
-        "{specification:#}"
-    );
-    let same = directory.run(&[
-        "release", "diff", "--from", "2.99.41", "--to", "2.99.41", "arm.gen",
-    ]);
+    assert!(types.iter().any(|ty| ty["name"] == "::arm::pose"), "{specification:#}");
+    let same =
+        directory.run(&["release", "diff", "--from", "2.99.41", "--to", "2.99.41", "arm.gen"]);
     assert_eq!(status(&same), 0);
     assert!(stdout(&same).contains("nothing changes"));
     let text = stdout(&directory.run(&["release", "diff", "arm.gen"]));

@@ -112,15 +112,7 @@ genom::event ask_fail(asks::fail &fail, asks::answer &answer) {
 
 /// What the codels that ask have written, twice.
 fn answers(directory: &Directory) -> String {
-    let arguments = [
-        "run",
-        "a/adds.gen",
-        "b/asks.gen",
-        "--clock",
-        "real",
-        "--socket",
-        "s",
-    ];
+    let arguments = ["run", "a/adds.gen", "b/asks.gen", "--clock", "real", "--socket", "s"];
     let mut run = Listening::start(directory, &arguments);
     let watched = directory.run(&["watch", "--socket", "s", "asks/answer", "-n", "2"]);
     assert_eq!(status(&watched), 0, "{}", stderr(&watched));
@@ -150,10 +142,8 @@ fn a_codel_calls_a_service_of_another_component() {
     directory.write("b/codels/asks.cc", ASKS_CC.as_bytes());
     assert_eq!(answers(&directory), format!("{line}\n{line}\n"));
     // Nobody provides it in this run.
-    let mut run = Listening::start(
-        &directory,
-        &["run", "b/asks.gen", "--clock", "real", "--socket", "s"],
-    );
+    let mut run =
+        Listening::start(&directory, &["run", "b/asks.gen", "--clock", "real", "--socket", "s"]);
     let watched = directory.run(&["watch", "--socket", "s", "asks/answer", "-n", "1"]);
     let line = r#"{"sum":0.0,"said":"","kind":"FEW","error":76}"#;
     assert_eq!(stdout(&watched), format!("{line}\n"), "twice ENOSYS");

@@ -20,14 +20,7 @@ fn recorded(arguments: &[&str]) -> Directory {
         let text = std::fs::read(path).expect("an example");
         directory.write(name, &text);
     }
-    let all = [
-        "run",
-        "pump.scn",
-        "--record",
-        "run.mcap",
-        "--simulate",
-        "all",
-    ];
+    let all = ["run", "pump.scn", "--record", "run.mcap", "--simulate", "all"];
     let output = directory.run(&[&all[..], arguments].concat());
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     assert!(stdout(&output).contains("run.mcap"), "{}", stdout(&output));
@@ -92,10 +85,7 @@ fn what_is_no_recording_is_refused() {
     refused(&["text.mcap", "pump.scn"], "no MCAP file");
     let whole = std::fs::read(directory.path().join("run.mcap")).expect("it is there");
     directory.write("cut.mcap", &whole[..20]);
-    refused(
-        &["cut.mcap", "pump.scn"],
-        "breaks off before the first step",
-    );
+    refused(&["cut.mcap", "pump.scn"], "breaks off before the first step");
     let output = directory.run(&["run", "pump.scn", "--record", "pump.scn"]);
     assert_eq!(status(&output), 2);
     let output = directory.run(&["run", "pump.scn", "--record", "x.mcap", "--runs", "2"]);

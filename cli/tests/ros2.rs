@@ -56,9 +56,7 @@ fn a_peer_reads_topics_calls_services_and_sends_goals() {
     assert_eq!(hosts(&directory).len(), 1);
     // It is killed: neither a process nor a node stays.
     drop(run);
-    soon("the end of the host", || {
-        hosts(&directory).is_empty().then_some(())
-    });
+    soon("the end of the host", || hosts(&directory).is_empty().then_some(()));
     let mut input = script.0.stdin.take().expect("it is piped");
     input.write_all(b"\n").expect("the script reads");
     script.prints("gone");
@@ -113,16 +111,7 @@ fn wrong_settings_of_messages_are_told() {
     let wrong = |from: &str, to: &str| {
         let directory = pom(&COMMON.replace(from, to));
         let endpoint = endpoint();
-        let words = [
-            "run",
-            "pom.gen",
-            "--clock",
-            "real",
-            "--simulate",
-            "all",
-            "--socket",
-            "s",
-        ];
+        let words = ["run", "pom.gen", "--clock", "real", "--simulate", "all", "--socket", "s"];
         let output =
             directory.run(&[&words[..], &["--ros2", "--zenoh-listen", &endpoint]].concat());
         assert_eq!(status(&output), 2, "{}", stderr(&output));
@@ -141,10 +130,7 @@ fn wrong_settings_of_messages_are_told() {
     let expected = "`ros2.messages.pom.wanted.type`: `geometry_msgs/Twst` is not a known message; did you \
                     mean `geometry_msgs/Twist`?";
     for told in [run, packages, check] {
-        assert!(
-            told.contains("dotgen.toml:19:") && told.contains(expected),
-            "{told}"
-        );
+        assert!(told.contains("dotgen.toml:19:") && told.contains(expected), "{told}");
     }
 }
 
@@ -160,10 +146,8 @@ fn packages_lack_types_of_ports_with_common_messages() {
 
 #[test]
 fn wrong_options_are_told() {
-    let directory = Directory::new(&[(
-        "one.gen",
-        "component one { version \"1\"; lang \"c\"; };" as &str,
-    )]);
+    let directory =
+        Directory::new(&[("one.gen", "component one { version \"1\"; lang \"c\"; };" as &str)]);
     let wrong = |more: &[&str]| {
         let output = directory.run(&[&["run", "one.gen"], more].concat());
         assert_eq!(status(&output), 2);

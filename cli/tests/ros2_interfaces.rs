@@ -93,9 +93,7 @@ fn parts_without_a_form_are_named_and_the_others_written() {
 fn a_run_begins_with_the_parts_without_a_form() {
     let directory = Directory::new(&[("odd.gen", ODD)]);
     let endpoint = crate::network::endpoint();
-    let words = [
-        "run", "odd.gen", "--clock", "real", "--until", "1ms", "--socket", "s",
-    ];
+    let words = ["run", "odd.gen", "--clock", "real", "--until", "1ms", "--socket", "s"];
     let ros2 = ["--simulate", "all", "--ros2", "--zenoh-listen", &endpoint];
     let output = directory.run(&[&words[..], &ros2].concat());
     let told = stderr(&output);

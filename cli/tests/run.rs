@@ -8,9 +8,7 @@ use serde_json::Value;
 use crate::directory::{Directory, status, stderr, stdout};
 
 fn example(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../examples")
-        .join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(name)
 }
 
 fn pump(arguments: &[&str]) -> Output {
@@ -28,36 +26,22 @@ fn json_of(output: &Output) -> Value {
 /// How many cycles of a task: `DOTGEN_RUN_CYCLES`, by default some thousands.
 fn cycles() -> u64 {
     let given = std::env::var("DOTGEN_RUN_CYCLES").ok();
-    given
-        .and_then(|variable| variable.parse().ok())
-        .unwrap_or(20_000)
+    given.and_then(|variable| variable.parse().ok()).unwrap_or(20_000)
 }
 
 #[test]
 fn response_times_come_close_to_what_is_proved_and_never_exceed_it() {
     // A run of 10 s has a thousand cycles of 10 ms.
     let runs = (cycles() / 1_000).max(1).to_string();
-    let options = [
-        "--check",
-        "schedulable *",
-        "--semantics",
-        "servers",
-        "--format",
-        "json",
-        "--runs",
-        &runs,
-    ];
+    let options =
+        ["--check", "schedulable *", "--semantics", "servers", "--format", "json", "--runs", &runs];
     for durations in ["worst", "random", "best"] {
         let output = pump(&[&options[..], &["--durations", durations]].concat());
         assert_eq!(status(&output), 0, "{}", stderr(&output));
         let report = json_of(&output);
         assert_eq!(report["violation-count"], 0);
         for task in report["tasks"].as_array().expect("a list") {
-            let number = |key: &str| {
-                task[key]
-                    .as_f64()
-                    .unwrap_or_else(|| panic!("{key}: {task}"))
-            };
+            let number = |key: &str| task[key].as_f64().unwrap_or_else(|| panic!("{key}: {task}"));
             let (greatest, bound) = (number("greatest"), number("bound"));
             assert!(greatest <= bound, "{task}");
             assert!(durations != "worst" || greatest >= 0.9 * bound, "{task}");
@@ -69,11 +53,7 @@ fn response_times_come_close_to_what_is_proved_and_never_exceed_it() {
 
 #[test]
 fn the_same_seed_gives_the_same_run() {
-    let run = |seed: &str| {
-        stdout(&pump(&[
-            "--seed", seed, "--format", "json", "--until", "2s",
-        ]))
-    };
+    let run = |seed: &str| stdout(&pump(&["--seed", seed, "--format", "json", "--until", "2s"]));
     assert_eq!(run("7"), run("7"));
     let times = |seed: &str| -> Value {
         let report: Value = serde_json::from_str(&run(seed)).expect("JSON");
@@ -89,19 +69,9 @@ fn a_response_time_beyond_the_period_exceeds_it() {
             "late.gen",
             "component late {\n  task t { period 10 ms; codel<start> f() yield pause::start wcet 15 ms; };\n};\n",
         ),
-        (
-            "late.scn",
-            "scenario late { use \"late.gen\"; check response *; }\n",
-        ),
+        ("late.scn", "scenario late { use \"late.gen\"; check response *; }\n"),
     ]);
-    let run = [
-        "run",
-        "late.scn",
-        "--simulate",
-        "all",
-        "--durations",
-        "worst",
-    ];
+    let run = ["run", "late.scn", "--simulate", "all", "--durations", "worst"];
     let words = stdout(&directory.run(&run));
     let row = words.lines().find(|line| line.contains("response late.t"));
     let row: Vec<&str> = row.unwrap_or_default().split_whitespace().collect();
@@ -111,22 +81,12 @@ fn a_response_time_beyond_the_period_exceeds_it() {
     let report: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     let check = &report["checks"][0];
     assert_eq!(check["verdict"], "kept");
-    assert_eq!(
-        (&check["limit"], &check["exceeded"]),
-        (&10.into(), &true.into())
-    );
+    assert_eq!((&check["limit"], &check["exceeded"]), (&10.into(), &true.into()));
 }
 
 #[test]
 fn a_run_in_words() {
-    let output = pump(&[
-        "--until",
-        "1s",
-        "--semantics",
-        "servers",
-        "--durations",
-        "worst",
-    ]);
+    let output = pump(&["--until", "1s", "--semantics", "servers", "--durations", "worst"]);
     assert_eq!(stderr(&output), "");
     insta::assert_snapshot!(stdout(&output));
 }
@@ -172,38 +132,19 @@ fn what_is_violated_is_told_with_its_moment() {
         let verdict = |json: &Value| json["verdict"].as_str().expect("a word").to_owned();
         checks.iter().map(verdict).collect()
     };
-    assert_eq!(
-        verdicts(&proved),
-        ["refuted", "refuted", "refuted", "proved"]
-    );
-    let stopped = directory.run(
-        &[
-            &arguments[..],
-            &["--on-violation", "stop", "--format", "json"],
-        ]
-        .concat(),
-    );
+    assert_eq!(verdicts(&proved), ["refuted", "refuted", "refuted", "proved"]);
+    let stopped =
+        directory.run(&[&arguments[..], &["--on-violation", "stop", "--format", "json"]].concat());
     assert_eq!(status(&stopped), 1);
     let report = json_of(&stopped);
-    assert_eq!(
-        (&report["end"], &report["violation-count"]),
-        (&"stopped".into(), &1.into())
-    );
+    assert_eq!((&report["end"], &report["violation-count"]), (&"stopped".into(), &1.into()));
 }
 
 #[test]
 fn every_run_of_a_codel_is_a_line_of_the_profile() {
     let directory = Directory::new(&[("tight.gen", TIGHT), ("held.scn", HELD)]);
-    let arguments = [
-        "run",
-        "held.scn",
-        "--until",
-        "400ms",
-        "--profile",
-        "run.out",
-        "--format",
-        "json",
-    ];
+    let arguments =
+        ["run", "held.scn", "--until", "400ms", "--profile", "run.out", "--format", "json"];
     let report = json_of(&directory.run(&arguments));
     let text = std::fs::read_to_string(directory.path().join("run.out")).expect("the profile");
     let mut counted = std::collections::BTreeMap::new();
@@ -213,10 +154,8 @@ fn every_run_of_a_codel_is_a_line_of_the_profile() {
     for line in text.lines().filter(|line| !line.starts_with('#')) {
         let columns: Vec<&str> = line.split(' ').collect();
         assert_eq!(columns.len(), 9, "{line}");
-        let times: Vec<f64> = columns[..3]
-            .iter()
-            .map(|column| column.parse().expect("seconds"))
-            .collect();
+        let times: Vec<f64> =
+            columns[..3].iter().map(|column| column.parse().expect("seconds")).collect();
         assert!(times.is_sorted(), "{line}");
         let decimals = columns[0].split_once('.').expect("a fraction").1;
         assert_eq!(decimals.len(), 9, "{line}");
@@ -224,14 +163,8 @@ fn every_run_of_a_codel_is_a_line_of_the_profile() {
     }
     let runs = |codel: usize| report["codels"][codel]["runs"].as_u64().expect("a number");
     let expected = [
-        (
-            "tight fast <permanent> read ::tight::start ::tight::pause::start",
-            runs(0),
-        ),
-        (
-            "tight slow <permanent> work ::tight::start ::tight::pause::start",
-            runs(1),
-        ),
+        ("tight fast <permanent> read ::tight::start ::tight::pause::start", runs(0)),
+        ("tight slow <permanent> work ::tight::start ::tight::pause::start", runs(1)),
     ];
     let expected = expected.map(|(text, count)| (text.to_owned(), count));
     assert_eq!(counted, expected.into_iter().collect());
@@ -252,11 +185,7 @@ component spin {
     let directory = Directory::new(&[("spin.gen", spin)]);
     let output = directory.run(&["run", "spin.gen", "--bounds", "none", "--until", "1s"]);
     assert_eq!(status(&output), 3, "{}", stdout(&output));
-    assert!(
-        stdout(&output).contains("time stands still"),
-        "{}",
-        stdout(&output)
-    );
+    assert!(stdout(&output).contains("time stands still"), "{}", stdout(&output));
 }
 
 #[test]
@@ -265,31 +194,15 @@ fn what_cannot_be_run_is_said() {
     for (arguments, what) in [
         (&["run", "held.scn", "--until", "soon"][..], "10s"),
         (&["run", "nowhere.scn"], "nowhere.scn"),
-        (
-            &["run", "held.scn", "--profile", "none/run.out"],
-            "none/run.out",
-        ),
-        (
-            &["run", "held.scn", "tight.gen", "--profile", "run.out"],
-            "one scenario at a time",
-        ),
-        (
-            &["run", "held.scn", "--check", "response tight.nobody"],
-            "nobody",
-        ),
+        (&["run", "held.scn", "--profile", "none/run.out"], "none/run.out"),
+        (&["run", "held.scn", "tight.gen", "--profile", "run.out"], "one scenario at a time"),
+        (&["run", "held.scn", "--check", "response tight.nobody"], "nobody"),
     ] {
         let output = directory.run(arguments);
         assert_eq!(status(&output), 2, "{arguments:?}");
-        assert!(
-            stderr(&output).contains(what),
-            "{arguments:?}: {}",
-            stderr(&output)
-        );
+        assert!(stderr(&output).contains(what), "{arguments:?}: {}", stderr(&output));
     }
-    let files: Vec<_> = std::fs::read_dir(directory.path())
-        .expect("a folder")
-        .flatten()
-        .collect();
+    let files: Vec<_> = std::fs::read_dir(directory.path()).expect("a folder").flatten().collect();
     assert_eq!(files.len(), 2, "nothing stays behind: {files:?}");
 }
 
@@ -307,11 +220,7 @@ fn simulated(main: &Path, definitions: &Path) {
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("it is JSON");
     assert_eq!(report["end"], "done", "{}", main.display());
     assert_eq!(report["executed-codels"], 0, "{}", main.display());
-    assert!(
-        report["simulated-codels"].as_u64() > Some(0),
-        "{}",
-        main.display()
-    );
+    assert!(report["simulated-codels"].as_u64() > Some(0), "{}", main.display());
 }
 
 #[test]
@@ -320,11 +229,9 @@ fn published_components_run() {
         return;
     };
     let mut ran = 0;
-    for (folder, definitions) in [
-        ("components", "components/standins"),
-        ("quadcopter", "quadcopter"),
-        ("robnav", "robnav"),
-    ] {
+    for (folder, definitions) in
+        [("components", "components/standins"), ("quadcopter", "quadcopter"), ("robnav", "robnav")]
+    {
         let definitions = corpus.join(definitions);
         let entries = std::fs::read_dir(corpus.join(folder)).expect("a directory");
         for entry in entries.flatten() {
@@ -371,34 +278,22 @@ fn what_is_read_is_not_written() {
     let text = "component c { task t { period 10 ms; codel<start> f() yield pause::start wcet 1 ms; }; };\n";
     let directory = Directory::new(&[
         ("c.gen", text),
-        (
-            "c.scn",
-            "scenario s { use \"c.gen\"; check schedulable *; }\n",
-        ),
+        ("c.scn", "scenario s { use \"c.gen\"; check schedulable *; }\n"),
         ("codel.c", "int f;\n"),
     ]);
     let before = |name: &str| std::fs::read(directory.path().join(name)).expect("it is there");
     let (specification, scenario) = (before("c.gen"), before("c.scn"));
-    std::fs::hard_link(
-        directory.path().join("c.gen"),
-        directory.path().join("also.json"),
-    )
-    .expect("a link");
+    std::fs::hard_link(directory.path().join("c.gen"), directory.path().join("also.json"))
+        .expect("a link");
     for (arguments, why) in [
-        (
-            &["run", "c.scn", "--profile", "./c.gen"][..],
-            "would be lost",
-        ),
+        (&["run", "c.scn", "--profile", "./c.gen"][..], "would be lost"),
         (&["run", "c.scn", "--profile", "c.scn"], "would be lost"),
         (&["run", "c.scn", "--trace", "also.json"], "would be lost"),
         (&["verify", "c.scn", "--trace", "c.scn"], "FILE.json"),
         (&["run", "c.scn", "--profile", "codel.c"], "would be lost"),
         (&["run", "c.scn", "--socket", "s"], "--clock real"),
         (&["run", "c.scn", "--seed", "-1"], "invalid"),
-        (
-            &["run", "c.scn", "--profile", "x.json", "--trace", "./x.json"],
-            "two contents",
-        ),
+        (&["run", "c.scn", "--profile", "x.json", "--trace", "./x.json"], "two contents"),
         (&["run", "c.scn", "--profile", "."], "a directory"),
         (&["run", "c.scn", "--trace", "x"], "pftrace"),
     ] {
@@ -426,17 +321,10 @@ fn without_execution_times_there_is_neither_load_nor_bound() {
         assert_eq!(status(&output), 0, "{}", stderr(&output));
         let report = json_of(&output);
         for task in report["tasks"].as_array().expect("a list") {
-            assert_eq!(
-                (task.get("load"), task.get("bound")),
-                (None, None),
-                "{task}"
-            );
+            assert_eq!((task.get("load"), task.get("bound")), (None, None), "{task}");
         }
         let notes = report["notes"].to_string();
-        assert!(
-            notes.contains("no execution times: this run shows the order"),
-            "{notes}"
-        );
+        assert!(notes.contains("no execution times: this run shows the order"), "{notes}");
     }
     directory.run(&[&virtually[..], &["--profile", "run.out"]].concat());
     let output = directory.run(&["monitor", "run.out", "tight.gen"]);
@@ -477,11 +365,7 @@ fn a_run_does_not_wait_for_its_verification() {
     };
     let is_cancelled = |report: &Value| {
         let notes = report["notes"].as_array().expect("a list");
-        let told = |value: &&Value| {
-            value
-                .as_str()
-                .is_some_and(|text| text.contains("cancelled"))
-        };
+        let told = |value: &&Value| value.as_str().is_some_and(|text| text.contains("cancelled"));
         notes.iter().filter(told).count() == 1
     };
     let real = ["--clock", "real", "--until", "100ms"];

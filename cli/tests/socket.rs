@@ -60,8 +60,7 @@ fn a_run_describes_the_types_of_what_its_services_take() {
     let services = description["components"][0]["services"].as_array();
     let service = |name: &str| {
         let mut all = services.expect("services").iter();
-        all.find(|service| service["name"] == name)
-            .expect("the service")
+        all.find(|service| service["name"] == name).expect("the service")
     };
     let number = json!(["number", "null"]);
     let given = &service("go")["inputs"];
@@ -83,16 +82,10 @@ fn a_run_describes_the_types_of_what_its_services_take() {
     let mode = &given[1]["schema"];
     assert_eq!(mode["anyOf"][0]["enum"], json!(["SLOW", "FAST"]));
     assert_eq!(mode["default"], "FAST");
-    assert_eq!(
-        given[2],
-        json!({"name": "hard", "schema": {"type": "boolean"}})
-    );
+    assert_eq!(given[2], json!({"name": "hard", "schema": {"type": "boolean"}}));
     let few = &given[3]["schema"];
     assert_eq!(few["maxItems"], 4);
-    assert_eq!(
-        (&few["unit"], &few["description"]),
-        (&json!("s"), &Value::Null)
-    );
+    assert_eq!((&few["unit"], &few["description"]), (&json!("s"), &Value::Null));
     assert_eq!(few["default"], json!([1, 2]));
     // A type that holds itself is not unrolled.
     let tree = &service("plant")["inputs"][0]["schema"];
@@ -114,18 +107,12 @@ fn a_run_tells_how_far_it_has_come() {
     };
     let moved = |value: &Value| taken(value, "pause::go") > Some(0);
     let first = answers.find(moved).expect("it goes on");
-    assert_eq!(
-        (&first["id"], &first["event"]),
-        (&json!(2), &json!("progress"))
-    );
+    assert_eq!((&first["id"], &first["event"]), (&json!(2), &json!("progress")));
     assert_eq!(first["machines"][0]["machine"], "arm.main");
     assert_eq!(first["activities"][0]["machine"], "arm.main");
     assert_eq!(first["activities"][0]["state"], "go");
     let task = &first["tasks"][0];
-    assert_eq!(
-        (&task["task"], &task["bound"]),
-        (&json!("arm.main"), &json!(2))
-    );
+    assert_eq!((&task["task"], &task["bound"]), (&json!("arm.main"), &json!(2)));
     let load = task["load"].as_f64().expect("a number");
     assert!(load > 0.0 && load < 0.5, "{load}");
     let second = answers.next().expect("it goes on");
@@ -144,10 +131,7 @@ fn a_client_that_sends_no_more_gets_its_answers() {
     let mut said = String::new();
     client.read_to_string(&mut said).expect("text, and an end");
     let answer: Value = serde_json::from_str(said.trim()).expect("one line");
-    assert_eq!(
-        (&answer["id"], &answer["event"]),
-        (&json!(3), &json!("done"))
-    );
+    assert_eq!((&answer["id"], &answer["event"]), (&json!(3), &json!("done")));
 }
 
 #[test]
@@ -256,9 +240,7 @@ genom_event take_it(const load *it, int32_t *pages, const genom_context self) {
     };
     let mut pages = || {
         let pages = output(&request)["pages"].as_i64();
-        pages
-            .filter(|page| *page > 0)
-            .expect("what was sent arrives")
+        pages.filter(|page| *page > 0).expect("what was sent arrives")
     };
     let first = (0..10).map(|_| pages()).max().expect("ten");
     let last = (0..60).map(|_| pages()).max().expect("sixty");

@@ -50,10 +50,7 @@ fn a_client_that_dies_takes_the_program_along() {
     server.open("component arm {\n");
     server.from = {
         // Nobody reads any more.
-        let mut other = Command::new("true")
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("true runs");
+        let mut other = Command::new("true").stdout(Stdio::piped()).spawn().expect("true runs");
         let _ = other.wait();
         BufReader::new(other.stdout.take().expect("a pipe"))
     };

@@ -30,10 +30,7 @@ scenario ride {
 
 fn lift(semantics: &str, cores: &str) -> Directory {
     let scenario = SCENARIO.replace("SEMANTICS", semantics);
-    Directory::new(&[
-        ("lift.gen", LIFT),
-        ("ride.scn", &scenario.replace("CORES", cores)),
-    ])
+    Directory::new(&[("lift.gen", LIFT), ("ride.scn", &scenario.replace("CORES", cores))])
 }
 
 fn trace(folder: &Directory) -> Value {
@@ -53,10 +50,7 @@ fn consistent(trace: &Value) {
         assert!(key.1 < index(&lanes[key.0]["rows"]), "{span}");
         assert!(number(&span["from"]) <= number(&span["to"]) && index(&span["step"]) < steps.len());
         let before = ends.insert(key, number(&span["to"]));
-        assert!(
-            before.is_none_or(|before| before <= number(&span["from"])),
-            "{span}"
-        );
+        assert!(before.is_none_or(|before| before <= number(&span["from"])), "{span}");
         for holder in span["by"].as_array().into_iter().flatten() {
             assert!(number(&holder["from"]) < number(&span["to"]), "{span}");
         }
@@ -68,8 +62,7 @@ fn consistent(trace: &Value) {
         assert!(trace["rules"][step["rule"].as_str().expect("a word")].is_string());
         assert!(index(&step["lane"]) < lanes.len());
         assert!(
-            step.get("place")
-                .is_none_or(|place| trace["places"][index(place)]["uri"].is_string())
+            step.get("place").is_none_or(|place| trace["places"][index(place)]["uri"].is_string())
         );
     }
     for name in ["marks", "arrows"] {
@@ -86,12 +79,9 @@ fn kinds<'t>(trace: &'t Value, of: &str) -> Vec<&'t str> {
 
 #[test]
 fn a_counterexample_is_written_with_waits_and_the_moment_of_failure() {
-    for (semantics, cores) in [
-        ("published", "2"),
-        ("published", "1"),
-        ("servers", "2"),
-        ("servers", "1"),
-    ] {
+    for (semantics, cores) in
+        [("published", "2"), ("published", "1"), ("servers", "2"), ("servers", "1")]
+    {
         let folder = lift(semantics, cores);
         let out = folder.run(&["verify", "ride.scn", "--trace", "out.json"]);
         assert_eq!(status(&out), 1, "{}", stderr(&out));
@@ -99,20 +89,13 @@ fn a_counterexample_is_written_with_waits_and_the_moment_of_failure() {
         consistent(&trace);
         let spans = kinds(&trace, "spans");
         // A server asks for its core after its locks.
-        let waits = if (semantics, cores) == ("published", "1") {
-            "wait-core"
-        } else {
-            "wait-lock"
-        };
-        assert!(
-            spans.contains(&waits) && spans.contains(&"hold"),
-            "{semantics} {cores} {spans:?}"
-        );
+        let waits =
+            if (semantics, cores) == ("published", "1") { "wait-core" } else { "wait-lock" };
+        assert!(spans.contains(&waits) && spans.contains(&"hold"), "{semantics} {cores} {spans:?}");
         assert!(kinds(&trace, "marks").contains(&"miss"));
         let all = trace["spans"].as_array().into_iter().flatten();
-        let named = all
-            .filter(|span| span["kind"] == waits)
-            .all(|span| span["by"][0]["name"].is_string());
+        let named =
+            all.filter(|span| span["kind"] == waits).all(|span| span["by"][0]["name"].is_string());
         assert!(named, "{trace}");
     }
 }
@@ -122,35 +105,20 @@ fn a_recorded_run_has_the_same_form() {
     let folder = lift("servers", "2");
     let arguments = ["run", "ride.scn", "--until", "100ms", "--trace", "out.json"];
     let out = folder.run(&arguments);
-    assert!(
-        stdout(&out).contains("steps to out.json"),
-        "{}",
-        stdout(&out)
-    );
+    assert!(stdout(&out).contains("steps to out.json"), "{}", stdout(&out));
     let trace = trace(&folder);
     consistent(&trace);
-    assert_eq!(
-        trace["end"].as_f64().map(|number| number > 60.0),
-        Some(true)
-    );
+    assert_eq!(trace["end"].as_f64().map(|number| number > 60.0), Some(true));
     // The request goes from the client to the control task, and from there to the task.
     let lanes = |arrow: &Value, end: &str| {
         let lane = arrow[end].as_u64().expect("a lane") as usize;
-        trace["lanes"][lane]["kind"]
-            .as_str()
-            .expect("a word")
-            .to_owned()
+        trace["lanes"][lane]["kind"].as_str().expect("a word").to_owned()
     };
     let arrows = trace["arrows"].as_array().into_iter().flatten();
-    let arrows: Vec<_> = arrows
-        .map(|arrow| (lanes(arrow, "from"), lanes(arrow, "to")))
-        .collect();
+    let arrows: Vec<_> = arrows.map(|arrow| (lanes(arrow, "from"), lanes(arrow, "to"))).collect();
     let wanted = [("client", "control"), ("control", "task")];
     for (from, to) in wanted {
-        assert!(
-            arrows.contains(&(from.to_owned(), to.to_owned())),
-            "{arrows:?}"
-        );
+        assert!(arrows.contains(&(from.to_owned(), to.to_owned())), "{arrows:?}");
     }
 }
 
@@ -165,31 +133,19 @@ fn without_a_run_nothing_is_written() {
         "--durations",
         "fixed",
     ];
-    let out = folder.run(
-        &[
-            &check[..],
-            &["--cores", "free", "--trace", "/nowhere/out.json"],
-        ]
-        .concat(),
-    );
+    let out =
+        folder.run(&[&check[..], &["--cores", "free", "--trace", "/nowhere/out.json"]].concat());
     assert_eq!(status(&out), 2, "{}", stderr(&out));
     let fine = Directory::new(&[
         (
             "a.gen",
             "component a { task t { period 5 ms; codel<start> f() yield pause::start wcet 1 ms; }; };\n",
         ),
-        (
-            "a.scn",
-            "scenario a { use \"a.gen\"; check schedulable *; }\n",
-        ),
+        ("a.scn", "scenario a { use \"a.gen\"; check schedulable *; }\n"),
     ]);
     let out = fine.run(&["verify", "a.scn", "--trace", "out.json"]);
     assert_eq!(status(&out), 2);
-    assert!(
-        stderr(&out).contains("no check has a run"),
-        "{}",
-        stderr(&out)
-    );
+    assert!(stderr(&out).contains("no check has a run"), "{}", stderr(&out));
     assert!(!fine.path().join("out.json").exists());
 }
 
@@ -229,10 +185,7 @@ fn limits_are_looked_for_downwards_where_deadlines_are_missed() {
         text.contains("cause `control` waits 8 ms for `level` of the ids, held by `tell`"),
         "{text}"
     );
-    assert!(
-        text.contains("help it holds if `tell` takes at most 5 ms"),
-        "{text}"
-    );
+    assert!(text.contains("help it holds if `tell` takes at most 5 ms"), "{text}");
 }
 
 /// The edits of the changes that repair it, each made alone by a program that knows nothing but the JSON.

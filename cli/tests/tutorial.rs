@@ -48,10 +48,7 @@ fn steps(page: &str) -> Vec<Step> {
                     }
                 }
             }
-            steps.push(Step {
-                command,
-                expected: Vec::new(),
-            });
+            steps.push(Step { command, expected: Vec::new() });
         }
     }
     steps
@@ -79,9 +76,7 @@ fn text_fits(expected: &str, text: &str) -> bool {
         return false;
     };
     let starts = text.char_indices().map(|(index, _)| index);
-    starts
-        .chain([text.len()])
-        .any(|index| text_fits(rest, &text[index..]))
+    starts.chain([text.len()]).any(|index| text_fits(rest, &text[index..]))
 }
 
 /// A shell for the commands of the page.
@@ -167,11 +162,8 @@ fn each_command_of_the_tutorial_prints_what_the_page_says() {
     }
     let steps = steps(PAGE);
     assert!(steps.len() > 20, "the commands are found");
-    let mut shell = Shell {
-        folder: Directory::new(&[]),
-        own: Directory::new(&[]),
-        groups: Vec::new(),
-    };
+    let mut shell =
+        Shell { folder: Directory::new(&[]), own: Directory::new(&[]), groups: Vec::new() };
     for Step { command, expected } in steps {
         let output = shell.run(&command);
         let lines: Vec<&str> = output.lines().collect();

@@ -113,10 +113,7 @@ fn options_override_the_scenario() {
     assert_eq!(run(&[]), 2);
     assert_eq!(run(&["--durations", "interval"]), 7);
     assert_eq!(run(&["--durations", "open", "--cores", "free"]), 7);
-    assert_eq!(
-        run(&["--durations", "interval", "--cores", "1", "--policy", "any"]),
-        7
-    );
+    assert_eq!(run(&["--durations", "interval", "--cores", "1", "--policy", "any"]), 7);
 }
 
 #[test]
@@ -132,22 +129,12 @@ fn without_a_scenario_a_client_may_do_anything() {
 fn giving_up_is_an_answer_of_its_own() {
     let directory = lift("5 ms");
     for limit in [["--max-states", "1"], ["--max-memory", "0"]] {
-        let mut arguments = vec![
-            "verify",
-            "--durations",
-            "interval",
-            "--without",
-            "invariants",
-        ];
+        let mut arguments = vec!["verify", "--durations", "interval", "--without", "invariants"];
         arguments.extend(limit);
         arguments.push("scenarios/ride.scn");
         let output = directory.run(&arguments);
         assert_eq!(status(&output), 3, "{limit:?}");
-        assert!(
-            stdout(&output).contains("gave up at "),
-            "{}",
-            stdout(&output)
-        );
+        assert!(stdout(&output).contains("gave up at "), "{}", stdout(&output));
     }
 }
 
@@ -183,10 +170,7 @@ fn of_a_long_run_the_beginning_and_the_end_are_shown() {
         LIFT.replace("WCET", "3 ms")
             .replace("10 ms", "7 ms")
             .replace("20 ms", "11 ms")
-            .replace(
-                "};\n};\n",
-                "};\n  function f() { codel g(in position) wcet 1 ms; };\n};\n",
-            )
+            .replace("};\n};\n", "};\n  function f() { codel g(in position) wcet 1 ms; };\n};\n")
             .as_bytes(),
     );
     let arguments = ["verify", "scenarios/long.scn"];
@@ -203,13 +187,7 @@ fn what_was_given_up_says_why_and_what_helps() {
     let directory = lift("5 ms");
     let mut told = String::new();
     let run = |limit: [&str; 2]| {
-        let exploring = [
-            "verify",
-            "--durations",
-            "interval",
-            "--without",
-            "invariants",
-        ];
+        let exploring = ["verify", "--durations", "interval", "--without", "invariants"];
         let arguments = [&exploring[..], &limit].concat();
         let text = directory.run(&[&arguments[..], &["scenarios/ride.scn"]].concat());
         let json =
@@ -218,9 +196,7 @@ fn what_was_given_up_says_why_and_what_helps() {
         assert_eq!(stderr(&text), "", "no progress where nobody looks");
         let checks = json_of(&json)["checks"].clone();
         let checks = checks.as_array().expect("a list").clone();
-        let reasons = checks
-            .iter()
-            .map(|check| check["gave-up"]["reason"].clone());
+        let reasons = checks.iter().map(|check| check["gave-up"]["reason"].clone());
         (stable(&stdout(&text)), reasons.collect::<Vec<_>>())
     };
     for (limit, reason) in [
@@ -246,9 +222,7 @@ fn reductions_are_explained_and_can_be_switched_off() {
             .map(str::to_owned)
             .collect();
         let line = |name: &str| -> String {
-            let line = after
-                .lines()
-                .find_map(|line| line.trim_start().strip_prefix(name));
+            let line = after.lines().find_map(|line| line.trim_start().strip_prefix(name));
             line.unwrap_or_default().trim().to_owned()
         };
         (status(&output), table, line("window-union"), line("zones"))
@@ -268,13 +242,8 @@ fn reductions_are_explained_and_can_be_switched_off() {
 #[test]
 fn a_timeout_ends_the_search_for_limits_as_well() {
     let directory = lift("3 ms");
-    let output = directory.run(&[
-        "verify",
-        "--sensitivity",
-        "--timeout",
-        "0",
-        "scenarios/ride.scn",
-    ]);
+    let output =
+        directory.run(&["verify", "--sensitivity", "--timeout", "0", "scenarios/ride.scn"]);
     let text = stdout(&output);
     assert!(text.contains("time is up"), "{text}");
     assert!(!text.contains("largest WCET"), "{text}");
@@ -292,10 +261,8 @@ fn what_cannot_be_verified_is_explained() {
         "broken.scn",
         b"scenario s {\n  use \"lost.gen\"; semantics published;\n  coers 4;\n}\n",
     );
-    directory.write(
-        "bad.gen",
-        b"component c { task t { period 1 ms; codel<start> f( yield; }; };\n",
-    );
+    directory
+        .write("bad.gen", b"component c { task t { period 1 ms; codel<start> f( yield; }; };\n");
     directory.write(
         "bad.scn",
         b"scenario s { use \"bad.gen\"; semantics published; check schedulable *; }\n",
@@ -313,11 +280,7 @@ fn what_cannot_be_verified_is_explained() {
         let output = directory.run(&[&["verify"], arguments].concat());
         assert_eq!(status(&output), 2, "{arguments:?}");
         assert_eq!(stdout(&output), "", "{arguments:?}");
-        told.push_str(&format!(
-            "$ dotgen verify {}\n{}\n",
-            arguments.join(" "),
-            stderr(&output)
-        ));
+        told.push_str(&format!("$ dotgen verify {}\n{}\n", arguments.join(" "), stderr(&output)));
     }
     insta::assert_snapshot!(told);
 }
@@ -358,23 +321,11 @@ fn what_cannot_be_verified_does_not_stop_the_others() {
     assert_eq!(status(&output), 2);
     assert_eq!(json_of(&output)["scenario"], "ride");
     let told = stderr(&output);
-    assert!(
-        told.contains("broken.scn") && told.contains("nowhere.scn"),
-        "{told}"
-    );
+    assert!(told.contains("broken.scn") && told.contains("nowhere.scn"), "{told}");
     // Without one of its parts, a system is another one.
-    let output = directory.run(&[
-        "verify",
-        "nowhere.gen",
-        "spec/lift.gen",
-        "scenarios/ride.scn",
-    ]);
+    let output = directory.run(&["verify", "nowhere.gen", "spec/lift.gen", "scenarios/ride.scn"]);
     assert_eq!(status(&output), 2);
-    assert!(
-        !stdout(&output).contains("spec/lift.gen"),
-        "{}",
-        stdout(&output)
-    );
+    assert!(!stdout(&output).contains("spec/lift.gen"), "{}", stdout(&output));
     assert!(stdout(&output).contains("ride"), "{}", stdout(&output));
 }
 
@@ -404,9 +355,8 @@ fn ground_truth() {
         for key in ["schedulable", "no_overdue", "response"] {
             for (task, expected) in case[key].as_object().into_iter().flatten() {
                 let kind = key.replace('_', "-");
-                let check = checks
-                    .iter()
-                    .find(|check| check["check"] == kind && check["of"] == **task);
+                let check =
+                    checks.iter().find(|check| check["check"] == kind && check["of"] == **task);
                 let check = check.unwrap_or_else(|| panic!("{}: no {kind} {task}", case["id"]));
                 let found = match expected {
                     Value::Bool(_) => Value::from(check["verdict"] == "proved"),
@@ -438,13 +388,8 @@ fn how_far_a_system_is_from_missing_a_deadline() {
           next to break: the period of lift.sense, below 4 ms (now 10 ms)"#]]
     .assert_eq(table);
 
-    let output = directory.run(&[
-        "verify",
-        "--sensitivity",
-        "--format",
-        "json",
-        "scenarios/ride.scn",
-    ]);
+    let output =
+        directory.run(&["verify", "--sensitivity", "--format", "json", "scenarios/ride.scn"]);
     let answer: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     let sensitivity = &answer["sensitivity"];
     assert_eq!(sensitivity["minimum-cores"]["cores"], 1);
@@ -497,17 +442,11 @@ fn a_reason_that_checks_share_is_said_once() {
             "m/m.gen",
             "component m {\n  ids { long a; };\n  task t { period 10 ms; codel<start> f(inout a) yield ether; };\n  task u { period 20 ms; codel<start> g(inout a) yield ether; };\n  activity go() { task t; codel<start> h(in a) yield ether; };\n};\n",
         ),
-        (
-            "m/m.scn",
-            "scenario m { use \"m.gen\"; check schedulable *; }\n",
-        ),
+        ("m/m.scn", "scenario m { use \"m.gen\"; check schedulable *; }\n"),
     ]);
     let output = directory.run(&["verify", "m"]);
     let told = stderr(&output);
-    assert!(
-        told.contains("note: `m/m.scn` is not used; name it to use its checks"),
-        "{told}"
-    );
+    assert!(told.contains("note: `m/m.scn` is not used; name it to use its checks"), "{told}");
     insta::assert_snapshot!(stable(&stdout(&output)));
     let output = directory.run(&["verify", "m", "m/m.scn"]);
     assert!(!stderr(&output).contains("is not used"), "it is named");
@@ -520,19 +459,12 @@ fn a_specification_alone_is_answered_step_by_step() {
         "component lift {\n  ids { long position; };\n  task sense { period 10 ms; codel<start> look(in position) yield pause::start wcet 2 ms; };\n  task move { period 20 ms; };\n  activity go() { task move; codel<start> go_start(out position) yield pause::start, ether wcet 15 ms; };\n  activity rest() { task move; codel<start> rest_start() yield ether wcet 1 ms; };\n};\n",
     )]);
     let published = ["--semantics", "published"];
-    let output = directory.run(&[
-        "verify",
-        "--format",
-        "json",
-        published[0],
-        published[1],
-        "lift.gen",
-    ]);
+    let output =
+        directory.run(&["verify", "--format", "json", published[0], published[1], "lift.gen"]);
     let document = json_of(&output);
     let first = document["first-answers"].as_array().expect("a list").iter();
-    let first: Vec<String> = first
-        .map(|json| format!("{}: {}", json["assuming"], json["outcome"]))
-        .collect();
+    let first: Vec<String> =
+        first.map(|json| format!("{}: {}", json["assuming"], json["outcome"])).collect();
     assert_eq!(
         first,
         [
@@ -557,17 +489,12 @@ fn without_execution_times_nothing_was_verified() {
     let directory = lift("5 ms");
     directory.write(
         "spec/lift.gen",
-        LIFT.replace(" wcet WCET", "")
-            .replace(" wcet 2 ms", "")
-            .as_bytes(),
+        LIFT.replace(" wcet WCET", "").replace(" wcet 2 ms", "").as_bytes(),
     );
     let output = directory.run(&["verify", "spec/lift.gen"]);
     assert_eq!(status(&output), 3, "{}", stdout(&output));
     let text = stdout(&output);
-    assert!(
-        text.contains("6 nothing to verify") && !text.contains("proved"),
-        "{text}"
-    );
+    assert!(text.contains("6 nothing to verify") && !text.contains("proved"), "{text}");
     assert!(!text.contains('%'), "{text}");
 }
 

@@ -64,10 +64,7 @@ fn stubs_leave_the_other_bytes_of_a_source() {
         assert_eq!(stdout(&output), "changed codels/c_t_codels.c\n");
         let new = read(&directory, "codels/c_t_codels.c");
         kept(&bytes(SOURCE, line_end), &new, line_end);
-        assert!(
-            String::from_utf8_lossy(&new).contains("\ng(int32_t x,"),
-            "the stub is there"
-        );
+        assert!(String::from_utf8_lossy(&new).contains("\ng(int32_t x,"), "the stub is there");
         assert_eq!(read(&directory, "c.gen"), bytes(SPEC, line_end));
         let check = directory.run(&["codels", "check", "c.gen"]);
         assert_eq!(status(&check), 0, "{}{}", stdout(&check), stderr(&check));
@@ -89,10 +86,7 @@ fn synchronising_leaves_the_other_bytes_of_both_sides() {
             stdout(&output),
             stderr(&output)
         );
-        let (spec, code) = (
-            read(&directory, "c.gen"),
-            read(&directory, "codels/c_t_codels.c"),
-        );
+        let (spec, code) = (read(&directory, "c.gen"), read(&directory, "codels/c_t_codels.c"));
         let line = bytes("    codel<start> f(in x) yield ether", "\n");
         let changed = |old: Vec<u8>| {
             let lines = old.split_inclusive(|byte| *byte == b'\n');
@@ -107,12 +101,7 @@ fn synchronising_leaves_the_other_bytes_of_both_sides() {
             "the comment of the changed line"
         );
         let again = directory.run(&["codels", "sync", "c.gen"]);
-        assert!(
-            stderr(&again).contains("nothing to mend"),
-            "{}{}",
-            stdout(&again),
-            stderr(&again)
-        );
+        assert!(stderr(&again).contains("nothing to mend"), "{}{}", stdout(&again), stderr(&again));
     }
 }
 
@@ -126,18 +115,12 @@ fn formatting_leaves_all_but_blanks() {
         let output = directory.run(&["fmt"]);
         assert_eq!(status(&output), 0, "{}", stderr(&output));
         let text = |bytes: Vec<u8>| -> Vec<u8> {
-            bytes
-                .into_iter()
-                .filter(|byte| !byte.is_ascii_whitespace())
-                .collect()
+            bytes.into_iter().filter(|byte| !byte.is_ascii_whitespace()).collect()
         };
         let new = read(&directory, "c.gen");
         assert_eq!(text(new.clone()), text(bytes(SPEC, "\n")));
         kept(&bytes("/* Andr\u{e9} */\n", line_end), &new, line_end);
-        assert_eq!(
-            read(&directory, "a.scn"),
-            bytes(&scenario("use "), line_end)
-        );
+        assert_eq!(read(&directory, "a.scn"), bytes(&scenario("use "), line_end));
         let piped = directory.pipe(&["fmt", "-"], &bytes(SPEC, line_end));
         assert_eq!(piped.stdout, new);
     }
@@ -153,32 +136,23 @@ fn merging_a_template_leaves_the_other_bytes() {
         let written = String::from_utf8_lossy(&read(&directory, "codels/c_t_codels.c"))
             .replace('\u{fffd}', "?");
         let mine = written.replace("/* skeleton sample */ return", "/* \u{e9}t\u{e9} */ return");
-        let mine = mine
-            .lines()
-            .filter(|line| !line.contains("#include"))
-            .collect::<Vec<_>>()
-            .join("\n")
-            + "\n";
+        let mine =
+            mine.lines().filter(|line| !line.contains("#include")).collect::<Vec<_>>().join("\n")
+                + "\n";
         assert!(mine.contains("\u{e9}t\u{e9}"), "{mine}");
         directory.write("codels/c_t_codels.c", &bytes(&mine, line_end));
         let again = directory.run(&["generate", "skeleton", "-m", "auto", "c.gen"]);
         assert_eq!(status(&again), 0, "{}{}", stdout(&again), stderr(&again));
         let new = read(&directory, "codels/c_t_codels.c");
         kept(&bytes(&mine, line_end), &new, line_end);
-        assert!(
-            String::from_utf8_lossy(&new).contains("#include"),
-            "what was missing is there"
-        );
+        assert!(String::from_utf8_lossy(&new).contains("#include"), "what was missing is there");
     }
 }
 
 #[test]
 fn what_is_shown_of_other_encodings_is_utf8() {
     let directory = Directory::new(&[]);
-    directory.write(
-        "c.gen",
-        &bytes(&SPEC.replace("long x", "lng x; /** caf\u{e9} */"), "\n"),
-    );
+    directory.write("c.gen", &bytes(&SPEC.replace("long x", "lng x; /** caf\u{e9} */"), "\n"));
     for arguments in [
         &["check", "c.gen"][..],
         &["check", "--format", "json", "c.gen"],
@@ -204,23 +178,11 @@ fn one_unusable_file_does_not_stop_the_others() {
     ]);
     let checked = directory.run(&["check", "none.gen", "b.gen", "a.gen"]);
     assert_eq!(status(&checked), 2);
-    assert!(
-        stderr(&checked).contains("`none.gen`: no such file"),
-        "{}",
-        stderr(&checked)
-    );
-    assert!(
-        stdout(&checked).contains("checked 2 files"),
-        "{}",
-        stdout(&checked)
-    );
+    assert!(stderr(&checked).contains("`none.gen`: no such file"), "{}", stderr(&checked));
+    assert!(stdout(&checked).contains("checked 2 files"), "{}", stdout(&checked));
     let formatted = directory.run(&["fmt", "none.gen", "a.gen", "nowhere"]);
     assert_eq!(status(&formatted), 2);
-    assert!(
-        stderr(&formatted).contains("nowhere"),
-        "{}",
-        stderr(&formatted)
-    );
+    assert!(stderr(&formatted).contains("nowhere"), "{}", stderr(&formatted));
     assert_ne!(read(&directory, "a.gen"), b"struct  a { long x ; } ;\n");
     let compared = directory.run(&["codels", "check", "a.gen", "none.gen"]);
     assert_eq!(status(&compared), 2);
@@ -243,22 +205,10 @@ fn names_that_are_no_utf8_are_told() {
     }
     let output = directory.run(&["check", "."]);
     assert_eq!(status(&output), 2);
-    assert!(
-        stderr(&output).contains("its name is not UTF-8"),
-        "{}",
-        stderr(&output)
-    );
-    assert!(
-        stdout(&output).contains("checked 1 file"),
-        "{}",
-        stdout(&output)
-    );
+    assert!(stderr(&output).contains("its name is not UTF-8"), "{}", stderr(&output));
+    assert!(stdout(&output).contains("checked 1 file"), "{}", stdout(&output));
     for command in ["check", "fmt", "model", "tree"] {
-        let output = directory
-            .command(&[command])
-            .arg(name)
-            .output()
-            .expect("it runs");
+        let output = directory.command(&[command]).arg(name).output().expect("it runs");
         assert_eq!(output.status.code(), Some(2), "{command}");
         assert!(!String::from_utf8_lossy(&output.stderr).contains("panicked"));
     }
@@ -281,14 +231,9 @@ fn a_full_disk_changes_nothing() {
     std::fs::create_dir(directory.path().join("after")).expect("a directory");
     let mut command = std::process::Command::new("unshare");
     command.args(["--user", "--map-root-user", "--mount", "sh", "-c", script]);
-    let output = command
-        .arg(env!("CARGO_BIN_EXE_dotgen"))
-        .current_dir(directory.path())
-        .output();
-    let (Ok(output), Ok(code)) = (
-        output,
-        std::fs::read_to_string(directory.path().join("status")),
-    ) else {
+    let output = command.arg(env!("CARGO_BIN_EXE_dotgen")).current_dir(directory.path()).output();
+    let (Ok(output), Ok(code)) = (output, std::fs::read_to_string(directory.path().join("status")))
+    else {
         eprintln!("SKIPPED: no file system can be mounted here");
         return;
     };
@@ -300,11 +245,7 @@ fn a_full_disk_changes_nothing() {
     assert_eq!(code.trim(), "2", "{said}");
     assert!(said.contains("none of the 2 files was changed"), "{said}");
     for name in ["a.gen", "b.gen"] {
-        assert_eq!(
-            read(&directory, &format!("after/{name}")),
-            read(&directory, name),
-            "{name}"
-        );
+        assert_eq!(read(&directory, &format!("after/{name}")), read(&directory, name), "{name}");
     }
     let names = String::from_utf8_lossy(&read(&directory, "names")).into_owned();
     assert_eq!(names, "a.gen\nb.gen\nrest\n", "nothing is left over");
@@ -331,14 +272,9 @@ fn fixes_of_a_large_file_are_tried_or_left_out() {
         let output = directory.run(&["check", "c.gen", "--format", "json"]);
         let report: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
         let found = report["diagnostics"].as_array().expect("a list");
-        let of_code = found
-            .iter()
-            .filter(|diagnostic| diagnostic["code"] == "fsm/missing-stop");
+        let of_code = found.iter().filter(|diagnostic| diagnostic["code"] == "fsm/missing-stop");
         let fixes: Vec<&serde_json::Value> = of_code.map(|code| &code["fixes"]).collect();
         assert_eq!(fixes.len(), 20, "{report:#}");
-        assert!(
-            fixes.iter().all(|fix| **fix == serde_json::json!([])),
-            "{fixes:#?}"
-        );
+        assert!(fixes.iter().all(|fix| **fix == serde_json::json!([])), "{fixes:#?}");
     }
 }

@@ -57,14 +57,8 @@ const EMBEDDED: &[Embedded] = &[
 
 /// Files that templates read from the built-in folder.
 pub const SUPPORT: &[(&str, &str)] = &[
-    (
-        "common/genom.gen",
-        include_str!("../templates/common/genom.gen"),
-    ),
-    (
-        "common/json-types.h",
-        include_str!("../templates/common/json-types.h"),
-    ),
+    ("common/genom.gen", include_str!("../templates/common/genom.gen")),
+    ("common/json-types.h", include_str!("../templates/common/json-types.h")),
 ];
 
 /// The location of a template's texts.
@@ -146,14 +140,7 @@ pub(crate) fn run(
         ros2_interfaces::run(args, options, compiler, env)
     } else {
         let found = EMBEDDED.iter().find(|embedded| embedded.name == name)?;
-        render::run(
-            name,
-            &Texts::Embedded(found.files),
-            args,
-            options,
-            compiler,
-            env,
-        )
+        render::run(name, &Texts::Embedded(found.files), args, options, compiler, env)
     };
     Some(finish(name, result, env))
 }
@@ -208,8 +195,5 @@ fn finish(name: &str, result: Result<i32, String>, env: &mut Environment<'_>) ->
 
 /// The confinement of templates included in dotgen: their hidden and executable results are allowed.
 fn of_dotgen(confined: crate::template::Confinement) -> crate::template::Confinement {
-    crate::template::Confinement {
-        confirmed: crate::template::Confirmation::All,
-        ..confined
-    }
+    crate::template::Confinement { confirmed: crate::template::Confirmation::All, ..confined }
 }

@@ -43,9 +43,7 @@ pub fn templates(disk: &dyn Disk, search: &SearchPath) -> Vec<TemplateInfo> {
             Some(_) => TemplateKind::Minijinja,
             None => TemplateKind::Tcl,
         };
-        let about = manifest
-            .as_ref()
-            .and_then(|dir| builtin::about_folder(disk, dir));
+        let about = manifest.as_ref().and_then(|dir| builtin::about_folder(disk, dir));
         all.push(TemplateInfo {
             dir: manifest.or_else(|| search.find(disk, &name).ok()),
             name,
@@ -85,9 +83,7 @@ pub fn options(usage: &str) -> Vec<TemplateOption> {
     let mut all: Vec<TemplateOption> = Vec::new();
     for line in usage.lines() {
         let text = line.trim_start();
-        let blanks = line
-            .chars()
-            .take_while(|character| character.is_whitespace());
+        let blanks = line.chars().take_while(|character| character.is_whitespace());
         let indent: usize = blanks.map(|blank| if blank == '\t' { 8 } else { 1 }).sum();
         if indent == 0 || text.is_empty() {
             continue;
@@ -103,15 +99,9 @@ pub fn options(usage: &str) -> Vec<TemplateOption> {
         }
         let parted = text.find('\t').into_iter().chain(text.find("  ")).min();
         let (spelled, help) = text.split_at(parted.unwrap_or(text.len()));
-        let mut option = TemplateOption {
-            flags: Vec::new(),
-            value: None,
-            help: help.trim().to_owned(),
-        };
-        for part in spelled
-            .split([',', '.', ' '])
-            .filter(|part| !part.is_empty())
-        {
+        let mut option =
+            TemplateOption { flags: Vec::new(), value: None, help: help.trim().to_owned() };
+        for part in spelled.split([',', '.', ' ']).filter(|part| !part.is_empty()) {
             if !part.starts_with('-') {
                 option.value.get_or_insert_with(|| part.to_owned());
                 continue;
@@ -125,10 +115,7 @@ pub fn options(usage: &str) -> Vec<TemplateOption> {
                 option.value = Some(value.trim_matches(['[', ']']).to_owned());
             }
         }
-        let is_help = option
-            .flags
-            .iter()
-            .any(|text| text == "--help" || text == "-h");
+        let is_help = option.flags.iter().any(|text| text == "--help" || text == "-h");
         if !option.flags.is_empty() && !is_help {
             all.push(option);
         }
@@ -147,14 +134,7 @@ mod tests {
                      FILE             to FILE\n  -i\t\t\tmerge\n  -h. --help\t\tprint usage\n";
         let shown: Vec<String> = options(usage)
             .iter()
-            .map(|option| {
-                format!(
-                    "{} {:?} {}",
-                    option.flags.join("/"),
-                    option.value,
-                    option.help
-                )
-            })
+            .map(|option| format!("{} {:?} {}", option.flags.join("/"), option.value, option.help))
             .collect();
         assert_eq!(
             shown,

@@ -90,21 +90,14 @@ fn list(options: &Options, env: &mut Environment<'_>) -> i32 {
 
 /// Runs a template as a preview does, and writes its results if the template succeeds.
 fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>) -> i32 {
-    let here = if env.base.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        &env.base
-    };
+    let here = if env.base.as_os_str().is_empty() { Path::new(".") } else { &env.base };
     let allowed = options.allowed.iter();
     let allowed = allowed.map(|path| readable_files::plain(&*env.disk, &here.join(path)));
     env.confined = Some(Confinement {
         results: vec![env.disk.absolute(here)],
         confirmed: Confirmation::Only(allowed.collect()),
     });
-    env.limits = Limits {
-        cancel: env.limits.cancel.take(),
-        ..Limits::preview()
-    };
+    env.limits = Limits { cancel: env.limits.cancel.take(), ..Limits::preview() };
     let direct = std::mem::replace(&mut env.sink, OutputSink::preview());
     let status = template(options, release, env);
     let kept = std::mem::replace(&mut env.sink, direct);
@@ -123,26 +116,17 @@ fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
 /// A folder with the files that templates expect in the built-in one. It is kept between runs, because build
 /// files depend on its files.
 fn support_dir(env: &Environment<'_>) -> Option<PathBuf> {
-    let home = || {
-        env.variable("HOME")
-            .map(|home| PathBuf::from(home).join(".cache"))
-    };
+    let home = || env.variable("HOME").map(|home| PathBuf::from(home).join(".cache"));
     let cache = env.variable("XDG_CACHE_HOME").map(PathBuf::from);
-    let dir = cache
-        .or_else(home)?
-        .join("dotgen")
-        .join(concat!("templates-", env!("CARGO_PKG_VERSION")));
-    let all = crate::builtin::SUPPORT
-        .iter()
-        .map(|(name, text)| NewContent {
-            path: dir.join(name),
-            bytes: text.as_bytes().to_vec(),
-            mode: None,
-        });
+    let dir =
+        cache.or_else(home)?.join("dotgen").join(concat!("templates-", env!("CARGO_PKG_VERSION")));
+    let all = crate::builtin::SUPPORT.iter().map(|(name, text)| NewContent {
+        path: dir.join(name),
+        bytes: text.as_bytes().to_vec(),
+        mode: None,
+    });
     let there = |content: &NewContent| {
-        env.disk
-            .read(&content.path)
-            .is_ok_and(|there| there == content.bytes)
+        env.disk.read(&content.path).is_ok_and(|there| there == content.bytes)
     };
     let missing: Vec<NewContent> = all.filter(|content| !there(content)).collect();
     env.disk.write(&missing).ok()?;

@@ -186,10 +186,7 @@ fn share_throws(spec: &mut Arc<Spec>) {
             let Some((interface, index, throws)) = theirs else {
                 continue;
             };
-            let added = service
-                .throws
-                .iter()
-                .filter(|exception| !throws.contains(exception));
+            let added = service.throws.iter().filter(|exception| !throws.contains(exception));
             additions.extend(added.map(|exception| (interface, index, *exception)));
         }
     }
@@ -255,9 +252,7 @@ impl Frontend for Compiler {
                     && self.loader.read(&base) == FileContent::Missing;
                 let what = if gone { self.base.as_str() } else { file };
                 report(&format!("{}: {what}: {problem}", self.program));
-                return Err(ParseFailure::Unreadable(format!(
-                    "cannot parse input: {problem}"
-                )));
+                return Err(ParseFailure::Unreadable(format!("cannot parse input: {problem}")));
             }
             inputs.push(Input::File(path));
         }
@@ -271,12 +266,9 @@ impl Frontend for Compiler {
         report: &mut dyn FnMut(&str),
     ) -> Result<(), ParseFailure> {
         let here = self.absolute(INLINE.into());
-        self.input
-            .inputs
-            .extend(texts.iter().map(|text| Input::Text {
-                name: here.clone(),
-                text: text.as_str().into(),
-            }));
+        self.input.inputs.extend(
+            texts.iter().map(|text| Input::Text { name: here.clone(), text: text.as_str().into() }),
+        );
         self.compile(report)
     }
 
@@ -314,12 +306,7 @@ fn narrow_literals(
         }
         let narrow = unit.locations.locate(ty.src).and_then(|location| {
             let text = texts.get(&location.path)?.get(location.range.end..)?;
-            let literal = text
-                .trim_start()
-                .strip_prefix('=')?
-                .split(';')
-                .next()?
-                .trim();
+            let literal = text.trim_start().strip_prefix('=')?.split(';').next()?.trim();
             narrow_literal(literal)
         });
         let narrow = match (value, narrow) {
@@ -350,10 +337,7 @@ fn share_requires(spec: &mut Arc<Spec>) {
     let shares = |component: &Component| component.requires.first() == Some(first);
     let mut shared: Vec<String> = Vec::new();
     let sharing = spec.components.iter().filter(|component| shares(component));
-    for package in sharing
-        .flat_map(|component| &component.requires)
-        .chain(&spec.pragma_requires)
-    {
+    for package in sharing.flat_map(|component| &component.requires).chain(&spec.pragma_requires) {
         if !shared.contains(package) {
             shared.push(package.clone());
         }

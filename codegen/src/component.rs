@@ -81,10 +81,9 @@ impl fmt::Display for NewComponentError {
                 f,
                 "`{name}` is not a valid name: write a letter or `_`, then letters, digits and `_`"
             ),
-            Keyword(name) => write!(
-                f,
-                "`{name}` is a keyword of specifications: choose another name"
-            ),
+            Keyword(name) => {
+                write!(f, "`{name}` is a keyword of specifications: choose another name")
+            }
             Twice(name) => write!(f, "two tasks are called `{name}`: give one another name"),
             Period { task, period } => write!(
                 f,
@@ -175,17 +174,12 @@ impl NewComponent {
         }
         let mut tasks = Vec::new();
         for (index, task) in self.tasks.iter().enumerate() {
-            if self.tasks[..index]
-                .iter()
-                .any(|other| other.name == task.name)
-            {
+            if self.tasks[..index].iter().any(|other| other.name == task.name) {
                 return Err(Twice(task.name.clone()));
             }
             let given = task.period.as_deref().map(|text| {
-                period(text).ok_or_else(|| Period {
-                    task: task.name.clone(),
-                    period: text.to_owned(),
-                })
+                period(text)
+                    .ok_or_else(|| Period { task: task.name.clone(), period: text.to_owned() })
             });
             let given = given.transpose()?;
             // An estimate with which all tasks fit on one core.
@@ -231,10 +225,7 @@ impl NewComponent {
             let expanded = environment.render_str(text, &data);
             expanded.map_err(|error| Template(error.to_string()))
         };
-        Ok(NewTexts {
-            specification: expand(SPECIFICATION)?,
-            scenario: expand(SCENARIO)?,
-        })
+        Ok(NewTexts { specification: expand(SPECIFICATION)?, scenario: expand(SCENARIO)? })
     }
 }
 
@@ -243,10 +234,7 @@ mod tests {
     use super::*;
 
     fn task(name: &str, period: Option<&str>) -> NewTask {
-        NewTask {
-            name: name.to_owned(),
-            period: period.map(str::to_owned),
-        }
+        NewTask { name: name.to_owned(), period: period.map(str::to_owned) }
     }
 
     #[test]
@@ -258,50 +246,20 @@ mod tests {
         };
         let say = |component: NewComponent| component.texts().err().map(|say| say.to_string());
         for (given, part) in [
-            (
-                with("2d", vec![task("t", None)]),
-                "`2d` is not a valid name",
-            ),
+            (with("2d", vec![task("t", None)]), "`2d` is not a valid name"),
             (with("", vec![task("t", None)]), "`` is not a valid name"),
-            (
-                with("c", vec![task("t u", None)]),
-                "`t u` is not a valid name",
-            ),
-            (
-                with("struct", vec![task("t", None)]),
-                "`struct` is a keyword",
-            ),
+            (with("c", vec![task("t u", None)]), "`t u` is not a valid name"),
+            (with("struct", vec![task("t", None)]), "`struct` is a keyword"),
             (with("c", Vec::new()), "needs a task"),
-            (
-                with("c", vec![task("t", None), task("t", None)]),
-                "two tasks",
-            ),
-            (
-                with("c", vec![task("t", Some("soon"))]),
-                "`soon` is not a valid period",
-            ),
-            (
-                with("c", vec![task("t", Some("10"))]),
-                "`10` is not a valid period",
-            ),
-            (
-                with("c", vec![task("t", Some("0 ms"))]),
-                "`0 ms` is not a valid period",
-            ),
-            (
-                with("c", vec![task("t", Some("1.2.3 ms"))]),
-                "is not a valid period",
-            ),
-            (
-                with("c", vec![task("t", Some("10 years"))]),
-                "is not a valid period",
-            ),
+            (with("c", vec![task("t", None), task("t", None)]), "two tasks"),
+            (with("c", vec![task("t", Some("soon"))]), "`soon` is not a valid period"),
+            (with("c", vec![task("t", Some("10"))]), "`10` is not a valid period"),
+            (with("c", vec![task("t", Some("0 ms"))]), "`0 ms` is not a valid period"),
+            (with("c", vec![task("t", Some("1.2.3 ms"))]), "is not a valid period"),
+            (with("c", vec![task("t", Some("10 years"))]), "is not a valid period"),
         ] {
             let said = say(given.clone());
-            assert!(
-                said.as_ref().is_some_and(|say| say.contains(part)),
-                "{given:?}: {said:?}"
-            );
+            assert!(said.as_ref().is_some_and(|say| say.contains(part)), "{given:?}: {said:?}");
         }
         assert_eq!(period("10ms"), Some((1e4, "10 ms".to_owned())));
         assert_eq!(period(" 0.5  s "), Some((5e5, "0.5 s".to_owned())));

@@ -61,14 +61,12 @@ pub trait Disk: fmt::Debug + Send + Sync {
 
     /// True if the target of a path is a file.
     fn is_file(&self, path: &Path) -> bool {
-        self.status(path)
-            .is_some_and(|status| status.kind == Kind::File)
+        self.status(path).is_some_and(|status| status.kind == Kind::File)
     }
 
     /// True if the target of a path is a directory.
     fn is_dir(&self, path: &Path) -> bool {
-        self.status(path)
-            .is_some_and(|status| status.kind == Kind::Directory)
+        self.status(path).is_some_and(|status| status.kind == Kind::Directory)
     }
 
     /// True if the target of a path exists.
@@ -142,12 +140,7 @@ pub struct WriteError {
 
 impl fmt::Display for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "cannot write `{}`: {}",
-            self.path.display(),
-            words(&self.reason)
-        )?;
+        write!(f, "cannot write `{}`: {}", self.path.display(), words(&self.reason))?;
         match self.of {
             0 | 1 => return Ok(()),
             of if self.changed.is_empty() => write!(f, "; none of the {of} files was changed")?,
@@ -155,11 +148,7 @@ impl fmt::Display for WriteError {
         }
         for (path, reason) in &self.changed {
             let path = path.display();
-            write!(
-                f,
-                "; `{path}` was changed before and cannot be put back: {}",
-                words(reason)
-            )?;
+            write!(f, "; `{path}` was changed before and cannot be put back: {}", words(reason))?;
         }
         Ok(())
     }

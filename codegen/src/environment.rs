@@ -110,9 +110,7 @@ impl Environment<'_> {
             return Ok(ReleaseChoice { release, origin });
         }
         if let Some(text) = self.variable(RELEASE_VARIABLE) {
-            let release = text
-                .parse()
-                .map_err(|error| format!("{RELEASE_VARIABLE}: {error}"))?;
+            let release = text.parse().map_err(|error| format!("{RELEASE_VARIABLE}: {error}"))?;
             let origin = ReleaseOrigin::Environment;
             return Ok(ReleaseChoice { release, origin });
         }
@@ -130,16 +128,10 @@ impl Environment<'_> {
             return Ok(release);
         }
         let here = self.here();
-        let base = self
-            .base
-            .to_str()
-            .map_or(here.clone(), |text| here.join(text));
+        let base = self.base.to_str().map_or(here.clone(), |text| here.join(text));
         let base = base.join(&options.directory);
         let files = options.rest.iter().map(|rest| base.join(rest));
-        Ok(ReleaseChoice::required(required_release(
-            &*self.loader,
-            files,
-        )))
+        Ok(ReleaseChoice::required(required_release(&*self.loader, files)))
     }
 
     pub(crate) fn compiler(&self, options: &Options, release: ReleaseChoice) -> Compiler {
@@ -149,12 +141,8 @@ impl Environment<'_> {
         let mut compiler = Compiler::new(
             Arc::clone(&self.disk),
             Arc::clone(&self.loader),
-            include_dirs
-                .map(|dir| here.join(Utf8PathBuf::from(dir)))
-                .collect(),
-            defines
-                .map(|(name, value)| (name.as_str().into(), value.as_str().into()))
-                .collect(),
+            include_dirs.map(|dir| here.join(Utf8PathBuf::from(dir))).collect(),
+            defines.map(|(name, value)| (name.as_str().into(), value.as_str().into())).collect(),
             release,
         );
         let base = self.base.join(&options.directory);
@@ -171,9 +159,7 @@ pub fn search_path(given: Option<&str>, variables: &dyn Fn(&str) -> Option<Strin
     let given = given.map(str::to_owned);
     let given = given.or_else(|| variable("GENOM_TMPL_PATH"));
     SearchPath {
-        dirs: given
-            .map(|text| SearchPath::parse(&text))
-            .unwrap_or_default(),
+        dirs: given.map(|text| SearchPath::parse(&text)).unwrap_or_default(),
         builtin: variable("DOTGEN_BUILTIN_TEMPLATES").map(PathBuf::from),
     }
 }

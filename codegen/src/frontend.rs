@@ -28,10 +28,7 @@ impl Compiled {
     /// An empty model, for inputs of a release.
     pub fn of_release(release: Release) -> Compiled {
         Compiled {
-            spec: Arc::new(Spec {
-                release,
-                ..Spec::default()
-            }),
+            spec: Arc::new(Spec { release, ..Spec::default() }),
             places: Arc::new(NoPlaces),
             deps: Vec::new(),
         }

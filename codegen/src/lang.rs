@@ -69,17 +69,11 @@ pub struct LangError {
 
 impl LangError {
     pub(crate) fn error(message: impl Into<String>) -> LangError {
-        LangError {
-            message: message.into(),
-            fatal: false,
-        }
+        LangError { message: message.into(), fatal: false }
     }
 
     pub(crate) fn fatal(message: impl Into<String>) -> LangError {
-        LangError {
-            message: message.into(),
-            fatal: true,
-        }
+        LangError { message: message.into(), fatal: true }
     }
 }
 
@@ -185,11 +179,7 @@ pub struct Mapper<'a> {
 impl<'a> Mapper<'a> {
     /// A mapper to a language.
     pub fn new(spec: &'a Spec, places: &'a dyn Places, language: Language) -> Mapper<'a> {
-        Mapper {
-            spec,
-            places,
-            language,
-        }
+        Mapper { spec, places, language }
     }
 
     /// Returns true if the specification's release has a change.
@@ -219,8 +209,7 @@ impl<'a> Mapper<'a> {
     }
 
     pub(crate) fn inner_or_error(&self, ty: TypeId) -> Result<TypeId, LangError> {
-        self.inner(ty)
-            .ok_or_else(|| LangError::error("no such member \"type\""))
+        self.inner(ty).ok_or_else(|| LangError::error("no such member \"type\""))
     }
 
     /// Full name of a type.
@@ -228,9 +217,7 @@ impl<'a> Mapper<'a> {
     /// # Errors
     /// Returns the error that templates get for an anonymous type.
     pub(crate) fn full_name(&self, ty: TypeId) -> LangResult {
-        self.spec
-            .full_name(ty)
-            .ok_or_else(|| LangError::error("no such member \"fullname\""))
+        self.spec.full_name(ty).ok_or_else(|| LangError::error("no such member \"fullname\""))
     }
 
     pub(crate) fn short_name(&self, ty: TypeId) -> Result<&'a Name, LangError> {
@@ -414,9 +401,8 @@ impl<'a> Mapper<'a> {
     /// # Errors
     /// Fails like [`Mapper::mapping`].
     pub fn mapping_all(&self, locations: bool) -> LangResult {
-        let objects: Vec<MapObject> = (0..self.spec.types.len() as u32)
-            .map(|i| MapObject::Type(TypeId(i)))
-            .collect();
+        let objects: Vec<MapObject> =
+            (0..self.spec.types.len() as u32).map(|i| MapObject::Type(TypeId(i))).collect();
         self.mapping(&objects, locations)
     }
 
@@ -448,11 +434,9 @@ impl<'a> Mapper<'a> {
     /// `#line` mark of an item, starting with a newline; empty if its place is unknown.
     pub(crate) fn line_mark(&self, place: Option<Place>) -> String {
         match place {
-            Some(place) => format!(
-                "\n#line {} \"{}\"",
-                place.line,
-                place.file.replace('"', "\\\"")
-            ),
+            Some(place) => {
+                format!("\n#line {} \"{}\"", place.line, place.file.replace('"', "\\\""))
+            }
             None => String::new(),
         }
     }
@@ -487,11 +471,7 @@ impl<'a> Mapper<'a> {
     }
 
     pub(crate) fn type_mark(&self, ty: TypeId, wanted: bool) -> String {
-        if wanted {
-            self.line_mark(self.type_place(ty))
-        } else {
-            String::new()
-        }
+        if wanted { self.line_mark(self.type_place(ty)) } else { String::new() }
     }
 
     /// Types defined inside a struct, union or exception, in order of creation.
@@ -550,10 +530,7 @@ pub fn inner(spec: &Spec, ty: TypeId) -> Option<TypeId> {
 /// See [`Mapper::nested`].
 pub fn nested(spec: &Spec, ty: TypeId) -> Vec<TypeId> {
     let kinds = |kind: &TypeKind| {
-        matches!(
-            kind,
-            TypeKind::Struct { .. } | TypeKind::Union { .. } | TypeKind::Enum { .. }
-        )
+        matches!(kind, TypeKind::Struct { .. } | TypeKind::Union { .. } | TypeKind::Enum { .. })
     };
     let all = spec.types.iter().enumerate();
     all.filter(|(_, candidate)| candidate.parent == Some(ty) && kinds(&candidate.kind))

@@ -83,10 +83,7 @@ const LONG: &[(&str, char)] = &[
 ];
 
 pub(crate) fn parse(args: &[String], here: &Path) -> Result<Options, OptionError> {
-    let mut options = Options {
-        here: here.to_owned(),
-        ..Options::default()
-    };
+    let mut options = Options { here: here.to_owned(), ..Options::default() };
     let mut args = args.iter().peekable();
     while let Some(word) = args.peek() {
         let word = word.as_str();
@@ -162,12 +159,8 @@ fn long_option(name: &str) -> Result<char, OptionError> {
     let mut matches = LONG.iter().filter(|(long, _)| long.starts_with(name));
     match (exact, matches.next(), matches.next()) {
         (Some((_, option)), ..) | (None, Some((_, option)), None) => Ok(*option),
-        (None, None, _) => Err(OptionError::Usage(format!(
-            "unrecognized option '--{name}'"
-        ))),
-        _ => Err(OptionError::Usage(format!(
-            "option '--{name}' is ambiguous"
-        ))),
+        (None, None, _) => Err(OptionError::Usage(format!("unrecognized option '--{name}'"))),
+        _ => Err(OptionError::Usage(format!("option '--{name}' is ambiguous"))),
     }
 }
 
@@ -241,16 +234,10 @@ impl Options {
 
     /// Selects what to do, which must agree with earlier options.
     fn select(&mut self, mode: Mode, word: &str) -> Result<(), OptionError> {
-        let exclusive = |mode| {
-            matches!(
-                mode,
-                Mode::List | Mode::Parse | Mode::Dump | Mode::Preprocess
-            )
-        };
+        let exclusive =
+            |mode| matches!(mode, Mode::List | Mode::Parse | Mode::Dump | Mode::Preprocess);
         if exclusive(mode) && exclusive(self.mode) && mode != self.mode {
-            return Err(OptionError::Fatal(format!(
-                "mutually exclusive options near '{word}'"
-            )));
+            return Err(OptionError::Fatal(format!("mutually exclusive options near '{word}'")));
         }
         // Help and version take precedence over all later options.
         if !matches!(self.mode, Mode::Version | Mode::Help) {

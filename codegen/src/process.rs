@@ -195,11 +195,7 @@ impl Process {
         let text =
             |handle: Option<JoinHandle<Vec<u8>>>| handle.and_then(|handle| handle.join().ok());
         let (output, errors) = (text(output), text(errors));
-        Ok((
-            self.child.wait()?,
-            output.unwrap_or_default(),
-            errors.unwrap_or_default(),
-        ))
+        Ok((self.child.wait()?, output.unwrap_or_default(), errors.unwrap_or_default()))
     }
 
     /// Waits for the end of the program, with empty input. Returns the standard output, if there are pipes.

@@ -96,12 +96,10 @@ fn language(component: &Component) -> Language {
 /// The components and interfaces that exist in both, as indexes.
 fn pairs(from: &Spec, to: &Spec) -> Vec<(u32, u32)> {
     let new = (0u32..).zip(&to.components);
-    let new: FxHashMap<&str, u32> = new
-        .map(|(index, component)| (component.name.as_str(), index))
-        .collect();
+    let new: FxHashMap<&str, u32> =
+        new.map(|(index, component)| (component.name.as_str(), index)).collect();
     let old = (0u32..).zip(&from.components);
-    old.filter_map(|(index, component)| Some((index, *new.get(component.name.as_str())?)))
-        .collect()
+    old.filter_map(|(index, component)| Some((index, *new.get(component.name.as_str())?))).collect()
 }
 
 fn digests(from: &Spec, old: u32, to: &Spec, new: u32, out: &mut Vec<DigestChange>) {
@@ -109,12 +107,7 @@ fn digests(from: &Spec, old: u32, to: &Spec, new: u32, out: &mut Vec<DigestChang
     let later: FxHashMap<Option<String>, String> = component_digests(to, new).into_iter().collect();
     for (service, from) in component_digests(from, old) {
         if let Some(to) = later.get(&service).filter(|digest| **digest != from) {
-            out.push(DigestChange {
-                component: component.clone(),
-                service,
-                from,
-                to: to.clone(),
-            });
+            out.push(DigestChange { component: component.clone(), service, from, to: to.clone() });
         }
     }
 }
@@ -133,10 +126,7 @@ fn prototypes(
         let codels = component.all_codels().map(|at| component.codel(at));
         codels
             .filter_map(|codel| {
-                Some((
-                    codel.name.to_string(),
-                    mapper.prototype(index, codel, " ").ok()?,
-                ))
+                Some((codel.name.to_string(), mapper.prototype(index, codel, " ").ok()?))
             })
             .collect()
     };
@@ -148,12 +138,7 @@ fn prototypes(
         };
         let name = format!("{component}.{name}");
         if out.iter().all(|change| change.name != name) {
-            out.push(TextChange {
-                name,
-                language: language.name(),
-                from,
-                to: to.clone(),
-            });
+            out.push(TextChange { name, language: language.name(), from, to: to.clone() });
         }
     }
 }
@@ -199,14 +184,10 @@ fn stubs(from: &Spec, old: u32, to: &Spec, new: u32, out: &mut Vec<StubChange>) 
 
 fn types(from: &Spec, to: &Spec, language: Language, out: &mut Vec<TextChange>) {
     let (before, after) = (definitions(from, language), definitions(to, language));
-    let later: FxHashMap<&str, &str> = after
-        .iter()
-        .map(|pair| (pair.0.as_str(), pair.1.as_str()))
-        .collect();
-    let earlier: FxHashMap<&str, &str> = before
-        .iter()
-        .map(|pair| (pair.0.as_str(), pair.1.as_str()))
-        .collect();
+    let later: FxHashMap<&str, &str> =
+        after.iter().map(|pair| (pair.0.as_str(), pair.1.as_str())).collect();
+    let earlier: FxHashMap<&str, &str> =
+        before.iter().map(|pair| (pair.0.as_str(), pair.1.as_str())).collect();
     let mut add = |name: &str, from: &str, to: &str| {
         out.push(TextChange {
             name: name.to_owned(),
@@ -233,10 +214,7 @@ fn definitions(spec: &Spec, language: Language) -> Vec<(String, String)> {
     let mapper = Mapper::new(spec, &NoPlaces, language);
     let mut out: Vec<(String, String)> = Vec::new();
     for (index, ty) in (0u32..).zip(&spec.types) {
-        let special = matches!(
-            ty.kind,
-            TypeKind::Event | TypeKind::PauseEvent | TypeKind::Unknown
-        );
+        let special = matches!(ty.kind, TypeKind::Event | TypeKind::PauseEvent | TypeKind::Unknown);
         let id = TypeId(index);
         let Some(name) = spec.full_name(id).filter(|_| !special) else {
             continue;
@@ -244,9 +222,7 @@ fn definitions(spec: &Spec, language: Language) -> Vec<(String, String)> {
         let Ok(text) = mapper.mapping(&[MapObject::Type(id)], false) else {
             continue;
         };
-        let kept = text
-            .lines()
-            .filter(|line| !line.is_empty() && !line.starts_with('#'));
+        let kept = text.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
         let text: Vec<&str> = kept.collect();
         if !text.is_empty() && out.iter().all(|entry| entry.0 != name) {
             out.push((name, text.join("\n")));

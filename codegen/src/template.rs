@@ -182,12 +182,7 @@ impl Run<'_> {
             Err(error) => {
                 let message = format!("cannot create a temporary directory: {error}");
                 console.err(&format!("{}: {message}", self.name()));
-                return Outcome {
-                    status: 2,
-                    sink,
-                    error: Some(message),
-                    place: None,
-                };
+                return Outcome { status: 2, sink, error: Some(message), place: None };
             }
         };
         let disk = Arc::clone(&self.disk);

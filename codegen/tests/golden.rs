@@ -20,11 +20,7 @@ mod processes;
 /// The releases that were recorded: the manifest of each, and the variable that names its templates.
 const RELEASES: [(&str, &str, &str); 2] = [
     ("2.99.39", "manifest.json", "DOTGEN_TEST_TEMPLATES"),
-    (
-        "2.99.41",
-        "manifest-2.99.41.json",
-        "DOTGEN_TEST_TEMPLATES_2_99_41",
-    ),
+    ("2.99.41", "manifest-2.99.41.json", "DOTGEN_TEST_TEMPLATES_2_99_41"),
 ];
 
 const ROLE: &str = "DOTGEN_TEST_IS_GENERATOR";
@@ -91,11 +87,7 @@ fn generator() -> ExitCode {
             {
                 // What has no machine has no picture.
                 let text = format!("{form} of {component}.{owner}");
-                Ok(if owner == "reset" {
-                    String::new()
-                } else {
-                    text
-                })
+                Ok(if owner == "reset" { String::new() } else { text })
             }
         }),
         console: &mut StdConsole::default(),

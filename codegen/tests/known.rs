@@ -60,10 +60,7 @@ impl Place<'_> {
     fn run(&self, words: &[&str]) -> (RunResult, usize) {
         let mut console = CapturedConsole::default();
         let started = Arc::new(Counted::default());
-        let choice = ReleaseChoice {
-            release: self.release,
-            origin: ReleaseOrigin::Environment,
-        };
+        let choice = ReleaseChoice { release: self.release, origin: ReleaseOrigin::Environment };
         let mut environment = Environment {
             name: "genom3",
             program: "/bin/genom3".into(),
@@ -100,11 +97,7 @@ impl Place<'_> {
             .map(|directory| directory.expect("a folder"))
             .filter(|directory| directory.file_type().is_file());
         let with_text = files.map(|file| {
-            let path = file
-                .path()
-                .strip_prefix(self.folder.path())
-                .expect("below")
-                .to_owned();
+            let path = file.path().strip_prefix(self.folder.path()).expect("below").to_owned();
             let bytes = std::fs::read(file.path()).expect("a file");
             let text: String = bytes.into_iter().map(char::from).collect();
             // Files of the build repeat the options of the call.
@@ -120,11 +113,7 @@ impl RunResult {
     fn is(&self, expected: &RunResult, what: &str) {
         // Lines behind the first one are of Tcl: commands that led to an error.
         let err = |run: &RunResult| run.err.lines().next().map(str::to_owned);
-        assert_eq!(
-            (self.status, err(self)),
-            (expected.status, err(expected)),
-            "{what}"
-        );
+        assert_eq!((self.status, err(self)), (expected.status, err(expected)), "{what}");
         assert_eq!(self.out, expected.out, "{what}");
         let names = |run: &RunResult| run.files.keys().cloned().collect::<Vec<_>>();
         assert_eq!(names(self), names(expected), "{what}");
@@ -170,11 +159,7 @@ impl Templates {
     fn places(&self) -> [Place<'_>; 2] {
         [&self.own, &self.copy.path().to_owned()].map(|templates| Place {
             release: self.release,
-            templates: if *templates == self.own {
-                &self.own
-            } else {
-                self.copy.path()
-            },
+            templates: if *templates == self.own { &self.own } else { self.copy.path() },
             folder: tempfile::tempdir().expect("a folder"),
         })
     }
@@ -210,11 +195,7 @@ fn ours_writes_what_tcl_writes(release: Release, variable: &str) {
     let Some((shared, all)) = specifications() else {
         return;
     };
-    let includes = [
-        "corpus/quadcopter",
-        "corpus/components/standins",
-        "golden/standins",
-    ];
+    let includes = ["corpus/quadcopter", "corpus/components/standins", "golden/standins"];
     let includes = includes.map(|include| format!("-I{}", shared.join(include).display()));
     let calls: [&[&str]; 5] = [
         &["skeleton", "-C", "out"],
@@ -312,14 +293,7 @@ fn ours_merges_as_tcl_merges() {
             let to = folder.join("specifications/lamp.gen");
             std::fs::copy(folder.join("lamp.gen"), to).expect("a copy");
         }
-        let elsewhere = [
-            "-C",
-            "specifications",
-            "skeleton",
-            "-C",
-            "elsewhere",
-            "lamp.gen",
-        ];
+        let elsewhere = ["-C", "specifications", "skeleton", "-C", "elsewhere", "lamp.gen"];
         assert_eq!(both(&elsewhere, 0).status, 0);
         let printed = both(&["-C", "specifications", "mappings", "lamp.gen"], 0);
         assert!(printed.out.contains("A lamp."), "{}", printed.out);

@@ -43,9 +43,8 @@ const SPECIFICATION: &str = "component lamp {
 
 /// Copies a folder; files of formal models are empty in the copy.
 fn copy(from: &Path, to: &Path) {
-    for entry in walkdir::WalkDir::new(from)
-        .into_iter()
-        .map(|directory| directory.expect("a folder"))
+    for entry in
+        walkdir::WalkDir::new(from).into_iter().map(|directory| directory.expect("a folder"))
     {
         let to = to.join(entry.path().strip_prefix(from).expect("below"));
         if entry.file_type().is_dir() {
@@ -71,20 +70,10 @@ fn sources(out: &Path, extension: &str) -> Vec<PathBuf> {
 fn write_digests(out: &Path) {
     let mut messages = [sources(out, "msg"), sources(out, "srv")].concat();
     for action in sources(out, "action") {
-        let name = action
-            .file_stem()
-            .expect("a name")
-            .to_string_lossy()
-            .into_owned();
-        for part in [
-            "Action",
-            "ActionFeedback",
-            "ActionGoal",
-            "ActionResult",
-            "Feedback",
-            "Goal",
-            "Result",
-        ] {
+        let name = action.file_stem().expect("a name").to_string_lossy().into_owned();
+        for part in
+            ["Action", "ActionFeedback", "ActionGoal", "ActionResult", "Feedback", "Goal", "Result"]
+        {
             messages.push(out.join(format!("lamp/msg/{name}{part}.msg")));
         }
     }
@@ -161,9 +150,5 @@ fn a_ros_server_compiles_without_genom() {
         .args(sources)
         .output()
         .expect("a compiler");
-    assert!(
-        compiled.status.success(),
-        "{}",
-        String::from_utf8_lossy(&compiled.stderr)
-    );
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
 }

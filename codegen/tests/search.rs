@@ -18,11 +18,7 @@ fn tree(files: &[(&str, &str)]) -> tempfile::TempDir {
 
 #[test]
 fn directories_with_a_template_are_found() {
-    let tree = tree(&[
-        ("a/template.tcl", ""),
-        ("b/c/template.tcl", ""),
-        ("d/template.py", ""),
-    ]);
+    let tree = tree(&[("a/template.tcl", ""), ("b/c/template.tcl", ""), ("d/template.py", "")]);
     let path = SearchPath {
         dirs: SearchPath::parse(&format!("nowhere::{}", tree.path().display())),
         builtin: None,
@@ -39,14 +35,9 @@ fn directories_with_a_template_are_found() {
 
 #[test]
 fn a_folder_wins_over_a_template_of_dotgen() {
-    let tree = tree(&[
-        ("skeleton/template.tcl", ""),
-        ("mine/template.toml", "about = \"names\"\n"),
-    ]);
-    let search = SearchPath {
-        dirs: vec![tree.path().to_owned()],
-        builtin: None,
-    };
+    let tree =
+        tree(&[("skeleton/template.tcl", ""), ("mine/template.toml", "about = \"names\"\n")]);
+    let search = SearchPath { dirs: vec![tree.path().to_owned()], builtin: None };
     let all = templates(&Files, &search);
     let of = |name: &str| {
         let found = all.iter().find(|template| template.name == name);
@@ -54,8 +45,5 @@ fn a_folder_wins_over_a_template_of_dotgen() {
     };
     assert_eq!(of("skeleton"), Some((TemplateKind::Tcl, "")));
     assert_eq!(of("mine"), Some((TemplateKind::Minijinja, "names")));
-    assert_eq!(
-        of("mappings").map(|found| found.0),
-        Some(TemplateKind::Builtin)
-    );
+    assert_eq!(of("mappings").map(|found| found.0), Some(TemplateKind::Builtin));
 }

@@ -17,9 +17,7 @@ fn findings(directory: &Utf8Path) -> Vec<(Utf8PathBuf, Vec<Diagnostic>)> {
     let read = |path: &Utf8Path| -> Option<String> { std::fs::read_to_string(path).ok() };
     let mut out = Vec::new();
     for file in files {
-        let home = file
-            .ancestors()
-            .find(|ancestor| ancestor.join(SCRIPT).is_file());
+        let home = file.ancestors().find(|ancestor| ancestor.join(SCRIPT).is_file());
         let (Some(text), Some(home)) = (read(&file), home) else {
             continue;
         };
@@ -52,17 +50,14 @@ fn templates_that_run_have_no_errors() {
         let all = findings(directory.into());
         assert!(!all.is_empty(), "no template below {directory}");
         for (file, found) in all {
-            let errors = found
-                .iter()
-                .filter(|diagnostic| diagnostic.severity == Severity::Error);
+            let errors = found.iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
             let messages: Vec<_> = errors
                 .map(|error| format!("{file}:{}: {}", error.range.start, error.message))
                 .collect();
             // Recorded for the errors of the engine.
             let fails = ["badtag", "mixed", "unclosed", "unopened"].iter();
-            let fails = fails
-                .into_iter()
-                .any(|text| file.as_str().contains(&format!("/failing/{text}/")));
+            let fails =
+                fails.into_iter().any(|text| file.as_str().contains(&format!("/failing/{text}/")));
             assert_eq!(
                 fails && file.file_name() != Some(SCRIPT),
                 !messages.is_empty(),

@@ -46,16 +46,11 @@ fn run(
         return None;
     }
     let templates = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/templates");
-    let search = SearchPath {
-        dirs: vec![templates],
-        builtin: None,
-    };
+    let search = SearchPath { dirs: vec![templates], builtin: None };
     // Previews are confined: the results of these tests are in temporary folders.
     let results = vec![std::env::temp_dir()];
-    let confined = matches!(sink, OutputSink::Preview(_)).then_some(Confinement {
-        results,
-        confirmed: Confirmation::All,
-    });
+    let confined = matches!(sink, OutputSink::Preview(_))
+        .then_some(Confinement { results, confirmed: Confirmation::All });
     let run = Run {
         disk: Arc::new(crate::files::Files),
         dir: search.find(&crate::files::Files, template).unwrap(),
@@ -86,10 +81,7 @@ fn run(
 
 /// The release of the expectations.
 fn release() -> ReleaseChoice {
-    ReleaseChoice {
-        release: Release::V2_99_39,
-        origin: ReleaseOrigin::CommandLine,
-    }
+    ReleaseChoice { release: Release::V2_99_39, origin: ReleaseOrigin::CommandLine }
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -113,13 +105,8 @@ fn templates_ask_about_the_model() {
     };
     assert_eq!((outcome.status, console.err.as_str()), (0, ""));
     insta::assert_snapshot!(text(&console.out));
-    let (outcome, console) = run(
-        "report",
-        &["--language=c++", path],
-        OutputSink::Direct,
-        Limits::default(),
-    )
-    .unwrap();
+    let (outcome, console) =
+        run("report", &["--language=c++", path], OutputSink::Direct, Limits::default()).unwrap();
     // An option written with `=` counts twice, so the file is still left for the template.
     assert_eq!((outcome.status, console.err.as_str()), (0, ""));
     assert!(
@@ -164,10 +151,7 @@ component c {
     ) else {
         return;
     };
-    let own = found
-        .lines()
-        .filter(|line| line.contains("::c::"))
-        .collect::<Vec<_>>();
+    let own = found.lines().filter(|line| line.contains("::c::")).collect::<Vec<_>>();
     assert_eq!(
         own,
         [
@@ -194,10 +178,7 @@ struct two { one x; };
     ) else {
         return;
     };
-    let structs = found
-        .lines()
-        .filter(|line| line.starts_with("struct ::"))
-        .collect::<Vec<_>>();
+    let structs = found.lines().filter(|line| line.starts_with("struct ::")).collect::<Vec<_>>();
     assert_eq!(structs, ["struct ::one 5", "struct ::two 6"]);
 }
 
@@ -215,10 +196,7 @@ struct s { long a[SIZE], b; EMPTY double c; LIST(long) d; /* comment */ long e[S
     ) else {
         return;
     };
-    assert_eq!(
-        found,
-        "a 5 17\nb 5 23\nc 5 34\nd 5 56\ne 5 66\nf 5 79\ng 6 8\n"
-    );
+    assert_eq!(found, "a 5 17\nb 5 23\nc 5 34\nd 5 56\ne 5 66\nf 5 79\ng 6 8\n");
 }
 
 #[cfg(unix)]
@@ -232,12 +210,9 @@ fn included_files_are_named_after_following_links() {
     let path = root.join("it.gen");
     std::fs::write(&path, "#include \"link/t.idl\"\n").unwrap();
     let path = path.to_str().unwrap();
-    let Some((outcome, console)) = run(
-        "files-read",
-        &[path],
-        OutputSink::preview(),
-        Limits::default(),
-    ) else {
+    let Some((outcome, console)) =
+        run("files-read", &[path], OutputSink::preview(), Limits::default())
+    else {
         return;
     };
     assert_eq!((outcome.status, console.err.as_str()), (0, ""));
@@ -272,14 +247,7 @@ component c { extends i; };
         .lines()
         .filter(|line| line.ends_with("ids 1") || line.starts_with("const"))
         .collect::<Vec<_>>();
-    assert_eq!(
-        order,
-        [
-            "struct ::i::ids 1",
-            "const ::between 3",
-            "struct ::c::ids 1"
-        ]
-    );
+    assert_eq!(order, ["struct ::i::ids 1", "const ::between 3", "struct ::c::ids 1"]);
 }
 
 #[test]
@@ -287,12 +255,9 @@ fn a_preview_writes_nothing() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("out");
     let out = out.to_str().unwrap();
-    let Some((outcome, console)) = run(
-        "files",
-        &["-C", out],
-        OutputSink::preview(),
-        Limits::preview(),
-    ) else {
+    let Some((outcome, console)) =
+        run("files", &["-C", out], OutputSink::preview(), Limits::preview())
+    else {
         return;
     };
     assert_eq!((outcome.status, console.err.as_str()), (0, ""));
@@ -329,12 +294,9 @@ fn a_preview_reaches_nothing_outside() {
     let dir = tempfile::tempdir().unwrap();
     let kept = dir.path().join("kept.txt");
     std::fs::write(&kept, "old\n").unwrap();
-    let Some((outcome, console)) = run(
-        "outside",
-        &[dir.path().to_str().unwrap()],
-        OutputSink::preview(),
-        Limits::preview(),
-    ) else {
+    let Some((outcome, console)) =
+        run("outside", &[dir.path().to_str().unwrap()], OutputSink::preview(), Limits::preview())
+    else {
         return;
     };
     let printed = text(&console.out);
@@ -348,10 +310,7 @@ fn a_preview_reaches_nothing_outside() {
 
 #[test]
 fn endless_templates_are_stopped() {
-    let limits = Limits {
-        time: Some(Duration::from_millis(300)),
-        ..Limits::default()
-    };
+    let limits = Limits { time: Some(Duration::from_millis(300)), ..Limits::default() };
     let Some((outcome, console)) = run("loops", &[], OutputSink::preview(), limits) else {
         return;
     };
@@ -361,33 +320,21 @@ fn endless_templates_are_stopped() {
 
 #[test]
 fn templates_can_be_cancelled() {
-    let limits = Limits {
-        cancel: Some(Arc::new(AtomicBool::new(true))),
-        ..Limits::default()
-    };
+    let limits = Limits { cancel: Some(Arc::new(AtomicBool::new(true))), ..Limits::default() };
     let Some((outcome, console)) = run("loops", &[], OutputSink::preview(), limits) else {
         return;
     };
-    assert_eq!(
-        (outcome.status, console.err.as_str()),
-        (2, "loops: cancelled\n")
-    );
+    assert_eq!((outcome.status, console.err.as_str()), (2, "loops: cancelled\n"));
 }
 
 #[test]
 fn floods_are_stopped() {
-    let limits = Limits {
-        output: Some(1 << 20),
-        ..Limits::default()
-    };
+    let limits = Limits { output: Some(1 << 20), ..Limits::default() };
     let Some((outcome, console)) = run("prints", &[], OutputSink::preview(), limits) else {
         return;
     };
     assert_eq!(outcome.status, 2);
-    assert_eq!(
-        console.err,
-        "prints: stopped: the template printed or wrote more than 1 MiB\n"
-    );
+    assert_eq!(console.err, "prints: stopped: the template printed or wrote more than 1 MiB\n");
     assert!(console.out.len() <= 1 << 20);
 }
 
@@ -398,9 +345,7 @@ fn a_dead_interpreter_is_an_error() {
     };
     assert_eq!(outcome.status, 2);
     assert!(
-        console
-            .err
-            .starts_with("dies: the Tcl interpreter ended before the template did"),
+        console.err.starts_with("dies: the Tcl interpreter ended before the template did"),
         "{}",
         console.err
     );
@@ -411,20 +356,14 @@ fn exit_gives_the_status() {
     let Some((outcome, console)) = run("exits", &[], OutputSink::Direct, Limits::default()) else {
         return;
     };
-    assert_eq!(
-        (outcome.status, console.err.as_str()),
-        (7, "exits: exit 7\n")
-    );
+    assert_eq!((outcome.status, console.err.as_str()), (7, "exits: exit 7\n"));
 }
 
 #[test]
 fn errors_name_the_source_and_the_line() {
     for (source, first) in [
         ("procedure.txt", "fails: procedure.txt:4: no bread"),
-        (
-            "variable.txt",
-            "fails: variable.txt:2: can't read \"nosuch\": no such variable",
-        ),
+        ("variable.txt", "fails: variable.txt:2: can't read \"nosuch\": no such variable"),
         ("unopened.txt", "fails: unopened.txt:1: missing opening tag"),
         (
             "adjacent.txt",
@@ -449,10 +388,7 @@ fn a_preview_shows_what_a_run_writes() {
         eprintln!("SKIPPED: DOTGEN_TEST_TEMPLATES names no directory of templates");
         return;
     };
-    let search = SearchPath {
-        dirs: vec![templates.into()],
-        builtin: None,
-    };
+    let search = SearchPath { dirs: vec![templates.into()], builtin: None };
     let run = |sink| {
         let out = dir.path().join("out").display().to_string();
         let run = Run {

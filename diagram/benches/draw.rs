@@ -48,16 +48,9 @@ fn layout_and_render(bencher: Bencher, states: usize) {
 /// A system of `n` components. Each writes two ports, reads two ports of the components before it and one of
 /// a component after it, as controllers do.
 fn system(n: usize) -> Graph {
-    let mut graph = Graph {
-        direction: Direction::Right,
-        ..Graph::default()
-    };
+    let mut graph = Graph { direction: Direction::Right, ..Graph::default() };
     let edge = |edges: &mut Vec<Edge>, from: String, to: String| {
-        edges.push(Edge {
-            from,
-            to,
-            ..Edge::default()
-        });
+        edges.push(Edge { from, to, ..Edge::default() });
     };
     for i in 0..n {
         let mut lines = vec![Line::new(LineStyle::Title, format!("component{i}"))];
@@ -82,11 +75,7 @@ fn system(n: usize) -> Graph {
     }
     for i in 1..n {
         edge(&mut graph.edges, format!("c{}.a", i / 2), format!("c{i}"));
-        edge(
-            &mut graph.edges,
-            format!("c{}.b", (i * 5 + 1) % i),
-            format!("c{i}"),
-        );
+        edge(&mut graph.edges, format!("c{}.b", (i * 5 + 1) % i), format!("c{i}"));
         if i % 5 == 0 {
             edge(&mut graph.edges, format!("c{i}.b"), format!("c{}", i - 3));
         }

@@ -33,13 +33,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Options {
-        Options {
-            wcet: true,
-            load: true,
-            paths: false,
-            locks: false,
-            way: Vec::new(),
-        }
+        Options { wcet: true, load: true, paths: false, locks: false, way: Vec::new() }
     }
 }
 
@@ -73,11 +67,7 @@ pub fn graph(spec: &Spec, component: &Component, owner: Owner, options: Options)
         node_of: FxHashMap::default(),
         reached: reached(&model),
         model: &model,
-        locks: Locks {
-            spec,
-            component,
-            owner,
-        },
+        locks: Locks { spec, component, owner },
         options,
         period: task.and_then(|task| task.period.as_ref()).map(|p| p.value),
     };
@@ -110,10 +100,7 @@ struct Locks<'a> {
 impl Locks<'_> {
     /// Names of the codels that a codel excludes, each once.
     fn of(&self, index: u32) -> Vec<String> {
-        let codel = CodelRef {
-            owner: self.owner,
-            index,
-        };
+        let codel = CodelRef { owner: self.owner, index };
         mutex::excluded_names(self.spec, self.component, codel)
     }
 }
@@ -137,19 +124,13 @@ impl Machine<'_> {
             id = format!("{id}#{index}");
         }
         for state in &states {
-            self.node_of
-                .entry(state.clone())
-                .or_insert_with(|| id.clone());
+            self.node_of.entry(state.clone()).or_insert_with(|| id.clone());
         }
         let mut lines = vec![
             Line::new(LineStyle::Title, states.join(", ")),
             Line::new(
                 LineStyle::Code,
-                format!(
-                    "{}{}",
-                    if codel.is_async { "async " } else { "" },
-                    codel.name
-                ),
+                format!("{}{}", if codel.is_async { "async " } else { "" }, codel.name),
             ),
         ];
         let mut classes = vec!["state".to_owned()];
@@ -223,32 +204,21 @@ impl Machine<'_> {
     }
 
     fn yields(&mut self, codel: &Codel) {
-        let Some(from) = codel
-            .triggers
-            .first()
-            .and_then(|s| self.node_of.get(s.name.as_str()))
-            .cloned()
+        let Some(from) =
+            codel.triggers.first().and_then(|s| self.node_of.get(s.name.as_str())).cloned()
         else {
             return;
         };
         for state in &codel.yields {
             let to = self.target(&state.name, state.src);
-            let several = self
-                .graph
-                .nodes
-                .iter()
-                .any(|n| n.id == to && n.names.len() > 1);
+            let several = self.graph.nodes.iter().any(|n| n.id == to && n.names.len() > 1);
             let label = match (state.paused, several) {
                 (true, true) => format!("pause::{}", state.name),
                 (true, false) => "pause".to_owned(),
                 (false, true) => state.name.to_string(),
                 (false, false) => String::new(),
             };
-            let wait = if state.paused {
-                " at the next period"
-            } else {
-                ""
-            };
+            let wait = if state.paused { " at the next period" } else { "" };
             let description = format!("{} yields {}{wait}", codel.name, state.name);
             let mut classes = vec!["transition".to_owned()];
             if state.paused {
@@ -279,10 +249,7 @@ impl Machine<'_> {
             lines: if end {
                 vec![Line::new(LineStyle::Title, state)]
             } else {
-                vec![
-                    Line::new(LineStyle::Title, state),
-                    Line::new(LineStyle::Detail, "no codel"),
-                ]
+                vec![Line::new(LineStyle::Title, state), Line::new(LineStyle::Detail, "no codel")]
             },
             classes: vec![if end { "end" } else { "undefined" }.to_owned()],
             description: if end {
@@ -300,9 +267,7 @@ impl Machine<'_> {
     /// The description of the longest turn from a state.
     fn turn(&self, state: &str) -> Option<String> {
         Some(match self.model.longest_turn(state)? {
-            Turn::Bounded {
-                sum, incomplete, ..
-            } => {
+            Turn::Bounded { sum, incomplete, .. } => {
                 let open = if incomplete { " + unknown" } else { "" };
                 format!("Σ ≤ {}{open} to pause or end", quantity::time(sum))
             }
@@ -332,11 +297,8 @@ impl Machine<'_> {
                 let (Some(from), Some(to)) = ends else {
                     continue;
                 };
-                let several = self
-                    .graph
-                    .nodes
-                    .iter()
-                    .any(|node| node.id == *to && node.names.len() > 1);
+                let several =
+                    self.graph.nodes.iter().any(|node| node.id == *to && node.names.len() > 1);
                 let mut edges = self.graph.edges.iter_mut();
                 let step = edges.find(|edge| {
                     edge.from == *from
@@ -359,9 +321,7 @@ impl Machine<'_> {
 
     /// The text below the picture.
     fn notes(&mut self, owner: Owner, task: Option<&dotgen_analysis::model::Task>) {
-        let Locks {
-            spec, component, ..
-        } = self.locks;
+        let Locks { spec, component, .. } = self.locks;
         if let (Owner::Service(_), Some(task)) = (owner, task) {
             let rate = match &task.period {
                 Some(period) => format!("every {}", quantity::time(period.value)),
@@ -369,9 +329,7 @@ impl Machine<'_> {
             };
             self.graph.notes.push(format!("task {}, {rate}", task.name));
         } else if let Some(period) = self.period {
-            self.graph
-                .notes
-                .push(format!("every {}", quantity::time(period)));
+            self.graph.notes.push(format!("every {}", quantity::time(period)));
         }
         let mut thrown: Vec<&str> = Vec::new();
         let service = match owner {
@@ -386,22 +344,14 @@ impl Machine<'_> {
             }
         }
         if !thrown.is_empty() {
-            self.graph
-                .notes
-                .push(format!("may throw {}", thrown.join(", ")));
+            self.graph.notes.push(format!("may throw {}", thrown.join(", ")));
         }
     }
 
     /// Adds the entries of the machine: its start and its reaction to an interrupt.
     fn entries(&mut self) {
         let entries = [
-            (
-                "start",
-                "(entry)",
-                Shape::Initial,
-                "",
-                "the machine begins here",
-            ),
+            ("start", "(entry)", Shape::Initial, "", "the machine begins here"),
             (
                 "stop",
                 "(interrupt)",
@@ -427,24 +377,14 @@ impl Machine<'_> {
                 label: label.to_owned(),
                 classes: vec![
                     "entry".to_owned(),
-                    if shape == Shape::Interrupt {
-                        "interrupt"
-                    } else {
-                        "begin"
-                    }
-                    .to_owned(),
+                    if shape == Shape::Interrupt { "interrupt" } else { "begin" }.to_owned(),
                 ],
                 description: description.to_owned(),
                 ..Edge::default()
             });
         }
         // Markers come first, so that the tab key reaches the entry first.
-        let markers = self
-            .graph
-            .nodes
-            .iter()
-            .filter(|n| n.classes == ["marker"])
-            .count();
+        let markers = self.graph.nodes.iter().filter(|n| n.classes == ["marker"]).count();
         self.graph.nodes.rotate_right(markers);
     }
 }
@@ -471,22 +411,14 @@ fn heat(share: Seconds) -> Option<String> {
 fn in_words(named: &[&str], way: &Way) -> String {
     let named = named.join(" → ");
     match way {
-        Way::Longest {
-            time,
-            pauses,
-            incomplete,
-            ..
-        } => {
+        Way::Longest { time, pauses, incomplete, .. } => {
             let open = if *incomplete { ", + unknown" } else { "" };
             let pauses = match pauses {
                 0 => String::new(),
                 1 => ", 1 pause".to_owned(),
                 n => format!(", {n} pauses"),
             };
-            format!(
-                "{named}: at most {} of execution{open}{pauses}",
-                quantity::time(*time)
-            )
+            format!("{named}: at most {} of execution{open}{pauses}", quantity::time(*time))
         }
         Way::Endless { cycle } => {
             let cycle = cycle.join(" → ");

@@ -101,11 +101,7 @@ pub struct Line {
 impl Line {
     /// A line of text in a style.
     pub fn new(style: LineStyle, text: impl Into<String>) -> Line {
-        Line {
-            text: text.into(),
-            style,
-            origin: None,
-        }
+        Line { text: text.into(), style, origin: None }
     }
 
     /// The line with an origin of its own.

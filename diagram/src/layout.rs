@@ -38,10 +38,7 @@ pub struct Point {
 
 impl Point {
     fn transposed(self) -> Point {
-        Point {
-            x: self.y,
-            y: self.x,
-        }
+        Point { x: self.y, y: self.x }
     }
 }
 
@@ -61,20 +58,12 @@ pub struct Rect {
 impl Rect {
     /// A rectangle around a centre.
     pub fn centered(center: Point, width: f64, height: f64) -> Rect {
-        Rect {
-            x: center.x - width / 2.0,
-            y: center.y - height / 2.0,
-            width,
-            height,
-        }
+        Rect { x: center.x - width / 2.0, y: center.y - height / 2.0, width, height }
     }
 
     /// The centre of the rectangle.
     pub fn center(self) -> Point {
-        Point {
-            x: self.x + self.width / 2.0,
-            y: self.y + self.height / 2.0,
-        }
+        Point { x: self.x + self.width / 2.0, y: self.y + self.height / 2.0 }
     }
 
     /// The smallest rectangle around two.
@@ -106,12 +95,7 @@ impl Rect {
     }
 
     fn transposed(self) -> Rect {
-        Rect {
-            x: self.y,
-            y: self.x,
-            width: self.height,
-            height: self.width,
-        }
+        Rect { x: self.y, y: self.x, width: self.height, height: self.width }
     }
 }
 
@@ -205,26 +189,16 @@ pub fn layout(graph: &Graph) -> Layout {
 fn place(graph: &Graph, direction: Direction, within: Option<f64>) -> Layout {
     let sideways = direction == Direction::Right;
     let turn = |(w, h): (f64, f64)| if sideways { (h, w) } else { (w, h) };
-    let labels: Vec<(f64, f64)> = graph
-        .edges
-        .iter()
-        .map(|e| turn(size::label_size(&e.label)))
-        .collect();
-    let index: FxHashMap<&str, usize> = graph
-        .nodes
-        .iter()
-        .enumerate()
-        .map(|(i, node)| (node.id.as_str(), i))
-        .collect();
+    let labels: Vec<(f64, f64)> =
+        graph.edges.iter().map(|e| turn(size::label_size(&e.label))).collect();
+    let index: FxHashMap<&str, usize> =
+        graph.nodes.iter().enumerate().map(|(i, node)| (node.id.as_str(), i)).collect();
     let ends: Vec<Option<(usize, usize)>> = graph
         .edges
         .iter()
         .map(|e| Some((*index.get(e.from.as_str())?, *index.get(e.to.as_str())?)))
         .collect();
-    let boxes: Vec<(f64, f64)> = size::node_sizes(graph, &ends)
-        .into_iter()
-        .map(turn)
-        .collect();
+    let boxes: Vec<(f64, f64)> = size::node_sizes(graph, &ends).into_iter().map(turn).collect();
     let loops = size::Loops::of(&ends, &labels);
 
     let mut ranked = ranked::RankedGraph::new(graph, &ends, &boxes, &labels, &loops, within);
@@ -243,14 +217,7 @@ fn place(graph: &Graph, direction: Direction, within: Option<f64>) -> Layout {
         .iter()
         .enumerate()
         .map(|(i, &(w, h))| {
-            Rect::centered(
-                Point {
-                    x: places[i],
-                    y: tops.middle(ranked.rank[i]),
-                },
-                w,
-                h,
-            )
+            Rect::centered(Point { x: places[i], y: tops.middle(ranked.rank[i]) }, w, h)
         })
         .collect();
     let mut edges = route::edges(&ranked, &places, &tops, &nodes, &labels);
@@ -261,11 +228,7 @@ fn place(graph: &Graph, direction: Direction, within: Option<f64>) -> Layout {
             edges[i] = loops.path(i, nodes[*from], labels[i]);
         }
     }
-    let mut placed = Layout {
-        nodes,
-        edges,
-        ..Layout::default()
-    };
+    let mut placed = Layout { nodes, edges, ..Layout::default() };
     if sideways {
         placed.nodes = placed.nodes.into_iter().map(Rect::transposed).collect();
         placed.edges = placed.edges.into_iter().map(EdgePath::transposed).collect();
@@ -284,10 +247,7 @@ fn frames(graph: &Graph, nodes: &[Rect]) -> Vec<Frame> {
             Some((frame, _)) => frame.rect = frame.rect.union(*rect),
             None => {
                 columns.push(node.column);
-                frames.push(Frame {
-                    name: name.clone(),
-                    rect: *rect,
-                });
+                frames.push(Frame { name: name.clone(), rect: *rect });
             }
         }
     }
@@ -309,23 +269,11 @@ fn bounds(layout: &Layout) -> (Point, Point) {
     if layout.nodes.is_empty() {
         return (Point::default(), Point::default());
     }
-    let mut low = Point {
-        x: f64::MAX,
-        y: f64::MAX,
-    };
-    let mut high = Point {
-        x: f64::MIN,
-        y: f64::MIN,
-    };
+    let mut low = Point { x: f64::MAX, y: f64::MAX };
+    let mut high = Point { x: f64::MIN, y: f64::MIN };
     let mut see = |p: Point| {
-        low = Point {
-            x: low.x.min(p.x),
-            y: low.y.min(p.y),
-        };
-        high = Point {
-            x: high.x.max(p.x),
-            y: high.y.max(p.y),
-        };
+        low = Point { x: low.x.min(p.x), y: low.y.min(p.y) };
+        high = Point { x: high.x.max(p.x), y: high.y.max(p.y) };
     };
     let rects = layout
         .nodes
@@ -333,22 +281,11 @@ fn bounds(layout: &Layout) -> (Point, Point) {
         .chain(layout.frames.iter().map(|frame| &frame.rect))
         .chain(layout.edges.iter().filter_map(|e| e.label.as_ref()));
     for rect in rects {
-        see(Point {
-            x: rect.x,
-            y: rect.y,
-        });
-        see(Point {
-            x: rect.x + rect.width,
-            y: rect.y + rect.height,
-        });
+        see(Point { x: rect.x, y: rect.y });
+        see(Point { x: rect.x + rect.width, y: rect.y + rect.height });
     }
     // A Bézier curve stays inside the hull of its control points.
-    layout
-        .edges
-        .iter()
-        .flat_map(|e| &e.points)
-        .copied()
-        .for_each(&mut see);
+    layout.edges.iter().flat_map(|e| &e.points).copied().for_each(&mut see);
     (low, high)
 }
 
@@ -369,21 +306,13 @@ fn finish(graph: &Graph, mut layout: Layout) -> Layout {
         (rect.width, rect.height) = (round(rect.width), round(rect.height));
     }
     for point in layout.edges.iter_mut().flat_map(|e| &mut e.points) {
-        *point = Point {
-            x: round(point.x + dx),
-            y: round(point.y + dy),
-        };
+        *point = Point { x: round(point.x + dx), y: round(point.y + dy) };
     }
     layout.width = high.x - low.x + 2.0 * MARGIN;
     layout.height = high.y - low.y + 2.0 * MARGIN;
     for note in &graph.notes {
-        layout.notes.push(Point {
-            x: MARGIN,
-            y: round(layout.height),
-        });
-        layout.width = layout
-            .width
-            .max(text::width(note, text::NOTE) + 2.0 * MARGIN);
+        layout.notes.push(Point { x: MARGIN, y: round(layout.height) });
+        layout.width = layout.width.max(text::width(note, text::NOTE) + 2.0 * MARGIN);
         layout.height += text::NOTE.height;
     }
     if !graph.notes.is_empty() {

@@ -32,11 +32,7 @@ struct Use {
 /// Builds the graph of the mutual exclusions of a component, or of those that concern one task,
 /// service or its codels. Without any, it has a note only.
 pub fn graph(spec: &Spec, component: &Component, of: Option<Owner>) -> Graph {
-    let mut found = Exclusions {
-        component,
-        resources: Vec::new(),
-        uses: FxHashMap::default(),
-    };
+    let mut found = Exclusions { component, resources: Vec::new(), uses: FxHashMap::default() };
     for codel in component.all_codels() {
         for exclusion in mutex::exclusions(spec, component, codel) {
             let other = match exclusion.with {
@@ -71,11 +67,7 @@ struct Exclusions<'a> {
 
 impl Exclusions<'_> {
     fn add(&mut self, holder: Holder, other: Holder, shared: &Shared, param: u32) {
-        let resource = match self
-            .resources
-            .iter()
-            .position(|resource| resource == shared)
-        {
+        let resource = match self.resources.iter().position(|resource| resource == shared) {
             Some(known) => known,
             None => {
                 self.resources.push(shared.clone());
@@ -107,19 +99,14 @@ impl Exclusions<'_> {
 
     fn graph(mut self, of: Option<Owner>) -> Graph {
         let component = self.component;
-        let of = of.map_or(String::new(), |owner| {
-            format!(".{}", owner_name(component, owner))
-        });
+        let of = of.map_or(String::new(), |owner| format!(".{}", owner_name(component, owner)));
         let mut graph = Graph {
             title: format!("{}{of}: mutual exclusion", component.name),
             direction: Direction::Right,
             ..Graph::default()
         };
         if self.resources.is_empty() {
-            graph.notes.push(format!(
-                "No codel of {}{of} excludes another.",
-                component.name
-            ));
+            graph.notes.push(format!("No codel of {}{of} excludes another.", component.name));
             return graph;
         }
         let mut holders: Vec<Holder> = self.uses.keys().map(|key| key.0).collect();
@@ -154,11 +141,7 @@ impl Exclusions<'_> {
                 used.excluded.join(", ")
             );
             // Arrows show the direction of the data.
-            let (from, to) = if used.writes {
-                (codel, resource)
-            } else {
-                (resource, codel)
-            };
+            let (from, to) = if used.writes { (codel, resource) } else { (resource, codel) };
             graph.edges.push(Edge {
                 from,
                 to,
@@ -231,12 +214,7 @@ impl Exclusions<'_> {
                 .filter(|(holder, _)| self.uses.contains_key(&(**holder, shared)))
                 .map(|user| *user.1)
                 .collect();
-            let far = |column: usize| {
-                users
-                    .iter()
-                    .map(|user| user.abs_diff(column))
-                    .sum::<usize>()
-            };
+            let far = |column: usize| users.iter().map(|user| user.abs_diff(column)).sum::<usize>();
             let between = (1..last).step_by(2);
             let best =
                 between.min_by_key(|index| (far(*index), taken.get(index).copied().unwrap_or(0)));
@@ -266,19 +244,13 @@ impl Exclusions<'_> {
                 let codel = component.codel(reference);
                 (
                     "codel",
-                    format!(
-                        "{} {}",
-                        owner_name(component, reference.owner),
-                        states(codel)
-                    ),
+                    format!("{} {}", owner_name(component, reference.owner), states(codel)),
                     codel.src,
                 )
             }
-            Holder::Attribute(attribute) => (
-                "attribute",
-                "attribute".to_owned(),
-                component.services[attribute as usize].src,
-            ),
+            Holder::Attribute(attribute) => {
+                ("attribute", "attribute".to_owned(), component.services[attribute as usize].src)
+            }
         };
         Node {
             id: holder_id(component, holder),
@@ -308,11 +280,7 @@ fn task_name(component: &Component, holder: Holder) -> String {
 }
 
 fn states(codel: &Codel) -> String {
-    let states: Vec<&str> = codel
-        .triggers
-        .iter()
-        .map(|trigger| trigger.name.as_str())
-        .collect();
+    let states: Vec<&str> = codel.triggers.iter().map(|trigger| trigger.name.as_str()).collect();
     match codel.kind {
         CodelKind::Fsm => states.join(", "),
         CodelKind::Validate => "validate".to_owned(),

@@ -72,20 +72,12 @@ impl Options {
 pub fn graph(parts: &[Part], options: &Options) -> Graph {
     let system = System::new(parts.iter().copied(), &options.connections);
     let parts = &system.parts;
-    let mut graph = Graph {
-        title: options.title.clone(),
-        direction: Direction::Right,
-        ..Graph::default()
-    };
+    let mut graph =
+        Graph { title: options.title.clone(), direction: Direction::Right, ..Graph::default() };
     for part in parts {
         let detail = options.detail(&part.component.name, parts.len());
         graph.nodes.push(card(part, options, detail));
-        for port in part
-            .component
-            .ports
-            .iter()
-            .filter(|p| p.dir == PortDir::Out)
-        {
+        for port in part.component.ports.iter().filter(|p| p.dir == PortDir::Out) {
             let id = format!("{}.{}", part.component.name, port.name);
             graph.nodes.push(octagon(
                 &id,
@@ -128,13 +120,7 @@ fn inputs(system: &System<'_>, number: usize, graph: &mut Graph) {
         if sources.is_empty() {
             let id = format!("{name}.{}", port.name);
             let link = origin(part, port.src);
-            graph.nodes.push(octagon(
-                &id,
-                &port.name,
-                type_name(part.spec, port.data),
-                true,
-                link,
-            ));
+            graph.nodes.push(octagon(&id, &port.name, type_name(part.spec, port.data), true, link));
             graph.edges.push(flow(
                 &id,
                 name,
@@ -146,11 +132,8 @@ fn inputs(system: &System<'_>, number: usize, graph: &mut Graph) {
             let source = &component.ports[source as usize].name;
             let component = &component.name;
             let id = format!("{component}.{source}");
-            let mut edge = flow(
-                &id,
-                name,
-                format!("{name} reads {component}.{source} as {}", port.name),
-            );
+            let mut edge =
+                flow(&id, name, format!("{name} reads {component}.{source} as {}", port.name));
             if *source != port.name {
                 edge.label = port.name.to_string();
             }
@@ -160,10 +143,7 @@ fn inputs(system: &System<'_>, number: usize, graph: &mut Graph) {
 }
 
 fn origin(part: &Part, src: Src) -> Option<Origin> {
-    Some(Origin {
-        part: part.number,
-        src,
-    })
+    Some(Origin { part: part.number, src })
 }
 
 fn card(part: &Part, options: &Options, detail: Detail) -> Node {
@@ -211,10 +191,7 @@ fn counts(part: &Part, between: &str) -> String {
 
 /// `task main · 5 ms`
 fn task(task: &Task) -> Line {
-    let rate = task
-        .period
-        .as_ref()
-        .map_or("aperiodic".to_owned(), |p| quantity::time(p.value));
+    let rate = task.period.as_ref().map_or("aperiodic".to_owned(), |p| quantity::time(p.value));
     Line::new(LineStyle::Detail, format!("task {} · {rate}", task.name))
 }
 
@@ -230,10 +207,7 @@ fn summary(part: &Part, options: &Options, lines: &mut Vec<Line>) {
         let more = component.services.len() - shown;
         if more > 0 {
             let plural = if more == 1 { "" } else { "s" };
-            lines.push(Line::new(
-                LineStyle::Detail,
-                format!("… {more} more service{plural}"),
-            ));
+            lines.push(Line::new(LineStyle::Detail, format!("… {more} more service{plural}")));
         }
     }
 }
@@ -273,10 +247,8 @@ fn interrupts(part: &Part, lines: &mut Vec<Line>) {
             names.join(", ")
         };
         if !names.is_empty() {
-            lines.push(Line::new(
-                LineStyle::Detail,
-                format!("{} interrupts {names}", service.name),
-            ));
+            lines
+                .push(Line::new(LineStyle::Detail, format!("{} interrupts {names}", service.name)));
         }
     }
 }
@@ -385,11 +357,7 @@ fn octagon(id: &str, name: &str, ty: String, unconnected: bool, origin: Option<O
     if unconnected {
         classes.push("unconnected".to_owned());
     }
-    let end = if unconnected {
-        ", connected to nothing"
-    } else {
-        ""
-    };
+    let end = if unconnected { ", connected to nothing" } else { "" };
     Node {
         id: id.to_owned(),
         shape: Shape::Octagon,

@@ -23,50 +23,23 @@ impl LineStyle {
     /// The metrics of lines of this style.
     pub fn metrics(self) -> Metrics {
         match self {
-            LineStyle::Title => Metrics {
-                size: 13.0,
-                height: 18.0,
-                mono: false,
-                bold: true,
-            },
-            LineStyle::Code => Metrics {
-                size: 11.0,
-                height: 15.0,
-                mono: true,
-                bold: false,
-            },
-            LineStyle::Detail => Metrics {
-                size: 11.0,
-                height: 15.0,
-                mono: false,
-                bold: false,
-            },
+            LineStyle::Title => Metrics { size: 13.0, height: 18.0, mono: false, bold: true },
+            LineStyle::Code => Metrics { size: 11.0, height: 15.0, mono: true, bold: false },
+            LineStyle::Detail => Metrics { size: 11.0, height: 15.0, mono: false, bold: false },
         }
     }
 }
 
 /// The metrics of edge labels.
-pub const LABEL: Metrics = Metrics {
-    size: 11.0,
-    height: 15.0,
-    mono: false,
-    bold: false,
-};
+pub const LABEL: Metrics = Metrics { size: 11.0, height: 15.0, mono: false, bold: false };
 
 /// The metrics of the notes below the picture.
-pub const NOTE: Metrics = Metrics {
-    size: 11.0,
-    height: 16.0,
-    mono: false,
-    bold: false,
-};
+pub const NOTE: Metrics = Metrics { size: 11.0, height: 16.0, mono: false, bold: false };
 
 /// Width of a text in pixels.
 pub fn width(text: &str, metrics: Metrics) -> f64 {
     let em: f64 = if metrics.mono {
-        text.chars()
-            .map(|c| if is_wide(c) { 1.22 } else { 0.61 })
-            .sum()
+        text.chars().map(|c| if is_wide(c) { 1.22 } else { 0.61 }).sum()
     } else {
         text.chars().map(em_width).sum::<f64>() * if metrics.bold { 1.08 } else { 1.0 }
     };

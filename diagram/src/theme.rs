@@ -93,11 +93,7 @@ pub(crate) const RASTER_STYLE: &str = ".title{font-weight:400}\n</style>";
 
 /// A palette without a background.
 const fn clear(of: Palette) -> Palette {
-    Palette {
-        ground: "none",
-        fill: "#80808018",
-        ..of
-    }
+    Palette { ground: "none", fill: "#80808018", ..of }
 }
 
 const LIGHT_CLEAR: Palette = clear(LIGHT);
@@ -123,11 +119,7 @@ fn in_colours(theme: Theme, rules: fn(&Palette) -> String) -> String {
         Theme::DarkClear => rules(&DARK_CLEAR),
         Theme::Editor => rules(&EDITOR),
         Theme::Auto => {
-            format!(
-                "{}@media (prefers-color-scheme:dark){{\n{}}}\n",
-                rules(&LIGHT),
-                rules(&DARK)
-            )
+            format!("{}@media (prefers-color-scheme:dark){{\n{}}}\n", rules(&LIGHT), rules(&DARK))
         }
     }
 }
@@ -143,16 +135,7 @@ fn mark_rules(p: &Palette) -> String {
 }
 
 fn rules(p: &Palette) -> String {
-    let Palette {
-        ink,
-        faint,
-        ground,
-        fill,
-        accent,
-        warn,
-        error,
-        heat,
-    } = p;
+    let Palette { ink, faint, ground, fill, accent, warn, error, heat } = p;
     let mut out = format!(
         "text{{fill:{ink};font:11px system-ui,'Segoe UI',Ubuntu,'DejaVu Sans',sans-serif}}\n\
          .ground{{fill:{ground}}}\n\

@@ -173,10 +173,7 @@ impl Children {
 
     /// A sender of messages from outside.
     pub fn inbox(&self) -> RunInbox {
-        RunInbox {
-            sender: self.sender.clone(),
-            requests: self.requests.clone(),
-        }
+        RunInbox { sender: self.sender.clone(), requests: self.requests.clone() }
     }
 
     /// Adds a subscriber.
@@ -263,10 +260,7 @@ impl Children {
             return None;
         }
         self.looked = now;
-        let processes = self
-            .children
-            .iter()
-            .filter_map(|child| child.process.as_ref());
+        let processes = self.children.iter().filter_map(|child| child.process.as_ref());
         let hosts =
             processes.filter_map(|process| Pid::from_raw(process.child.id().try_into().ok()?));
         orphans::reap(&hosts.collect::<Vec<_>>());
@@ -304,30 +298,15 @@ impl Children {
             }
             EngineEvent::HostMessage(component, _, HostMessage::Probed { probe, until }) => {
                 let until = self.since_begin(until);
-                Some(Message::Probed {
-                    component,
-                    probe,
-                    until,
-                })
+                Some(Message::Probed { component, probe, until })
             }
             EngineEvent::HostMessage(_, _, HostMessage::Denied(what)) => {
                 self.denied.insert(what);
                 None
             }
-            EngineEvent::HostMessage(
-                component,
-                _,
-                HostMessage::Asked {
-                    ask,
-                    remote,
-                    inputs,
-                },
-            ) => Some(Message::Asked {
-                component,
-                ask,
-                remote,
-                inputs,
-            }),
+            EngineEvent::HostMessage(component, _, HostMessage::Asked { ask, remote, inputs }) => {
+                Some(Message::Asked { component, ask, remote, inputs })
+            }
             EngineEvent::HostMessage(..) => None,
             EngineEvent::Closed(component, _) => {
                 // The end may be known already.
@@ -375,9 +354,7 @@ impl Hosts for Children {
                 Some(EngineEvent::Closed(component, _)) => {
                     let why = self.ended(component);
                     let name = &self.components[component].name;
-                    return Err(format!(
-                        "the codels of `{name}` cannot be loaded: its host {why}"
-                    ));
+                    return Err(format!("the codels of `{name}` cannot be loaded: its host {why}"));
                 }
                 Some(event) => {
                     let message = self.message(event);
@@ -393,14 +370,7 @@ impl Hosts for Children {
 
     fn make(&mut self, component: ComponentId, service: u32, instance: u32, inputs: &[u8]) {
         let inputs = inputs.to_vec();
-        self.order(
-            component,
-            &HostCommand::Make {
-                service,
-                instance,
-                inputs,
-            },
-        );
+        self.order(component, &HostCommand::Make { service, instance, inputs });
     }
 
     fn run(&mut self, call: &Call) {
@@ -423,11 +393,7 @@ impl Hosts for Children {
     }
 
     fn executing(&self, component: ComponentId, lane: u32) -> Option<u32> {
-        self.children
-            .get(component)?
-            .executing
-            .as_ref()?
-            .codel(lane)
+        self.children.get(component)?.executing.as_ref()?.codel(lane)
     }
 
     fn end(&mut self, component: ComponentId, service: u32, instance: u32) -> Option<Vec<u8>> {
@@ -508,14 +474,7 @@ impl Hosts for Children {
             Err(ReplyError::Failed) => (libc::EIO, Vec::new()),
         };
         let error = error.unsigned_abs();
-        self.order(
-            component,
-            &HostCommand::Answered {
-                ask,
-                error,
-                outputs,
-            },
-        );
+        self.order(component, &HostCommand::Answered { ask, error, outputs });
     }
 
     fn answer(&mut self, id: u64, answer: RequestReply) {

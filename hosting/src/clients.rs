@@ -38,11 +38,7 @@ impl Client {
         let (lines, queue) = sync_channel(MAX_QUEUED_LINES);
         let output = stream.clone();
         std::thread::spawn(move || write(&output, &queue));
-        Client {
-            number,
-            lines,
-            stream,
-        }
+        Client { number, lines, stream }
     }
 
     /// Answers. A client that does not read is disconnected, as the answer would be missing.

@@ -62,11 +62,7 @@ pub(super) fn describe(known: &KnownComponent) -> Value {
         })
     });
     let mut services: Vec<Value> = services.collect();
-    if !component
-        .services
-        .iter()
-        .any(|service| service.name == CONNECT)
-    {
+    if !component.services.iter().any(|service| service.name == CONNECT) {
         services.push(json!({
             "name": CONNECT,
             "kind": "function",
@@ -104,10 +100,7 @@ fn detail_of(spec: &Spec, exception: &str, bytes: &[u8]) -> Value {
         return json!({"code": i32::from_ne_bytes(code)});
     }
     if exception == "::genom::unkex" {
-        let end = bytes
-            .iter()
-            .position(|&byte| byte == 0)
-            .unwrap_or(bytes.len());
+        let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
         let what = String::from_utf8_lossy(bytes.get(..end).unwrap_or_default());
         return json!({"what": what});
     }

@@ -28,8 +28,6 @@ fn is_attached() -> bool {
         // Without this file the answer is unknown. The host does not wait.
         return true;
     };
-    let tracer = status
-        .lines()
-        .find_map(|line| line.strip_prefix("TracerPid:"));
+    let tracer = status.lines().find_map(|line| line.strip_prefix("TracerPid:"));
     tracer.is_some_and(|tracer| tracer.trim() != "0")
 }

@@ -55,19 +55,12 @@ impl Executing {
             return Err(io::ErrorKind::InvalidData.into());
         }
         let table = map(file, length, libc::PROT_READ | libc::PROT_WRITE)?;
-        Ok(Executing {
-            table: table.cast(),
-            lanes,
-            memory: None,
-        })
+        Ok(Executing { table: table.cast(), lanes, memory: None })
     }
 
     /// The path by which a host of this user opens the memory.
     pub(super) fn path(&self) -> String {
-        self.memory
-            .as_ref()
-            .map(SharedMemory::path)
-            .unwrap_or_default()
+        self.memory.as_ref().map(SharedMemory::path).unwrap_or_default()
     }
 
     /// Sets the codel that a thread executes.
@@ -83,9 +76,7 @@ impl Executing {
     }
 
     fn place(&self, lane: u32) -> Option<&AtomicU32> {
-        let lane = usize::try_from(lane)
-            .ok()
-            .filter(|&lane| lane < self.lanes)?;
+        let lane = usize::try_from(lane).ok().filter(|&lane| lane < self.lanes)?;
         // SAFETY: the mapping has `lanes` numbers, is aligned to a page, and lives as long as `self`.
         Some(unsafe { self.table.add(lane).as_ref() })
     }
@@ -121,9 +112,6 @@ mod tests {
         host.set(1, None);
         drop(host);
         assert_eq!(engine.codel(1), None);
-        assert!(
-            Executing::open(&engine.path(), 10_000).is_err(),
-            "it is too small"
-        );
+        assert!(Executing::open(&engine.path(), 10_000).is_err(), "it is too small");
     }
 }

@@ -99,11 +99,7 @@ fn remote_call(output: Output, waiting: Arc<Mutex<Waiting>>) -> RemoteCall {
         all.all.insert(ask, sender);
         drop(all);
         let inputs = inputs.to_vec();
-        let asked = HostMessage::Asked {
-            ask,
-            remote,
-            inputs,
-        };
+        let asked = HostMessage::Asked { ask, remote, inputs };
         tell(&output, asked).map_err(|_| libc::ENOTCONN)?;
         answer.recv().unwrap_or(Err(libc::ENOTCONN))
     })
@@ -142,12 +138,7 @@ fn serve(library: &Path, options: HostOptions) -> io::Result<()> {
     // The value is set once: a process has one component.
     let _ = REMOTE_CALL.set(remote_call(output.clone(), waiting.clone()));
     tell(&output, HostMessage::Ready)?;
-    let host = Host {
-        options,
-        component,
-        output,
-        executing,
-    };
+    let host = Host { options, component, output, executing };
     follow(&Arc::new(host), input, &waiting)?;
     // Threads may still execute a codel. The process does not wait for them.
     std::process::exit(0);
@@ -158,16 +149,10 @@ fn follow(host: &Arc<Host>, mut input: impl Read, waiting: &Mutex<Waiting>) -> i
     let mut lanes: HashMap<u32, Lane> = HashMap::new();
     while let Some(command) = HostCommand::receive(&mut input)? {
         match command {
-            HostCommand::Make {
-                service,
-                instance,
-                inputs,
-            } => host.component.make(service, instance, &inputs),
-            HostCommand::Answered {
-                ask,
-                error,
-                outputs,
-            } => {
+            HostCommand::Make { service, instance, inputs } => {
+                host.component.make(service, instance, &inputs)
+            }
+            HostCommand::Answered { ask, error, outputs } => {
                 let mut waiting = waiting.lock().unwrap_or_else(|error| error.into_inner());
                 let result = match error {
                     0 => Ok(outputs),

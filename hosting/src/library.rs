@@ -154,11 +154,7 @@ impl Component {
     }
 
     fn filled(&self, fill: impl FnOnce(*mut Buffer)) -> Vec<u8> {
-        let mut buffer = Buffer {
-            bytes: std::ptr::null_mut(),
-            size: 0,
-            room: 0,
-        };
+        let mut buffer = Buffer { bytes: std::ptr::null_mut(), size: 0, room: 0 };
         fill(&mut buffer);
         if buffer.bytes.is_null() {
             return Vec::new();
@@ -192,10 +188,5 @@ fn outcome(bytes: &[u8]) -> Option<Outcome> {
         };
         written.push(PortWrite { port, id, data });
     }
-    Some(Outcome {
-        how,
-        name,
-        detail,
-        written,
-    })
+    Some(Outcome { how, name, detail, written })
 }

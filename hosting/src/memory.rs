@@ -1,9 +1,6 @@
 //! Memory that the engine shares with hosts. On systems with anonymous shared memory it has no name: the
 //! system frees it with the last process that uses it, however that process ends.
-#![allow(
-    unsafe_code,
-    reason = "memory that is shared with other processes is mapped"
-)]
+#![allow(unsafe_code, reason = "memory that is shared with other processes is mapped")]
 
 use std::ffi::c_void;
 use std::fs::File;
@@ -53,14 +50,7 @@ pub(super) fn map(file: &File, length: usize, access: libc::c_int) -> io::Result
     // SAFETY: the system chooses the address.
     let memory = unsafe {
         let file = file.as_raw_fd();
-        libc::mmap(
-            std::ptr::null_mut(),
-            length,
-            access,
-            libc::MAP_SHARED,
-            file,
-            0,
-        )
+        libc::mmap(std::ptr::null_mut(), length, access, libc::MAP_SHARED, file, 0)
     };
     match memory {
         libc::MAP_FAILED => Err(io::Error::last_os_error()),
@@ -96,12 +86,7 @@ fn named(length: usize) -> io::Result<(File, dotgen_platform::files::disk::Tempo
     let passing = dotgen_platform::files::disk::TemporaryFile::new(path.clone());
     let mut options = File::options();
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    let file = options
-        .read(true)
-        .write(true)
-        .create(true)
-        .truncate(true)
-        .open(&path)?;
+    let file = options.read(true).write(true).create(true).truncate(true).open(&path)?;
     file.set_len(length as u64)?;
     Ok((file, passing))
 }

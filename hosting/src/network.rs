@@ -73,10 +73,9 @@ pub fn join(
     let mut config = config("peer", wanted.listen, wanted.connect)
         .map_err(|error| format!("an endpoint of Zenoh is wrong: {error}"))?;
     let failed = |error: zenoh::Error| format!("cannot join by Zenoh: {error}");
-    for (name, value) in [
-        ("transport/link/tx/lease", LEASE),
-        ("transport/unicast/open_timeout", OPEN_TIMEOUT),
-    ] {
+    for (name, value) in
+        [("transport/link/tx/lease", LEASE), ("transport/unicast/open_timeout", OPEN_TIMEOUT)]
+    {
         let set = config.insert_json5(name, &value.to_string());
         set.map_err(failed)?;
     }
@@ -88,10 +87,8 @@ pub fn join(
             if port.dir == PortDir::Out {
                 continue;
             }
-            let chosen = wanted
-                .reads
-                .iter()
-                .filter(|entry| entry.0 == component && entry.1 == index);
+            let chosen =
+                wanted.reads.iter().filter(|entry| entry.0 == component && entry.1 == index);
             let mut keys: Vec<String> = chosen.map(|triple| triple.2.clone()).collect();
             if keys.is_empty() && !is_fed(component, index) {
                 keys.push(format!("*/{}", port.name));
@@ -114,9 +111,7 @@ pub fn join(
                 let subscriber = session.declare_subscriber(key.clone());
                 // The data of this run does not pass through the network.
                 let subscriber = subscriber.allowed_origin(Locality::Remote);
-                let subscriber = subscriber
-                    .callback(move |sample| input.hear(&sample))
-                    .wait();
+                let subscriber = subscriber.callback(move |sample| input.hear(&sample)).wait();
                 subscribers
                     .push(subscriber.map_err(|error| format!("cannot read `{key}`: {error}"))?);
             }
@@ -132,10 +127,7 @@ pub fn join(
         publishers: HashMap::new(),
         tell: tell.clone(),
     };
-    let network = Network {
-        _subscribers: subscribers,
-        _services: services,
-    };
+    let network = Network { _subscribers: subscribers, _services: services };
     Ok((network, Box::new(outputs)))
 }
 
@@ -268,8 +260,7 @@ impl RunListener for Outputs {
 
     fn gone(&mut self, component: ComponentId, _: &str) {
         self.tokens.remove(&component);
-        self.publishers
-            .retain(|publisher, _| publisher.0 != component);
+        self.publishers.retain(|publisher, _| publisher.0 != component);
     }
 
     fn published(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]) {

@@ -25,9 +25,8 @@ impl OrphanReaper {
         let program = |of: &str| std::fs::read_link(format!("/proc/{of}/exe")).ok();
         let own = program("self");
         let helpers = children();
-        let mut programs = helpers
-            .iter()
-            .map(|helper| program(&helper.pid.as_raw_nonzero().to_string()));
+        let mut programs =
+            helpers.iter().map(|helper| program(&helper.pid.as_raw_nonzero().to_string()));
         if getpid() == Pid::INIT || programs.any(|program| program != own) {
             return None;
         }

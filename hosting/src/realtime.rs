@@ -128,10 +128,7 @@ mod tests {
         assert_eq!(priorities(&[20, 10, 20, u64::MAX]), [47, 48, 47, 46]);
         let many: Vec<u64> = (0..100).collect();
         let priorities = priorities(&many);
-        assert_eq!(
-            (priorities[0], priorities[38], priorities[99]),
-            (48, 10, 10)
-        );
+        assert_eq!((priorities[0], priorities[38], priorities[99]), (48, 10, 10));
         assert!(priorities.is_sorted_by(|a, b| a >= b));
     }
 }

@@ -132,12 +132,7 @@ impl Nodes {
     }
 
     fn id<'a>(&'a self, node: &'a Node, number: u32) -> NodeId<'a> {
-        NodeId {
-            domain: node.domain,
-            session: &self.id,
-            number,
-            name: &node.name,
-        }
+        NodeId { domain: node.domain, session: &self.id, number, name: &node.name }
     }
 
     /// Declares a node with its endpoints.
@@ -221,12 +216,7 @@ impl Nodes {
         let mut all = node.endpoints.iter();
         let endpoint: &Endpoint = all.find(|endpoint| endpoint.part == Part::Port(port))?;
         let topic = endpoint.instance(name).and_then(|instance| {
-            let topic = Topic::new(
-                &self.session,
-                self.id(node, number),
-                &instance,
-                self.number(),
-            );
+            let topic = Topic::new(&self.session, self.id(node, number), &instance, self.number());
             topic.map_err(|error| error.to_string())
         });
         topic
@@ -280,9 +270,7 @@ impl RunListener for Nodes {
         let conversion = joined.node.conversions.get(&port);
         let message = match conversion {
             Some(conversion) => conversion.message(&known.spec, data, now()),
-            None => Payloads::new(&known.spec, declaration)
-                .message(declared.data, data)
-                .map(Some),
+            None => Payloads::new(&known.spec, declaration).message(declared.data, data).map(Some),
         };
         match message {
             Ok(Some(message)) => topic.put(message),
@@ -332,10 +320,7 @@ impl Input {
         let Ok(data) = data else {
             return;
         };
-        let mut newest = self
-            .newest
-            .lock()
-            .unwrap_or_else(|error| error.into_inner());
+        let mut newest = self.newest.lock().unwrap_or_else(|error| error.into_inner());
         if newest.len() >= SOURCES && !newest.contains_key(name) {
             return;
         }

@@ -90,10 +90,7 @@ impl Server {
 
     /// Returns the subscribers of the progress of the run.
     pub fn progress_subscribers(&self) -> ProgressSubscribers {
-        ProgressSubscribers {
-            shared: self.shared.clone(),
-            told: None,
-        }
+        ProgressSubscribers { shared: self.shared.clone(), told: None }
     }
 
     /// Returns the subscribers of the lines of the profile.
@@ -190,13 +187,7 @@ pub fn listen(
     umask(before);
     let listener = listener.map_err(wrong)?;
     let socket = TemporaryFile::new(path.to_owned());
-    let shared = Arc::new(Shared {
-        state: Mutex::default(),
-        known,
-        feeds,
-        inbox,
-        remote,
-    });
+    let shared = Arc::new(Shared { state: Mutex::default(), known, feeds, inbox, remote });
     let accepting = shared.clone();
     // The thread ends with the process.
     std::thread::spawn(move || {
@@ -204,11 +195,7 @@ pub fn listen(
             accept(&accepting, Stream::Unix(stream), None);
         }
     });
-    let server = Server {
-        _socket: socket,
-        token: None,
-        shared: shared.clone(),
-    };
+    let server = Server { _socket: socket, token: None, shared: shared.clone() };
     Ok((server, Box::new(EngineListener { shared })))
 }
 
@@ -244,19 +231,11 @@ fn serve(shared: &Shared, stream: Stream, number: u64, token: Option<&Token>) {
         stream.wait_for_end();
     }
     let mut state = shared.state();
-    state
-        .watchers
-        .retain(|watcher| watcher.client.number != number);
-    state
-        .followers
-        .retain(|follower| follower.0.number != number);
-    state
-        .progress_subscribers
-        .retain(|subscriber| subscriber.0.number != number);
+    state.watchers.retain(|watcher| watcher.client.number != number);
+    state.followers.retain(|follower| follower.0.number != number);
+    state.progress_subscribers.retain(|subscriber| subscriber.0.number != number);
     // The requests go on, without a receiver of their results.
-    state
-        .requests
-        .retain(|_, request| request.client.number != number);
+    state.requests.retain(|_, request| request.client.number != number);
     drop(state);
     stream.wait_for_end();
 }
@@ -278,10 +257,8 @@ fn read_requests(
         match read_line(&mut input, &mut line) {
             Line::Whole => {}
             Line::TooLong => {
-                let why = format!(
-                    "too long: a request has at most {} MiB",
-                    MAX_REQUEST_BYTES >> 20
-                );
+                let why =
+                    format!("too long: a request has at most {} MiB", MAX_REQUEST_BYTES >> 20);
                 // At once: the client may wait for an answer before it ends the line.
                 client.say(json!({"event": "error", "message": why}), &Value::Null);
                 skip_line(&mut input);
@@ -327,18 +304,10 @@ fn read_requests(
 
 /// Refuses a request that does not end at once if the connection has too many, or one with the same `id`.
 fn admit(state: &State, client: &Client, id: &Value) -> Result<(), String> {
-    let requests = state
-        .requests
-        .values()
-        .map(|request| (&request.client, &request.id));
-    let watchers = state
-        .watchers
-        .iter()
-        .map(|watcher| (&watcher.client, &watcher.id));
+    let requests = state.requests.values().map(|request| (&request.client, &request.id));
+    let watchers = state.watchers.iter().map(|watcher| (&watcher.client, &watcher.id));
     let others = state.followers.iter().chain(&state.progress_subscribers);
-    let all = requests
-        .chain(watchers)
-        .chain(others.map(|follower| (&follower.0, &follower.1)));
+    let all = requests.chain(watchers).chain(others.map(|follower| (&follower.0, &follower.1)));
     let mut waiting = 0;
     for (_, other) in all.filter(|(other, _)| other.number == client.number) {
         // Requests without an `id` cannot be distinguished. The client has chosen this.
@@ -375,9 +344,7 @@ fn answer(
         let (component, port) = output(shared, path)?;
         let instances = data::newest(shared, &shared.state(), component, port);
         let value = instances.get("").cloned().unwrap_or(Value::Null);
-        return Ok(Some(
-            json!({"event": "data", "value": value, "instances": instances}),
-        ));
+        return Ok(Some(json!({"event": "data", "value": value, "instances": instances})));
     }
     if let Some(path) = text("write") {
         return inputs::write(shared, path, request).map(Some);
@@ -406,9 +373,7 @@ fn answer(
         let mut state = shared.state();
         admit(&state, client, id)?;
         client.say(json!({"event": "following"}), id);
-        state
-            .progress_subscribers
-            .push((client.clone(), id.clone()));
+        state.progress_subscribers.push((client.clone(), id.clone()));
         return Ok(None);
     }
     if request.get("describe").is_some() {
@@ -436,18 +401,10 @@ fn watch(
     client.say(json!({"event": "watching"}), id);
     if request.get("newest") == Some(&Value::Bool(true)) {
         for (instance, value) in data::newest(shared, &state, component, port) {
-            client.offer(
-                json!({"event": "data", "instance": instance, "value": value}),
-                id,
-            );
+            client.offer(json!({"event": "data", "instance": instance, "value": value}), id);
         }
     }
-    state.watchers.push(Watcher {
-        client: client.clone(),
-        id: id.clone(),
-        component,
-        port,
-    });
+    state.watchers.push(Watcher { client: client.clone(), id: id.clone(), component, port });
     Ok(None)
 }
 
@@ -468,24 +425,14 @@ fn call(
     let at = component(shared, name)?;
     let known = &shared.known[&at];
     let services = &known.component().services;
-    let found = services
-        .iter()
-        .position(|candidate| candidate.name == service);
+    let found = services.iter().position(|candidate| candidate.name == service);
     if found.is_none() && service == CONNECT {
         client.say(inputs::connect(shared, at, input)?, id);
         return Ok(());
     }
     let Some(index) = found else {
-        let names: Vec<&str> = services
-            .iter()
-            .map(|service| service.name.as_str())
-            .collect();
-        return Err(find::missing(
-            &format!("`{name}`"),
-            "service",
-            service,
-            &names,
-        ));
+        let names: Vec<&str> = services.iter().map(|service| service.name.as_str()).collect();
+        return Err(find::missing(&format!("`{name}`"), "service", service, &names));
     };
     let (wanted, inputs) = inputs_of(known, index, input)?;
     let mut state = shared.state();
@@ -493,19 +440,10 @@ fn call(
     let number = shared.inbox.number();
     state.requests.insert(
         number,
-        PendingRequest {
-            client: client.clone(),
-            id: id.clone(),
-            component: at,
-            index,
-        },
+        PendingRequest { client: client.clone(), id: id.clone(), component: at, index },
     );
     drop(state);
-    let wanted = OutsideRequest {
-        id: number,
-        service: wanted,
-        inputs,
-    };
+    let wanted = OutsideRequest { id: number, service: wanted, inputs };
     match shared.inbox.bring(Message::OutsideRequest(wanted)) {
         true => Ok(()),
         false => {
@@ -566,8 +504,6 @@ impl RunListener for EngineListener {
             let told = json!({"event": "data", "instance": id, "value": value});
             watcher.client.offer(told, &watcher.id);
         }
-        state
-            .data
-            .insert((component, port, id.to_owned()), data.to_vec());
+        state.data.insert((component, port, id.to_owned()), data.to_vec());
     }
 }

@@ -60,12 +60,8 @@ impl SharedData {
         let length = HEADER_BYTES + 2 * room;
         let memory = SharedMemory::new(length)?;
         let access = libc::PROT_READ | libc::PROT_WRITE;
-        let board = SharedData {
-            turn: 0,
-            board: map(memory.file(), length, access)?.cast(),
-            memory,
-            room,
-        };
+        let board =
+            SharedData { turn: 0, board: map(memory.file(), length, access)?.cast(), memory, room };
         board.head().room.store(room as u64, Ordering::Relaxed);
         Ok(board)
     }
@@ -227,9 +223,6 @@ mod tests {
         let board = SharedData::new(10).expect("there is memory");
         assert!(board.memory.file().set_len(10).is_err());
         assert!(board.memory.file().set_len(1 << 20).is_err());
-        assert!(
-            !board.path().contains("shm"),
-            "it has no name that could stay behind"
-        );
+        assert!(!board.path().contains("shm"), "it has no name that could stay behind");
     }
 }

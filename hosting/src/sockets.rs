@@ -55,17 +55,10 @@ pub fn connect(path: Option<&Path>) -> Result<UnixStream, String> {
     let folder = folder().map_err(|error| error.to_string())?;
     let entries = std::fs::read_dir(&folder).map_err(|error| error.to_string())?;
     let sockets = entries.filter_map(Result::ok).map(|entry| entry.path());
-    let sockets = sockets.filter(|socket| {
-        socket
-            .extension()
-            .is_some_and(|extension| extension == SUFFIX)
-    });
+    let sockets =
+        sockets.filter(|socket| socket.extension().is_some_and(|extension| extension == SUFFIX));
     let mut found: Vec<(PathBuf, UnixStream)> = sockets
-        .filter_map(|socket| {
-            UnixStream::connect(&socket)
-                .ok()
-                .map(|stream| (socket, stream))
-        })
+        .filter_map(|socket| UnixStream::connect(&socket).ok().map(|stream| (socket, stream)))
         .collect();
     match found.len() {
         0 => Err("no run accepts requests; start one with `dotgen run --clock real FILE`. A run that was just started \

@@ -17,11 +17,7 @@ const NO_CORE: u32 = u32::MAX;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum HostCommand {
     /// Creates a request.
-    Make {
-        service: u32,
-        instance: u32,
-        inputs: Vec<u8>,
-    },
+    Make { service: u32, instance: u32, inputs: Vec<u8> },
     /// Executes a codel on a thread. The component is not sent: a host has only one.
     Run(Call),
     /// Lets a thread execute cycles by itself.
@@ -35,11 +31,7 @@ pub(super) enum HostCommand {
     /// Gives an input port the path of its [data](super::shared_data).
     Share { port: u32, id: String, path: String },
     /// Answers a request of a codel: with the outputs, or a system error.
-    Answered {
-        ask: u32,
-        error: u32,
-        outputs: Vec<u8>,
-    },
+    Answered { ask: u32, error: u32, outputs: Vec<u8> },
 }
 
 /// A message of a host to the engine.
@@ -62,11 +54,7 @@ pub(super) enum HostMessage {
     /// A right that the system does not grant, as text.
     Denied(String),
     /// A codel requests a service of another component.
-    Asked {
-        ask: u32,
-        remote: u32,
-        inputs: Vec<u8>,
-    },
+    Asked { ask: u32, remote: u32, inputs: Vec<u8> },
 }
 
 impl HostCommand {
@@ -74,11 +62,9 @@ impl HostCommand {
     pub(super) fn bytes(&self) -> io::Result<Vec<u8>> {
         let mut out = Frame::default();
         match self {
-            HostCommand::Make {
-                service,
-                instance,
-                inputs,
-            } => out.byte(0).number(*service).number(*instance).bytes(inputs),
+            HostCommand::Make { service, instance, inputs } => {
+                out.byte(0).number(*service).number(*instance).bytes(inputs)
+            }
             HostCommand::Run(call) => out.byte(1).call(call),
             HostCommand::Delegate(delegation) => out.byte(5).delegation(delegation),
             HostCommand::Recall { lane } => out.byte(6).number(*lane),
@@ -86,16 +72,12 @@ impl HostCommand {
             HostCommand::End { service, instance } => {
                 out.byte(2).number(*service).number(*instance)
             }
-            HostCommand::Share { port, id, path } => out
-                .byte(3)
-                .number(*port)
-                .bytes(id.as_bytes())
-                .bytes(path.as_bytes()),
-            HostCommand::Answered {
-                ask,
-                error,
-                outputs,
-            } => out.byte(4).number(*ask).number(*error).bytes(outputs),
+            HostCommand::Share { port, id, path } => {
+                out.byte(3).number(*port).bytes(id.as_bytes()).bytes(path.as_bytes())
+            }
+            HostCommand::Answered { ask, error, outputs } => {
+                out.byte(4).number(*ask).number(*error).bytes(outputs)
+            }
         };
         out.whole()
     }
@@ -113,10 +95,7 @@ impl HostCommand {
                 inputs: reader.bytes()?.to_vec(),
             },
             1 => HostCommand::Run(reader.call()?),
-            2 => HostCommand::End {
-                service: reader.number()?,
-                instance: reader.number()?,
-            },
+            2 => HostCommand::End { service: reader.number()?, instance: reader.number()? },
             3 => HostCommand::Share {
                 port: reader.number()?,
                 id: reader.text()?,
@@ -128,13 +107,8 @@ impl HostCommand {
                 outputs: reader.bytes()?.to_vec(),
             },
             5 => HostCommand::Delegate(reader.delegation()?),
-            6 => HostCommand::Recall {
-                lane: reader.number()?,
-            },
-            7 => HostCommand::Probe {
-                lane: reader.number()?,
-                probe: reader.number()?,
-            },
+            6 => HostCommand::Recall { lane: reader.number()? },
+            7 => HostCommand::Probe { lane: reader.number()?, probe: reader.number()? },
             _ => return Err(nonsense()),
         };
         Ok(Some(order))
@@ -163,11 +137,9 @@ impl HostMessage {
             HostMessage::Unusable(why) => out.byte(1).bytes(why.as_bytes()),
             HostMessage::Ended(outputs) => out.byte(2).bytes(outputs),
             HostMessage::Denied(what) => out.byte(4).bytes(what.as_bytes()),
-            HostMessage::Asked {
-                ask,
-                remote,
-                inputs,
-            } => out.byte(5).number(*ask).number(*remote).bytes(inputs),
+            HostMessage::Asked { ask, remote, inputs } => {
+                out.byte(5).number(*ask).number(*remote).bytes(inputs)
+            }
             HostMessage::CodelResult(ran) => {
                 let how = match ran.how {
                     CodelEnd::Event => 0,
@@ -236,13 +208,8 @@ impl HostMessage {
                 inputs: reader.bytes()?.to_vec(),
             },
             6 => HostMessage::Waiting,
-            7 => HostMessage::Recalled {
-                ticket: reader.number()?,
-            },
-            8 => HostMessage::Probed {
-                probe: reader.number()?,
-                until: reader.long()?,
-            },
+            7 => HostMessage::Recalled { ticket: reader.number()? },
+            8 => HostMessage::Probed { probe: reader.number()?, until: reader.long()? },
             _ => return Err(nonsense()),
         };
         Ok(Some(reply))
@@ -398,10 +365,7 @@ impl<'b> ByteReader<'b> {
             };
             Ok((event, next))
         });
-        Ok(DelegatedState {
-            codel,
-            next: next.collect::<io::Result<_>>()?,
-        })
+        Ok(DelegatedState { codel, next: next.collect::<io::Result<_>>()? })
     }
 
     pub(super) fn bytes(&mut self) -> io::Result<&'b [u8]> {
@@ -440,10 +404,7 @@ mod tests {
                         ("::a::pause::start".to_owned(), DelegatedYield::Pause(0)),
                     ],
                 },
-                DelegatedState {
-                    codel: 9,
-                    next: Vec::new(),
-                },
+                DelegatedState { codel: 9, next: Vec::new() },
             ],
         };
         let command = HostCommand::Delegate(delegation);
@@ -465,16 +426,8 @@ mod tests {
             name: "::a::b".to_owned(),
             detail: vec![1, 2],
             written: vec![
-                PortWrite {
-                    port: 1,
-                    id: "x".to_owned(),
-                    data: Some(vec![9]),
-                },
-                PortWrite {
-                    port: 2,
-                    id: String::new(),
-                    data: None,
-                },
+                PortWrite { port: 1, id: "x".to_owned(), data: Some(vec![9]) },
+                PortWrite { port: 2, id: String::new(), data: None },
             ],
         };
         let reply = HostMessage::CodelResult(ran);
@@ -482,14 +435,8 @@ mod tests {
         let all = std::slice::from_ref(&reply);
         HostMessage::send_all(all, &mut bytes).expect("memory takes all");
         let mut from = bytes.as_slice();
-        assert_eq!(
-            HostMessage::receive(&mut from).expect("it is whole"),
-            Some(reply)
-        );
-        assert_eq!(
-            HostMessage::receive(&mut from).expect("it is the end"),
-            None
-        );
+        assert_eq!(HostMessage::receive(&mut from).expect("it is whole"), Some(reply));
+        assert_eq!(HostMessage::receive(&mut from).expect("it is the end"), None);
         let broken = &bytes[..bytes.len() - 1];
         assert!(HostMessage::receive(&mut &broken[..]).is_err());
     }

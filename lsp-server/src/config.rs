@@ -128,11 +128,7 @@ impl Config {
             max_file_size: settings.max_file_size,
             format: settings.format,
             ros2: settings.ros2.clone(),
-            codels: settings
-                .codels
-                .check
-                .unwrap_or(true)
-                .then(|| settings.codels.files()),
+            codels: settings.codels.check.unwrap_or(true).then(|| settings.codels.files()),
         }
     }
 
@@ -161,10 +157,7 @@ impl Config {
 
     /// Folders of codels, of the workspace and its projects.
     pub fn codel_folders(&self) -> BTreeSet<Utf8PathBuf> {
-        let projects = self
-            .projects
-            .iter()
-            .filter_map(|project| project.codels.as_ref());
+        let projects = self.projects.iter().filter_map(|project| project.codels.as_ref());
         let all = self.codels.iter().chain(projects);
         all.map(|config| config.folder.clone()).collect()
     }
@@ -269,10 +262,7 @@ pub const RELEASE_VARIABLE: &str = "DOTGEN_GENOM_RELEASE";
 pub fn release_of_environment() -> Result<Option<ReleaseChoice>, String> {
     match std::env::var(RELEASE_VARIABLE) {
         Ok(text) if !text.is_empty() => match text.parse() {
-            Ok(release) => Ok(Some(ReleaseChoice {
-                release,
-                origin: ReleaseOrigin::Environment,
-            })),
+            Ok(release) => Ok(Some(ReleaseChoice { release, origin: ReleaseOrigin::Environment })),
             Err(error) => Err(format!("{RELEASE_VARIABLE}: {error}")),
         },
         _ => Ok(None),
@@ -289,11 +279,7 @@ fn release(settings: &Settings, base: &Utf8Path) -> Option<ReleaseChoice> {
             None => ReleaseOrigin::ConfigurationFile(base.join(FILE_NAME)),
         },
     });
-    if let Some(ReleaseChoice {
-        origin: ReleaseOrigin::CommandLine,
-        ..
-    }) = said
-    {
+    if let Some(ReleaseChoice { origin: ReleaseOrigin::CommandLine, .. }) = said {
         return said;
     }
     // An invalid value of the variable is reported at the start of the program.
@@ -321,9 +307,7 @@ fn connections(settings: &Settings) -> Vec<Connection> {
 /// The nearest directory around a file that has a `dotgen.toml`.
 pub fn nearest_directory(file: &Utf8Path) -> Option<Utf8PathBuf> {
     let mut directories = file.ancestors().skip(1);
-    directories
-        .find(|directory| directory.join(FILE_NAME).is_file())
-        .map(Utf8Path::to_owned)
+    directories.find(|directory| directory.join(FILE_NAME).is_file()).map(Utf8Path::to_owned)
 }
 
 /// Makes a path of a setting absolute: `~/x`, `${workspaceFolder}/x`, `${env:NAME}/x`, or relative

@@ -94,9 +94,7 @@ impl Backend {
         }
         let uri = params.text_document.uri.clone();
         let uri = Some(uri);
-        self.dispatch
-            .everywhere("Testing", uri, params, handle)
-            .await
+        self.dispatch.everywhere("Testing", uri, params, handle).await
     }
 
     /// While some document has its first version: works until it is cancelled.

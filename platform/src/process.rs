@@ -45,11 +45,7 @@ static OWN_PATH: OnceLock<PathBuf> = OnceLock::new();
 pub fn is_dotgen() {
     // The file may be replaced while it runs: this name still refers to the running program.
     let own = PathBuf::from("/proc/self/exe");
-    let own = if own.exists() {
-        Some(own)
-    } else {
-        std::env::current_exe().ok()
-    };
+    let own = if own.exists() { Some(own) } else { std::env::current_exe().ok() };
     if let Some(own) = own {
         let _ = OWN_PATH.set(own);
     }
@@ -109,10 +105,7 @@ pub fn ask(
         command.stdin(Stdio::null());
         return Ok(Process {
             child: start(command)?,
-            group: Box::new(ProcessGroup {
-                own_group: false,
-                _watched: None,
-            }),
+            group: Box::new(ProcessGroup { own_group: false, _watched: None }),
         });
     }
     let program = Program {
@@ -228,14 +221,8 @@ fn run(mut command: Command, channels: Channels) -> io::Result<Process> {
     let watcher = Watcher::get().filter(|_| own_group);
     let child = start(command)?;
     let group = watcher.map(|watcher| watcher.group(child.id()));
-    let group = ProcessGroup {
-        own_group,
-        _watched: group,
-    };
-    Ok(Process {
-        child,
-        group: Box::new(group),
-    })
+    let group = ProcessGroup { own_group, _watched: group };
+    Ok(Process { child, group: Box::new(group) })
 }
 
 /// Starts a command on a thread that lives as long as this process.
@@ -277,9 +264,8 @@ impl Group for ProcessGroup {
     fn kill(&self, child: &mut Child) {
         #[cfg(unix)]
         if self.own_group
-            && let Some(group) = i32::try_from(child.id())
-                .ok()
-                .and_then(rustix::process::Pid::from_raw)
+            && let Some(group) =
+                i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw)
         {
             // Fails if all processes of the group have ended.
             let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);

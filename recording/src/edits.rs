@@ -71,11 +71,7 @@ pub fn specification(
     wanted: &[NewWcet],
     form: WcetForm,
 ) -> WcetEdits {
-    let place = |src| {
-        unit.locations
-            .locate(src)
-            .map(|location| (location.path, location.range))
-    };
+    let place = |src| unit.locations.locate(src).map(|location| (location.path, location.range));
     let mut uses: Vec<CodelUse<'_>> = Vec::new();
     for (index, component) in (0..).zip(&unit.spec.components) {
         for of in component.all_codels() {
@@ -118,8 +114,7 @@ pub fn specification(
             Err(why) => out.refused.push((name.to_owned(), why)),
         }
     }
-    out.edits
-        .sort_by(|a, b| (&a.path, a.range.start).cmp(&(&b.path, b.range.start)));
+    out.edits.sort_by(|a, b| (&a.path, a.range.start).cmp(&(&b.path, b.range.start)));
     out
 }
 
@@ -135,12 +130,9 @@ fn function(
     };
     let greatest = uses.iter().filter_map(|usage| usage.wanted).max();
     let stands = |usage: &CodelUse<'_>| usage.time.clone();
-    let pragma = uses
-        .iter()
-        .filter_map(|usage| stands(usage))
-        .find(|(path, range)| {
-            slice(path, range).is_some_and(|slice| slice.trim_start().starts_with('#'))
-        });
+    let pragma = uses.iter().filter_map(|usage| stands(usage)).find(|(path, range)| {
+        slice(path, range).is_some_and(|slice| slice.trim_start().starts_with('#'))
+    });
     if let (Some((path, range)), Some(micros)) = (pragma, greatest) {
         let old = slice(&path, &range).ok_or(Refusal::Macro)?;
         // The name may come from a macro as well. Such a pragma must not be replaced.
@@ -193,11 +185,7 @@ fn function(
                 (range.clone(), format!("{word}{}", written(micros)))
             }
         };
-        edits.push(FileEdit {
-            path: usage.path.clone(),
-            range,
-            new_text,
-        });
+        edits.push(FileEdit { path: usage.path.clone(), range, new_text });
     }
     Ok(edits)
 }
@@ -216,13 +204,11 @@ fn insert_pragma_above(usage: &CodelUse<'_>, text: &str, name: &str, micros: u64
     let line = before.rfind('\n').map_or(0, |index| index + 1);
     let between = before.get(line..).unwrap_or_default();
     // The words that begin the declaration of a codel.
-    let begins = between
-        .split_whitespace()
-        .all(|word| matches!(word, "async" | "validate" | "codel"));
+    let begins =
+        between.split_whitespace().all(|word| matches!(word, "async" | "validate" | "codel"));
     // A line that a backslash joins to the previous line is not a line of its own.
-    let joined = before
-        .get(..line)
-        .is_some_and(|text| text.trim_end_matches(['\n', '\r']).ends_with('\\'));
+    let joined =
+        before.get(..line).is_some_and(|text| text.trim_end_matches(['\n', '\r']).ends_with('\\'));
     let (at, new_text) = if begins && !joined {
         (line, pragma)
     } else if text.is_empty() || text.ends_with('\n') {
@@ -230,11 +216,7 @@ fn insert_pragma_above(usage: &CodelUse<'_>, text: &str, name: &str, micros: u64
     } else {
         (text.len(), format!("{end}{pragma}"))
     };
-    FileEdit {
-        path: usage.path.clone(),
-        range: at..at,
-        new_text,
-    }
+    FileEdit { path: usage.path.clone(), range: at..at, new_text }
 }
 
 /// Returns the edits for a scenario: `duration PATH [0,N] us;` for each codel. A present statement for the
@@ -245,11 +227,7 @@ pub fn scenario(
     scenario: &Scenario,
     times: &[(String, u64)],
 ) -> Vec<FileEdit> {
-    let edit = |range, new_text| FileEdit {
-        path: path.to_owned(),
-        range,
-        new_text,
-    };
+    let edit = |range, new_text| FileEdit { path: path.to_owned(), range, new_text };
     let statement_end = |from: usize| {
         let rest = text.get(from..).unwrap_or_default();
         rest.find(';').map(|index| from + index)
@@ -282,10 +260,7 @@ pub fn scenario(
         Item::Duration(path, ..) => Some(path.range().end),
         _ => None,
     });
-    let last = last
-        .max()
-        .and_then(statement_end)
-        .map(|statement_end| statement_end + 1);
+    let last = last.max().and_then(statement_end).map(|statement_end| statement_end + 1);
     // A comment behind a statement belongs to the statement.
     let last = last.map(|at| {
         let rest = text.get(at..).unwrap_or_default();
@@ -298,10 +273,8 @@ pub fn scenario(
         let before = text.get(..at).unwrap_or_default();
         let line = before.rfind('\n').map_or(0, |index| index + 1);
         let line = before.get(line..).unwrap_or_default();
-        let blanks: String = line
-            .chars()
-            .take_while(|character| matches!(character, ' ' | '\t'))
-            .collect();
+        let blanks: String =
+            line.chars().take_while(|character| matches!(character, ' ' | '\t')).collect();
         let end = LineEnd::of(text).as_str();
         let lines = fresh.iter().map(|text| format!("{end}{blanks}{text}"));
         edits.push(edit(at..at, lines.collect()));

@@ -56,18 +56,12 @@ pub fn origins<'c>(measured: bool, simulated: impl Iterator<Item = &'c str>) -> 
 
 /// Returns the last line of a log.
 pub fn end() -> String {
-    format!(
-        "{}end of the run\n",
-        String::from_utf8_lossy(TIME_SOURCE_PREFIX)
-    )
+    format!("{}end of the run\n", String::from_utf8_lossy(TIME_SOURCE_PREFIX))
 }
 
 /// Reads a line that names the source of times; returns `None` for other lines.
 pub fn origin(text: &[u8]) -> Option<Origin<'_>> {
-    match std::str::from_utf8(text.strip_prefix(TIME_SOURCE_PREFIX)?)
-        .ok()?
-        .trim()
-    {
+    match std::str::from_utf8(text.strip_prefix(TIME_SOURCE_PREFIX)?).ok()?.trim() {
         "times are measured" => Some(Origin::Measured),
         "times are simulated" => Some(Origin::Simulated),
         "end of the run" => Some(Origin::End),
@@ -108,13 +102,7 @@ pub enum LineSubject {
 /// Reads a line like `profundis`: the first three words are times. Returns `None` if they are not.
 pub fn line(text: &[u8]) -> Option<Line<'_>> {
     if let Some(([asked, began, ended], rest)) = recorded(text) {
-        return Some(Line {
-            asked,
-            began,
-            ended,
-            exact: true,
-            tail: rest.trim_ascii(),
-        });
+        return Some(Line { asked, began, ended, exact: true, tail: rest.trim_ascii() });
     }
     let mut rest = text;
     let mut exact = true;
@@ -127,13 +115,7 @@ pub fn line(text: &[u8]) -> Option<Line<'_>> {
         rest = after;
     }
     let [asked, began, ended] = times;
-    Some(Line {
-        asked,
-        began,
-        ended,
-        exact,
-        tail: rest.trim_ascii(),
-    })
+    Some(Line { asked, began, ended, exact, tail: rest.trim_ascii() })
 }
 
 impl<'l> Line<'l> {
@@ -174,10 +156,7 @@ fn recorded(text: &[u8]) -> Option<([i64; 3], &[u8])> {
                 return None;
             }
         }
-        let (eight, after) = rest
-            .get(length..)?
-            .strip_prefix(b".")?
-            .split_first_chunk()?;
+        let (eight, after) = rest.get(length..)?.strip_prefix(b".")?.split_first_chunk()?;
         let ([last, b' '], after) = after.split_first_chunk()? else {
             return None;
         };
@@ -374,10 +353,7 @@ impl LineKinds {
 
     /// Returns the subject of the lines of a kind.
     pub fn about(&self, kind: usize) -> LineSubject {
-        self.abouts
-            .get(kind)
-            .copied()
-            .unwrap_or(LineSubject::Garbage)
+        self.abouts.get(kind).copied().unwrap_or(LineSubject::Garbage)
     }
 
     fn add_kind(&mut self, line: &Line<'_>) -> u32 {
@@ -387,14 +363,7 @@ impl LineKinds {
         let [instance, task, service, function, from, to] = names.unwrap_or([b""; NAMES]).map(text);
         let kind = u32::try_from(self.all.len()).unwrap_or(u32::MAX);
         self.abouts.push(about);
-        self.all.push(LineKind {
-            instance,
-            task,
-            service,
-            function,
-            from,
-            to,
-        });
+        self.all.push(LineKind { instance, task, service, function, from, to });
         self.known.insert(line.tail.into(), kind);
         kind
     }

@@ -52,16 +52,8 @@ pub struct Event<'k> {
 pub fn event(text: &str) -> Event<'_> {
     let names: Vec<&str> = text.trim_start_matches("::").split("::").collect();
     match *names.as_slice() {
-        [] => Event {
-            component: None,
-            name: "",
-            paused: false,
-        },
-        [name] => Event {
-            component: None,
-            name,
-            paused: false,
-        },
+        [] => Event { component: None, name: "", paused: false },
+        [name] => Event { component: None, name, paused: false },
         [first, .., last] => Event {
             component: Some(first),
             name: last,
@@ -86,34 +78,21 @@ pub fn site(names: &Names<'_>, kind: &LineKind) -> Result<Site, Mismatch> {
         Some(_) => {
             let task = model.tasks.iter().position(|task| task.name == kind.task);
             let task = task.ok_or(Mismatch::Task)? as u32;
-            (
-                of_machine(model, task, kind, from.name)?,
-                Some(from.name.to_owned()),
-            )
+            (of_machine(model, task, kind, from.name)?, Some(from.name.to_owned()))
         }
-        None => (
-            of_control(model, kind).ok_or_else(|| without(model, kind))?,
-            None,
-        ),
+        None => (of_control(model, kind).ok_or_else(|| without(model, kind))?, None),
     };
     if model.codel(codel).name != kind.function {
         return Err(Mismatch::Function);
     }
-    Ok(Site {
-        component,
-        codel,
-        state,
-    })
+    Ok(Site { component, codel, state })
 }
 
 /// Returns the component of a line. The event names it. For codels of the control task, it is the instance,
 /// or the only component with such a codel, because a server may have been started under another name.
 fn component(names: &Names<'_>, kind: &LineKind, from: &Event<'_>) -> Option<usize> {
     let all = &names.components;
-    let named = |name: &str| {
-        all.iter()
-            .position(|component| component.component.name == name)
-    };
+    let named = |name: &str| all.iter().position(|component| component.component.name == name);
     if let Some(component) = from.component {
         return named(component);
     }
@@ -132,17 +111,11 @@ fn of_machine(
     kind: &LineKind,
     state: &str,
 ) -> Result<CodelRef, Mismatch> {
-    let service = component
-        .services
-        .iter()
-        .position(|of| of.name == kind.service);
+    let service = component.services.iter().position(|of| of.name == kind.service);
     let service = service.map(|service| service as u32);
     let in_service = service.and_then(|it_is| in_state(component, Owner::Service(it_is), state));
     if let (Some(service), Some(codel)) = (service, in_service) {
-        let of = component
-            .services
-            .get(service as usize)
-            .and_then(|service| service.task);
+        let of = component.services.get(service as usize).and_then(|service| service.task);
         return match of == Some(task) {
             true => Ok(codel),
             false => Err(Mismatch::WrongTask),
@@ -160,17 +133,11 @@ fn in_state(component: &Component, owner: Owner, state: &str) -> Option<CodelRef
         codel.kind == CodelKind::Fsm && codel.triggers.iter().any(|trigger| trigger.name == state)
     };
     let index = component.codels_of(owner).iter().position(has)?;
-    Some(CodelRef {
-        owner,
-        index: index as u32,
-    })
+    Some(CodelRef { owner, index: index as u32 })
 }
 
 fn of_control(component: &Component, kind: &LineKind) -> Option<CodelRef> {
-    let service = component
-        .services
-        .iter()
-        .position(|of| of.name == kind.service)?;
+    let service = component.services.iter().position(|of| of.name == kind.service)?;
     let owner = Owner::Service(service as u32);
     let validates = kind.from == "validate";
     let index = component.codels_of(owner).iter().position(|codel| {
@@ -180,10 +147,7 @@ fn of_control(component: &Component, kind: &LineKind) -> Option<CodelRef> {
         };
         codel.kind == wanted && codel.name == kind.function
     })?;
-    Some(CodelRef {
-        owner,
-        index: index as u32,
-    })
+    Some(CodelRef { owner, index: index as u32 })
 }
 
 /// Returns the reason why a control task executes no codel.
@@ -191,11 +155,7 @@ fn without(component: &Component, kind: &LineKind) -> Mismatch {
     let service = component.services.iter().find(|of| of.name == kind.service);
     let of = |service: &dotgen_analysis::model::Service| {
         let attribute = service.kind == dotgen_analysis::model::ServiceKind::Attribute;
-        attribute
-            && service
-                .codels
-                .iter()
-                .all(|codel| codel.kind == CodelKind::Validate)
+        attribute && service.codels.iter().all(|codel| codel.kind == CodelKind::Validate)
     };
     match service.is_some_and(of) {
         true => Mismatch::NoCodel,
@@ -213,11 +173,7 @@ pub fn path(names: &Names<'_>, site: &Site) -> String {
         Some(state) => state.as_str(),
         None => model.codel(site.codel).name.as_str(),
     };
-    format!(
-        "{}.{}.{last}",
-        model.name,
-        model.owner_name(site.codel.owner)
-    )
+    format!("{}.{}.{last}", model.name, model.owner_name(site.codel.owner))
 }
 
 /// Returns every codel of the specifications in each of its states.
@@ -226,11 +182,7 @@ pub fn sites(names: &Names<'_>) -> Vec<Site> {
     for (component, member) in names.components.iter().enumerate() {
         for codel in member.component.all_codels() {
             let declaration = member.component.codel(codel);
-            let site = |state| Site {
-                component,
-                codel,
-                state,
-            };
+            let site = |state| Site { component, codel, state };
             match declaration.kind {
                 CodelKind::Fsm => {
                     let states = declaration.triggers.iter();

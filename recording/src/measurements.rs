@@ -103,10 +103,9 @@ impl LogMeasurements {
                     section.codels.insert(path.to_owned());
                 }
             }
-            Some(origin @ (Origin::Measured | Origin::Simulated)) => self.sections.push(Section {
-                simulated: origin == Origin::Simulated,
-                ..Section::default()
-            }),
+            Some(origin @ (Origin::Measured | Origin::Simulated)) => self
+                .sections
+                .push(Section { simulated: origin == Origin::Simulated, ..Section::default() }),
             Some(Origin::End) | None => {}
         }
         let Some((line, kind)) = self.left.classify(&mut self.kinds, text, ended) else {
@@ -132,10 +131,7 @@ impl LogMeasurements {
             places.insert((site.component, site.codel, site.state.clone()), place);
         }
         let mut found = Measurements {
-            sites: sites
-                .into_iter()
-                .map(|site| (site, ExecutionTimes::default()))
-                .collect(),
+            sites: sites.into_iter().map(|site| (site, ExecutionTimes::default())).collect(),
             strays: Vec::new(),
             simulated: BTreeMap::new(),
         };

@@ -85,10 +85,7 @@ impl Machine {
     /// Enters a state whose codel was asked for at a time, in nanoseconds.
     fn enter(&mut self, at: &model::StateOutcome, asked: i64) -> StateEntry {
         // The last one: earlier ones may belong to interrupted activities.
-        let place = self
-            .awaited
-            .iter()
-            .rposition(|expected| expected.state == at.state);
+        let place = self.awaited.iter().rposition(|expected| expected.state == at.state);
         let is_alone = self.awaited.len() <= 1;
         let known = place.map(|place| self.awaited.remove(place));
         let is_first = !std::mem::replace(&mut self.seen, true);
@@ -106,11 +103,7 @@ impl Machine {
             if self.awaited.len() >= MAX_TRACKED_ACTIVITIES {
                 self.awaited.remove(0);
             }
-            self.awaited.push(ExpectedState {
-                state,
-                paused,
-                since,
-            });
+            self.awaited.push(ExpectedState { state, paused, since });
         }
         StateEntry {
             is_broken: known.is_none() && !starts && !is_first && !interrupted,
@@ -295,19 +288,10 @@ impl<'s> Monitor<'s> {
                 }
             }
             ResolvedKind::State(at) => self.state(at, kind, run),
-            ResolvedKind::Control {
-                codel,
-                component,
-                instance,
-                declared,
-            } => {
+            ResolvedKind::Control { codel, component, instance, declared } => {
                 self.codel(codel, &run);
                 if !declared
-                    && let Some(to) = self
-                        .kinds
-                        .all
-                        .get(kind as usize)
-                        .map(|kind| kind.to.clone())
+                    && let Some(to) = self.kinds.all.get(kind as usize).map(|kind| kind.to.clone())
                 {
                     let from = self.model.last_name(codel);
                     self.report(
@@ -363,18 +347,10 @@ impl<'s> Monitor<'s> {
         }
         let (least, greatest) = self.model.limits(codel);
         if let Some(limit) = greatest.filter(|&number| took > number + 1) {
-            self.report(
-                run,
-                self.model.path(codel),
-                DeviationKind::Longer { took, limit },
-            );
+            self.report(run, self.model.path(codel), DeviationKind::Longer { took, limit });
         }
         if let Some(limit) = least.filter(|&number| took + 1 < number) {
-            self.report(
-                run,
-                self.model.path(codel),
-                DeviationKind::Shorter { took, limit },
-            );
+            self.report(run, self.model.path(codel), DeviationKind::Shorter { took, limit });
         }
     }
 
@@ -384,15 +360,15 @@ impl<'s> Monitor<'s> {
         self.order.add(self.model.system, run, &mut all);
         for (codel, what) in all {
             let what = match what {
-                order::OrderViolation::Together(other) => DeviationKind::Together {
-                    other: self.model.path(other),
-                },
-                order::OrderViolation::Overtaken(other) => DeviationKind::Overtaken {
-                    other: self.model.path(other),
-                },
-                order::OrderViolation::SameThread(other) => DeviationKind::SameTask {
-                    other: self.model.path(other),
-                },
+                order::OrderViolation::Together(other) => {
+                    DeviationKind::Together { other: self.model.path(other) }
+                }
+                order::OrderViolation::Overtaken(other) => {
+                    DeviationKind::Overtaken { other: self.model.path(other) }
+                }
+                order::OrderViolation::SameThread(other) => {
+                    DeviationKind::SameTask { other: self.model.path(other) }
+                }
                 order::OrderViolation::SameCore(other, core) => DeviationKind::SameCore {
                     other: self.model.path(other),
                     // Scenarios count cores from 1.
@@ -427,11 +403,7 @@ impl<'s> Monitor<'s> {
         };
         self.check_order(run);
         if let CodelOutcome::Undeclared = at.to {
-            let to = self
-                .kinds
-                .all
-                .get(kind as usize)
-                .map(|kind| kind.to.clone());
+            let to = self.kinds.all.get(kind as usize).map(|kind| kind.to.clone());
             let what = DeviationKind::Transition {
                 from: self.model.last_name(at.codel),
                 to: to.unwrap_or_default(),
@@ -445,13 +417,8 @@ impl<'s> Monitor<'s> {
         let machine = self.machines.entry(key).or_default();
         let entry = machine.enter(&at, run.asked);
         if entry.is_broken {
-            let awaited = entry
-                .awaited
-                .map(|state| self.model.state_name(at.machine, state));
-            let what = DeviationKind::Elsewhere {
-                state: self.model.last_name(at.codel),
-                awaited,
-            };
+            let awaited = entry.awaited.map(|state| self.model.state_name(at.machine, state));
+            let what = DeviationKind::Elsewhere { state: self.model.last_name(at.codel), awaited };
             self.report(&run, self.model.path(at.codel), what);
         }
         // A chain of asynchronous codels with threads of their own lasts over several turns, and is not a
@@ -481,10 +448,7 @@ impl<'s> Monitor<'s> {
             if begins {
                 off = task.periodic.begins(since, period, latest);
             }
-            tick = task
-                .periodic
-                .tick(period)
-                .map_or(since, |tick| tick.min(since));
+            tick = task.periodic.tick(period).map_or(since, |tick| tick.min(since));
         }
         let mut beyond = None;
         if ends {
@@ -525,15 +489,13 @@ impl<'s> Monitor<'s> {
         });
         let executed = |pair: &&(CodelId, &Codel)| pair.1.runs > 0;
         let codels = self.codels.iter_enumerated();
-        let codels = codels
-            .filter(|codel| executed(&codel))
-            .map(|(number, codel)| CodelTimes {
-                codel: self.model.path(number),
-                runs: codel.runs,
-                greatest: codel.greatest,
-                waited: codel.waited,
-                declared: self.model.declared(number),
-            });
+        let codels = codels.filter(|codel| executed(&codel)).map(|(number, codel)| CodelTimes {
+            codel: self.model.path(number),
+            runs: codel.runs,
+            greatest: codel.greatest,
+            waited: codel.waited,
+            declared: self.model.declared(number),
+        });
         let never = self.model.codels_of_threads();
         let never =
             never.filter(|&codel| self.codels.get(codel).is_some_and(|codel| codel.runs == 0));

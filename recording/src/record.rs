@@ -57,10 +57,7 @@ impl RunInfo {
         if ended {
             metadata.insert(text("end"), self.end.to_string());
         }
-        Metadata {
-            name: RUN.to_owned(),
-            metadata,
-        }
+        Metadata { name: RUN.to_owned(), metadata }
     }
 }
 
@@ -102,12 +99,7 @@ impl<W: Write> Writer<W> {
         });
         let schema = out.add_schema("dotgen.Step", "jsonschema", schema.to_string().as_bytes())?;
         let steps = out.add_channel(schema, STEPS, "json", &BTreeMap::new())?;
-        Ok(Writer {
-            ports: FxHashMap::default(),
-            count: 0,
-            steps,
-            out,
-        })
+        Ok(Writer { ports: FxHashMap::default(), count: 0, steps, out })
     }
 
     /// Writes a step, at a time in nanoseconds.
@@ -152,12 +144,7 @@ impl<W: Write> Writer<W> {
     }
 
     fn write(&mut self, channel_id: u16, sequence: u32, at: u64, data: &[u8]) -> McapResult<()> {
-        let header = MessageHeader {
-            channel_id,
-            sequence,
-            log_time: at,
-            publish_time: at,
-        };
+        let header = MessageHeader { channel_id, sequence, log_time: at, publish_time: at };
         self.out.write_to_known_channel(&header, data)
     }
 

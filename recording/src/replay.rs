@@ -236,10 +236,7 @@ impl<'s> Replay<'s> {
 
     /// Returns the step by which an executor would end.
     fn end_of(&self, executor: usize) -> Step {
-        let ends = Action::Finish {
-            executor,
-            outcome: 0,
-        };
+        let ends = Action::Finish { executor, outcome: 0 };
         Step::new(self.system, &self.stepper, ends)
     }
 
@@ -290,9 +287,8 @@ impl<'s> Replay<'s> {
             let jump = Ticks::try_from(jump).unwrap_or(FOREVER - 1);
             let window = |stepper: &Stepper<'_>, executor| stepper.window(executor);
             let executors = 0..self.stepper.executors();
-            let before: Vec<_> = executors
-                .map(|executor| window(&self.stepper, executor))
-                .collect();
+            let before: Vec<_> =
+                executors.map(|executor| window(&self.stepper, executor)).collect();
             self.stepper.pass(jump, &mut self.seen);
             self.seen.clear();
             for (executor, before) in before.into_iter().enumerate() {
@@ -309,11 +305,7 @@ impl<'s> Replay<'s> {
     fn overrun(&mut self) -> bool {
         let mut any = false;
         for executor in 0..self.stepper.executors() {
-            if self
-                .stepper
-                .window(executor)
-                .is_some_and(|window| window.1 == 0)
-            {
+            if self.stepper.window(executor).is_some_and(|window| window.1 == 0) {
                 self.stepper.set_window(executor, (0, FOREVER));
                 self.longer[executor] = true;
                 any = true;
@@ -333,11 +325,7 @@ impl<'s> Replay<'s> {
             true => &whose,
             false => step,
         };
-        self.record_difference(
-            &step.clone(),
-            whose.rule,
-            DifferenceKind::Longer { took, limit },
-        );
+        self.record_difference(&step.clone(), whose.rule, DifferenceKind::Longer { took, limit });
     }
 
     fn took(&self, executor: usize) -> u64 {

@@ -145,10 +145,7 @@ impl Collector {
         if self.kinds.about(kind) == LineSubject::Garbage {
             return None;
         }
-        let (starts, pauses) = (
-            entry.from.ends_with("::start"),
-            entry.to.contains("::pause::"),
-        );
+        let (starts, pauses) = (entry.from.ends_with("::start"), entry.to.contains("::pause::"));
         let names = [&entry.instance, &entry.task, &entry.service, &entry.from];
         let names: Vec<String> = names.into_iter().cloned().collect();
         // A Tcl list that begins with an empty name is shorter by this name.
@@ -174,12 +171,7 @@ impl Collector {
         if task == next {
             self.tasks.push(TaskLines::default());
         }
-        Some(KindGroups {
-            task,
-            groups,
-            starts,
-            pauses,
-        })
+        Some(KindGroups { task, groups, starts, pauses })
     }
 
     /// Ends a file: its lines are sorted among those of earlier files.
@@ -276,11 +268,7 @@ impl Collector {
             }
             let next = froms.len();
             places.push(*froms.entry(&of.from).or_insert(next));
-            transitions.push(Transition {
-                from: of.from.clone(),
-                to: of.to.clone(),
-                count,
-            });
+            transitions.push(Transition { from: of.from.clone(), to: of.to.clone(), count });
         }
         let mut placed: Vec<_> = places.into_iter().zip(transitions).collect();
         placed.sort_by_key(|pair| pair.0);
@@ -331,11 +319,7 @@ impl GroupSums {
         let Some((run, place)) = self.pending.take() else {
             return;
         };
-        let cycle = if self.has_cycles {
-            run.cycle
-        } else {
-            Cycle::No
-        };
+        let cycle = if self.has_cycles { run.cycle } else { Cycle::No };
         self.execution.add(run.ended - run.began);
         if let Some(count) = self.counts.get_mut(place) {
             if *count == 0 {
@@ -418,9 +402,7 @@ pub fn lines(groups: &[Group]) -> String {
             let Transition { from, to, count } = edge;
             let total = group.execution.count;
             let (key, function) = (group_key(group), function(group));
-            out.push_str(&format!(
-                "trans {key} {function} {from} {to} {count}/{total}\n"
-            ));
+            out.push_str(&format!("trans {key} {function} {from} {to} {count}/{total}\n"));
         }
     }
     out
@@ -448,21 +430,15 @@ fn group_key(group: &Group) -> String {
 /// Returns words as a Tcl list: a text that would not be one word gets braces.
 fn list(words: &[String]) -> String {
     let special = |character: char| character.is_whitespace() || "{}\"[]$;\\".contains(character);
-    let words = words
-        .iter()
-        .map(|word| match word.is_empty() || word.contains(special) {
-            true => format!("{{{word}}}"),
-            false => word.clone(),
-        });
+    let words = words.iter().map(|word| match word.is_empty() || word.contains(special) {
+        true => format!("{{{word}}}"),
+        false => word.clone(),
+    });
     words.collect::<Vec<_>>().join(" ")
 }
 
 /// Returns seconds with nine digits. The fraction is never negative: -0.1 is -1 + 0.9.
 fn seconds(nanos: i64) -> String {
     let second = 1_000_000_000;
-    format!(
-        "{}.{:09}",
-        nanos.div_euclid(second),
-        nanos.rem_euclid(second)
-    )
+    format!("{}.{:09}", nanos.div_euclid(second), nanos.rem_euclid(second))
 }

@@ -87,12 +87,7 @@ impl<'n> Trace<'n> {
         let Some((line, kind)) = self.left.classify(&mut self.kinds, text, ended) else {
             return;
         };
-        self.runs.push(LoggedRun {
-            asked: line.asked,
-            began: line.began,
-            ended: line.ended,
-            kind,
-        });
+        self.runs.push(LoggedRun { asked: line.asked, began: line.began, ended: line.ended, kind });
     }
 
     /// Returns the bytes that the lines since the last call add to the trace.
@@ -234,10 +229,8 @@ impl Requests {
         let from = event(&kind.from);
         let place = match kind.task.as_str() {
             CONTROL => None,
-            _ => (open
-                .iter()
-                .rposition(|request| request.awaited == from.name))
-            .or_else(|| open.iter().position(|request| request.awaited.is_empty())),
+            _ => (open.iter().rposition(|request| request.awaited == from.name))
+                .or_else(|| open.iter().position(|request| request.awaited.is_empty())),
         };
         let mut request = match place {
             Some(place) => open.remove(place),
@@ -264,11 +257,7 @@ impl Requests {
         };
         match goes_on {
             true => open.push(request),
-            false => out.push(slice_of(
-                kind.instance.clone(),
-                kind.service.clone(),
-                &request,
-            )),
+            false => out.push(slice_of(kind.instance.clone(), kind.service.clone(), &request)),
         }
         Some(flow)
     }
@@ -286,11 +275,7 @@ impl Requests {
 
 fn slice_of(instance: String, service: String, request: &Request) -> Slice {
     Slice {
-        place: TrackPlace {
-            group: instance,
-            rank: 2,
-            track: format!("requests of {service}"),
-        },
+        place: TrackPlace { group: instance, rank: 2, track: format!("requests of {service}") },
         name: service,
         category: "request",
         begin: request.begin,

@@ -5,8 +5,7 @@ use dotgen_recording::statistics::{Collector, Group, lines};
 fn collected(files: &[&str]) -> Vec<Group> {
     let mut collector = Collector::default();
     for file in files {
-        file.lines()
-            .for_each(|line| collector.line(line.as_bytes(), true));
+        file.lines().for_each(|line| collector.line(line.as_bytes(), true));
         collector.file_ended();
     }
     collector.groups_in_order()
@@ -67,10 +66,7 @@ fn a_cycle_begins_after_a_pause_and_not_at_a_start() {
     ]
     .concat();
     let groups = collected(&[&log]);
-    let service = groups
-        .iter()
-        .find(|group| group.key.len() == 3)
-        .expect("a service");
+    let service = groups.iter().find(|group| group.key.len() == 3).expect("a service");
     // From the second start to the run after the second pause: that run ends a cycle, and the starts do not.
     let cycle = service.cycle.expect("one");
     assert_eq!((cycle.count, cycle.least), (1, 3_000_000_000));
@@ -83,10 +79,7 @@ fn of_lines_of_one_time_the_last_counts_wherever_they_stand() {
     let last = line("1", "1.1", "s", "start", "ether");
     let group = |files: &[&str]| collected(files).remove(0).execution;
     let one = group(&[&[late.clone(), first.clone(), last.clone()].concat()]);
-    assert_eq!(
-        (one.count, one.least, one.greatest),
-        (2, 100_000_000, 500_000_000)
-    );
+    assert_eq!((one.count, one.least, one.greatest), (2, 100_000_000, 500_000_000));
     assert_eq!(group(&[&[late, first].concat(), &last]), one);
 }
 
@@ -100,24 +93,15 @@ fn cut_lines_count_with_what_they_have() {
     assert!(text.contains("\nexec {} * * * 1 1.000000000 "), "{text}");
     let groups = collected(&["1.0 1.0 0.500000000 c t s f a b"]);
     // Half a second backwards: -1 s and half a second.
-    assert!(
-        lines(&groups).contains("exec c t s a f 1 -1.500000000 "),
-        "{}",
-        lines(&groups)
-    );
+    assert!(lines(&groups).contains("exec c t s a f 1 -1.500000000 "), "{}", lines(&groups));
 }
 
 #[test]
 fn steps_of_the_clock_are_no_reason_to_fail() {
     let far = line("9000000000", "9000000000.1", "s", "start", "ether");
     let near = line("1", "1.1", "s", "start", "ether");
-    let log: String = (0..40)
-        .map(|number| if number % 2 == 0 { &*near } else { &*far })
-        .collect();
+    let log: String = (0..40).map(|number| if number % 2 == 0 { &*near } else { &*far }).collect();
     let groups = collected(&[&log]);
     assert_eq!(groups[0].execution.count, 2);
-    assert_eq!(
-        groups[0].cycle.map(|cycle| cycle.least),
-        Some(8_999_999_999_000_000_000)
-    );
+    assert_eq!(groups[0].cycle.map(|cycle| cycle.least), Some(8_999_999_999_000_000_000));
 }

@@ -61,11 +61,7 @@ type Bytes = Result<Vec<u8>, ValueError>;
 impl<'s> Payloads<'s> {
     /// The payloads of a component.
     pub fn new(spec: &'s Spec, component: &'s Component) -> Self {
-        Payloads {
-            spec,
-            component,
-            values: Values::new(spec),
-        }
+        Payloads { spec, component, values: Values::new(spec) }
     }
 
     /// The message of the data of a port.

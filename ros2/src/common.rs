@@ -4,52 +4,22 @@ use crate::description::{Base, Count, Field, FieldType, Types};
 
 /// Messages, with their fields as in `.msg` files, and their defaults.
 const COMMON: &[(&str, &[&str])] = &[
-    (
-        "builtin_interfaces/msg/Time",
-        &["int32 sec", "uint32 nanosec"],
-    ),
-    (
-        "std_msgs/msg/Header",
-        &["builtin_interfaces/Time stamp", "string frame_id"],
-    ),
-    (
-        "geometry_msgs/msg/Point",
-        &["float64 x", "float64 y", "float64 z"],
-    ),
-    (
-        "geometry_msgs/msg/Quaternion",
-        &["float64 x", "float64 y", "float64 z", "float64 w 1"],
-    ),
-    (
-        "geometry_msgs/msg/Vector3",
-        &["float64 x", "float64 y", "float64 z"],
-    ),
+    ("builtin_interfaces/msg/Time", &["int32 sec", "uint32 nanosec"]),
+    ("std_msgs/msg/Header", &["builtin_interfaces/Time stamp", "string frame_id"]),
+    ("geometry_msgs/msg/Point", &["float64 x", "float64 y", "float64 z"]),
+    ("geometry_msgs/msg/Quaternion", &["float64 x", "float64 y", "float64 z", "float64 w 1"]),
+    ("geometry_msgs/msg/Vector3", &["float64 x", "float64 y", "float64 z"]),
     (
         "geometry_msgs/msg/Pose",
-        &[
-            "geometry_msgs/Point position",
-            "geometry_msgs/Quaternion orientation",
-        ],
+        &["geometry_msgs/Point position", "geometry_msgs/Quaternion orientation"],
     ),
-    (
-        "geometry_msgs/msg/PoseStamped",
-        &["std_msgs/Header header", "geometry_msgs/Pose pose"],
-    ),
+    ("geometry_msgs/msg/PoseStamped", &["std_msgs/Header header", "geometry_msgs/Pose pose"]),
     (
         "geometry_msgs/msg/PoseWithCovariance",
         &["geometry_msgs/Pose pose", "float64[36] covariance"],
     ),
-    (
-        "geometry_msgs/msg/Twist",
-        &[
-            "geometry_msgs/Vector3 linear",
-            "geometry_msgs/Vector3 angular",
-        ],
-    ),
-    (
-        "geometry_msgs/msg/TwistStamped",
-        &["std_msgs/Header header", "geometry_msgs/Twist twist"],
-    ),
+    ("geometry_msgs/msg/Twist", &["geometry_msgs/Vector3 linear", "geometry_msgs/Vector3 angular"]),
+    ("geometry_msgs/msg/TwistStamped", &["std_msgs/Header header", "geometry_msgs/Twist twist"]),
     (
         "geometry_msgs/msg/TwistWithCovariance",
         &["geometry_msgs/Twist twist", "float64[36] covariance"],

@@ -50,11 +50,7 @@ pub fn conversions(
         let keys = vec![component.name.to_string(), name.clone()];
         let mut ports = (0u32..).zip(&component.ports);
         let Some((index, port)) = ports.find(|(_, port)| port.name == name.as_str()) else {
-            let names: Vec<&str> = component
-                .ports
-                .iter()
-                .map(|port| port.name.as_str())
-                .collect();
+            let names: Vec<&str> = component.ports.iter().map(|port| port.name.as_str()).collect();
             let component = &component.name;
             let advice = advice(name, &names);
             let why = format!("`{component}` has no port `{name}`; {advice}");
@@ -68,10 +64,7 @@ pub fn conversions(
                 why: "an input port reads its message: remove the constants".to_owned(),
             });
         }
-        match rule
-            .plan(&keys)
-            .and_then(|plan| Conversion::new(spec, port, plan))
-        {
+        match rule.plan(&keys).and_then(|plan| Conversion::new(spec, port, plan)) {
             Ok(conversion) => {
                 out.insert(index, conversion);
             }
@@ -129,13 +122,7 @@ impl Conversion {
         now: Stamp,
     ) -> Result<Option<Vec<u8>>, ValueError> {
         let mut found = vec![None; self.leaves.len()];
-        read(
-            spec,
-            self.ty,
-            Some(&self.members),
-            &mut Reader::new(data),
-            &mut found,
-        )?;
+        read(spec, self.ty, Some(&self.members), &mut Reader::new(data), &mut found)?;
         let mut out = CdrWriter::new(Unions::Branches);
         for ((leaf, source), member) in self.leaves.iter().zip(found) {
             let value = match source {
@@ -273,9 +260,7 @@ fn read(
         }
         (_, Some(Members::Scalar(leaves))) => {
             let value = Scalar::read(kind, from)?;
-            leaves
-                .iter()
-                .for_each(|&leaf| found[leaf] = Some(value.clone()));
+            leaves.iter().for_each(|&leaf| found[leaf] = Some(value.clone()));
         }
         // The value is skipped.
         _ => CdrWriter::new(Unions::Branches).value(Values::new(spec), ty, from)?,
@@ -299,9 +284,7 @@ fn find(spec: &Spec, ty: TypeId, path: &str) -> Result<(Vec<u64>, TypeId), Strin
         if path[begin..].starts_with('.') || step.is_empty() {
             return Err(format!("`{path}` has a point without a member after it"));
         }
-        let index = step
-            .strip_prefix('[')
-            .and_then(|rest| rest.strip_suffix(']'));
+        let index = step.strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
         let index = index.and_then(|digits| digits.parse::<u64>().ok());
         at = begin + step.len();
         let (index, inner) = match (&spec.ty(ty).kind, index) {

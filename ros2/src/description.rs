@@ -111,10 +111,7 @@ impl FieldType {
 
 impl From<Base> for FieldType {
     fn from(base: Base) -> Self {
-        FieldType {
-            base,
-            count: Count::One,
-        }
+        FieldType { base, count: Count::One }
     }
 }
 
@@ -132,11 +129,7 @@ pub struct Field {
 impl Field {
     /// A field.
     pub fn new(name: impl Into<String>, ty: impl Into<FieldType>) -> Self {
-        Field {
-            name: name.into(),
-            ty: ty.into(),
-            constants: None,
-        }
+        Field { name: name.into(), ty: ty.into(), constants: None }
     }
 }
 
@@ -149,20 +142,12 @@ impl Types {
     /// The types of ROS 2 that services and actions need.
     pub fn standard() -> Self {
         let mut out = Types::default();
-        let bytes = || FieldType {
-            base: Base::Uint8,
-            count: Count::Exactly(16),
-        };
-        let list = |name: &str| FieldType {
-            base: Base::Nested(name.to_owned()),
-            count: Count::Any,
-        };
+        let bytes = || FieldType { base: Base::Uint8, count: Count::Exactly(16) };
+        let list =
+            |name: &str| FieldType { base: Base::Nested(name.to_owned()), count: Count::Any };
         let field = |name: &str, ty: FieldType| Field::new(name, ty);
         let nested = |name: &str| FieldType::nested(name);
-        let time = vec![
-            field("sec", Base::Int32.into()),
-            field("nanosec", Base::Uint32.into()),
-        ];
+        let time = vec![field("sec", Base::Int32.into()), field("nanosec", Base::Uint32.into())];
         out.add(TIME, time);
         out.add(UUID, vec![field("uuid", bytes())]);
         let event = vec![
@@ -174,21 +159,15 @@ impl Types {
         out.add(EVENT, event);
         let goal = vec![field("goal_id", nested(UUID)), field("stamp", nested(TIME))];
         out.add(GOAL_INFO, goal);
-        let status = vec![
-            field("goal_info", nested(GOAL_INFO)),
-            field("status", Base::Int8.into()),
-        ];
+        let status =
+            vec![field("goal_info", nested(GOAL_INFO)), field("status", Base::Int8.into())];
         out.add(GOAL_STATUS, status);
         out.add(STATUS_ARRAY, vec![field("status_list", list(GOAL_STATUS))]);
         let response = vec![
             field("return_code", Base::Int8.into()),
             field("goals_canceling", list(GOAL_INFO)),
         ];
-        out.service(
-            CANCEL_GOAL,
-            vec![field("goal_info", nested(GOAL_INFO))],
-            response,
-        );
+        out.service(CANCEL_GOAL, vec![field("goal_info", nested(GOAL_INFO))], response);
         out
     }
 
@@ -206,10 +185,8 @@ impl Types {
             ["Request", "Response", "Event"].map(|text| format!("{name}_{text}"));
         self.add(&request_name, request);
         self.add(&response_name, response);
-        let optional = |name: &str| FieldType {
-            base: Base::Nested(name.to_owned()),
-            count: Count::AtMost(1),
-        };
+        let optional =
+            |name: &str| FieldType { base: Base::Nested(name.to_owned()), count: Count::AtMost(1) };
         let event = vec![
             Field::new("info", FieldType::nested(EVENT)),
             Field::new("request", optional(&request_name)),
@@ -238,16 +215,11 @@ impl Types {
             self.add(&format!("{name}_{part}"), fields);
         }
         let id = || Field::new("goal_id", FieldType::nested(UUID));
-        let accepted = vec![
-            Field::new("accepted", Base::Bool),
-            Field::new("stamp", FieldType::nested(TIME)),
-        ];
+        let accepted =
+            vec![Field::new("accepted", Base::Bool), Field::new("stamp", FieldType::nested(TIME))];
         let request = vec![id(), Field::new("goal", part("Goal"))];
         self.service(&format!("{name}_SendGoal"), request, accepted);
-        let response = vec![
-            Field::new("status", Base::Int8),
-            Field::new("result", part("Result")),
-        ];
+        let response = vec![Field::new("status", Base::Int8), Field::new("result", part("Result"))];
         self.service(&format!("{name}_GetResult"), vec![id()], response);
         let message = vec![id(), Field::new("feedback", part("Feedback"))];
         self.add(&format!("{name}_FeedbackMessage"), message);
@@ -292,11 +264,8 @@ impl Types {
 
     /// The hash of a type: `RIHS01_…`. Every type that it refers to has to be there.
     pub fn hash(&self, name: &str) -> String {
-        let referenced: Vec<String> = self
-            .referenced(name)
-            .into_iter()
-            .map(|name| self.json(name))
-            .collect();
+        let referenced: Vec<String> =
+            self.referenced(name).into_iter().map(|name| self.json(name)).collect();
         let text = format!(
             "{{\"type_description\": {}, \"referenced_type_descriptions\": [{}]}}",
             self.json(name),
@@ -331,10 +300,7 @@ impl Types {
             )
         });
         let fields: Vec<String> = fields.collect();
-        format!(
-            "{{\"type_name\": \"{name}\", \"fields\": [{}]}}",
-            fields.join(", ")
-        )
+        format!("{{\"type_name\": \"{name}\", \"fields\": [{}]}}", fields.join(", "))
     }
 }
 

@@ -46,10 +46,8 @@ pub fn interfaces(
     types_of_modules(&mut mapping, spec, &mut refused);
     let mut files = BTreeMap::new();
     let packages: Vec<String> = mapping.packages().map(str::to_owned).collect();
-    let needs: BTreeMap<&str, BTreeSet<String>> = packages
-        .iter()
-        .map(|package| (package.as_str(), needs(&mapping, package)))
-        .collect();
+    let needs: BTreeMap<&str, BTreeSet<String>> =
+        packages.iter().map(|package| (package.as_str(), needs(&mapping, package))).collect();
     for package in &packages {
         if let Some(with) = circle(package, &needs) {
             let src = first_src(&mapping, package);
@@ -104,17 +102,11 @@ pub fn interfaces(
 /// A rule does not fit its component.
 pub fn packages(spec: &Spec, rules: &Rules) -> Result<Ros2Packages, Vec<RuleError>> {
     let all = spec.components.iter();
-    let all: Vec<&Component> = all
-        .filter(|component| component.kind == ComponentKind::Component)
-        .collect();
+    let all: Vec<&Component> =
+        all.filter(|component| component.kind == ComponentKind::Component).collect();
     let Interfaces { files, refused } = interfaces(spec, &all, rules)?;
-    let refused = refused
-        .iter()
-        .map(|refusal| (refusal.src, refusal.to_string()));
-    Ok(Ros2Packages {
-        files,
-        refused: refused.collect(),
-    })
+    let refused = refused.iter().map(|refusal| (refusal.src, refusal.to_string()));
+    Ok(Ros2Packages { files, refused: refused.collect() })
 }
 
 /// Adds all types of the packages in use, except for those of components. Types may need further packages.
@@ -138,10 +130,7 @@ fn add_types(mapping: &mut Mapping<'_>, spec: &Spec, refused: &mut Vec<Refusal>)
             TypeKind::Exception { members } => !members.is_empty(),
             _ => false,
         };
-        let modules = entry
-            .scope
-            .iter()
-            .filter(|scope| scope.kind == ScopeKind::Module);
+        let modules = entry.scope.iter().filter(|scope| scope.kind == ScopeKind::Module);
         let modules: Vec<&str> = modules.map(|module| module.name.as_str()).collect();
         let is_internal = spec.components.iter().any(|component| {
             component.kind == ComponentKind::Component
@@ -197,11 +186,7 @@ fn heading(mapping: &Mapping<'_>, name: &str) -> String {
 fn line(field: &Field, out: &mut String) {
     let _ = write!(out, "{} {}", field.ty.text(), field.name);
     if let Some(constants) = &field.constants {
-        let _ = write!(
-            out,
-            "  # a constant of {}",
-            constants.replacen("/msg/", "/", 1)
-        );
+        let _ = write!(out, "  # a constant of {}", constants.replacen("/msg/", "/", 1));
     }
     out.push('\n');
 }
@@ -209,12 +194,7 @@ fn line(field: &Field, out: &mut String) {
 /// The packages that a package depends on.
 fn needs(mapping: &Mapping<'_>, package: &str) -> BTreeSet<String> {
     let of_package = format!("{package}/");
-    let own = || {
-        mapping
-            .types
-            .names()
-            .filter(|name| name.starts_with(&of_package))
-    };
+    let own = || mapping.types.names().filter(|name| name.starts_with(&of_package));
     let fields = own().flat_map(|text| mapping.types.fields(text).unwrap_or_default());
     let nested = fields.filter_map(|field| match &field.ty.base {
         Base::Nested(name) => name.split('/').next(),
@@ -252,14 +232,8 @@ fn circle<'n>(package: &str, needs: &'n BTreeMap<&str, BTreeSet<String>>) -> Opt
 
 fn first_src(mapping: &Mapping<'_>, package: &str) -> Src {
     let of_package = format!("{package}/");
-    let mut names = mapping
-        .types
-        .names()
-        .filter(|name| name.starts_with(&of_package));
-    names
-        .find_map(|name| mapping.origin(name))
-        .map(|origin| origin.1)
-        .unwrap_or_default()
+    let mut names = mapping.types.names().filter(|name| name.starts_with(&of_package));
+    names.find_map(|name| mapping.origin(name)).map(|origin| origin.1).unwrap_or_default()
 }
 
 fn manifest(package: &str, needs: &BTreeSet<String>) -> String {
@@ -290,10 +264,7 @@ fn build(package: &str, sources: &[String], needs: &BTreeSet<String>) -> String 
         let needs: Vec<&str> = needs.iter().map(String::as_str).collect();
         depends = format!("  DEPENDENCIES {}\n", needs.join(" "));
     }
-    let sources: String = sources
-        .iter()
-        .map(|source| format!("  \"{source}\"\n"))
-        .collect();
+    let sources: String = sources.iter().map(|source| format!("  \"{source}\"\n")).collect();
     format!(
         "cmake_minimum_required(VERSION 3.20)\nproject({package})\n\nfind_package(ament_cmake REQUIRED)\n\
          find_package(rosidl_default_generators REQUIRED)\n{find}\n\

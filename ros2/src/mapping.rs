@@ -123,16 +123,10 @@ impl<'s> Mapping<'s> {
         ty: TypeId,
         place: &Place,
     ) -> Result<Field, Obstacle> {
-        let obstacle = |why| Obstacle {
-            why,
-            src: place.src,
-        };
+        let obstacle = |why| Obstacle { why, src: place.src };
         let field = names::field(name).map_err(obstacle)?;
         let local = names::camel(name).map_err(obstacle)?;
-        let place = Place {
-            local: place.local.clone() + &local,
-            ..place.clone()
-        };
+        let place = Place { local: place.local.clone() + &local, ..place.clone() };
         let mut out = Field::new(field, self.field_type(ty, &place)?);
         out.constants = self.constants_of(ty);
         Ok(out)
@@ -184,11 +178,8 @@ impl<'s> Mapping<'s> {
 
     /// Adds the message of a type with a name.
     pub(crate) fn named(&mut self, ty: TypeId) -> Result<(), Obstacle> {
-        let place = Place {
-            package: String::new(),
-            local: String::new(),
-            src: self.spec.ty(ty).src,
-        };
+        let place =
+            Place { package: String::new(), local: String::new(), src: self.spec.ty(ty).src };
         self.field_type(ty, &place).map(|_| ())
     }
 
@@ -210,11 +201,7 @@ impl<'s> Mapping<'s> {
         self.claim(&name, origin, place.src)?;
         let fields = vec![Field::new("data", data)];
         // Parameters of different services may give types without a name the same one.
-        if self
-            .types
-            .fields(&name)
-            .is_some_and(|field| *field != *fields)
-        {
+        if self.types.fields(&name).is_some_and(|field| *field != *fields) {
             return Err(Obstacle {
                 why: format!("two types would be `{name}`: name one by a typedef"),
                 src: place.src,
@@ -228,10 +215,8 @@ impl<'s> Mapping<'s> {
     fn name_of(&mut self, ty: TypeId) -> Result<String, Obstacle> {
         let known_type = self.spec.ty(ty);
         let package = self.package(&known_type.scope, known_type.src)?;
-        let (_, local) = names::of_type(self.spec, ty).map_err(|why| Obstacle {
-            why,
-            src: known_type.src,
-        })?;
+        let (_, local) =
+            names::of_type(self.spec, ty).map_err(|why| Obstacle { why, src: known_type.src })?;
         Ok(format!("{package}/msg/{local}"))
     }
 
@@ -333,10 +318,7 @@ impl<'s> Mapping<'s> {
 
     /// The type of the elements of a sequence, array or optional. Elements of several values are messages.
     fn element(&mut self, ty: TypeId, place: &Place) -> Result<Base, Obstacle> {
-        let place = Place {
-            local: format!("{}Item", place.local),
-            ..place.clone()
-        };
+        let place = Place { local: format!("{}Item", place.local), ..place.clone() };
         let field_type = self.field_type(ty, &place)?;
         match field_type.count {
             Count::One => Ok(field_type.base),
@@ -368,11 +350,7 @@ impl<'s> Mapping<'s> {
         let name = self.name_of(ty)?;
         self.claim(&name, Phrase::name(full.as_str()), src)?;
         let (package, local) = name.split_once("/msg/").unwrap_or_default();
-        let place = Place {
-            package: package.to_owned(),
-            local: local.to_owned(),
-            src,
-        };
+        let place = Place { package: package.to_owned(), local: local.to_owned(), src };
         self.around.push(ty);
         let fields = self.members(switch, members, &place);
         self.around.pop();
@@ -396,10 +374,7 @@ impl<'s> Mapping<'s> {
         for &ty in members {
             let name = self.plain_name(ty);
             let src = self.spec.ty(ty).src;
-            let place = Place {
-                src,
-                ..place.clone()
-            };
+            let place = Place { src, ..place.clone() };
             let mut field = self.field(&name, ty, &place)?;
             if switch.is_some() {
                 if field.ty.count != Count::One {
@@ -450,9 +425,8 @@ pub(crate) fn distinct(fields: &[Field], src: Src) -> Result<(), Obstacle> {
     let mut seen = BTreeSet::new();
     match fields.iter().find(|field| !seen.insert(&field.name)) {
         None => Ok(()),
-        Some(field) => Err(Obstacle {
-            why: format!("two fields become `{}`: rename one", field.name),
-            src,
-        }),
+        Some(field) => {
+            Err(Obstacle { why: format!("two fields become `{}`: rename one", field.name), src })
+        }
     }
 }

@@ -69,9 +69,7 @@ fn becomes(of: &str, name: &str) -> String {
 /// The name if it can be used.
 fn checked(name: String, of: &str) -> Result<String, String> {
     if !name.starts_with(|c: char| c.is_ascii_lowercase()) {
-        return Err(format!(
-            "`{of}` has no name in ROS 2: begin it with a letter"
-        ));
+        return Err(format!("`{of}` has no name in ROS 2: begin it with a letter"));
     }
     let word = format!(" {name} ");
     let kind = if KEYWORDS.contains(&word) {
@@ -124,17 +122,13 @@ pub fn constant(name: &str) -> Result<String, String> {
     let out = snake(name).to_ascii_uppercase();
     match out.starts_with(|c: char| c.is_ascii_uppercase()) {
         true => Ok(out),
-        false => Err(format!(
-            "`{name}` has no name in ROS 2: begin it with a letter"
-        )),
+        false => Err(format!("`{name}` has no name in ROS 2: begin it with a letter")),
     }
 }
 
 /// Returns true for the name of a macro, which generated C++ cannot declare as a constant.
 pub(crate) fn is_macro(constant: &str) -> bool {
-    UPPER_CASE_MACROS
-        .split_whitespace()
-        .any(|word| word == constant)
+    UPPER_CASE_MACROS.split_whitespace().any(|word| word == constant)
 }
 
 /// The generated files of a message, service or action: `demo/msg/max_speed` for `demo/msg/MaxSpeed`, but
@@ -169,9 +163,7 @@ pub fn camel(name: &str) -> Result<String, String> {
     }
     match out.starts_with(|c: char| c.is_ascii_uppercase()) {
         true => Ok(out),
-        false => Err(format!(
-            "`{name}` has no name in ROS 2: begin it with a letter"
-        )),
+        false => Err(format!("`{name}` has no name in ROS 2: begin it with a letter")),
     }
 }
 
@@ -187,9 +179,7 @@ pub fn service(name: &str, is_action: bool) -> Result<String, String> {
     };
     match members.contains(&local.as_str()) {
         false => Ok(local),
-        true => Err(format!(
-            "`{name}` becomes `{local}`, a member of its class in C++: rename it"
-        )),
+        true => Err(format!("`{name}` becomes `{local}`, a member of its class in C++: rename it")),
     }
 }
 

@@ -75,14 +75,7 @@ impl Endpoint {
 
     /// The liveliness token, by the node and the number of the endpoint in its session.
     pub fn token(&self, node: NodeId<'_>, number: u32) -> String {
-        let Endpoint {
-            kind,
-            topic,
-            type_name,
-            hash,
-            qos,
-            ..
-        } = self;
+        let Endpoint { kind, topic, type_name, hash, qos, .. } = self;
         node.endpoint_token(number, *kind, topic, type_name, hash, *qos)
     }
 }
@@ -135,19 +128,11 @@ pub(crate) fn offer(
     conversions: &Conversions,
 ) -> Result<(Vec<Endpoint>, Vec<Refusal>), Refusal> {
     let part = || format!("component `{}`", component.name);
-    let name = names::topic([component.name.as_str()]).map_err(|why| Obstacle {
-        why,
-        src: component.src,
-    });
+    let name =
+        names::topic([component.name.as_str()]).map_err(|why| Obstacle { why, src: component.src });
     let package = name.and_then(|_| mapping.package(&[module(component)], component.src));
     let package = package.map_err(|error| refusal(part(), error))?;
-    let mut offer = Offer {
-        mapping,
-        spec,
-        component,
-        package,
-        endpoints: Vec::new(),
-    };
+    let mut offer = Offer { mapping, spec, component, package, endpoints: Vec::new() };
     let mut refused = Vec::new();
     for (index, port) in (0u32..).zip(&component.ports) {
         if let Err(error) = offer.port(index, port, conversions.get(&index)) {
@@ -165,19 +150,12 @@ pub(crate) fn offer(
 }
 
 fn refusal(part: String, obstacle: Obstacle) -> Refusal {
-    Refusal {
-        part,
-        why: obstacle.why,
-        src: obstacle.src,
-    }
+    Refusal { part, why: obstacle.why, src: obstacle.src }
 }
 
 /// The scope that a component is for its declarations.
 fn module(component: &Component) -> Scope {
-    Scope {
-        kind: ScopeKind::Module,
-        name: component.name.clone(),
-    }
+    Scope { kind: ScopeKind::Module, name: component.name.clone() }
 }
 
 /// The endpoints of a component, as far as they are found.
@@ -226,10 +204,7 @@ impl Offer<'_, '_> {
     }
 
     fn service(&mut self, index: u32, service: &Service) -> Result<(), Obstacle> {
-        let obstacle = |why| Obstacle {
-            why,
-            src: service.src,
-        };
+        let obstacle = |why| Obstacle { why, src: service.src };
         let topic = [self.component.name.as_str(), service.name.as_str()];
         let topic = names::topic(topic).map_err(obstacle)?;
         let is_action = service.kind == ServiceKind::Activity;
@@ -255,41 +230,11 @@ impl Offer<'_, '_> {
         let (server, publisher) = (Kind::Server, Kind::Publisher);
         let (volatile, latched) = (Qos::Volatile, Qos::Latched);
         let all = [
-            (
-                Part::SendGoal(index),
-                server,
-                "send_goal",
-                of("SendGoal"),
-                volatile,
-            ),
-            (
-                Part::GetResult(index),
-                server,
-                "get_result",
-                of("GetResult"),
-                volatile,
-            ),
-            (
-                Part::CancelGoal(index),
-                server,
-                "cancel_goal",
-                CANCEL_GOAL.to_owned(),
-                volatile,
-            ),
-            (
-                Part::Feedback(index),
-                publisher,
-                "feedback",
-                of("FeedbackMessage"),
-                volatile,
-            ),
-            (
-                Part::Status(index),
-                publisher,
-                "status",
-                STATUS_ARRAY.to_owned(),
-                latched,
-            ),
+            (Part::SendGoal(index), server, "send_goal", of("SendGoal"), volatile),
+            (Part::GetResult(index), server, "get_result", of("GetResult"), volatile),
+            (Part::CancelGoal(index), server, "cancel_goal", CANCEL_GOAL.to_owned(), volatile),
+            (Part::Feedback(index), publisher, "feedback", of("FeedbackMessage"), volatile),
+            (Part::Status(index), publisher, "status", STATUS_ARRAY.to_owned(), latched),
         ];
         for (part, kind, word, ty, qos) in all {
             self.add(part, kind, format!("{topic}/_action/{word}"), &ty, qos);
@@ -335,11 +280,8 @@ impl Offer<'_, '_> {
                 continue;
             }
             let full = self.spec.full_name(ty).unwrap_or_default();
-            let place = Place {
-                package: self.package.clone(),
-                local: String::new(),
-                src: known_type.src,
-            };
+            let place =
+                Place { package: self.package.clone(), local: String::new(), src: known_type.src };
             let mut field = self.mapping.field(&full.replace("::", "_"), ty, &place)?;
             field.ty.count = Count::AtMost(1);
             out.push(field);

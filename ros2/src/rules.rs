@@ -85,16 +85,12 @@ impl Rule {
         let short = self.message.replacen("/msg/", "/", 1);
         let message = short.replacen('/', "/msg/", 1);
         if !common::names().any(|name| name == message) {
-            let names: Vec<String> = common::names()
-                .map(|name| name.replacen("/msg/", "/", 1))
-                .collect();
+            let names: Vec<String> =
+                common::names().map(|name| name.replacen("/msg/", "/", 1)).collect();
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             return Err(vec![RuleError {
                 keys: below("type"),
-                why: format!(
-                    "`{short}` is not a known message; {}",
-                    advice(&short, &names)
-                ),
+                why: format!("`{short}` is not a known message; {}", advice(&short, &names)),
             }]);
         }
         let leaves = common::leaves(&message).into_iter();
@@ -118,10 +114,7 @@ impl Rule {
             errors.push(RuleError { keys, why });
         }
         let stamp = |leaf: &Leaf| leaf.path.starts_with("header.stamp.");
-        if leaves
-            .iter()
-            .all(|(leaf, source)| !stamp(leaf) || *source == Source::Default)
-        {
+        if leaves.iter().all(|(leaf, source)| !stamp(leaf) || *source == Source::Default) {
             let stamps = leaves.iter_mut().filter(|(leaf, _)| stamp(leaf));
             stamps.for_each(|(_, source)| *source = Source::Now);
         }
@@ -189,22 +182,16 @@ fn assign_constant(entry: &Entry<'_>, leaves: &mut [(Leaf, Source)]) -> Result<(
             Base::String => (value.is_string(), "a string"),
             Base::Float64 => (value.is_number(), "a number"),
             Base::Int32 => (
-                value
-                    .as_i64()
-                    .is_some_and(|number| i32::try_from(number).is_ok()),
+                value.as_i64().is_some_and(|number| i32::try_from(number).is_ok()),
                 "a whole number of 32 bits",
             ),
             // Nanoseconds of a time.
             _ if leaves[at].0.is_time => (
-                value
-                    .as_u64()
-                    .is_some_and(|number| number < u64::from(SECOND)),
+                value.as_u64().is_some_and(|number| number < u64::from(SECOND)),
                 "a whole number from 0 to 999999999",
             ),
             _ => (
-                value
-                    .as_u64()
-                    .is_some_and(|number| u32::try_from(number).is_ok()),
+                value.as_u64().is_some_and(|number| u32::try_from(number).is_ok()),
                 "a whole number from 0 to 4294967295",
             ),
         };
@@ -227,9 +214,8 @@ fn assign((leaf, source): &mut (Leaf, Source), value: Source) -> Result<(), Stri
 
 /// The leaves of a field, which is a leaf itself, or a message or array.
 fn targets(field: &str, leaves: &[(Leaf, Source)]) -> Result<Vec<usize>, String> {
-    let found: Vec<usize> = (0..leaves.len())
-        .filter(|&at| below(field, &leaves[at].0.path).is_some())
-        .collect();
+    let found: Vec<usize> =
+        (0..leaves.len()).filter(|&at| below(field, &leaves[at].0.path).is_some()).collect();
     match found.is_empty() {
         true => Err(unknown(field, leaves)),
         false => Ok(found),

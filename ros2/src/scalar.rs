@@ -169,9 +169,7 @@ pub(crate) fn fits(kind: &TypeKind, path: &str, leaf: &Leaf, dir: PortDir) -> Re
         _ => kind.word().to_owned(),
     };
     let (Some(member), Some(field)) = (Range::of(kind), Range::of_base(&leaf.base)) else {
-        return Err(format!(
-            "`{path}` is of type `{word}`: assign a number or a string"
-        ));
+        return Err(format!("`{path}` is of type `{word}`: assign a number or a string"));
     };
     if leaf.is_time && matches!(member, Range::Integers(..)) {
         return Ok(());

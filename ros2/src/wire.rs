@@ -95,12 +95,7 @@ impl NodeId<'_> {
     }
 
     fn start(&self, number: u32, kind: &str) -> String {
-        let NodeId {
-            domain,
-            session,
-            number: node,
-            name,
-        } = self;
+        let NodeId { domain, session, number: node, name } = self;
         format!("@ros2_lv/{domain}/{session}/{node}/{number}/{kind}/%/%/{name}")
     }
 }
@@ -151,46 +146,25 @@ impl Attachment {
 mod tests {
     use super::*;
 
-    const NODE: NodeId<'_> = NodeId {
-        domain: 0,
-        session: "a1b2",
-        number: 3,
-        name: "pump",
-    };
+    const NODE: NodeId<'_> = NodeId { domain: 0, session: "a1b2", number: 3, name: "pump" };
 
     #[test]
     fn keys_and_tokens_have_their_parts() {
         assert_eq!(
-            key(
-                7,
-                "/pump/fill/_action/send_goal",
-                "pump/action/Fill_SendGoal",
-                "RIHS01_0"
-            ),
+            key(7, "/pump/fill/_action/send_goal", "pump/action/Fill_SendGoal", "RIHS01_0"),
             "7/pump/fill/_action/send_goal/pump::action::dds_::Fill_SendGoal_/RIHS01_0"
         );
         assert_eq!(NODE.token(), "@ros2_lv/0/a1b2/3/3/NN/%/%/pump");
         let kind = Kind::Publisher;
         assert_eq!(
-            NODE.endpoint_token(
-                4,
-                kind,
-                "/pump/level",
-                "pump/msg/Level",
-                "RIHS01_0",
-                Qos::Latched
-            ),
+            NODE.endpoint_token(4, kind, "/pump/level", "pump/msg/Level", "RIHS01_0", Qos::Latched),
             "@ros2_lv/0/a1b2/3/4/MP/%/%/pump/%pump%level/pump::msg::dds_::Level_/RIHS01_0/:1:,1:,:,:,,"
         );
     }
 
     #[test]
     fn attachments_are_read_back_and_others_refused() {
-        let attachment = Attachment {
-            sequence: -2,
-            time: 1_000_000_007,
-            gid: gid(&NODE.token()),
-        };
+        let attachment = Attachment { sequence: -2, time: 1_000_000_007, gid: gid(&NODE.token()) };
         let bytes = attachment.to_bytes();
         assert_eq!(bytes[..8], [0xfe, 255, 255, 255, 255, 255, 255, 255]);
         assert_eq!(Attachment::read(&bytes), Some(attachment));

@@ -52,15 +52,10 @@ sensor_msgs/msg/Imu 7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf7157400
 fn rules(port: &str, message: &str, fields: &Value, constants: &Value) -> Rules {
     let table = |value: &Value| -> BTreeMap<String, Value> {
         let entries = value.as_object().into_iter().flatten();
-        entries
-            .map(|(key, value)| (key.clone(), value.clone()))
-            .collect()
+        entries.map(|(key, value)| (key.clone(), value.clone())).collect()
     };
-    let rule = Rule {
-        message: message.to_owned(),
-        fields: table(fields),
-        constants: table(constants),
-    };
+    let rule =
+        Rule { message: message.to_owned(), fields: table(fields), constants: table(constants) };
     let ports = BTreeMap::from([(port.to_owned(), rule)]);
     BTreeMap::from([("pom".to_owned(), ports)])
 }
@@ -74,9 +69,7 @@ fn conversion(unit: &UnitResult, rules: &Rules) -> Conversion {
 /// The data of a port with a state.
 fn data(unit: &UnitResult, state: &Value) -> Vec<u8> {
     let port = &unit.spec.components[0].ports[0];
-    Values::new(&unit.spec)
-        .encode(port.data, state)
-        .expect("a state")
+    Values::new(&unit.spec).encode(port.data, state).expect("a state")
 }
 
 fn pose() -> Value {
@@ -102,12 +95,10 @@ fn hashes_are_those_of_jazzy() {
     let mut types = Types::default();
     common::names().for_each(|name| common::add(name, &mut types));
     let known = JAZZY.lines().filter_map(|line| line.split_once(' '));
-    let known: BTreeMap<&str, String> = known
-        .map(|(name, hash)| (name, format!("RIHS01_{hash}")))
-        .collect();
-    let found: BTreeMap<&str, String> = common::names()
-        .map(|name| (name, types.hash(name)))
-        .collect();
+    let known: BTreeMap<&str, String> =
+        known.map(|(name, hash)| (name, format!("RIHS01_{hash}"))).collect();
+    let found: BTreeMap<&str, String> =
+        common::names().map(|name| (name, types.hash(name))).collect();
     assert_eq!(found, known);
 }
 
@@ -132,10 +123,7 @@ fn an_output_port_is_published_as_its_message() {
     state["att"] = json!({});
     state["when"] = json!({"sec": 3, "nsec": -1});
     let why = message(&state).expect_err("no moment").to_string();
-    assert!(
-        why.starts_with("`header.stamp.nanosec` has to be a time"),
-        "{why}"
-    );
+    assert!(why.starts_with("`header.stamp.nanosec` has to be a time"), "{why}");
     state["when"] = json!({"sec": 3, "nsec": 1_000_000_000});
     assert!(message(&state).is_err());
     assert!(conversion.message(&unit.spec, &[0; 5], NOW).is_err());
@@ -144,10 +132,7 @@ fn an_output_port_is_published_as_its_message() {
 #[test]
 fn fields_without_a_source_have_the_defaults_of_ros() {
     let unit = unit(POM);
-    let (fields, frame) = (
-        json!({"pose.position.x": "low"}),
-        json!({"header.frame_id": "map"}),
-    );
+    let (fields, frame) = (json!({"pose.position.x": "low"}), json!({"header.frame_id": "map"}));
     let rules = rules("frame", "geometry_msgs/msg/PoseStamped", &fields, &frame);
     let conversion = conversion(&unit, &rules);
     let message = conversion.message(&unit.spec, &data(&unit, &json!({"low": 0.25})), NOW);
@@ -167,9 +152,7 @@ fn an_input_port_has_the_members_of_its_message() {
     });
     let finite = data(&unit, &expected);
     // JSON has no infinity.
-    let at = finite
-        .windows(8)
-        .position(|bytes| bytes == 1e300f64.to_ne_bytes());
+    let at = finite.windows(8).position(|bytes| bytes == 1e300f64.to_ne_bytes());
     let mut bytes = finite.clone();
     bytes[at.expect("it is there")..][..8].copy_from_slice(&f64::INFINITY.to_ne_bytes());
     assert_eq!(found, bytes);
@@ -177,10 +160,7 @@ fn an_input_port_has_the_members_of_its_message() {
     assert_ne!(found, data(&unit, &expected));
     // Malformed messages, and a time that the member does not hold.
     for end in 0..message.len() {
-        assert!(
-            conversion.data(&unit.spec, &message[..end]).is_err(),
-            "{end}"
-        );
+        assert!(conversion.data(&unit.spec, &message[..end]).is_err(), "{end}");
     }
     let late = pose_stamped((3, u32::MAX), [0.0; 7]);
     assert!(conversion.data(&unit.spec, &late).is_err());
@@ -203,10 +183,7 @@ fn arrays_are_assigned_by_element() {
     };
     // After the time, the empty name of the frame, and that of the body.
     assert_eq!(message[12..28], *b"\x01\0\0\0\0\0\0\0\x04\0\0\0arm\0");
-    assert_eq!(
-        [number(0), number(1), number(2), number(6)],
-        [1.0, 2.5, 3.0, 1.0]
-    );
+    assert_eq!([number(0), number(1), number(2), number(6)], [1.0, 2.5, 3.0, 1.0]);
     let found: Vec<f64> = (7..43).map(number).collect();
     assert_eq!(found, cov);
     assert_eq!([number(43), number(49), number(50)], [9.0, 0.0, 5.0]);
@@ -223,11 +200,7 @@ fn wrong_rules_are_told_with_their_place() {
     let field =
         |port: &str, field: &str, member: Value| stamped(port, &json!({ field: member }), &none);
     let constant = |field: &str, value: Value| {
-        stamped(
-            "frame",
-            &json!({"pose.position": "at"}),
-            &json!({ field: value }),
-        )
+        stamped("frame", &json!({"pose.position": "at"}), &json!({ field: value }))
     };
     let x = "pose.position.x";
     let wrong = [
@@ -237,19 +210,10 @@ fn wrong_rules_are_told_with_their_place() {
         stamped("frame", &none, &none),
         stamped("goal", &pose(), &json!({"header.frame_id": "map"})),
         stamped("frame", &json!({x: "low", "pose.position": "at"}), &none),
-        stamped(
-            "goal",
-            &json!({x: "at.x", "pose.position.y": "at.x"}),
-            &none,
-        ),
+        stamped("goal", &json!({x: "at.x", "pose.position.y": "at.x"}), &none),
         field("frame", "pose.positoin.x", json!("low")),
         field("frame", "pose.position.x.y", json!("low")),
-        rules(
-            "frame",
-            "sensor_msgs/Imu",
-            &json!({"orientation_covariance[9]": "low"}),
-            &none,
-        ),
+        rules("frame", "sensor_msgs/Imu", &json!({"orientation_covariance[9]": "low"}), &none),
         field("frame", x, json!(1.5)),
         field("frame", x, json!("at.q")),
         field("frame", x, json!("cov")),

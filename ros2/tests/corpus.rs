@@ -56,9 +56,8 @@ fn published_components_are_offered() {
         let spec = &unit.spec;
         let values = Values::new(spec);
         let components = spec.components.iter();
-        let components: Vec<_> = components
-            .filter(|component| component.kind == ComponentKind::Component)
-            .collect();
+        let components: Vec<_> =
+            components.filter(|component| component.kind == ComponentKind::Component).collect();
         for component in &components {
             let node = endpoints(spec, component, 0, Conversions::new())
                 .unwrap_or_else(|error| panic!("{path}: {error:?}"));
@@ -67,12 +66,7 @@ fn published_components_are_offered() {
             for port in &component.ports {
                 let zero = values.encode(port.data, &Value::Null).expect("zero");
                 let message = payloads.message(port.data, &zero).expect("a message");
-                assert_eq!(
-                    payloads.data(port.data, &message),
-                    Ok(zero),
-                    "{path} {}",
-                    port.name
-                );
+                assert_eq!(payloads.data(port.data, &message), Ok(zero), "{path} {}", port.name);
             }
             for service in 0..component.services.len() as u32 {
                 let (exception, detail) = ("::other", &[][..]);
@@ -80,10 +74,7 @@ fn published_components_are_offered() {
                 payloads.response(service, failed).expect("a response");
             }
         }
-        for refusal in interfaces(spec, &components, &Rules::new())
-            .expect("no rules")
-            .refused
-        {
+        for refusal in interfaces(spec, &components, &Rules::new()).expect("no rules").refused {
             found += &format!("{path}: {refusal}\n");
         }
     }

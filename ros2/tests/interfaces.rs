@@ -30,36 +30,23 @@ fn files_and_descriptions_agree() {
     let component = &unit.spec.components[0];
     let node = endpoints(&unit.spec, component, 0, Conversions::new()).expect("it has a name");
     let mut read = Types::standard();
-    for (path, text) in interfaces(&unit.spec, &[component], &Rules::new())
-        .expect("no rules")
-        .files
+    for (path, text) in interfaces(&unit.spec, &[component], &Rules::new()).expect("no rules").files
     {
         let Some((name, "msg" | "srv" | "action")) = path.rsplit_once('.') else {
             continue;
         };
-        let lines = text
-            .lines()
-            .filter(|line| !line.starts_with('#') && !line.contains('='));
+        let lines = text.lines().filter(|line| !line.starts_with('#') && !line.contains('='));
         let bounded = text.lines().filter(|line| line.contains("<="));
-        let lines: BTreeMap<usize, &str> = lines
-            .chain(bounded)
-            .map(|line| (at(&text, line), line))
-            .collect();
-        let lines: Vec<&str> = lines
-            .values()
-            .map(|line| line.split("  #").next().unwrap_or(line))
-            .collect();
+        let lines: BTreeMap<usize, &str> =
+            lines.chain(bounded).map(|line| (at(&text, line), line)).collect();
+        let lines: Vec<&str> =
+            lines.values().map(|line| line.split("  #").next().unwrap_or(line)).collect();
         super::hashes::add(&format!("= {name}\n{}\n", lines.join("\n")), &mut read);
     }
     let mut checked = 0;
     for endpoint in &node.endpoints {
         if !endpoint.type_name.starts_with("std_msgs") {
-            assert_eq!(
-                endpoint.hash,
-                read.hash(&endpoint.type_name),
-                "{}",
-                endpoint.type_name
-            );
+            assert_eq!(endpoint.hash, read.hash(&endpoint.type_name), "{}", endpoint.type_name);
             checked += 1;
         }
     }
@@ -100,10 +87,7 @@ fn names_that_do_not_build_are_left_out() {
     let found =
         interfaces(&unit.spec, &[&unit.spec.components[0]], &Rules::new()).expect("no rules");
     let refused: Vec<String> = found.refused.iter().map(ToString::to_string).collect();
-    assert!(
-        refused[0].contains("both become the files `m/msg/ab`"),
-        "{refused:?}"
-    );
+    assert!(refused[0].contains("both become the files `m/msg/ab`"), "{refused:?}");
     let constants = &found.files["m/msg/Reason.msg"];
     assert!(
         constants.contains("# EOF=0: a macro") && constants.contains("uint32 OK=1"),

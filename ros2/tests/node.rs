@@ -23,10 +23,7 @@ fn a_component_is_a_node() {
     let lines = node.endpoints.iter().map(|endpoint| {
         let mut key = endpoint.key(node.domain);
         key.truncate(key.find("RIHS01").unwrap_or(0));
-        format!(
-            "{:?} {:?} {:?} {key}",
-            endpoint.part, endpoint.kind, endpoint.qos
-        )
+        format!("{:?} {:?} {:?} {key}", endpoint.part, endpoint.kind, endpoint.qos)
     });
     insta::assert_snapshot!(lines.collect::<Vec<_>>().join("\n"));
 }
@@ -36,15 +33,9 @@ fn types_have_the_hashes_of_rosidl() {
     let node = node(PUMP);
     for endpoint in &node.endpoints {
         let name = &endpoint.type_name;
-        let mut lines = super::hashes::HASHES
-            .lines()
-            .map(|line| line.split_once(' '));
+        let mut lines = super::hashes::HASHES.lines().map(|line| line.split_once(' '));
         let known = lines.find_map(|line| line.filter(|line| line.0 == name));
-        assert_eq!(
-            known.map(|line| line.1),
-            Some(endpoint.hash.as_str()),
-            "{name}"
-        );
+        assert_eq!(known.map(|line| line.1), Some(endpoint.hash.as_str()), "{name}");
     }
 }
 
@@ -53,17 +44,9 @@ fn an_instance_has_its_own_topic() {
     let node = node(PUMP);
     let is_multiple = |endpoint: &&Endpoint| endpoint.multiple;
     let port = node.endpoints.iter().find(is_multiple).expect("a port");
-    assert!(
-        port.key(0)
-            .starts_with("0/tank/shapes/*/or_t3d::msg::dds_::Shape_/")
-    );
+    assert!(port.key(0).starts_with("0/tank/shapes/*/or_t3d::msg::dds_::Shape_/"));
     let left = port.instance("left").expect("a name");
-    let id = NodeId {
-        domain: 0,
-        session: "ab",
-        number: 1,
-        name: &node.name,
-    };
+    let id = NodeId { domain: 0, session: "ab", number: 1, name: &node.name };
     let token = left.token(id, 9);
     let start = "@ros2_lv/0/ab/1/9/MP/%/%/tank/%tank%shapes%left/or_t3d::msg::dds_::Shape_/RIHS01_";
     assert!(token.starts_with(start), "{token}");
@@ -120,10 +103,7 @@ fn deep(depth: usize) -> Vec<String> {
 fn types_have_a_maximum_depth() {
     assert_eq!(deep(50), [""; 0]);
     let found = deep(500);
-    assert!(
-        found.len() == 1 && found[0].contains("deeper than"),
-        "{found:?}"
-    );
+    assert!(found.len() == 1 && found[0].contains("deeper than"), "{found:?}");
 }
 
 #[test]

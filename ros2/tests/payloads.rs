@@ -55,9 +55,7 @@ fn a_message_is_aligned_after_its_header() {
     expected.push(vec![0; padding]);
     expected.extend((1..10).map(|number| f64::from(number).to_le_bytes().into()));
     expected.push(vec![1, 0, 0, 0, 0xf9, 0xff, 0, 0]);
-    expected.push(vec![
-        2, 0, 0, 0, 2, 0, 0, 0, b'p', 0, 0, 0, 1, 0, 0, 0, 0, 1,
-    ]);
+    expected.push(vec![2, 0, 0, 0, 2, 0, 0, 0, b'p', 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     let expected: Vec<&[u8]> = expected.iter().map(Vec::as_slice).collect();
     let message = payloads.message(ty, &data).expect("a value");
     assert_eq!(message, body(&expected));
@@ -119,16 +117,12 @@ fn requests_and_responses_are_one_stream() {
     let request = request.finish();
     assert_eq!(payloads.goal(fill, &request), Ok((id, inputs)));
 
-    let mut outputs = values
-        .encode(type_of(spec, SHAPE), &shape)
-        .expect("a value");
+    let mut outputs = values.encode(type_of(spec, SHAPE), &shape).expect("a value");
     outputs.extend([1u32.to_ne_bytes(), 9u32.to_ne_bytes()].concat());
     let result = payloads.result(fill, cdr::SUCCEEDED, Outcome::Done(&outputs));
     // Status, shape, steps, no exception, no member of one.
     let expected = body(&[
-        &[
-            4, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0,
-        ],
+        &[4, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0],
         &[1, 0, 0, 0, 9, 0, 0, 0],
         &[1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0],
     ]);
@@ -147,14 +141,8 @@ fn an_exception_has_its_name_and_members() {
         let wish = service(spec, "wish");
         payloads.response(wish, Outcome::Failed { exception, detail })
     };
-    let text = |text: &str| {
-        [
-            &(text.len() as u32 + 1).to_le_bytes()[..],
-            text.as_bytes(),
-            &[0],
-        ]
-        .concat()
-    };
+    let text =
+        |text: &str| [&(text.len() as u32 + 1).to_le_bytes()[..], text.as_bytes(), &[0]].concat();
     // No path and `n` is zero; after the name, an exception with members is there.
     let expected = body(&[
         &[0, 0, 0, 0, 0, 0, 0, 0],
@@ -165,11 +153,8 @@ fn an_exception_has_its_name_and_members() {
     ]);
     let found = failed("::tank::too_high", &detail).expect("a response");
     let closed = failed("::tank::e_closed", &[]).expect("a response");
-    let expected_closed = body(&[
-        &[0, 0, 0, 0, 0, 0, 0, 0],
-        &text("::tank::e_closed"),
-        &[0, 0, 0, 0, 0, 0, 0],
-    ]);
+    let expected_closed =
+        body(&[&[0, 0, 0, 0, 0, 0, 0, 0], &text("::tank::e_closed"), &[0, 0, 0, 0, 0, 0, 0]]);
     assert_eq!(closed, expected_closed);
     assert_eq!(found, expected);
     assert!(failed("::tank::too_high", &detail[..3]).is_err());
@@ -178,26 +163,17 @@ fn an_exception_has_its_name_and_members() {
 #[test]
 fn the_messages_of_actions_have_their_layout() {
     let stamp = Stamp { sec: 1, nanosec: 2 };
-    assert_eq!(
-        cdr::accepted(true, stamp),
-        body(&[&[1, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]])
-    );
+    assert_eq!(cdr::accepted(true, stamp), body(&[&[1, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]]));
     let goal = GoalInfo { id: [9; 16], stamp };
     let info: &[u8] = &[&[9; 16][..], &[1, 0, 0, 0, 2, 0, 0, 0]].concat();
     assert_eq!(cdr::cancel(&body(&[info])), Ok(goal));
-    assert_eq!(
-        cdr::canceling(0, &[goal]),
-        body(&[&[0, 0, 0, 0, 1, 0, 0, 0], info])
-    );
+    assert_eq!(cdr::canceling(0, &[goal]), body(&[&[0, 0, 0, 0, 1, 0, 0, 0], info]));
     let statuses = cdr::statuses(&[(goal, cdr::ABORTED), (goal, cdr::SUCCEEDED)]);
     // The stamp of the second goal is aligned, its identifier is not.
     let second: &[u8] = &[&[9; 16][..], &[0, 0, 0], &info[16..]].concat();
     let expected = body(&[&[2, 0, 0, 0], info, &[6], second, &[4]]);
     assert_eq!(statuses, expected);
-    assert_eq!(
-        cdr::feedback([9; 16], "main"),
-        body(&[&[9; 16], &[5, 0, 0, 0], b"main\0"])
-    );
+    assert_eq!(cdr::feedback([9; 16], "main"), body(&[&[9; 16], &[5, 0, 0, 0], b"main\0"]));
     assert_eq!(cdr::result_of(&body(&[&[9; 16]])), Ok([9; 16]));
     assert!(cdr::result_of(&body(&[&[9; 15]])).is_err());
 }
@@ -229,9 +205,7 @@ fn any_bytes_are_read_or_refused() {
         for message in [random.clone(), body(&[&random])] {
             for ty in types {
                 if let Ok(data) = payloads.data(ty, &message) {
-                    let again = payloads
-                        .message(ty, &data)
-                        .expect("what was read is a value");
+                    let again = payloads.message(ty, &data).expect("what was read is a value");
                     prop_assert_eq!(payloads.data(ty, &again), Ok(data.clone()));
                     // No length takes more memory than the message has.
                     prop_assert!(data.len() <= message.len());

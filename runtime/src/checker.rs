@@ -125,21 +125,14 @@ impl<'p> RunChecker<'p> {
 
     /// Records an event.
     pub fn on_event(&mut self, stepper: &Stepper, seen: &Seen) {
-        let now = Moment {
-            run: self.run,
-            time: stepper.now(),
-        };
+        let now = Moment { run: self.run, time: stepper.now() };
         match *seen {
             Seen::Missed { task } | Seen::Overdue { task } | Seen::Job { task, .. }
                 if self.gone[task] => {}
-            Seen::Missed { task } => self.each(
-                now,
-                |question| matches!(question, Question::Schedulable(of) if *of == task),
-            ),
-            Seen::Overdue { task } => self.each(
-                now,
-                |question| matches!(question, Question::NoOverdue(of) if *of == task),
-            ),
+            Seen::Missed { task } => self
+                .each(now, |question| matches!(question, Question::Schedulable(of) if *of == task)),
+            Seen::Overdue { task } => self
+                .each(now, |question| matches!(question, Question::NoOverdue(of) if *of == task)),
             Seen::Job { task, response } => {
                 self.lasts_job(now, task, response);
                 self.over(|question| matches!(question, Question::Response(of, _) if *of == task));
@@ -174,16 +167,9 @@ impl<'p> RunChecker<'p> {
                 _ => false,
             };
             if let Some((response, when)) = self.longest[task].filter(|pair| pair.0 > bound)
-                && !self
-                    .violations
-                    .iter()
-                    .any(|violation| of_task(&violation.1))
+                && !self.violations.iter().any(|violation| of_task(&violation.1))
             {
-                let violation = Violation::BeyondBound {
-                    task,
-                    response,
-                    bound,
-                };
+                let violation = Violation::BeyondBound { task, response, bound };
                 self.note(when, violation);
             }
         }
@@ -191,10 +177,7 @@ impl<'p> RunChecker<'p> {
 
     /// Records a violation by a codel.
     pub fn on_violation(&mut self, stepper: &Stepper, violation: CodelViolation) {
-        let now = Moment {
-            run: self.run,
-            time: stepper.now(),
-        };
+        let now = Moment { run: self.run, time: stepper.now() };
         if let CodelViolation::Lost { component, .. } = &violation {
             let system = &self.prepared.built.system;
             for (task, gone) in self.gone.iter_mut().enumerate() {
@@ -202,26 +185,19 @@ impl<'p> RunChecker<'p> {
                     == *component;
             }
         }
-        let known = self
-            .broken
-            .iter_mut()
-            .position(|known| match (known, &violation) {
-                (
-                    CodelViolation::Overrun { codel: a, took, .. },
-                    CodelViolation::Overrun {
-                        codel: b,
-                        took: new,
-                        ..
-                    },
-                ) => {
-                    let same = *a == *b;
-                    if same {
-                        *took = (*took).max(*new);
-                    }
-                    same
+        let known = self.broken.iter_mut().position(|known| match (known, &violation) {
+            (
+                CodelViolation::Overrun { codel: a, took, .. },
+                CodelViolation::Overrun { codel: b, took: new, .. },
+            ) => {
+                let same = *a == *b;
+                if same {
+                    *took = (*took).max(*new);
                 }
-                (a, b) => *a == *b,
-            });
+                same
+            }
+            (a, b) => *a == *b,
+        });
         let place = known.unwrap_or_else(|| {
             self.broken.push(violation);
             self.broken.len() - 1
@@ -231,10 +207,7 @@ impl<'p> RunChecker<'p> {
 
     /// Updates times that are still running, after time has passed.
     pub fn moment(&mut self, stepper: &Stepper) {
-        let now = Moment {
-            run: self.run,
-            time: stepper.now(),
-        };
+        let now = Moment { run: self.run, time: stepper.now() };
         for task in 0..self.bounds.len() {
             if self.gone[task] {
                 continue;
@@ -254,10 +227,7 @@ impl<'p> RunChecker<'p> {
 
     /// Records the end of a run.
     pub fn end(&mut self, stepper: &Stepper, end: End) {
-        let now = Moment {
-            run: self.run,
-            time: stepper.now(),
-        };
+        let now = Moment { run: self.run, time: stepper.now() };
         if end == End::NothingLeft {
             self.each(now, |question| matches!(question, Question::Deadlock));
             for check in 0..self.places.len() {
@@ -287,10 +257,7 @@ impl<'p> RunChecker<'p> {
     }
 
     fn is_within(&self, check: usize) -> bool {
-        matches!(
-            self.prepared.checks[check].question,
-            Question::Within(..) | Question::LeadsTo(..)
-        )
+        matches!(self.prepared.checks[check].question, Question::Within(..) | Question::LeadsTo(..))
     }
 
     fn each(&mut self, now: Moment, concerned: impl Fn(&Question) -> bool) {
@@ -340,14 +307,7 @@ impl<'p> RunChecker<'p> {
         if let Some(bound) = self.bounds[task].filter(|&bound| time > bound)
             && !std::mem::replace(&mut self.beyond[task], true)
         {
-            self.note(
-                now,
-                Violation::BeyondBound {
-                    task,
-                    response: time,
-                    bound,
-                },
-            );
+            self.note(now, Violation::BeyondBound { task, response: time, bound });
         }
     }
 

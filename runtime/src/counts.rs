@@ -62,10 +62,7 @@ pub struct Transition {
 
 /// Returns true if a codel of the activities of a task has an execution time.
 pub fn has_times(system: &TimedSystem, task: usize) -> bool {
-    let machines = system
-        .automata
-        .iter()
-        .filter(|automaton| automaton.task == TaskId::from(task));
+    let machines = system.automata.iter().filter(|automaton| automaton.task == TaskId::from(task));
     let mut states = machines.flat_map(|machine| &system.machines[machine.machine].states);
     states.any(|state| system.codels[state.codel].upper > 0)
 }
@@ -74,9 +71,7 @@ pub fn has_times(system: &TimedSystem, task: usize) -> bool {
 pub fn codels_without_time(system: &TimedSystem) -> Vec<String> {
     let codels = system.codels.iter();
     let codels_without_time = codels.filter(|codel| codel.site.is_some() && codel.upper == 0);
-    let mut out: Vec<String> = codels_without_time
-        .map(|codel| codel.path.to_string())
-        .collect();
+    let mut out: Vec<String> = codels_without_time.map(|codel| codel.path.to_string()).collect();
     out.sort();
     out.dedup();
     out
@@ -129,18 +124,10 @@ pub(crate) fn machines(prepared: &Prepared, tally: &Tally) -> Vec<MachineCounts>
                 let from = state.name.clone();
                 let greatest =
                     (taken > 0).then(|| Value::Time(prepared.time(u64::from(times.greatest))));
-                transitions.push(Transition {
-                    from,
-                    to,
-                    taken,
-                    greatest,
-                });
+                transitions.push(Transition { from, to, taken, greatest });
             }
         }
-        MachineCounts {
-            machine: machine.name.clone(),
-            transitions,
-        }
+        MachineCounts { machine: machine.name.clone(), transitions }
     });
     machines.collect()
 }

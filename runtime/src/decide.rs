@@ -64,9 +64,7 @@ impl<'s> RandomDecisions<'s> {
     /// Returns true if an outcome is neither an exception nor a refusal.
     fn is_usual(&self, work: &Work, outcome: usize) -> bool {
         match *work {
-            Work::State {
-                automaton, state, ..
-            } => {
+            Work::State { automaton, state, .. } => {
                 let states = &self.system.machine_of(automaton).states;
                 (states.get(state)).is_some_and(|state| outcome < state.yields.len())
             }
@@ -87,11 +85,7 @@ fn max_extra_time(system: &TimedSystem) -> Ticks {
     });
     let times = periods.chain(codels).chain(delays);
     let longest = times.filter(|&time| time != FOREVER).max();
-    longest
-        .unwrap_or(0)
-        .max(1)
-        .saturating_mul(8)
-        .min(FOREVER / 4)
+    longest.unwrap_or(0).max(1).saturating_mul(8).min(FOREVER / 4)
 }
 
 impl Decide for RandomDecisions<'_> {
@@ -131,11 +125,7 @@ impl Decide for RandomDecisions<'_> {
             return self.dice.usize(..outcomes.len());
         }
         let wanted = self.dice.usize(..ONE_IN_EXCEPTIONS) != 0;
-        let among = if wanted {
-            count
-        } else {
-            outcomes.len() - count
-        };
+        let among = if wanted { count } else { outcomes.len() - count };
         let chosen = self.dice.usize(..among);
         let mut places = (outcomes.iter().enumerate())
             .filter(|(_, outcome)| self.is_usual(work, **outcome) == wanted)
@@ -151,9 +141,7 @@ impl Decide for RandomDecisions<'_> {
 /// Returns the yield that an outcome of a state machine's codel stands for; `None` for an exception.
 pub fn yield_of_outcome(system: &TimedSystem, work: &Work, outcome: usize) -> Option<Yield> {
     match *work {
-        Work::State {
-            automaton, state, ..
-        } => {
+        Work::State { automaton, state, .. } => {
             let states = &system.machine_of(automaton).states;
             states.get(state)?.yields.get(outcome).copied()
         }

@@ -57,12 +57,7 @@ pub fn run(
             live.step(stepper, &seen);
         }
         for observation in &seen {
-            if let Seen::Begun {
-                executor,
-                work,
-                time: (least, greatest),
-            } = *observation
-            {
+            if let Seen::Begun { executor, work, time: (least, greatest) } = *observation {
                 note(&mut works, executor, work);
                 stepper.decide(executor, decide.time(&work, least, greatest));
             }

@@ -127,9 +127,7 @@ impl<'p> Live<'p> {
     pub fn begin(&mut self, stepper: &Stepper) -> bool {
         self.alive.fill(true);
         self.running.clear();
-        self.pending
-            .iter_mut()
-            .for_each(|instance| *instance = None);
+        self.pending.iter_mut().for_each(|instance| *instance = None);
         self.places = (0..stepper.places()).map(|_| None).collect();
         self.asks.clear();
         self.delegations = Delegations::new(self.system.components.len());
@@ -178,11 +176,7 @@ impl<'p> Live<'p> {
     pub fn step(&mut self, stepper: &Stepper, seen: &[Seen]) {
         for observation in seen {
             match *observation {
-                Seen::Ended {
-                    executor,
-                    work,
-                    outcome,
-                } => self.ended(executor, &work, outcome),
+                Seen::Ended { executor, work, outcome } => self.ended(executor, &work, outcome),
                 Seen::Requested { client, service } => self.requested(client, service),
                 _ => {}
             }
@@ -199,9 +193,7 @@ impl<'p> Live<'p> {
     /// Returns the request or activity of a piece of work.
     fn instance(&mut self, work: &Work) -> Option<&mut Instance> {
         match *work {
-            Work::State {
-                slot, automaton, ..
-            } => {
+            Work::State { slot, automaton, .. } => {
                 self.system.automata[automaton].service?;
                 self.places.get_mut(slot)?.as_mut()
             }
@@ -229,12 +221,7 @@ impl<'p> Live<'p> {
         }
         let codel = work.codel();
         let real = codel.is_some_and(|codel| self.is_real(codel));
-        self.running[executor] = Some(Running {
-            work,
-            real,
-            ran: None,
-            undeclared: false,
-        });
+        self.running[executor] = Some(Running { work, real, ran: None, undeclared: false });
         let Some((codel, call)) = self.call(executor, &work).filter(|_| real) else {
             return;
         };
@@ -303,10 +290,7 @@ impl<'p> Live<'p> {
                 let Some(Some(running)) = self.running.get_mut(executor) else {
                     return;
                 };
-                let codel = running
-                    .work
-                    .codel()
-                    .and_then(|codel| self.system.codels.get(codel));
+                let codel = running.work.codel().and_then(|codel| self.system.codels.get(codel));
                 // A message is valid only for the codels of its own component, whatever those codels do to
                 // their host.
                 if codel.is_none_or(|codel| codel.component != component) || running.ran.is_some() {
@@ -316,11 +300,7 @@ impl<'p> Live<'p> {
                 self.measure(executor);
             }
             Message::Recalled { component, ticket } => self.recalled(component, ticket),
-            Message::Probed {
-                component,
-                probe,
-                until,
-            } => self.probed(component, probe, until),
+            Message::Probed { component, probe, until } => self.probed(component, probe, until),
             Message::Lost { component, why } => self.lost(component, why),
             Message::OutsideRequest(request) => {
                 let Some(request) = self.defer_request(request) else {
@@ -334,12 +314,9 @@ impl<'p> Live<'p> {
                 }
             }
             Message::Abort(id) => self.defer_abort(id),
-            Message::Asked {
-                component,
-                ask,
-                remote,
-                inputs,
-            } => self.call_remote(component, ask, remote, inputs),
+            Message::Asked { component, ask, remote, inputs } => {
+                self.call_remote(component, ask, remote, inputs)
+            }
             Message::Connect(connection) => {
                 let other = |known: &Connection| {
                     (known.to, &known.name) != (connection.to, &connection.name)
@@ -347,17 +324,8 @@ impl<'p> Live<'p> {
                 self.connected.retain(other);
                 self.connected.push(connection);
             }
-            Message::Fed {
-                component,
-                port,
-                name,
-                data,
-            } => {
-                let reader = Reader {
-                    component,
-                    port,
-                    name: &name,
-                };
+            Message::Fed { component, port, name, data } => {
+                let reader = Reader { component, port, name: &name };
                 if self.is_alive(component) {
                     self.hosts.feed(reader, &data);
                 }
@@ -442,13 +410,9 @@ impl<'p> Live<'p> {
         };
         self.note_candidate(work);
         let usual = match *work {
-            Work::State {
-                automaton, state, ..
-            } => {
+            Work::State { automaton, state, .. } => {
                 let yields = &self.system.machine_of(automaton).states[state].yields;
-                let ends = yields
-                    .get(outcome)
-                    .is_none_or(|transition| *transition == Yield::End);
+                let ends = yields.get(outcome).is_none_or(|transition| *transition == Yield::End);
                 if let (true, Some(instance)) = (ends, self.instance(work)) {
                     instance.ended = true;
                 }
@@ -466,10 +430,7 @@ impl<'p> Live<'p> {
             };
             instance.failed = Some((name, ran.detail.clone()));
         }
-        let Some(component) = work
-            .codel()
-            .map(|codel| self.system.codels[codel].component)
-        else {
+        let Some(component) = work.codel().map(|codel| self.system.codels[codel].component) else {
             return;
         };
         for port_write in ran.written {
@@ -519,11 +480,7 @@ impl<'p> Live<'p> {
         let readers = readers.filter(|reader| self.alive[reader.component]);
         let readers: Vec<Reader<'_>> = readers.collect();
         if !readers.is_empty() {
-            let from = Source {
-                component,
-                port,
-                id,
-            };
+            let from = Source { component, port, id };
             self.hosts.share(from, &readers, data);
         }
     }

@@ -12,10 +12,7 @@ pub struct ModelTime {
 impl ModelTime {
     /// Creates the conversion for a run that starts at a time, in nanoseconds.
     pub fn new(start: u64, nanos_per_unit: u64) -> ModelTime {
-        ModelTime {
-            start,
-            unit: nanos_per_unit.max(1),
-        }
+        ModelTime { start, unit: nanos_per_unit.max(1) }
     }
 
     /// Returns a time of the hosts in base units.

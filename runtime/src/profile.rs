@@ -48,24 +48,13 @@ pub fn functions(system: &TimedSystem, names: &Names) -> TiVec<CodelId, String> 
 impl<'s, W: Write> Profile<'s, W> {
     /// Creates a writer to `out`, which should be buffered.
     pub fn new(system: &'s TimedSystem, functions: TiVec<CodelId, String>, out: W) -> Self {
-        Profile {
-            system,
-            functions,
-            out,
-            error: None,
-            lines: 0,
-        }
+        Profile { system, functions, out, error: None, lines: 0 }
     }
 
     /// Writes the end of a codel. `offset`, in base units, is added to all times: it puts runs one after the
     /// other.
     pub fn on_event(&mut self, tally: &mut Tally, stepper: &Stepper, seen: &Seen, offset: u64) {
-        let Seen::Ended {
-            executor,
-            work,
-            outcome,
-        } = *seen
-        else {
+        let Seen::Ended { executor, work, outcome } = *seen else {
             return;
         };
         let Some(codel) = work.codel() else { return };
@@ -102,12 +91,7 @@ impl<'s, W: Write> Profile<'s, W> {
         let event = |state: &str| format!("::{component}::{state}");
         let (task, service, from, to);
         match *work {
-            Work::State {
-                task: of,
-                automaton,
-                state,
-                ..
-            } => {
+            Work::State { task: of, automaton, state, .. } => {
                 let machine = system.machine_of(automaton);
                 let name = |index: usize| machine.states.get(index).map_or("", |state| &state.name);
                 task = system.tasks[TaskId::from(of)].name.clone();
@@ -124,11 +108,7 @@ impl<'s, W: Write> Profile<'s, W> {
                     None => "::genom::exception".to_owned(),
                 };
             }
-            Work::Control {
-                service: of,
-                number,
-                ..
-            } => {
+            Work::Control { service: of, number, .. } => {
                 let definition = &system.services[of];
                 task = "<control>".to_owned();
                 service = definition.name.clone();

@@ -61,23 +61,11 @@ impl ActivityStates {
     /// Records an event.
     pub(crate) fn on_event(&mut self, system: &TimedSystem, seen: &Seen) {
         match *seen {
-            Seen::Asked {
-                work:
-                    Work::State {
-                        automaton,
-                        state,
-                        slot,
-                        ..
-                    },
-                ..
-            } => {
+            Seen::Asked { work: Work::State { automaton, state, slot, .. }, .. } => {
                 self.at.insert((automaton, slot), (state, true));
             }
             Seen::Ended { work, outcome, .. } => {
-                let Work::State {
-                    automaton, slot, ..
-                } = work
-                else {
+                let Work::State { automaton, slot, .. } = work else {
                     return;
                 };
                 match crate::decide::yield_of_outcome(system, &work, outcome) {
@@ -103,22 +91,19 @@ impl ActivityStates {
         violation_count: u64,
     ) -> Progress {
         let system = &prepared.built.system;
-        let activities = self
-            .at
-            .iter()
-            .filter_map(|(&(number, slot), &(state, executes))| {
-                let automaton = &system.automata[number];
-                // An activity that was interrupted before its first codel has ended without a codel.
-                if automaton.service.is_some() && stepper.activity(slot) != Some(number) {
-                    return None;
-                }
-                let machine = &system.machines[automaton.machine];
-                Some(ActivityState {
-                    machine: machine.name.clone(),
-                    state: machine.states[state].name.clone(),
-                    executes,
-                })
-            });
+        let activities = self.at.iter().filter_map(|(&(number, slot), &(state, executes))| {
+            let automaton = &system.automata[number];
+            // An activity that was interrupted before its first codel has ended without a codel.
+            if automaton.service.is_some() && stepper.activity(slot) != Some(number) {
+                return None;
+            }
+            let machine = &system.machines[automaton.machine];
+            Some(ActivityState {
+                machine: machine.name.clone(),
+                state: machine.states[state].name.clone(),
+                executes,
+            })
+        });
         Progress {
             unit: prepared.report.unit,
             time: Value::Time(prepared.time(stepper.now())),

@@ -63,9 +63,7 @@ pub fn run(
         seen.clear();
         clock.deliver(stepper, live);
         live.accept(stepper, &mut told);
-        live.abort(stepper, &mut |stepper, place| {
-            watch.interrupt(stepper, place)
-        });
+        live.abort(stepper, &mut |stepper, place| watch.interrupt(stepper, place));
         engine::forward_violations(stepper, live, watch);
         if watch.is_over() {
             return End::Stopped;
@@ -113,10 +111,7 @@ struct Clock {
 
 impl Clock {
     fn start(live: &mut Live<'_>, pace: Pace) -> Clock {
-        Clock {
-            time: ModelTime::new(live.hosts().now(), pace.nanos),
-            messages: VecDeque::new(),
-        }
+        Clock { time: ModelTime::new(live.hosts().now(), pace.nanos), messages: VecDeque::new() }
     }
 
     /// Returns the time in base units.
@@ -177,11 +172,7 @@ impl Clock {
             false => now.saturating_add(MAX_WAIT_NANOS),
         };
         // If the time is over, the model waits for the report of a thread.
-        let until = if until > now {
-            until.min(longest)
-        } else {
-            longest
-        };
+        let until = if until > now { until.min(longest) } else { longest };
         if let Some(message) = live.hosts().wait(until) {
             self.receive(message, live);
             return 0;
@@ -216,12 +207,7 @@ fn note_begun(
     decide: &mut dyn Decide,
     live: &Live<'_>,
 ) {
-    let Seen::Begun {
-        executor,
-        work,
-        time: (least, greatest),
-    } = *observation
-    else {
+    let Seen::Begun { executor, work, time: (least, greatest) } = *observation else {
         return;
     };
     engine::note(works, executor, work);
@@ -234,10 +220,7 @@ fn note_begun(
 /// If ticks are possible, removes the ends of codels of delegated tasks: their threads count a tick at the
 /// end of a cycle as a tick during it.
 fn put_ticks_before_ends(allowed: &mut Vec<Action>, live: &Live<'_>) {
-    if !allowed
-        .iter()
-        .any(|action| matches!(action, Action::Tick { .. }))
-    {
+    if !allowed.iter().any(|action| matches!(action, Action::Tick { .. })) {
         return;
     }
     allowed.retain(|action| match *action {
@@ -248,9 +231,7 @@ fn put_ticks_before_ends(allowed: &mut Vec<Action>, live: &Live<'_>) {
 
 /// Returns true under `fair` if all possible actions take a core from a thread.
 fn only_preemptions(actions: &[Action]) -> bool {
-    actions
-        .iter()
-        .all(|action| matches!(action, Action::Preempt { .. }))
+    actions.iter().all(|action| matches!(action, Action::Preempt { .. }))
 }
 
 /// Returns true if the host has reported the event of a possible action: the end of real work, or a request

@@ -301,41 +301,24 @@ impl ReportBuilder<'_> {
             at: self.at(at),
             what: match violation {
                 Violation::Check(check) => Violated::Check { check },
-                Violation::BeyondBound {
-                    task,
-                    response,
-                    bound,
-                } => Violated::BeyondBound {
+                Violation::BeyondBound { task, response, bound } => Violated::BeyondBound {
                     task: system.task_path(TaskId::from(task)),
                     response: self.value(response),
                     bound: self.value(bound),
                 },
                 Violation::CodelViolation(at) => match &outcome.judge.broken[at] {
-                    CodelViolation::Undeclared {
-                        codel,
-                        function,
-                        event,
-                    } => Violated::Undeclared {
+                    CodelViolation::Undeclared { codel, function, event } => Violated::Undeclared {
                         codel: codel.clone(),
                         function: function.clone(),
                         event: event.clone(),
                     },
-                    CodelViolation::Lost {
-                        component,
-                        codel,
-                        why,
-                    } => Violated::Lost {
+                    CodelViolation::Lost { component, codel, why } => Violated::Lost {
                         component: component.clone(),
                         codel: codel.as_ref().map(|codel| codel.0.clone()),
                         function: codel.as_ref().map(|codel| codel.1.clone()),
                         why: why.clone(),
                     },
-                    CodelViolation::Overrun {
-                        codel,
-                        function,
-                        took,
-                        limit,
-                    } => Violated::Overrun {
+                    CodelViolation::Overrun { codel, function, took, limit } => Violated::Overrun {
                         codel: codel.clone(),
                         function: function.clone(),
                         took: self.nanos(*took),

@@ -95,15 +95,7 @@ pub fn simulate<'p, W: Write>(
     execution: Option<Execution<'_, 'p>>,
     interrupted: &dyn Fn() -> bool,
 ) -> SimulationResult<'p> {
-    simulate_recorded(
-        prepared,
-        bounds,
-        plan,
-        profile,
-        None,
-        execution,
-        interrupted,
-    )
+    simulate_recorded(prepared, bounds, plan, profile, None, execution, interrupted)
 }
 
 /// Runs a system and records the first run. `bounds` are the known bounds on the response times of its tasks,
@@ -120,9 +112,7 @@ pub fn simulate_recorded<'p, W: Write>(
     let system = &prepared.built.system;
     let (watched, places) = prepared.watched();
     let mut stepper = Stepper::new(system, &watched);
-    let follow = execution
-        .as_mut()
-        .and_then(|execution| execution.follow.take());
+    let follow = execution.as_mut().and_then(|execution| execution.follow.take());
     let mut observer = Observer {
         system,
         prepared,
@@ -157,10 +147,7 @@ pub fn simulate_recorded<'p, W: Write>(
         runs += 1;
         let violated = plan.stop_at_violation && observer.judge.has_violations();
         if violated
-            || matches!(
-                end,
-                End::Stopped | End::Interrupted | End::Standstill | End::NotStarted
-            )
+            || matches!(end, End::Stopped | End::Interrupted | End::Standstill | End::NotStarted)
         {
             break;
         }
@@ -169,9 +156,7 @@ pub fn simulate_recorded<'p, W: Write>(
         tally: observer.tally,
         judge: observer.judge,
         time: observer.offset,
-        refused: (system.services.keys())
-            .filter(|&service| stepper.has_refused(service))
-            .collect(),
+        refused: (system.services.keys()).filter(|&service| stepper.has_refused(service)).collect(),
         recorded: observer.recorded,
         end,
         runs,
@@ -188,11 +173,9 @@ fn one_run<'p>(
     interrupted: &dyn Fn() -> bool,
 ) -> End {
     match execution {
-        Some(Execution {
-            live,
-            pace: Some(pace),
-            ..
-        }) => real_clock::run(stepper, dice, until, observer, live, *pace, interrupted),
+        Some(Execution { live, pace: Some(pace), .. }) => {
+            real_clock::run(stepper, dice, until, observer, live, *pace, interrupted)
+        }
         other => {
             let live = other.map(|execution| &mut *execution.live);
             engine::run(stepper, dice, until, observer, live, interrupted)

@@ -94,9 +94,7 @@ impl Tally {
     pub fn new(system: &TimedSystem) -> Self {
         let machines = system.machines.iter().map(|machine| {
             let states = machine.states.iter();
-            states
-                .map(|state| vec![Times::default(); state.yields.len() + 1])
-                .collect()
+            states.map(|state| vec![Times::default(); state.yields.len() + 1]).collect()
         });
         Tally {
             tasks: vec![TaskTally::default(); system.tasks.len()],
@@ -120,11 +118,7 @@ impl Tally {
                     self.codels[codel].waits.add(ticks(waited));
                 }
             }
-            Seen::Ended {
-                executor,
-                work,
-                outcome,
-            } => {
+            Seen::Ended { executor, work, outcome } => {
                 let took = now - self.busy(executor).begun;
                 if let Some(codel) = work.codel() {
                     self.codels[codel].runs.add(ticks(took));
@@ -162,9 +156,7 @@ impl Tally {
 
     fn ended(&mut self, system: &TimedSystem, work: &Work, outcome: usize, took: Ticks) {
         match *work {
-            Work::State {
-                automaton, state, ..
-            } => {
+            Work::State { automaton, state, .. } => {
                 let automaton = &system.automata[automaton];
                 let outcomes = self.transitions[automaton.machine].get_mut(state);
                 if let Some(times) = outcomes.and_then(|times| times.get_mut(outcome)) {

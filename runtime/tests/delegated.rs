@@ -93,13 +93,7 @@ fn run(
     let specs: Vec<_> = units.iter().map(|unit| &*unit.spec).collect();
     let names = Names::new(&specs);
     let options = Options::default();
-    let prepared = prepare(
-        &SystemInput {
-            specs: specs.clone(),
-        },
-        &scenario,
-        &options,
-    );
+    let prepared = prepare(&SystemInput { specs: specs.clone() }, &scenario, &options);
     if prepared.report.has_errors() {
         return None;
     }
@@ -109,10 +103,7 @@ fn run(
         let codels = member.component.all_codels();
         let codels = codels.map(|codel| member.component.codel(codel).name.clone());
         let missing = codels.filter(|_| seed.is_multiple_of(6) && dice.in_ten(3));
-        Some(HostedComponent {
-            member,
-            missing: missing.collect(),
-        })
+        Some(HostedComponent { member, missing: missing.collect() })
     });
     let no_inputs = |_: &str| None;
     let parts = HostedComponents::new(&prepared, &names, &settings, hosted.collect(), &no_inputs);
@@ -140,11 +131,7 @@ fn run(
         hosts.stop(last, 300 * MS + u64::from(dice.below(20_000_000)));
     }
     let mut live = Live::new(system, &parts, &mut hosts, false, false);
-    let execution = Execution {
-        live: &mut live,
-        pace: Some(Pace { nanos }),
-        follow: None,
-    };
+    let execution = Execution { live: &mut live, pace: Some(Pace { nanos }), follow: None };
     let plan = Plan {
         until: RUN_NANOS / nanos,
         runs: 1,
@@ -153,11 +140,7 @@ fn run(
         stop_at_violation: false,
         record: false,
     };
-    let mut recording = Ends {
-        recording: Recording::new(system),
-        parts: &parts,
-        ended: 0,
-    };
+    let mut recording = Ends { recording: Recording::new(system), parts: &parts, ended: 0 };
     let none: Option<&mut Profile<Vec<u8>>> = None;
     let outcome = simulate_recorded(
         &opened,
@@ -168,13 +151,7 @@ fn run(
         Some(execution),
         &|| false,
     );
-    let shown = || {
-        format!(
-            "seed {seed}\n{}\n{}",
-            texts.specifications.join("\n"),
-            texts.scenario
-        )
-    };
+    let shown = || format!("seed {seed}\n{}\n{}", texts.specifications.join("\n"), texts.scenario);
     if outcome.end == End::Standstill {
         return None;
     }
@@ -191,33 +168,18 @@ fn run(
     let ended = recording.ended;
     let recording = recording.recording;
     let report = replay(system, &recording.steps, recording.end);
-    assert_eq!(
-        report.difference_count,
-        0,
-        "{:#?}\n{}",
-        report.differences.first(),
-        shown()
-    );
+    assert_eq!(report.difference_count, 0, "{:#?}\n{}", report.differences.first(), shown());
     let (executed, delegated) = (hosts.executed, hosts.delegated);
     // The codels of a lost component are simulated.
     let whole = !loses && !stops;
-    assert!(
-        ended <= executed || !whole,
-        "{ended} of {executed}\n{}",
-        shown()
-    );
+    assert!(ended <= executed || !whole, "{ended} of {executed}\n{}", shown());
     // The model follows within some messages, or periods after a recall.
     let until = 7 * MS + RUN_NANOS - 60 * MS;
     let old = hosts.ends.iter().filter(|&&end| end < until).count() as u64;
     assert!(ended >= old || !whole, "{ended} of {old}\n{}", shown());
     // The engine waits instead of asking for the time again and again.
     let events = hosts.received + recording.steps.len() as u64 + RUN_NANOS / MS;
-    assert!(
-        hosts.waits < 4 * events,
-        "{} of {events}\n{}",
-        hosts.waits,
-        shown()
-    );
+    assert!(hosts.waits < 4 * events, "{} of {events}\n{}", hosts.waits, shown());
     let answered = hosts.answered.borrow().len();
     Some(Shown {
         executed,
@@ -232,9 +194,7 @@ fn run(
 /// Returns the number of systems: `DOTGEN_RUN_SYSTEMS`, by default a few dozen.
 fn systems_to_run() -> u64 {
     let given = std::env::var("DOTGEN_RUN_SYSTEMS").ok();
-    given
-        .and_then(|variable| variable.parse().ok())
-        .unwrap_or(60)
+    given.and_then(|variable| variable.parse().ok()).unwrap_or(60)
 }
 
 #[test]

@@ -15,23 +15,11 @@ use crate::random_systems::{load, random, systems};
 fn compare(seed: u64) -> Option<usize> {
     let texts = random::texts(&mut systems::Dice::new(seed));
     let units = load(&texts.specifications)?;
-    let input = SystemInput {
-        specs: units.iter().map(|unit| &*unit.spec).collect(),
-    };
-    let shown = || {
-        format!(
-            "seed {seed}\n{}\n{}",
-            texts.specifications.join("\n"),
-            texts.scenario
-        )
-    };
+    let input = SystemInput { specs: units.iter().map(|unit| &*unit.spec).collect() };
+    let shown = || format!("seed {seed}\n{}\n{}", texts.specifications.join("\n"), texts.scenario);
     let scenario = parse(&texts.scenario).scenario;
     let options = Options {
-        limits: Limits {
-            states: 100_000,
-            threads: 1,
-            ..Limits::default()
-        },
+        limits: Limits { states: 100_000, threads: 1, ..Limits::default() },
         ..Options::default()
     };
     let proved = verify(&input, &scenario, &options, &Cancel::default());
@@ -42,14 +30,8 @@ fn compare(seed: u64) -> Option<usize> {
     assert_eq!(prepared.checks.len(), proved.checks.len(), "{}", shown());
     let tasks = prepared.built.system.tasks.len();
     for durations in [Durations::Worst, Durations::Random, Durations::Best] {
-        let plan = Plan {
-            until: 400,
-            runs: 4,
-            seed,
-            durations,
-            stop_at_violation: false,
-            record: false,
-        };
+        let plan =
+            Plan { until: 400, runs: 4, seed, durations, stop_at_violation: false, record: false };
         let none: Option<&mut dotgen_runtime::profile::Profile<Vec<u8>>> = None;
         let outcome = simulate(&prepared, vec![None; tasks], &plan, none, None, &|| false);
         assert!(
@@ -59,14 +41,8 @@ fn compare(seed: u64) -> Option<usize> {
         );
         for (i, check) in proved.checks.iter().enumerate() {
             let (asked, answer) = (&prepared.checks[i], &outcome.judge.answers[i]);
-            let about = || {
-                format!(
-                    "{} {}: {answer:?}, {check:?}\n{}",
-                    check.kind,
-                    check.of,
-                    shown()
-                )
-            };
+            let about =
+                || format!("{} {}: {answer:?}, {check:?}\n{}", check.kind, check.of, shown());
             assert_eq!(asked.report.id, check.id, "{}", about());
             match asked.question {
                 Question::Reachable(_) => {
@@ -93,9 +69,7 @@ fn compare(seed: u64) -> Option<usize> {
 /// Returns the number of systems: `DOTGEN_RUN_SYSTEMS`, by default a few dozen.
 fn systems_to_compare() -> u64 {
     let given = std::env::var("DOTGEN_RUN_SYSTEMS").ok();
-    given
-        .and_then(|variable| variable.parse().ok())
-        .unwrap_or(60)
+    given.and_then(|variable| variable.parse().ok()).unwrap_or(60)
 }
 
 #[test]

@@ -26,10 +26,7 @@ struct Recorder {
 impl Recorder {
     /// Creates a scenario; `None` if a specification has errors, as machines are random.
     fn new(specifications: &[String], scenario: &str) -> Option<Recorder> {
-        Some(Recorder {
-            units: load(specifications)?,
-            scenario: scenario.to_owned(),
-        })
+        Some(Recorder { units: load(specifications)?, scenario: scenario.to_owned() })
     }
 
     fn prepared(&self) -> Option<Prepared> {
@@ -39,9 +36,7 @@ impl Recorder {
     }
 
     fn input(&self) -> SystemInput<'_> {
-        SystemInput {
-            specs: self.units.iter().map(|unit| &*unit.spec).collect(),
-        }
+        SystemInput { specs: self.units.iter().map(|unit| &*unit.spec).collect() }
     }
 
     fn record(&self, prepared: &Prepared, until: u64, seed: u64, durations: Durations) -> String {
@@ -49,14 +44,8 @@ impl Recorder {
         let input = self.input();
         let names = Names::new(&input.specs);
         let mut profile = Profile::new(system, functions(system, &names), Vec::new());
-        let plan = Plan {
-            until,
-            runs: 1,
-            seed,
-            durations,
-            stop_at_violation: false,
-            record: false,
-        };
+        let plan =
+            Plan { until, runs: 1, seed, durations, stop_at_violation: false, record: false };
         let none = vec![None; system.tasks.len()];
         simulate(prepared, none, &plan, Some(&mut profile), None, &|| false);
         let (log, _) = profile.finish().expect("memory is written");
@@ -73,10 +62,7 @@ impl Recorder {
         let report = verify(&self.input(), &scenario, &options, &Cancel::default());
         let mut bounds = vec![None; prepared.built.system.tasks.len()];
         for check in &report.checks {
-            let task = check
-                .id
-                .task
-                .and_then(|task| prepared.built.tasks.get(&task));
+            let task = check.id.task.and_then(|task| prepared.built.tasks.get(&task));
             if let (Some(&task), Some(Value::Time(time))) = (task, check.value) {
                 bounds[usize::from(task)] = Some((time / prepared.time(1)).round() as Ticks);
             }
@@ -108,9 +94,7 @@ impl Recorder {
 /// Returns the number of systems: `DOTGEN_RUN_SYSTEMS`, by default a few hundred.
 fn systems_to_run() -> u64 {
     let given = std::env::var("DOTGEN_RUN_SYSTEMS").ok();
-    given
-        .and_then(|variable| variable.parse().ok())
-        .unwrap_or(300)
+    given.and_then(|variable| variable.parse().ok()).unwrap_or(300)
 }
 
 #[test]
@@ -142,12 +126,7 @@ fn what_was_run_deviates_nowhere() {
                 texts.specifications.join("\n"),
                 texts.scenario,
             );
-            assert_eq!(
-                report.runs,
-                log.lines().count() as u64,
-                "seed {}\n{log}",
-                seed - 1
-            );
+            assert_eq!(report.runs, log.lines().count() as u64, "seed {}\n{log}", seed - 1);
             lines += report.runs;
         }
         compared += 1;
@@ -240,10 +219,7 @@ const MS: i64 = 1_000_000;
 /// Returns the index of a run of a function, far from the start.
 fn place(rows: &[Row], function: &str) -> usize {
     let places = rows.iter().enumerate().filter(|pair| pair.1.is(function));
-    places
-        .map(|place| place.0)
-        .nth(10)
-        .expect("it was executed often")
+    places.map(|place| place.0).nth(10).expect("it was executed often")
 }
 
 type Plant = (&'static str, &'static str, fn(&mut Vec<Row>));
@@ -261,14 +237,10 @@ const PLANTS: &[Plant] = &[
         let at = place(rows, "side_start");
         rows[at].times[2] = rows[at].times[1] + 3 * MS;
     }),
-    (
-        "an overrun of a codel of the control task",
-        "longer",
-        |rows| {
-            let at = place(rows, "go_check");
-            rows[at].times[2] = rows[at].times[1] + 2 * MS;
-        },
-    ),
+    ("an overrun of a codel of the control task", "longer", |rows| {
+        let at = place(rows, "go_check");
+        rows[at].times[2] = rows[at].times[1] + 2 * MS;
+    }),
     ("a codel that was skipped over", "shorter", |rows| {
         let at = place(rows, "slow_second");
         rows[at].times[2] = rows[at].times[1];
@@ -285,14 +257,10 @@ const PLANTS: &[Plant] = &[
         let at = place(rows, "go_wait");
         rows[at].names[5] = "::plant::e_other".to_owned();
     }),
-    (
-        "a request refused with another exception",
-        "transition",
-        |rows| {
-            let at = place(rows, "go_check");
-            rows[at].names[5] = "::plant::e_other".to_owned();
-        },
-    ),
+    ("a request refused with another exception", "transition", |rows| {
+        let at = place(rows, "go_check");
+        rows[at].names[5] = "::plant::e_other".to_owned();
+    }),
     ("an unknown state", "unknown", |rows| {
         let at = place(rows, "fast_main");
         rows[at].names[4] = "::plant::nowhere".to_owned();
@@ -326,27 +294,17 @@ const PLANTS: &[Plant] = &[
         let at = place(rows, "fast_main");
         let began = rows[at].times[1];
         rows[at].times[2] = began + 2 * MS;
-        let next = rows
-            .iter()
-            .position(|row| row.is("slow_start") && row.times[0] >= began);
+        let next = rows.iter().position(|row| row.is("slow_start") && row.times[0] >= began);
         let next = next.expect("it comes again");
         let length = rows[next].times[2] - rows[next].times[1];
-        rows[next].times = [
-            began + MS / 2,
-            began + MS / 2,
-            began + MS / 2 + length.max(MS / 4),
-        ];
+        rows[next].times = [began + MS / 2, began + MS / 2, began + MS / 2 + length.max(MS / 4)];
     }),
     ("two codels of one task at once", "same-task", |rows| {
         let at = place(rows, "go_wait");
         let mut other = rows[at].clone();
         other.times = [other.times[1]; 3];
         rows[at].times[2] = rows[at].times[1] + MS;
-        other.times = [
-            other.times[0] + MS / 4,
-            other.times[0] + MS / 4,
-            other.times[0] + MS / 2,
-        ];
+        other.times = [other.times[0] + MS / 4, other.times[0] + MS / 4, other.times[0] + MS / 2];
         rows.push(other);
     }),
     ("more codels than cores", "cores", |rows| {
@@ -362,9 +320,7 @@ const PLANTS: &[Plant] = &[
         turns(rows, "side_start", |turn, row| row.shift(turn * MS / 2));
     }),
     ("a period that is too short", "early", |rows| {
-        turns(rows, "side_start", |turn, row| {
-            row.shift(100 * MS - turn * MS / 3)
-        });
+        turns(rows, "side_start", |turn, row| row.shift(100 * MS - turn * MS / 3));
     }),
     ("a tick that is lost", "late", |rows| {
         let at = place(rows, "side_start");
@@ -386,9 +342,7 @@ const PLANTS: &[Plant] = &[
         let at = place(rows, "fast_main");
         let began = rows[at].times[1];
         rows[at].times = [began, began, began + MS];
-        let next = rows
-            .iter()
-            .position(|row| row.is("slow_start") && row.times[0] >= began);
+        let next = rows.iter().position(|row| row.is("slow_start") && row.times[0] >= began);
         let next = next.expect("it comes again");
         // The codel asked first, and got its locks last.
         rows[next].times = [began - MS / 2, began + MS, began + 2 * MS];
@@ -405,11 +359,7 @@ fn what_is_planted_is_found() {
         let log = recorder.record(&prepared, unit, seed, Durations::Random);
         let clean = recorder.monitor_with(&prepared, bounds.clone(), &log);
         assert_eq!(clean.deviation_count, 0, "{:#?}", clean.deviations);
-        assert!(
-            clean.tasks.iter().all(|task| task.bound.is_some()),
-            "{:#?}",
-            clean.tasks
-        );
+        assert!(clean.tasks.iter().all(|task| task.bound.is_some()), "{:#?}", clean.tasks);
         let clean_rows = rows(&log);
         let again = recorder.monitor_with(&prepared, bounds.clone(), &written(clean_rows.clone()));
         assert_eq!(again.deviation_count, 0, "{:#?}", again.deviations);
@@ -436,10 +386,7 @@ fn transitions_never_taken_are_told() {
         let report = recorder.monitor(&prepared, log);
         let all = report.never_taken.iter();
         all.map(|transition| {
-            format!(
-                "{} {} {}",
-                transition.machine, transition.from, transition.to
-            )
+            format!("{} {} {}", transition.machine, transition.from, transition.to)
         })
         .collect()
     };
@@ -485,10 +432,7 @@ scenario plant {
             let long = b.times[1] + MS < b.times[2];
             a.times[1] + MS < b.times[1] && b.times[2] + MS < a.times[2] && long
         };
-        let slow = rows
-            .iter()
-            .enumerate()
-            .filter(|pair| pair.1.is("slow_second"));
+        let slow = rows.iter().enumerate().filter(|pair| pair.1.is("slow_second"));
         let side = || rows.iter().filter(|row| row.is("side_start"));
         let mut nested =
             slow.filter_map(|(at, row)| Some((at, side().find(|side| inside(row, side))?.times)));
@@ -499,12 +443,7 @@ scenario plant {
         // On another core the codel would not have waited.
         rows[at].times[2] = (times[1] + times[2]) / 2;
         let report = recorder.monitor(&prepared, &written(rows));
-        assert_eq!(
-            report.counts.get("same-core"),
-            Some(&1),
-            "{:?}",
-            report.counts
-        );
+        assert_eq!(report.counts.get("same-core"), Some(&1), "{:?}", report.counts);
     }
     assert!(preempted > 10, "{preempted}");
 }

@@ -26,11 +26,7 @@ pub(crate) struct Recording<'s> {
 
 impl<'s> Recording<'s> {
     pub(crate) fn new(system: &'s TimedSystem) -> Self {
-        Recording {
-            system,
-            steps: Vec::new(),
-            end: 0,
-        }
+        Recording { system, steps: Vec::new(), end: 0 }
     }
 }
 
@@ -52,26 +48,11 @@ impl Record for Recording<'_> {
 
 fn record(prepared: &Prepared, until: u64, seed: u64, durations: Durations) -> (Vec<Step>, u64) {
     let system = &prepared.built.system;
-    let plan = Plan {
-        until,
-        runs: 1,
-        seed,
-        durations,
-        stop_at_violation: false,
-        record: false,
-    };
+    let plan = Plan { until, runs: 1, seed, durations, stop_at_violation: false, record: false };
     let mut recording = Recording::new(system);
     let none: Option<&mut Profile<Vec<u8>>> = None;
     let bounds = vec![None; system.tasks.len()];
-    simulate_recorded(
-        prepared,
-        bounds,
-        &plan,
-        none,
-        Some(&mut recording),
-        None,
-        &|| false,
-    );
+    simulate_recorded(prepared, bounds, &plan, none, Some(&mut recording), None, &|| false);
     (recording.steps, recording.end)
 }
 
@@ -85,9 +66,7 @@ pub(crate) fn replay(verified: &TimedSystem, steps: &[Step], end: u64) -> Replay
 }
 
 fn prepared(units: &[UnitResult], scenario: &str) -> Option<Prepared> {
-    let input = SystemInput {
-        specs: units.iter().map(|unit| &*unit.spec).collect(),
-    };
+    let input = SystemInput { specs: units.iter().map(|unit| &*unit.spec).collect() };
     let prepared = prepare(&input, &parse(scenario).scenario, &Options::default());
     (!prepared.report.has_errors()).then_some(prepared)
 }
@@ -95,9 +74,7 @@ fn prepared(units: &[UnitResult], scenario: &str) -> Option<Prepared> {
 /// Returns the least number of steps: `DOTGEN_RUN_STEPS`, by default a million.
 fn steps_to_replay() -> u64 {
     let given = std::env::var("DOTGEN_RUN_STEPS").ok();
-    given
-        .and_then(|variable| variable.parse().ok())
-        .unwrap_or(1_000_000)
+    given.and_then(|variable| variable.parse().ok()).unwrap_or(1_000_000)
 }
 
 #[test]
@@ -237,35 +214,17 @@ const CHANGES: &[Change] = &[
         codel(system, "plant.go.start").lower = 20_000;
     }),
     ("another yield", &[Rule::End], |system| {
-        let machine = system
-            .machines
-            .iter_mut()
-            .find(|machine| machine.name == "plant.fast");
+        let machine = system.machines.iter_mut().find(|machine| machine.name == "plant.fast");
         let machine = machine.expect("a permanent activity");
-        let other = machine
-            .states
-            .iter()
-            .position(|state| state.name == "other");
-        let start = machine
-            .states
-            .iter_mut()
-            .find(|state| state.name == "start");
+        let other = machine.states.iter().position(|state| state.name == "other");
+        let start = machine.states.iter_mut().find(|state| state.name == "start");
         start.expect("a state").yields = vec![Yield::Pause(other.expect("a state"))];
     }),
     ("a pause that is none", &[Rule::End], |system| {
-        let machine = system
-            .machines
-            .iter_mut()
-            .find(|machine| machine.name == "plant.fast");
+        let machine = system.machines.iter_mut().find(|machine| machine.name == "plant.fast");
         let states = &mut machine.expect("a permanent activity").states;
-        let main = states
-            .iter()
-            .position(|state| state.name == "main")
-            .expect("a state");
-        let other = states
-            .iter_mut()
-            .find(|state| state.name == "other")
-            .expect("a state");
+        let main = states.iter().position(|state| state.name == "main").expect("a state");
+        let other = states.iter_mut().find(|state| state.name == "other").expect("a state");
         other.yields = vec![Yield::Next(main)];
     }),
     ("more cores", &[Rule::Grant], |system| {
@@ -277,35 +236,23 @@ const CHANGES: &[Change] = &[
             codel.conflicts = Default::default();
         }
     }),
-    (
-        "locks as they come, for which no codel waits in order",
-        &[Rule::Locks],
-        |system| {
-            system.platform.cores = None;
-            system.platform.semantics.locks = LockRule::Free;
-        },
-    ),
+    ("locks as they come, for which no codel waits in order", &[Rule::Locks], |system| {
+        system.platform.cores = None;
+        system.platform.semantics.locks = LockRule::Free;
+    }),
     ("another policy", &[Rule::Release], |system| {
         system.platform.policy = Policy::Priority;
     }),
     ("a client that does not wait", &[Rule::Delay], |system| {
-        for step in system
-            .clients
-            .iter_mut()
-            .flat_map(|client| &mut client.steps)
-        {
+        for step in system.clients.iter_mut().flat_map(|client| &mut client.steps) {
             if let dotgen_timing::system::ClientAction::Delay(least, _) = &mut step.action {
                 *least = 0;
             }
         }
     }),
-    (
-        "an exception that is not declared",
-        &[Rule::End],
-        |system| {
-            codel(system, "plant.fast.main").throws = true;
-        },
-    ),
+    ("an exception that is not declared", &[Rule::End], |system| {
+        codel(system, "plant.fast.main").throws = true;
+    }),
 ];
 
 #[test]
@@ -326,10 +273,7 @@ fn a_rule_that_was_another_one_is_named() {
             let report = replay(&verified, &steps, end);
             let first = report.differences.first();
             let rule = first.map(|difference| difference.rule);
-            assert!(
-                rule.is_some_and(|rule| rules.contains(&rule)),
-                "{name}: {rule:?} {first:#?}"
-            );
+            assert!(rule.is_some_and(|rule| rules.contains(&rule)), "{name}: {rule:?} {first:#?}");
         }
     }
 }
@@ -350,16 +294,11 @@ fn a_run_is_followed_beyond_a_wrong_time_and_not_beyond_what_is_impossible() {
     for difference in &report.differences {
         let (took, limit) = (u64::from(upper) + 1, upper);
         assert_eq!(difference.what, DifferenceKind::Longer { took, limit });
-        assert!(
-            difference.step.what.starts_with("plant.slow.start"),
-            "{difference:?}"
-        );
+        assert!(difference.step.what.starts_with("plant.slow.start"), "{difference:?}");
     }
     let (steps, end) = record(&prepared, until, 1, Durations::Worst);
     let ticks = |step: &Step| step.rule == Rule::Tick && step.of == "plant.slow";
-    let tick = steps
-        .iter()
-        .position(|step| ticks(step) && step.time > end / 2);
+    let tick = steps.iter().position(|step| ticks(step) && step.time > end / 2);
     let (before, after) = steps.split_at(tick.expect("it is periodic"));
     let due = after[0].clone();
     // A task that stops at some moment.

@@ -13,10 +13,7 @@ fn main() {
     let mut arguments = std::env::args().skip(1);
     let what = arguments.next().unwrap_or_default();
     // Cargo passes `--bench` when it runs this itself.
-    let rounds = arguments
-        .next()
-        .and_then(|argument| argument.parse().ok())
-        .unwrap_or(0);
+    let rounds = arguments.next().and_then(|argument| argument.parse().ok()).unwrap_or(0);
     let text = specification::specification(23);
     for _ in 0..rounds {
         match what.as_str() {

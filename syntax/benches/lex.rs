@@ -59,9 +59,7 @@ component arm{i} {{
 
 /// A specification as in [`plain`], with macros for the sizes and the declaration of ports.
 fn with_macros(components: usize) -> String {
-    let text = plain(components)
-        .replace("[6]", "[JOINTS]")
-        .replace("16>", "LIMIT(16)>");
+    let text = plain(components).replace("[6]", "[JOINTS]").replace("16>", "LIMIT(16)>");
     format!("#define JOINTS 6\n#define LIMIT(n) n\n{text}")
 }
 

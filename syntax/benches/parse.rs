@@ -36,13 +36,7 @@ fn whole(bencher: Bencher<'_, '_>, components: usize) {
 fn tree_alone(bencher: Bencher<'_, '_>, components: usize) {
     let text = specification(components);
     let raw = lex(&text);
-    let pre = preprocess(
-        &"".into(),
-        &text,
-        &raw,
-        MacroEnv::default(),
-        &mut NoIncludes,
-    );
+    let pre = preprocess(&"".into(), &text, &raw, MacroEnv::default(), &mut NoIncludes);
     bencher
         .counter(BytesCount::of_str(&text))
         .counter(ItemsCount::new(raw.len()))

@@ -88,10 +88,7 @@ const fn warning(
     example: &'static str,
     corrected: &'static str,
 ) -> Code {
-    Code {
-        severity: Severity::Warning,
-        ..error(id, meaning, why, fix, example, corrected)
-    }
+    Code { severity: Severity::Warning, ..error(id, meaning, why, fix, example, corrected) }
 }
 
 const fn hint(
@@ -102,18 +99,12 @@ const fn hint(
     example: &'static str,
     corrected: &'static str,
 ) -> Code {
-    Code {
-        severity: Severity::Hint,
-        ..error(id, meaning, why, fix, example, corrected)
-    }
+    Code { severity: Severity::Hint, ..error(id, meaning, why, fix, example, corrected) }
 }
 
 /// Marks a code that the reference compiler does not report.
 const fn ours(code: Code) -> Code {
-    Code {
-        reference: false,
-        ..code
-    }
+    Code { reference: false, ..code }
 }
 
 impl Code {
@@ -123,10 +114,7 @@ impl Code {
 
     /// Marks a code after which GenoM3 reads on.
     const fn goes_on(self) -> Code {
-        Code {
-            stops: false,
-            ..self
-        }
+        Code { stops: false, ..self }
     }
 
     /// Marks a code of a text that may be incomplete.
@@ -136,10 +124,7 @@ impl Code {
 
     /// Marks a code about this machine: a package that is not installed, a file that is not found.
     const fn environment(self) -> Code {
-        Code {
-            environment: true,
-            ..self
-        }
+        Code { environment: true, ..self }
     }
 }
 

@@ -169,15 +169,8 @@ const WORDS: [&str; 13] = [
 ];
 
 /// The words of pragmas that dotgen knows.
-const PRAGMAS: [&str; 7] = [
-    "require",
-    "requires",
-    "provide",
-    "provides",
-    "masquerade",
-    "wcet",
-    "once",
-];
+const PRAGMAS: [&str; 7] =
+    ["require", "requires", "provide", "provides", "masquerade", "wcet", "once"];
 
 /// A misspelt word of a directive. The directive is read as the known word nearest to it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -196,20 +189,12 @@ impl Directive {
         while !matches!(raw.kind(end), NEWLINE | EOF) {
             end += 1;
         }
-        let mut line = Line {
-            text,
-            raw,
-            at: first + 1,
-            end,
-        };
+        let mut line = Line { text, raw, at: first + 1, end };
         let mut misspelt = None;
         let (keyword, kind) = match line.word() {
             Some(word) => {
                 let meant = nearest(&word.text, WORDS).filter(|_| !WORDS.contains(&&*word.text));
-                misspelt = meant.map(|meant| Misspelt {
-                    word: word.clone(),
-                    meant,
-                });
+                misspelt = meant.map(|meant| Misspelt { word: word.clone(), meant });
                 let kind = line.kind(meant.unwrap_or(&word.text), defines);
                 (Some(word), kind)
             }
@@ -219,10 +204,7 @@ impl Directive {
         if let DirectiveKind::Pragma(Pragma { misspelt: node, .. }) = &kind {
             misspelt = misspelt.or_else(|| node.clone());
         }
-        let last = (first..end)
-            .rev()
-            .find(|&i| !is_trivia(raw.kind(i)))
-            .unwrap_or(first);
+        let last = (first..end).rev().find(|&i| !is_trivia(raw.kind(i))).unwrap_or(first);
         let mut range = text_range(raw.start(first), raw.start(last + 1));
         if let DirectiveKind::Include(operand) = &kind {
             range = range.cover(operand.range);
@@ -258,40 +240,23 @@ impl Pragma {
             content.push(escaped.unwrap_or(char));
         }
         let raw = lex(&content);
-        let mut words = Line {
-            text: &content,
-            raw: &raw,
-            at: 0,
-            end: raw.len(),
-        }
-        .pragma_words();
+        let mut words = Line { text: &content, raw: &raw, at: 0, end: raw.len() }.pragma_words();
         words.iter_mut().for_each(|word| word.range = range);
         Pragma::from_words(words, true)
     }
 
     fn from_words(words: Vec<PragmaArg>, operator: bool) -> Pragma {
         let mut words = words.into_iter();
-        let mut name = words.next().map(|word| Name {
-            text: word.text,
-            range: word.range,
-        });
+        let mut name = words.next().map(|word| Name { text: word.text, range: word.range });
         let mut misspelt = None;
         if let Some(name) = &mut name
             && !PRAGMAS.contains(&&*name.text)
             && let Some(meant) = nearest(&name.text, PRAGMAS)
         {
-            misspelt = Some(Misspelt {
-                word: name.clone(),
-                meant,
-            });
+            misspelt = Some(Misspelt { word: name.clone(), meant });
             name.text = meant.into();
         }
-        Pragma {
-            name,
-            args: words.collect(),
-            operator,
-            misspelt,
-        }
+        Pragma { name, args: words.collect(), operator, misspelt }
     }
 }
 
@@ -322,11 +287,7 @@ impl Line<'_> {
 
     /// Kind of the next token, blanks included.
     fn next_kind(&self) -> SyntaxKind {
-        if self.at < self.end {
-            self.raw.kind(self.at)
-        } else {
-            EOF
-        }
+        if self.at < self.end { self.raw.kind(self.at) } else { EOF }
     }
 
     /// Skips blanks and returns the kind of the next token.
@@ -349,10 +310,7 @@ impl Line<'_> {
         let text = SmolStr::new(self.raw.clean_text(self.text, self.at));
         let range = self.raw.range(self.at);
         self.at += 1;
-        Some(Name {
-            text,
-            range: text_range(range.start, range.end),
-        })
+        Some(Name { text, range: text_range(range.start, range.end) })
     }
 
     /// The tokens left, without blanks around them.
@@ -401,10 +359,7 @@ impl Line<'_> {
 
     fn operand(&mut self) -> Operand {
         let name = self.word();
-        Operand {
-            name,
-            rest: self.rest(),
-        }
+        Operand { name, rest: self.rest() }
     }
 
     fn include(&mut self) -> IncludeOperand {
@@ -427,10 +382,7 @@ impl Line<'_> {
             _ if spelled.starts_with('<') && spelled.contains('>') => {
                 let len = spelled.find('>').unwrap_or(0);
                 let path = spelled.get(1..len).unwrap_or("");
-                let path = path
-                    .replace("\\\r\n", "")
-                    .replace("\\\n", "")
-                    .replace("\\\r", "");
+                let path = path.replace("\\\r\n", "").replace("\\\n", "").replace("\\\r", "");
                 while self.at < self.end && self.raw.start(self.at) <= start + len {
                     self.at += 1;
                 }
@@ -463,21 +415,11 @@ impl Line<'_> {
         let next = self.next_kind();
         let params = (name.is_some() && next == L_PAREN).then(|| self.params());
         let glued = name.is_some() && params.is_none() && next != EOF && !is_trivia(next);
-        Define {
-            name,
-            params,
-            body: self.rest(),
-            glued,
-            ordinal,
-        }
+        Define { name, params, body: self.rest(), glued, ordinal }
     }
 
     fn params(&mut self) -> Params {
-        let mut params = Params {
-            names: Vec::new(),
-            variadic: false,
-            well_formed: true,
-        };
+        let mut params = Params { names: Vec::new(), variadic: false, well_formed: true };
         self.eat(L_PAREN);
         if self.eat(R_PAREN) {
             return params;
@@ -522,11 +464,7 @@ impl Line<'_> {
         let mut range: Option<TextRange> = None;
         let mut end_word = |word: &mut String, range: &mut Option<TextRange>, quoted| {
             if let Some(range) = range.take() {
-                words.push(PragmaArg {
-                    text: SmolStr::new(&word),
-                    quoted,
-                    range,
-                });
+                words.push(PragmaArg { text: SmolStr::new(&word), quoted, range });
             }
             word.clear();
         };

@@ -56,15 +56,12 @@ impl ExpansionMap {
 
     /// The range to report for a token: its own, or the macro call that produced it.
     pub fn range(&self, token: &SyntaxToken) -> TextRange {
-        self.entry(token)
-            .map_or_else(|| token.text_range(), |entry| entry.call)
+        self.entry(token).map_or_else(|| token.text_range(), |entry| entry.call)
     }
 
     /// The virtual tokens that a macro call produced.
     pub fn expansion(&self, call: TextRange) -> impl Iterator<Item = &VirtualToken> {
-        let start = self
-            .tokens
-            .partition_point(|token| token.call.start() < call.start());
+        let start = self.tokens.partition_point(|token| token.call.start() < call.start());
         self.tokens[start..]
             .iter()
             .take_while(move |token| token.call == call)
@@ -73,12 +70,7 @@ impl ExpansionMap {
 
     /// Adds the next virtual token of the tree, which is at this path, and the range of its call.
     pub(crate) fn push(&mut self, path: &[u32], token: VirtualToken, call: TextRange) {
-        self.tokens.push(Entry {
-            offset: call.end(),
-            path: path.into(),
-            token,
-            call,
-        });
+        self.tokens.push(Entry { offset: call.end(), path: path.into(), token, call });
     }
 
     fn entry(&self, token: &SyntaxToken) -> Option<&Entry> {

@@ -53,12 +53,7 @@ pub enum Align {
 
 impl Default for Options {
     fn default() -> Self {
-        Options {
-            unit: None,
-            otherwise: DEFAULT_UNIT,
-            width: 80,
-            align: Align::Keep,
-        }
+        Options { unit: None, otherwise: DEFAULT_UNIT, width: 80, align: Align::Keep }
     }
 }
 

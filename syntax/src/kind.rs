@@ -415,10 +415,7 @@ impl SyntaxKind {
 
     /// A number, string, character or truth value.
     pub fn is_literal(self) -> bool {
-        matches!(
-            self,
-            INT | FLOAT | FIXED | CHAR | STRING | OPEN_STRING | TRUE_KW | FALSE_KW
-        )
+        matches!(self, INT | FLOAT | FIXED | CHAR | STRING | OPEN_STRING | TRUE_KW | FALSE_KW)
     }
 
     /// The contextual keyword with this spelling.
@@ -477,10 +474,7 @@ impl SyntaxKind {
 
     /// The (preferred) spelling of a keyword or punctuation.
     pub fn spelling(self) -> Option<&'static str> {
-        SPELLINGS
-            .iter()
-            .find(|(kind, _)| *kind == self)
-            .map(|(_, spelling)| *spelling)
+        SPELLINGS.iter().find(|(kind, _)| *kind == self).map(|(_, spelling)| *spelling)
     }
 
     /// Every keyword and punctuation with its spellings, preferred ones first.

@@ -66,11 +66,7 @@ impl RawTokens {
     #[inline]
     pub fn clean_text<'t>(&self, text: &'t str, i: usize) -> Cow<'t, str> {
         let spelled = self.text(text, i);
-        if self.has_splice(i) {
-            Cow::Owned(unsplice(spelled).0)
-        } else {
-            Cow::Borrowed(spelled)
-        }
+        if self.has_splice(i) { Cow::Owned(unsplice(spelled).0) } else { Cow::Borrowed(spelled) }
     }
 
     /// Returns true if the token `i` is broken by a backslash at the end of a line.
@@ -98,10 +94,7 @@ impl RawTokens {
 
 /// Splits `text` into tokens. Total: any text gives tokens that cover it.
 pub fn lex(text: &str) -> RawTokens {
-    if text
-        .match_indices('\\')
-        .any(|(at, _)| splice_len(&text.as_bytes()[at..]) > 0)
-    {
+    if text.match_indices('\\').any(|(at, _)| splice_len(&text.as_bytes()[at..]) > 0) {
         lex_spliced(text)
     } else {
         lex_plain(text)
@@ -356,11 +349,7 @@ fn literal(rest: &str, quote: u8, spans_lines: bool) -> (usize, bool) {
     while let Some(&byte) = bytes.get(at) {
         match byte {
             _ if byte == quote => return (at + 1, true),
-            b'\\'
-                if bytes
-                    .get(at + 1)
-                    .is_some_and(|&next| spans_lines || !is_line_end(next)) =>
-            {
+            b'\\' if bytes.get(at + 1).is_some_and(|&next| spans_lines || !is_line_end(next)) => {
                 at += 1;
                 if is_line_end(bytes[at]) {
                     line_end.get_or_insert(at);
@@ -424,11 +413,7 @@ fn lex_spliced(text: &str) -> RawTokens {
                 removed += len;
                 tokens.push(SPLICE, at + removed);
             } else if kind == WHITESPACE {
-                if tokens
-                    .ends
-                    .last()
-                    .is_none_or(|&end| (end as usize) < at + removed)
-                {
+                if tokens.ends.last().is_none_or(|&end| (end as usize) < at + removed) {
                     tokens.push(kind, at + removed);
                 }
                 removed += len;

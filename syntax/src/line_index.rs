@@ -80,11 +80,7 @@ impl LineIndex {
             }
         }
         lines.push((start as u32, (bytes.len() - start) as u32));
-        LineIndex {
-            lines,
-            wide,
-            len: bytes.len() as u32,
-        }
+        LineIndex { lines, wide, len: bytes.len() as u32 }
     }
 
     /// Number of lines; a text that ends with a line end has an empty last line.
@@ -106,11 +102,7 @@ impl LineIndex {
     /// The line that holds a byte; a terminator belongs to the line it ends.
     pub fn line(&self, offset: TextSize) -> u32 {
         let offset = u32::from(offset);
-        (self
-            .lines
-            .partition_point(|&(start, _)| start <= offset)
-            .max(1)
-            - 1) as u32
+        (self.lines.partition_point(|&(start, _)| start <= offset).max(1) - 1) as u32
     }
 
     /// Position of a byte. Offsets beyond the text count as its end, those inside a character as its
@@ -120,35 +112,20 @@ impl LineIndex {
         let line = self.line(offset.into());
         let (start, len) = self.lines[line as usize];
         offset = offset.min(start + len);
-        let before = self
-            .wide
-            .partition_point(|character| character.end <= offset);
+        let before = self.wide.partition_point(|character| character.end <= offset);
         if let Some(character) = self.wide.get(before) {
-            offset = if character.start < offset {
-                character.start
-            } else {
-                offset
-            };
+            offset = if character.start < offset { character.start } else { offset };
         }
         let saved = self.saved(before, encoding)
-            - self.saved(
-                self.wide
-                    .partition_point(|character| character.end <= start),
-                encoding,
-            );
-        LineCol {
-            line,
-            col: offset - start - saved,
-        }
+            - self.saved(self.wide.partition_point(|character| character.end <= start), encoding);
+        LineCol { line, col: offset - start - saved }
     }
 
     /// Byte of a position; `None` if there is no such line. Columns beyond the line count as its end,
     /// those inside a character as its start.
     pub fn offset(&self, position: LineCol, encoding: PositionEncoding) -> Option<TextSize> {
         let &(start, len) = self.lines.get(position.line as usize)?;
-        let first = self
-            .wide
-            .partition_point(|character| character.end <= start);
+        let first = self.wide.partition_point(|character| character.end <= start);
         let saved_before = self.saved(first, encoding);
         // The ends of the characters of this line, in columns.
         let column_end = |i: usize| {
@@ -168,11 +145,7 @@ impl LineIndex {
         let saved = self.saved(first + low, encoding) - saved_before;
         let mut offset = start.saturating_add(position.col).saturating_add(saved);
         if let Some(character) = self.wide.get(first + low) {
-            offset = if character.start < offset {
-                character.start
-            } else {
-                offset
-            };
+            offset = if character.start < offset { character.start } else { offset };
         }
         Some(offset.min(start + len).into())
     }

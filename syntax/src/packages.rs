@@ -57,10 +57,7 @@ pub fn providers(name: &str) -> Providers {
             None => format!("lib{}-dev", name.strip_prefix("lib").unwrap_or(name)),
         },
     };
-    Providers {
-        robotpkg,
-        debian: Some(debian),
-    }
+    Providers { robotpkg, debian: Some(debian) }
 }
 
 /// The installation advice for a package: `` `interfaces/a-idl` of robotpkg (Debian: `robotpkg-a-idl`) ``.
@@ -93,16 +90,10 @@ mod tests {
     fn what_brings_a_package_follows_from_its_name() {
         let of = |name| {
             let provider = providers(name);
-            (
-                provider.robotpkg.unwrap_or_default(),
-                provider.debian.unwrap_or_default(),
-            )
+            (provider.robotpkg.unwrap_or_default(), provider.debian.unwrap_or_default())
         };
         let pair = |a: &str, b: &str| (a.to_owned(), b.to_owned());
-        assert_eq!(
-            of("vision-idl"),
-            pair("interfaces/vision-idl", "robotpkg-vision-idl")
-        );
+        assert_eq!(of("vision-idl"), pair("interfaces/vision-idl", "robotpkg-vision-idl"));
         assert_eq!(of("pom-genom3"), pair("pom-genom3", "robotpkg-pom-genom3"));
         assert_eq!(of("eigen3"), pair("", "libeigen3-dev"));
         assert_eq!(of("libkdtp"), pair("", "libkdtp-dev"));

@@ -35,10 +35,7 @@ impl Parse {
         let mut broken: Vec<TextRange> = self.errors.iter().map(|error| error.range).collect();
         let from = self.inside_out.into_iter().chain(self.unlisted).min();
         let end = self.syntax().text_range().end();
-        broken.extend(
-            from.filter(|from| *from < end)
-                .map(|from| TextRange::new(from, end)),
-        );
+        broken.extend(from.filter(|from| *from < end).map(|from| TextRange::new(from, end)));
         broken
     }
 
@@ -64,13 +61,7 @@ pub fn parse(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment
         errors.extend(of_directives);
         errors.sort_by_key(|error| error.range.start());
     }
-    Parse {
-        green,
-        errors,
-        expansion,
-        inside_out: said.inside_out,
-        unlisted: said.unlisted,
-    }
+    Parse { green, errors, expansion, inside_out: said.inside_out, unlisted: said.unlisted }
 }
 
 /// Parses a text on its own: includes are not followed, and only the standard macros are predefined. For

@@ -77,9 +77,7 @@ pub(crate) fn read(
     grammar::fragment(&mut p, fragment);
     let inside_out = p.inside_out;
     let (events, mut errors) = p.finish();
-    let unlisted = errors
-        .get(MAX_ERRORS)
-        .map(|error| input.range(error.token).start());
+    let unlisted = errors.get(MAX_ERRORS).map(|error| input.range(error.token).start());
     errors.retain(|error| inside_out.is_none_or(|from| error.token <= from));
     ParserOutput {
         events,
@@ -168,9 +166,7 @@ fn locate(input: &Input<'_>, errors: Vec<RawError>) -> Vec<SyntaxError> {
             at_end: error.at_end,
             in_macro: input.macro_name(error.token).map(SmolStr::new),
             range,
-            related: error
-                .related
-                .map(|(token, what)| (input.range(token), what)),
+            related: error.related.map(|(token, what)| (input.range(token), what)),
             missing: error.missing,
             repair: error.repair.and_then(|repair| repair.locate(input)),
         });
@@ -528,11 +524,7 @@ impl<'i> Parser<'i> {
                 let line = text.lines().next().unwrap_or_default();
                 let shown: String = line.chars().take(40).collect();
                 let dots = if shown.len() < text.len() { "…" } else { "" };
-                let what = if kind.is_reserved_word() {
-                    "the reserved word "
-                } else {
-                    ""
-                };
+                let what = if kind.is_reserved_word() { "the reserved word " } else { "" };
                 format!("{what}`{shown}{dots}`")
             }
         }

@@ -38,11 +38,7 @@ impl Release {
     pub const OLDEST: Release = Release::V2_99_39;
 
     const fn new(major: u16, minor: u16, patch: u16) -> Release {
-        Release {
-            major,
-            minor,
-            patch,
-        }
+        Release { major, minor, patch }
     }
 
     /// Returns true if the behaviour of this release was compared with dotgen, run by run. Statements about
@@ -58,9 +54,7 @@ impl Release {
 
     /// The changes from the older to the newer of two releases, in order of the table.
     pub fn changes_between(self, other: Release) -> impl Iterator<Item = &'static Entry> {
-        CHANGES
-            .iter()
-            .filter(move |change| self.has(change.change) != other.has(change.change))
+        CHANGES.iter().filter(move |change| self.has(change.change) != other.has(change.change))
     }
 
     /// The least release that a requirement on the package `genom3` admits: `genom3 >= 2.99.41`. `None` if
@@ -72,10 +66,7 @@ impl Release {
         let release: Release = rest[operator..].trim().parse().ok()?;
         match &rest[..operator] {
             ">=" | "=" | "==" => Some(release),
-            ">" => Some(Release {
-                patch: release.patch.saturating_add(1),
-                ..release
-            }),
+            ">" => Some(Release { patch: release.patch.saturating_add(1), ..release }),
             _ => None,
         }
     }
@@ -105,10 +96,7 @@ pub struct NoRelease(String);
 impl fmt::Display for NoRelease {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = &self.0;
-        write!(
-            f,
-            "`{text}` is not a release of GenoM3: expected a number such as 2.99.41 or 3.1"
-        )
+        write!(f, "`{text}` is not a release of GenoM3: expected a number such as 2.99.41 or 3.1")
     }
 }
 
@@ -124,12 +112,7 @@ impl FromStr for Release {
             let digits = part.bytes().all(|byte| byte.is_ascii_digit());
             digits.then(|| part.parse::<u16>().ok()).flatten()
         });
-        let mut number = || {
-            numbers
-                .next()
-                .map(|number| number.ok_or_else(fail))
-                .transpose()
-        };
+        let mut number = || numbers.next().map(|number| number.ok_or_else(fail)).transpose();
         let (major, minor, patch) = (number()?, number()?, number()?);
         match (major, minor, numbers.next()) {
             (Some(major), Some(minor), None) => {
@@ -283,25 +266,16 @@ mod tests {
 
     #[test]
     fn numbers_are_read_ordered_and_written() {
-        let sorted = [
-            "2.9", "2.99.4", "2.99.26", "2.99.39", "2.99.41", "3.0", "3.1", "3.1.2", "3.10",
-        ];
+        let sorted =
+            ["2.9", "2.99.4", "2.99.26", "2.99.39", "2.99.41", "3.0", "3.1", "3.1.2", "3.10"];
         let mut read: Vec<Release> = sorted.iter().rev().map(|text| release(text)).collect();
         read.sort_unstable();
         let shown: Vec<String> = read.iter().map(Release::to_string).collect();
         assert_eq!(shown[1..], sorted[1..]);
         assert_eq!(shown[0], "2.9.0");
-        for text in [
-            "",
-            "2",
-            "2.",
-            "2.99.",
-            "2.99.41.1",
-            "2.99.x",
-            "v2.99",
-            "+2.99",
-            "2.99.99999999",
-        ] {
+        for text in
+            ["", "2", "2.", "2.99.", "2.99.41.1", "2.99.x", "v2.99", "+2.99", "2.99.99999999"]
+        {
             assert!(text.parse::<Release>().is_err(), "{text}");
         }
     }
@@ -335,14 +309,8 @@ mod tests {
             .skip(2)
             .take_while(|line| line.starts_with('|'))
             .collect();
-        let row = |entry: &Entry| {
-            format!(
-                "| {} | {} | {} |",
-                entry.since,
-                entry.area.name(),
-                entry.what
-            )
-        };
+        let row =
+            |entry: &Entry| format!("| {} | {} | {} |", entry.since, entry.area.name(), entry.what);
         let expected: Vec<String> = CHANGES.iter().map(row).collect();
         assert_eq!(rows, expected);
     }

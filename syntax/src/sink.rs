@@ -44,10 +44,8 @@ pub(crate) fn build(
             Event::Start { .. } => {
                 // Later nodes that also begin here enclose this one.
                 let mut at = i;
-                while let Event::Start {
-                    kind,
-                    forward_parent,
-                } = std::mem::replace(&mut events[at], Event::tombstone())
+                while let Event::Start { kind, forward_parent } =
+                    std::mem::replace(&mut events[at], Event::tombstone())
                 {
                     if kind != TOMBSTONE {
                         parents.push(kind);
@@ -107,11 +105,7 @@ impl Sink<'_> {
             Some(Element::Virtual(_)) => self.leading_call(first, end),
             _ => end,
         };
-        let attached = if takes_comments(kind) {
-            self.attached_comments(first, end)
-        } else {
-            end
-        };
+        let attached = if takes_comments(kind) { self.attached_comments(first, end) } else { end };
         self.write_until(attached);
         self.builder.start_node(kind);
         self.write_until(end);
@@ -184,8 +178,7 @@ impl Sink<'_> {
 
     fn virtual_token(&mut self, kind: SyntaxKind) {
         if let Element::Virtual(token) = &self.pre.elements[self.next] {
-            self.expansion
-                .push(self.builder.path(), (**token).clone(), self.call);
+            self.expansion.push(self.builder.path(), (**token).clone(), self.call);
             self.builder.token(kind, "");
         }
     }

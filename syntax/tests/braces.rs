@@ -10,16 +10,11 @@ use dotgen_syntax::{
 };
 
 fn specifications(folder: &Path, out: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder)
-        .expect("a folder")
-        .filter_map(|entry| entry.ok())
-    {
+    for entry in std::fs::read_dir(folder).expect("a folder").filter_map(|entry| entry.ok()) {
         let path = entry.path();
         if path.is_dir() {
             specifications(&path, out);
-        } else if path
-            .extension()
-            .is_some_and(|extension| extension == "gen" || extension == "idl")
+        } else if path.extension().is_some_and(|extension| extension == "gen" || extension == "idl")
         {
             out.push(path);
         }
@@ -36,24 +31,16 @@ fn texts() -> Vec<(String, String)> {
     if let Some(published) = crate::shared::shared("corpus") {
         specifications(&published, &mut found);
     }
-    let read = |path: &PathBuf| {
-        Some((
-            path.display().to_string(),
-            std::fs::read_to_string(path).ok()?,
-        ))
-    };
+    let read =
+        |path: &PathBuf| Some((path.display().to_string(), std::fs::read_to_string(path).ok()?));
     let texts = found.iter().filter_map(read);
-    texts
-        .filter(|(_, text)| parse_text(text).errors.is_empty())
-        .collect()
+    texts.filter(|(_, text)| parse_text(text).errors.is_empty()).collect()
 }
 
 /// The names that a text declares, in order.
 fn names(parse: &Parse) -> Vec<String> {
     let names = parse.syntax().descendants().filter_map(Name::cast);
-    names
-        .map(|name| name.text(&parse.expansion).to_string())
-        .collect()
+    names.map(|name| name.text(&parse.expansion).to_string()).collect()
 }
 
 /// The braces of a kind around bodies.
@@ -79,11 +66,7 @@ fn check_without_each(kind: SyntaxKind, more: &str) {
         let expected = names(&right);
         for start in braces(&right, kind) {
             let rest = &text[start + 1..];
-            let broken = format!(
-                "{}{}",
-                &text[..start],
-                rest.strip_prefix(more).unwrap_or(rest)
-            );
+            let broken = format!("{}{}", &text[..start], rest.strip_prefix(more).unwrap_or(rest));
             let parse = parse_text(&broken);
             assert_eq!(parse.syntax().text().to_string(), broken);
             all += 1;

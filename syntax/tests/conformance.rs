@@ -18,9 +18,7 @@ fn specifications(dir: &Path, acc: &mut Vec<PathBuf>) {
     for path in entries {
         if path.is_dir() {
             specifications(&path, acc);
-        } else if path
-            .extension()
-            .is_some_and(|extension| extension == "gen" || extension == "idl")
+        } else if path.extension().is_some_and(|extension| extension == "gen" || extension == "idl")
         {
             acc.push(path);
         }
@@ -35,28 +33,13 @@ fn read(path: &Path) -> String {
 fn error_lines(text: &str) -> Vec<(usize, String)> {
     let raw = lexer::lex(text);
     let env = preproc::MacroEnv::default();
-    let pre = preproc::preprocess(
-        &"main.gen".into(),
-        text,
-        &raw,
-        env,
-        &mut preproc::NoIncludes,
-    );
+    let pre = preproc::preprocess(&"main.gen".into(), text, &raw, env, &mut preproc::NoIncludes);
     let parse = parse(text, &raw, &pre, Fragment::Specification);
     let line = |at: usize| text[..at].matches('\n').count() + 1;
-    let own = parse
-        .errors
-        .iter()
-        .filter(|error| error.severity == Severity::Error);
-    let other = pre
-        .errors
-        .iter()
-        .filter(|error| error.severity == Severity::Error);
+    let own = parse.errors.iter().filter(|error| error.severity == Severity::Error);
+    let other = pre.errors.iter().filter(|error| error.severity == Severity::Error);
     own.map(|error| {
-        (
-            line(error.range.start().into()),
-            format!("{}: {}", error.code(), error.wording()),
-        )
+        (line(error.range.start().into()), format!("{}: {}", error.code(), error.wording()))
     })
     .chain(other.map(|error| {
         (
@@ -83,11 +66,7 @@ fn conformance_of_the_syntax_layer() {
         {
             continue;
         }
-        let ours = if case["ours"].is_object() {
-            &case["ours"]
-        } else {
-            case
-        };
+        let ours = if case["ours"].is_object() { &case["ours"] } else { case };
         let errors = error_lines(&text);
         checked += 1;
         if ours["verdict"] == "accept" {
@@ -126,17 +105,9 @@ fn specifications_that_the_reference_accepts_have_no_syntax_error() {
         for file in files {
             let text = read(&file);
             let parse = parse_text(&text);
-            assert_eq!(
-                parse.syntax().text().to_string(),
-                text,
-                "{}",
-                file.display()
-            );
-            let errors: Vec<_> = parse
-                .errors
-                .iter()
-                .filter(|error| error.severity == Severity::Error)
-                .collect();
+            assert_eq!(parse.syntax().text().to_string(), text, "{}", file.display());
+            let errors: Vec<_> =
+                parse.errors.iter().filter(|error| error.severity == Severity::Error).collect();
             assert!(errors.is_empty(), "{}: {errors:?}", file.display());
         }
     }

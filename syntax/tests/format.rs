@@ -8,10 +8,7 @@ use expect_test::{Expect, expect};
 fn formatted(text: &str) -> String {
     let parse = parse_text(text);
     let broken: Vec<_> = parse.errors.iter().map(|e| e.range).collect();
-    apply(
-        text,
-        &format(&parse.syntax(), &broken, None, &Options::default()),
-    )
+    apply(text, &format(&parse.syntax(), &broken, None, &Options::default()))
 }
 
 /// Everything but blanks and line breaks, and the indentation of lines of block comments.
@@ -196,10 +193,9 @@ fn comments_side_by_side_stay_there() {
 /// Found by fuzzing: the backslash went with the line end.
 #[test]
 fn a_line_end_with_a_joined_line_in_it_stays() {
-    for text in [
-        "\r\\\n\nstruct s { long x; };\n",
-        "typedef long a;\n \r\\\r\n\ntypedef long b;\r\n",
-    ] {
+    for text in
+        ["\r\\\n\nstruct s { long x; };\n", "typedef long a;\n \r\\\r\n\ntypedef long b;\r\n"]
+    {
         assert!(formatted(text).contains('\\'), "{text:?}");
     }
 }
@@ -216,17 +212,9 @@ fn a_comment_that_is_continued_by_nothing() {
 }
 
 fn first_difference(a: &str, b: &str) -> String {
-    let differs = a
-        .lines()
-        .zip(b.lines())
-        .position(|(a, b)| a != b)
-        .unwrap_or(0);
+    let differs = a.lines().zip(b.lines()).position(|(a, b)| a != b).unwrap_or(0);
     let around = |text: &str| {
-        text.lines()
-            .skip(differs.saturating_sub(2))
-            .take(5)
-            .collect::<Vec<_>>()
-            .join("\n")
+        text.lines().skip(differs.saturating_sub(2)).take(5).collect::<Vec<_>>().join("\n")
     };
     format!("line {differs}:\n{}\n--- then\n{}", around(a), around(b))
 }
@@ -237,11 +225,8 @@ fn shared_files() -> Vec<(String, String)> {
     let Some(root) = crate::shared::shared("") else {
         return found;
     };
-    let mut folders = vec![
-        root.join("corpus"),
-        root.join("golden/inputs"),
-        root.join("conformance"),
-    ];
+    let mut folders =
+        vec![root.join("corpus"), root.join("golden/inputs"), root.join("conformance")];
     while let Some(folder) = folders.pop() {
         let Ok(entries) = std::fs::read_dir(&folder) else {
             continue;
@@ -293,11 +278,7 @@ fn real_files_keep_their_tokens_and_settle_at_once() {
         let once = formatted(&text);
         assert_eq!(tokens(&text), tokens(&once), "{path}");
         let twice = formatted(&once);
-        assert!(
-            twice == once,
-            "not idempotent: {path}\n{}",
-            first_difference(&once, &twice)
-        );
+        assert!(twice == once, "not idempotent: {path}\n{}", first_difference(&once, &twice));
     }
 }
 
@@ -365,16 +346,10 @@ fn damaged_files_keep_their_tokens() {
 /// The number of lines that formatting changes, and the lines over the width before and after.
 fn changes(text: &str) -> (usize, usize, usize, usize) {
     let once = formatted(text);
-    let over = |text: &str| {
-        text.lines()
-            .filter(|line| line.chars().count() > 80)
-            .count()
-    };
+    let over = |text: &str| text.lines().filter(|line| line.chars().count() > 80).count();
     let diff = similar::TextDiff::from_lines(text, &once);
     let changed = diff.iter_all_changes();
-    let changed = changed
-        .filter(|change| change.tag() == similar::ChangeTag::Delete)
-        .count();
+    let changed = changed.filter(|change| change.tag() == similar::ChangeTag::Delete).count();
     (text.lines().count(), changed, over(text), over(&once))
 }
 
@@ -415,30 +390,21 @@ fn the_files_own_unit_is_kept() {
         let crlf = text.replace('\n', "\r\n");
         assert_eq!(formatted(&crlf), crlf);
     }
-    let to = |unit| Options {
-        unit: Some(unit),
-        ..Options::default()
-    };
+    let to = |unit| Options { unit: Some(unit), ..Options::default() };
     for text in [two, four, tabs] {
         assert_eq!(with(to(Unit::Spaces(2)), text), two);
         assert_eq!(with(to(Unit::Spaces(4)), text), four);
         assert_eq!(with(to(Unit::Tabs(8)), text), tabs);
     }
     let flat = "component c {\ntask t;\n};\n";
-    let new = Options {
-        otherwise: Unit::Spaces(4),
-        ..Options::default()
-    };
+    let new = Options { otherwise: Unit::Spaces(4), ..Options::default() };
     assert_eq!(with(new, flat), "component c {\n    task t;\n};\n");
     assert_eq!(with(new, two), two);
 }
 
 #[test]
 fn a_line_that_was_short_enough_stays_so() {
-    let narrow = Options {
-        width: 40,
-        ..Options::default()
-    };
+    let narrow = Options { width: 40, ..Options::default() };
     let text = "component c {
 function move(in double x,in double y,in double z) {
 codel f(in x,in y,in z);
@@ -463,10 +429,7 @@ codel f(in x,in y,in z);
           };
         };
     "#]];
-    let wide = Options {
-        width: 52,
-        ..Options::default()
-    };
+    let wide = Options { width: 52, ..Options::default() };
     let once = with(wide, text);
     expected.assert_eq(&once);
     assert_eq!(with(wide, &once), once);
@@ -496,15 +459,9 @@ fn what_an_author_lays_out_stays() {
 "#;
     let expected = text.replace("task t;  throw e;", "task t;\n    throw e;");
     assert_eq!(formatted(text), expected);
-    let plain = Options {
-        align: Align::None,
-        ..Options::default()
-    };
+    let plain = Options { align: Align::None, ..Options::default() };
     assert_eq!(
-        with(
-            plain,
-            "component c {\n  port in  t a;\n  port out t b; // one\n};\n"
-        ),
+        with(plain, "component c {\n  port in  t a;\n  port out t b; // one\n};\n"),
         "component c {\n  port in t a;\n  port out t b; // one\n};\n"
     );
 }

@@ -73,11 +73,7 @@ fn inline_examples_are_up_to_date() {
         }
     }
     for path in files(&dir, "gen") {
-        let name = path
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         if !examples.contains_key(&name) {
             fs::remove_file(&path).expect("remove an old example");
             let _ = fs::remove_file(path.with_extension("tree"));
@@ -92,16 +88,10 @@ fn inline_examples_are_up_to_date() {
 
 #[test]
 fn correct_texts() {
-    for path in files(&data("inline"), "gen")
-        .into_iter()
-        .chain(files(&data("ok"), "gen"))
-    {
+    for path in files(&data("inline"), "gen").into_iter().chain(files(&data("ok"), "gen")) {
         let (text, parse) = check(&path);
-        let errors: Vec<_> = parse
-            .errors
-            .iter()
-            .filter(|error| error.severity == Severity::Error)
-            .collect();
+        let errors: Vec<_> =
+            parse.errors.iter().filter(|error| error.severity == Severity::Error).collect();
         assert!(errors.is_empty(), "{}: {errors:?}\n{text}", path.display());
     }
 }
@@ -111,10 +101,7 @@ fn broken_texts() {
     for path in files(&data("err"), "gen") {
         let (text, parse) = check(&path);
         assert!(
-            parse
-                .errors
-                .iter()
-                .any(|error| error.severity == Severity::Error),
+            parse.errors.iter().any(|error| error.severity == Severity::Error),
             "{} has no error\n{text}",
             path.display()
         );
@@ -124,12 +111,7 @@ fn broken_texts() {
 fn check(path: &Path) -> (String, dotgen_syntax::Parse) {
     let text = fs::read_to_string(path).expect("readable text");
     let parse = parse_text(&text);
-    assert_eq!(
-        parse.syntax().text().to_string(),
-        text,
-        "{}",
-        path.display()
-    );
+    assert_eq!(parse.syntax().text().to_string(), text, "{}", path.display());
     expect_file![path.with_extension("tree")].assert_eq(&dump(&parse));
     (text, parse)
 }
@@ -152,17 +134,9 @@ iced = 1;
     assert_eq!(parse.errors, []);
     let names = parse.syntax().descendants().filter_map(Name::cast);
     let names: Vec<_> = names
-        .map(|name| {
-            (
-                name.text(&parse.expansion),
-                &text[name.range(&parse.expansion)],
-            )
-        })
+        .map(|name| (name.text(&parse.expansion), &text[name.range(&parse.expansion)]))
         .collect();
-    let names: Vec<_> = names
-        .iter()
-        .map(|(name, at)| (name.as_str(), *at))
-        .collect();
+    let names: Vec<_> = names.iter().map(|(name, at)| (name.as_str(), *at)).collect();
     assert_eq!(
         names[4..],
         [

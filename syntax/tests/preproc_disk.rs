@@ -35,12 +35,7 @@ struct Disk {
 
 impl Disk {
     fn new(include_dirs: Vec<Utf8PathBuf>) -> Disk {
-        Disk {
-            include_dirs,
-            open: Vec::new(),
-            reports: Vec::new(),
-            live: Vec::new(),
-        }
+        Disk { include_dirs, open: Vec::new(), reports: Vec::new(), live: Vec::new() }
     }
 
     fn run(&mut self, path: &Utf8Path, env: MacroEnv) -> Option<MacroEnv> {
@@ -51,8 +46,7 @@ impl Disk {
         self.open.pop();
         let lines = LineIndex::new(&text);
         for error in out.errors {
-            self.reports
-                .push((path.to_owned(), lines.line(error.range.start()) + 1, error));
+            self.reports.push((path.to_owned(), lines.line(error.range.start()) + 1, error));
         }
         self.live = out
             .elements
@@ -76,23 +70,15 @@ impl Host for Disk {
         if self.open.len() >= 99 {
             return Err(IncludeError::TooDeep);
         }
-        let beside = self
-            .open
-            .last()
-            .and_then(|path| path.parent())
-            .filter(|_| !request.angled);
-        let dirs = beside.into_iter().chain(
-            self.include_dirs
-                .iter()
-                .map(|include_dir| include_dir.as_path()),
-        );
+        let beside = self.open.last().and_then(|path| path.parent()).filter(|_| !request.angled);
+        let dirs = beside
+            .into_iter()
+            .chain(self.include_dirs.iter().map(|include_dir| include_dir.as_path()));
         let candidates: Vec<Utf8PathBuf> =
             dirs.map(|dir| dir.join(request.path.as_str())).collect();
         match candidates.iter().find(|candidate| candidate.is_file()) {
             Some(path) => Ok(self.run(path, env.clone()).unwrap_or_default()),
-            None => Err(IncludeError::NotFound {
-                searched: Vec::new(),
-            }),
+            None => Err(IncludeError::NotFound { searched: Vec::new() }),
         }
     }
 
@@ -111,12 +97,7 @@ fn case_on_disk(dir: &Utf8Path, case: &Value) -> Disk {
     let folder = file.parent().unwrap();
     let mut disk = Disk::new(Vec::new());
     let mut env = MacroEnv::predefined();
-    for arg in case["args"]
-        .as_array()
-        .into_iter()
-        .flatten()
-        .filter_map(Value::as_str)
-    {
+    for arg in case["args"].as_array().into_iter().flatten().filter_map(Value::as_str) {
         let arg = arg.replace("{case}", folder.as_str());
         if let Some(dir) = arg.strip_prefix("-I") {
             disk.include_dirs.push(dir.into());
@@ -131,11 +112,7 @@ fn case_on_disk(dir: &Utf8Path, case: &Value) -> Disk {
 impl Disk {
     /// Compares the reports with those that a case expects. Returns false for a case of another layer.
     fn judge(&self, name: &str, case: &Value, failures: &mut Vec<String>) -> bool {
-        let ours = if case["ours"].is_null() {
-            case
-        } else {
-            &case["ours"]
-        };
+        let ours = if case["ours"].is_null() { case } else { &case["ours"] };
         let errors: Vec<&Value> = case["errors"].as_array().into_iter().flatten().collect();
         let required = || errors.iter().filter(|error| error["consequence"] != true);
         let of_this_layer = |check: &Value| {
@@ -145,11 +122,8 @@ impl Disk {
         };
         let close = |wanted: &Value, severity: Severity| {
             self.reports.iter().any(|(file, line, report)| {
-                let mut lines = wanted["also"]
-                    .as_array()
-                    .into_iter()
-                    .flatten()
-                    .chain([&wanted["line"]]);
+                let mut lines =
+                    wanted["also"].as_array().into_iter().flatten().chain([&wanted["line"]]);
                 file.file_name() == wanted["file"].as_str()
                     && report.severity == severity
                     && lines.any(|candidate| {
@@ -159,10 +133,7 @@ impl Disk {
                     })
             })
         };
-        let reported = self
-            .reports
-            .iter()
-            .filter(|report| report.2.severity == Severity::Error);
+        let reported = self.reports.iter().filter(|report| report.2.severity == Severity::Error);
         if ours["verdict"] == "accept" {
             if reported.count() > 0 {
                 failures.push(format!("{name}: accepted, but {:?}", self.reports));
@@ -182,10 +153,7 @@ impl Disk {
             && name.starts_with("preproc/")
         {
             if reported.count() > 0 {
-                failures.push(format!(
-                    "{name}: wrong for another reason, but {:?}",
-                    self.reports
-                ));
+                failures.push(format!("{name}: wrong for another reason, but {:?}", self.reports));
             }
         } else {
             return false;
@@ -210,11 +178,7 @@ fn conformance() {
         let disk = case_on_disk(&dir, case);
         judged += usize::from(disk.judge(name, case, &mut failures));
     }
-    assert!(
-        failures.is_empty(),
-        "{judged} judged\n{}",
-        failures.join("\n")
-    );
+    assert!(failures.is_empty(), "{judged} judged\n{}", failures.join("\n"));
     assert!(judged > 100, "only {judged} cases");
     eprintln!("{judged} cases judged");
 }
@@ -226,9 +190,7 @@ fn specifications(dir: &Path) -> Vec<PathBuf> {
         let path = entry.path();
         if path.is_dir() {
             found.extend(specifications(&path));
-        } else if path
-            .extension()
-            .is_some_and(|extension| extension == "gen" || extension == "idl")
+        } else if path.extension().is_some_and(|extension| extension == "gen" || extension == "idl")
         {
             found.push(path);
         }
@@ -253,10 +215,7 @@ fn corpus() {
             .map(|(_, _, error)| error.kind.code())
             .collect();
         // Files of packages that are not part of the corpus.
-        assert!(
-            codes.iter().all(|&code| code == "pp-include-not-found"),
-            "{path}: {codes:?}"
-        );
+        assert!(codes.iter().all(|&code| code == "pp-include-not-found"), "{path}: {codes:?}");
     }
 }
 

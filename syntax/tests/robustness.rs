@@ -20,10 +20,7 @@ fn check(text: &str) -> Parse {
     assert!(root.text() == text, "text lost");
     let end = root.text_range().end();
     for error in &parse.errors {
-        assert!(
-            error.range.end() <= end,
-            "error outside the text: {error:?}"
-        );
+        assert!(error.range.end() <= end, "error outside the text: {error:?}");
         assert!(!error.wording().what.is_empty());
     }
     for token in root
@@ -31,10 +28,7 @@ fn check(text: &str) -> Parse {
         .filter_map(|element| element.into_token())
         .filter(|token| token.text_range().is_empty())
     {
-        assert!(
-            parse.expansion.virtual_token(&token).is_some(),
-            "empty token without text"
-        );
+        assert!(parse.expansion.virtual_token(&token).is_some(), "empty token without text");
     }
     parse
 }
@@ -43,20 +37,14 @@ fn check(text: &str) -> Parse {
 fn fixtures() -> Vec<String> {
     let mut texts = Vec::new();
     for kind in ["inline", "ok", "err"] {
-        let dir = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("test_data/parser")
-            .join(kind);
+        let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("test_data/parser").join(kind);
         let mut files: Vec<_> = std::fs::read_dir(dir)
             .expect("fixtures")
             .filter_map(|entry| Some(entry.ok()?.path()))
             .filter(|path| path.extension().is_some_and(|extension| extension == "gen"))
             .collect();
         files.sort();
-        texts.extend(
-            files
-                .iter()
-                .map(|file| std::fs::read_to_string(file).expect("readable")),
-        );
+        texts.extend(files.iter().map(|file| std::fs::read_to_string(file).expect("readable")));
     }
     texts
 }
@@ -125,11 +113,7 @@ struct Edit {
 }
 
 fn edits() -> impl Strategy<Value = (Index, Vec<Edit>)> {
-    let edit = (
-        any::<Index>(),
-        0..12usize,
-        prop::option::of(0..PIECES.len()),
-    )
+    let edit = (any::<Index>(), 0..12usize, prop::option::of(0..PIECES.len()))
         .prop_map(|(at, delete, insert)| Edit { at, delete, insert });
     (any::<Index>(), prop::collection::vec(edit, 1..6))
 }
@@ -153,11 +137,7 @@ fn apply(text: &str, edits: &[Edit]) -> String {
 }
 
 fn random_edits(cases: u32, texts: &[String]) {
-    let config = Config {
-        cases,
-        failure_persistence: None,
-        ..Config::default()
-    };
+    let config = Config { cases, failure_persistence: None, ..Config::default() };
     TestRunner::new(config)
         .run(&edits(), |(file, edits)| {
             let text = apply(&texts[file.index(texts.len())], &edits);
@@ -260,10 +240,7 @@ fn deep_nesting_is_an_error_and_no_overflow() {
     ] {
         let text = format!("{prefix}{}", open.repeat(depth));
         let parse = check(&text);
-        assert!(
-            !parse.errors.is_empty() || open.contains('#'),
-            "{prefix}{open}… is accepted"
-        );
+        assert!(!parse.errors.is_empty() || open.contains('#'), "{prefix}{open}… is accepted");
         assert!(parse.errors.len() < 600);
         let closed = format!("{prefix}{}{}", open.repeat(1000), ")}]>".repeat(1000));
         check(&closed);
@@ -284,25 +261,13 @@ fn large_and_odd_texts() {
     assert_eq!(parse.errors, []);
     assert_eq!(parse.tree().items().count(), (10 << 20) / good.len());
 
-    for text in [
-        "\0",
-        "\0\0{\0",
-        "\u{feff}component c;",
-        "\r",
-        "a\rb",
-        "é",
-        "'",
-        "\"",
-        "#",
-        "\\",
-    ] {
+    for text in ["\0", "\0\0{\0", "\u{feff}component c;", "\r", "a\rb", "é", "'", "\"", "#", "\\"]
+    {
         check(text);
         check(&text.repeat(10_000));
     }
     // One token as long as a file.
-    for piece in [
-        "é", "a", "1", "0x", "1e", " ", "\\\n", "'", "\"é", "\"\\", "_-",
-    ] {
+    for piece in ["é", "a", "1", "0x", "1e", " ", "\\\n", "'", "\"é", "\"\\", "_-"] {
         check(&piece.repeat(1 << 16));
         check(&format!("// {}", piece.repeat(1 << 16)));
         check(&format!("/* {}", piece.repeat(1 << 16)));
@@ -319,24 +284,15 @@ fn large_and_odd_texts() {
 fn a_large_expansion_is_read_in_linear_time() {
     let mut text = String::from("#define M0 x,\n");
     for i in 1..=4 {
-        text.push_str(&format!(
-            "#define M{i} {}\n",
-            format!("M{} ", i - 1).repeat(10)
-        ));
+        text.push_str(&format!("#define M{i} {}\n", format!("M{} ", i - 1).repeat(10)));
     }
     text.push_str("enum e { M4 last };\n");
     let parse = check(&text);
     assert_eq!(parse.errors, []);
     let names = parse.syntax().descendants().filter_map(ast::Name::cast);
-    let texts: Vec<_> = names
-        .map(|name| name.text(&parse.expansion))
-        .skip(5)
-        .collect();
+    let texts: Vec<_> = names.map(|name| name.text(&parse.expansion)).skip(5).collect();
     assert_eq!(texts.len(), 10_002);
-    assert_eq!(
-        (&*texts[0], &*texts[1], &*texts[10_001]),
-        ("e", "x", "last")
-    );
+    assert_eq!((&*texts[0], &*texts[1], &*texts[10_001]), ("e", "x", "last"));
 }
 
 #[test]
@@ -358,35 +314,20 @@ component c {
 ";
     let parse = check(text);
     let kinds = |items: Vec<dotgen_syntax::ast::Item>| {
-        items
-            .iter()
-            .map(|item| format!("{:?}", item.syntax().kind()))
-            .collect::<Vec<_>>()
+        items.iter().map(|item| format!("{:?}", item.syntax().kind())).collect::<Vec<_>>()
     };
     let items: Vec<_> = parse.tree().items().collect();
-    assert_eq!(
-        kinds(items.clone()),
-        ["DIRECTIVE", "COMPONENT", "DIRECTIVE"]
-    );
+    assert_eq!(kinds(items.clone()), ["DIRECTIVE", "COMPONENT", "DIRECTIVE"]);
     let dotgen_syntax::ast::Item::Component(component) = &items[1] else {
         panic!("a component");
     };
     let inside: Vec<_> = component.items().collect();
     assert_eq!(
         kinds(inside.clone()),
-        [
-            "STRING_PROPERTY",
-            "DIRECTIVE",
-            "TASK",
-            "DIRECTIVE",
-            "DIRECTIVE"
-        ]
+        ["STRING_PROPERTY", "DIRECTIVE", "TASK", "DIRECTIVE", "DIRECTIVE"]
     );
     let dotgen_syntax::ast::Item::Task(task) = &inside[2] else {
         panic!("a task");
     };
-    assert_eq!(
-        kinds(task.items().collect()),
-        ["DURATION_PROPERTY", "DIRECTIVE"]
-    );
+    assert_eq!(kinds(task.items().collect()), ["DURATION_PROPERTY", "DIRECTIVE"]);
 }

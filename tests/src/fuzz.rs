@@ -28,13 +28,8 @@ pub enum Target {
 
 impl Target {
     /// All of them.
-    pub const ALL: [Target; 5] = [
-        Target::Specification,
-        Target::Format,
-        Target::Codels,
-        Target::Scenario,
-        Target::Messages,
-    ];
+    pub const ALL: [Target; 5] =
+        [Target::Specification, Target::Format, Target::Codels, Target::Scenario, Target::Messages];
 
     /// Its name on the command line, and of its folder in the corpus.
     pub fn name(self) -> &'static str {
@@ -69,9 +64,7 @@ impl Target {
 
     /// Inputs that were kept: each found a fault, or reaches what no other reaches.
     pub fn corpus(self) -> PathBuf {
-        crate::workspace_root()
-            .join("fuzz/corpus")
-            .join(self.name())
+        crate::workspace_root().join("fuzz/corpus").join(self.name())
     }
 
     /// Texts to begin with: files of the project.
@@ -112,8 +105,5 @@ fn files(folder: &std::path::Path, extensions: &[&str]) -> Vec<Vec<u8>> {
         }
     }
     paths.sort();
-    paths
-        .iter()
-        .filter_map(|path| std::fs::read(path).ok())
-        .collect()
+    paths.iter().filter_map(|path| std::fs::read(path).ok()).collect()
 }

@@ -19,31 +19,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("codegen", &["dotgen-syntax", "dotgen-analysis"]),
     // The checker of certificates shares no code with the verifier. Tests use it.
     ("check", &[]),
-    (
-        "timing",
-        &["dotgen-syntax", "dotgen-analysis", "dotgen-check"],
-    ),
-    (
-        "recording",
-        &["dotgen-syntax", "dotgen-analysis", "dotgen-timing"],
-    ),
-    (
-        "runtime",
-        &[
-            "dotgen-analysis",
-            "dotgen-codegen",
-            "dotgen-timing",
-            "dotgen-recording",
-        ],
-    ),
-    (
-        "platform",
-        &["dotgen-syntax", "dotgen-analysis", "dotgen-codegen"],
-    ),
-    (
-        "ros2",
-        &["dotgen-syntax", "dotgen-analysis", "dotgen-codegen"],
-    ),
+    ("timing", &["dotgen-syntax", "dotgen-analysis", "dotgen-check"]),
+    ("recording", &["dotgen-syntax", "dotgen-analysis", "dotgen-timing"]),
+    ("runtime", &["dotgen-analysis", "dotgen-codegen", "dotgen-timing", "dotgen-recording"]),
+    ("platform", &["dotgen-syntax", "dotgen-analysis", "dotgen-codegen"]),
+    ("ros2", &["dotgen-syntax", "dotgen-analysis", "dotgen-codegen"]),
     (
         "hosting",
         &[
@@ -119,8 +99,7 @@ const TEST_CRATE: &str = "dotgen-loaders";
 fn manifest(folder: &str) -> toml::Table {
     let path = workspace_root().join(folder).join("Cargo.toml");
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    text.parse()
-        .unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+    text.parse().unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
 /// Names of the dependencies of one manifest, `package = "…"` renames followed.
@@ -130,11 +109,7 @@ fn dependencies(manifest: &toml::Table) -> BTreeSet<String> {
         .filter_map(|section| manifest.get(*section)?.as_table())
         .flat_map(|table| {
             table.iter().map(|(key, value)| {
-                value
-                    .get("package")
-                    .and_then(toml::Value::as_str)
-                    .unwrap_or(key)
-                    .to_owned()
+                value.get("package").and_then(toml::Value::as_str).unwrap_or(key).to_owned()
             })
         })
         .collect()
@@ -150,10 +125,7 @@ fn crates_depend_in_one_direction_only() {
         .collect();
     let known: BTreeSet<&str> = ALLOWED.iter().map(|(folder, _)| *folder).collect();
     for member in &members {
-        assert!(
-            known.contains(member.as_str()),
-            "crate `{member}` has no row in ALLOWED"
-        );
+        assert!(known.contains(member.as_str()), "crate `{member}` has no row in ALLOWED");
     }
     for (folder, allowed) in ALLOWED {
         for dependency in dependencies(&manifest(folder)) {
@@ -202,10 +174,7 @@ fn modules_import_in_one_direction_only() {
             found += &format!("in {krate}/src/{}:\n  {ties}\n", folder.replace("::", "/"));
         }
     }
-    assert!(
-        found.is_empty(),
-        "a circle of imports: move what both sides need below them\n{found}"
-    );
+    assert!(found.is_empty(), "a circle of imports: move what both sides need below them\n{found}");
 }
 
 #[test]
@@ -221,25 +190,17 @@ fn a_circle_of_imports_is_seen() {
             let names = text.split("::").filter(|part| !part.is_empty());
             names.map(str::to_owned).collect()
         };
-        let texts: BTreeMap<Vec<String>, String> = texts
-            .iter()
-            .map(|(path, text)| (module(path), (*text).to_owned()))
-            .collect();
+        let texts: BTreeMap<Vec<String>, String> =
+            texts.iter().map(|(path, text)| (module(path), (*text).to_owned())).collect();
         let all = Imports::read(&texts).circles();
-        let all = all
-            .into_iter()
-            .map(|circle| circle.1.into_iter().collect::<Vec<_>>());
+        let all = all.into_iter().map(|circle| circle.1.into_iter().collect::<Vec<_>>());
         all.collect::<Vec<_>>()
     };
     let ab = vec![vec!["a".to_owned(), "b".to_owned()]];
     let two = [("", ""), ("a", "use crate::b::{self, X};"), ("b", "")];
     assert!(circles(&two).is_empty());
     // By paths in the code; by what is below; by a name that the parent passes on.
-    let paths = [
-        ("", ""),
-        ("a", "use crate::b::X;"),
-        ("b", "fn f() -> crate::a::Y {}"),
-    ];
+    let paths = [("", ""), ("a", "use crate::b::X;"), ("b", "fn f() -> crate::a::Y {}")];
     assert_eq!(circles(&paths), ab);
     let below = [
         ("", ""),
@@ -249,11 +210,8 @@ fn a_circle_of_imports_is_seen() {
         ("b::d", "use crate::a::Y;"),
     ];
     assert_eq!(circles(&below), ab);
-    let passed = [
-        ("", "mod a;\nmod b;\npub use a::Y;"),
-        ("a", "use super::b::X;"),
-        ("b", "use super::Y;"),
-    ];
+    let passed =
+        [("", "mod a;\nmod b;\npub use a::Y;"), ("a", "use super::b::X;"), ("b", "use super::Y;")];
     assert_eq!(circles(&passed), ab);
     // Parent and child; comments, texts and tests.
     let none = [
@@ -280,11 +238,7 @@ fn sources(folder: &str) -> Vec<(String, String)> {
             waiting.extend(entries.flatten().map(|entry| entry.path()));
             continue;
         }
-        let name = at
-            .strip_prefix(&root)
-            .expect("below it")
-            .display()
-            .to_string();
+        let name = at.strip_prefix(&root).expect("below it").display().to_string();
         // The generator of the typed tree runs in a test.
         let tests = name.contains("/tests") || name.ends_with("/generator.rs");
         if name.ends_with(".rs") && !tests {
@@ -299,20 +253,14 @@ fn sources(folder: &str) -> Vec<(String, String)> {
 
 #[test]
 fn programs_are_started_in_one_place() {
-    for (folder, _) in ALLOWED
-        .iter()
-        .filter(|pair| !["tests", "xtask"].contains(&pair.0))
-    {
+    for (folder, _) in ALLOWED.iter().filter(|pair| !["tests", "xtask"].contains(&pair.0)) {
         for (name, code) in sources(folder) {
             let starts =
                 code.contains("process::Command") || code.contains("process::{Child, Command");
             let starts =
                 starts || code.contains("Command, Stdio") || code.contains("Command, ExitCode");
             let allowed = name.starts_with("platform/src/process");
-            assert!(
-                !starts || allowed,
-                "{name} starts programs; `platform/src/process` does that"
-            );
+            assert!(!starts || allowed, "{name} starts programs; `platform/src/process` does that");
         }
     }
 }
@@ -329,10 +277,7 @@ fn files(folder: &std::path::Path, ending: &str) -> Vec<std::path::PathBuf> {
         let path = entry.path();
         if path.is_dir() {
             out.extend(files(&path, ending));
-        } else if path
-            .extension()
-            .is_some_and(|extension| extension == ending)
-        {
+        } else if path.extension().is_some_and(|extension| extension == ending) {
             out.push(path);
         }
     }
@@ -347,10 +292,7 @@ fn shared_test_data_is_found_in_one_place() {
     let mut bad = Vec::new();
     for (folder, _) in ALLOWED {
         let sources = walk(&workspace_root().join(folder));
-        for path in sources
-            .iter()
-            .filter(|path| !path.ends_with("loaders/src/shared.rs"))
-        {
+        for path in sources.iter().filter(|path| !path.ends_with("loaders/src/shared.rs")) {
             let source = std::fs::read_to_string(path).expect("a source");
             if source.contains(place) {
                 bad.push(path.clone());
@@ -372,10 +314,7 @@ fn no_file_of_tests_is_forgotten() {
         }
         let main = std::fs::read_to_string(tests.join("main.rs")).expect("tests/main.rs");
         let own = manifest["test"].as_array().expect("programs of tests");
-        let own: BTreeSet<_> = own
-            .iter()
-            .filter_map(|test| test["path"].as_str())
-            .collect();
+        let own: BTreeSet<_> = own.iter().filter_map(|test| test["path"].as_str()).collect();
         for entry in std::fs::read_dir(&tests).expect("a folder").flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
             let Some(module) = name.strip_suffix(".rs") else {

@@ -22,10 +22,8 @@ fn pages() -> Vec<(String, String)> {
 #[test]
 fn the_table_of_contents_lists_every_page_once() {
     let contents = std::fs::read_to_string(workspace_root().join("docs/SUMMARY.md")).unwrap();
-    let mut listed: Vec<&str> = contents
-        .lines()
-        .filter_map(|line| line.split_once("](")?.1.strip_suffix(')'))
-        .collect();
+    let mut listed: Vec<&str> =
+        contents.lines().filter_map(|line| line.split_once("](")?.1.strip_suffix(')')).collect();
     listed.sort_unstable();
     let pages = pages();
     let pages: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();

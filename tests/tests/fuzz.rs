@@ -9,24 +9,16 @@ use dotgen_tests::fuzz::mutate::{Random, mutated};
 
 fn number(name: &str, default: usize) -> usize {
     let value = std::env::var(name).ok();
-    value
-        .and_then(|variable| variable.parse().ok())
-        .unwrap_or(default)
+    value.and_then(|variable| variable.parse().ok()).unwrap_or(default)
 }
 
 fn fuzz(target: Target, inputs: usize) {
     let mut corpus = target.seeds();
     assert!(!corpus.is_empty(), "there is something to begin with");
-    let kept = std::fs::read_dir(target.corpus())
-        .into_iter()
-        .flatten()
-        .flatten();
+    let kept = std::fs::read_dir(target.corpus()).into_iter().flatten().flatten();
     let mut kept: Vec<_> = kept.map(|entry| entry.path()).collect();
     kept.sort();
-    corpus.extend(
-        kept.iter()
-            .map(|path| std::fs::read(path).expect("a kept input")),
-    );
+    corpus.extend(kept.iter().map(|path| std::fs::read(path).expect("a kept input")));
     for input in &corpus {
         tried(target, input);
     }

@@ -39,10 +39,7 @@ fn all() -> impl Iterator<Item = Code> {
         fix: code.fix,
         reference: false,
     });
-    codes::all()
-        .chain(codels)
-        .chain(check::CODES.iter().copied())
-        .chain(scenarios)
+    codes::all().chain(codels).chain(check::CODES.iter().copied()).chain(scenarios)
 }
 
 /// The entry of a code that compares specification and codels.
@@ -70,13 +67,8 @@ fn fixture(code: &str) -> Option<(String, String)> {
     let path = workspace_root().join(format!("analysis/tests/data/codes/{code}.gen"));
     let text = std::fs::read_to_string(path).ok()?;
     let (bad, good) = text.split_once("// near miss\n")?;
-    let good = good
-        .split_once("// corrected\n")
-        .map_or(good, |pair| pair.1);
-    let bad = bad
-        .lines()
-        .map(|line| format!("{}\n", line.replace("//!", "").trim_end()))
-        .collect();
+    let good = good.split_once("// corrected\n").map_or(good, |pair| pair.1);
+    let bad = bad.lines().map(|line| format!("{}\n", line.replace("//!", "").trim_end())).collect();
     Some((bad, good.to_owned()))
 }
 
@@ -120,11 +112,7 @@ fn examples(code: &Code) -> String {
     }
     out += &block(id, &example);
     if let Some(codel) = codel(id) {
-        let _ = write!(
-            out,
-            "\n```c\n{}\n```\n\nCorrected:\n",
-            codel.source.trim_end()
-        );
+        let _ = write!(out, "\n```c\n{}\n```\n\nCorrected:\n", codel.source.trim_end());
         match codel.corrected {
             Correction::Specification(text) => out += &block(id, text),
             Correction::Source(text) => {
@@ -176,13 +164,7 @@ fn configuration(code: &Code) -> String {
 }
 
 fn page(code: &Code) -> String {
-    let Code {
-        id,
-        meaning,
-        why,
-        fix,
-        ..
-    } = code;
+    let Code { id, meaning, why, fix, .. } = code;
     let default = match code.on {
         true => severity(code.severity),
         false => "off",
@@ -211,11 +193,7 @@ fn index(codes: &[Code]) -> String {
             false => "off",
         };
         let meaning = code.meaning.replace('|', "\\|");
-        let _ = writeln!(
-            out,
-            "| [{id}]({id}.md) | {default} | {meaning} |",
-            id = code.id
-        );
+        let _ = writeln!(out, "| [{id}]({id}.md) | {default} | {meaning} |", id = code.id);
     }
     out
 }
@@ -248,11 +226,7 @@ fn the_pages_of_all_codes_are_up_to_date() {
 #[test]
 fn every_code_has_an_example() {
     for code in all() {
-        assert!(
-            code.example.is_some() || fixture(code.id).is_some(),
-            "{} has no example",
-            code.id
-        );
+        assert!(code.example.is_some() || fixture(code.id).is_some(), "{} has no example", code.id);
     }
 }
 
@@ -263,10 +237,7 @@ fn every_code_is_explained_in_sentences() {
         let id = code.id;
         for text in [code.meaning, code.why, code.fix] {
             let capital = |first: char| !first.is_lowercase();
-            assert!(
-                text.starts_with(capital) || text.starts_with("dotgen "),
-                "{id}: {text}"
-            );
+            assert!(text.starts_with(capital) || text.starts_with("dotgen "), "{id}: {text}");
             assert!(text.ends_with('.'), "{id}: {text}");
         }
         let length = code.meaning.chars().count();

@@ -5,16 +5,8 @@ use std::path::Path;
 use dotgen_tests::workspace_root;
 
 /// Crates that do no input or output: they ask a trait.
-const PURE: [&str; 8] = [
-    "syntax",
-    "analysis",
-    "diagram",
-    "codegen",
-    "timing",
-    "recording",
-    "runtime",
-    "ros2",
-];
+const PURE: [&str; 8] =
+    ["syntax", "analysis", "diagram", "codegen", "timing", "recording", "runtime", "ros2"];
 
 /// Words that reach the system.
 const SYSTEM_WORDS: [&str; 16] = [
@@ -55,12 +47,7 @@ fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
 
 /// Whether a file is compiled for tests alone: its module says so, or that around it.
 fn is_test(path: &Path) -> bool {
-    let name = |path: &Path| {
-        path.file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned()
-    };
+    let name = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     path.ancestors().any(|ancestor| matches!(name(ancestor).as_str(), "tests" | "fixture"))
         // Writes the typed tree, in a test.
         || path.ends_with("ast/generator.rs")
@@ -90,11 +77,7 @@ fn nothing_below_the_server_reaches_the_system() {
         }
     }
     assert!(files > 300, "the sources are found: {files}");
-    assert_eq!(
-        found,
-        Vec::<String>::new(),
-        "see docs/architecture.md: files come by a trait"
-    );
+    assert_eq!(found, Vec::<String>::new(), "see docs/architecture.md: files come by a trait");
 }
 
 /// Columns of a line of prose.

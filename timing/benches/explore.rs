@@ -26,11 +26,8 @@ fn load(path: &str) -> Option<(Scenario, UnitResult)> {
         Item::Use(file) => Some(Input::File(folder.join(&file.value))),
         _ => None,
     });
-    let input = BatchInput {
-        inputs: inputs.collect(),
-        include_dirs: vec![folder],
-        defines: Vec::new(),
-    };
+    let input =
+        BatchInput { inputs: inputs.collect(), include_dirs: vec![folder], defines: Vec::new() };
     let host = AnalysisHost::new(Arc::new(Disk));
     let unit = host.analysis().batch(&input).ok()?;
     Some((scenario, unit))
@@ -47,9 +44,7 @@ fn bench(bencher: Bencher, path: &str, cores: u32, durations: Durations) {
         ..Options::default()
     };
     bencher.bench(|| {
-        let input = SystemInput {
-            specs: vec![&unit.spec],
-        };
+        let input = SystemInput { specs: vec![&unit.spec] };
         verify(&input, &scenario, &options, &Cancel::default())
     });
 }

@@ -63,12 +63,7 @@ const MAX_INTERVALS: usize = 2_000_000;
 
 impl Default for Budget {
     fn default() -> Self {
-        Budget {
-            before_coarse: 5_000,
-            batches: true,
-            states: 250_000,
-            bytes: usize::MAX,
-        }
+        Budget { before_coarse: 5_000, batches: true, states: 250_000, bytes: usize::MAX }
     }
 }
 
@@ -86,23 +81,17 @@ pub fn abstract_bounds(
             Ok(parts) => parts,
             Err(refusal) => return ti_vec![Err(refusal); left.len()],
         };
-        let mut out: TiVec<TaskId, Result<Ticks, Refusal>> = left
-            .iter()
-            .map(|refusal| Err(refusal.unwrap_or(Refusal::Cancelled)))
-            .collect();
+        let mut out: TiVec<TaskId, Result<Ticks, Refusal>> =
+            left.iter().map(|refusal| Err(refusal.unwrap_or(Refusal::Cancelled))).collect();
         let mut leaves = false;
         for (tasks, model) in parts {
             let servers = model.as_ref().is_ok_and(|model| model.queue);
             match model.and_then(|model| bounds(&model, budget, cancel)) {
-                Ok(found) => tasks
-                    .iter()
-                    .zip(found)
-                    .for_each(|(&task, result)| out[task] = result),
+                Ok(found) => tasks.iter().zip(found).for_each(|(&task, result)| out[task] = result),
                 Err(refusal) => {
                     tasks.iter().for_each(|&task| out[task] = Err(refusal));
-                    if let Some(task) = refusal
-                        .task()
-                        .filter(|&task| servers && left[task].is_none())
+                    if let Some(task) =
+                        refusal.task().filter(|&task| servers && left[task].is_none())
                     {
                         left[task] = Some(refusal);
                         leaves = true;
@@ -122,12 +111,8 @@ fn bounds(
     budget: Budget,
     cancel: &Cancel,
 ) -> Result<Vec<Result<Ticks, Refusal>>, Refusal> {
-    let budget = Budget {
-        states: budget
-            .states
-            .min(MAX_INTERVALS / model.threads.len().max(1)),
-        ..budget
-    };
+    let budget =
+        Budget { states: budget.states.min(MAX_INTERVALS / model.threads.len().max(1)), ..budget };
     let mut search = Search::new(model, None, budget.bytes, cancel);
     let mut found = search.run(budget.before_coarse, false);
     if let Err(Refusal::States { .. }) = found {
@@ -163,11 +148,9 @@ fn tighter(
     fine: Result<Vec<i64>, Refusal>,
 ) -> Result<Vec<i64>, Refusal> {
     match (coarse, fine) {
-        (Ok(coarse), Ok(fine)) => Ok(coarse
-            .into_iter()
-            .zip(fine)
-            .map(|(one, other)| one.min(other))
-            .collect()),
+        (Ok(coarse), Ok(fine)) => {
+            Ok(coarse.into_iter().zip(fine).map(|(one, other)| one.min(other)).collect())
+        }
         (coarse, fine) => fine.or_else(|refusal| coarse.map_err(|_| refusal)),
     }
 }

@@ -116,10 +116,7 @@ impl<'s> Analysis<'s> {
             of_codel: TiVec::new(),
             of_party: TiVec::new(),
             started: TiVec::new(),
-            late: tasks
-                .clone()
-                .map(|task| may_be_late(system, task))
-                .collect(),
+            late: tasks.clone().map(|task| may_be_late(system, task)).collect(),
             bounds: ti_vec![Some(0); system.tasks.len()],
         };
         let excluded = excluded(system);
@@ -146,9 +143,7 @@ impl<'s> Analysis<'s> {
         analysis.of_party = (analysis.parties.iter_enumerated())
             .map(|(task, parties)| parties.iter().map(|party| of_party(task, party)).collect())
             .collect();
-        analysis.started = tasks
-            .map(|task| analysis.started(task, &excluded))
-            .collect();
+        analysis.started = tasks.map(|task| analysis.started(task, &excluded)).collect();
         analysis
     }
 
@@ -159,11 +154,8 @@ impl<'s> Analysis<'s> {
         let definition = &system.tasks[task];
         let mut work = 0u64;
         let mut all = CodelSet::default();
-        let mut add = |codel: CodelId| {
-            excluded[codel]
-                .iter()
-                .for_each(|codel_set| all.insert(codel_set))
-        };
+        let mut add =
+            |codel: CodelId| excluded[codel].iter().for_each(|codel_set| all.insert(codel_set));
         let tasks = system.components[definition.component].tasks.iter();
         let before = tasks.take_while(|&&index| index != task);
         for a in before.filter_map(|&task| system.tasks[task].permanent) {
@@ -181,9 +173,7 @@ impl<'s> Analysis<'s> {
                 None => vec![machine.start],
             };
             more = states.iter().any(|&state| state != machine.start);
-            states
-                .iter()
-                .for_each(|&state| add(machine.states[state].codel));
+            states.iter().for_each(|&state| add(machine.states[state].codel));
             let own = match definition.period {
                 Some(_) => self.start_up(a, &|codel| self.upper(codel)),
                 None => self.upper(machine.states[machine.start].codel),
@@ -237,9 +227,7 @@ impl<'s> Analysis<'s> {
         let held: TiVec<TaskId, Option<u64>> = tasks.clone().map(|task| self.held(task)).collect();
         let response = |task: TaskId| {
             let response = held[task]?.checked_add(self.core_wait(task, &held)?)?;
-            u32::try_from(response)
-                .ok()
-                .filter(|&response| response < FOREVER)
+            u32::try_from(response).ok().filter(|&response| response < FOREVER)
         };
         tasks.map(response).collect()
     }
@@ -323,12 +311,7 @@ impl<'s> Analysis<'s> {
             _ if self.system.runs_apart(task) => Kind::Late(3),
             _ => Kind::Late(2),
         };
-        Some(Jobs {
-            period,
-            work,
-            kind,
-            released: Some(u64::MAX),
-        })
+        Some(Jobs { period, work, kind, released: Some(u64::MAX) })
     }
 
     /// Returns the time before which no job of a task begins.

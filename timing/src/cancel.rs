@@ -57,10 +57,7 @@ impl Cancel {
     /// Returns a token that is also abandoned as soon as `ask` returns true. Every poll of the token calls
     /// `ask`.
     pub fn asking(ask: impl Fn() -> bool + Send + Sync + 'static) -> Self {
-        Cancel {
-            ask: Some(Arc::new(ask)),
-            ..Cancel::default()
-        }
+        Cancel { ask: Some(Arc::new(ask)), ..Cancel::default() }
     }
 
     /// Abandons the verification: its result is no longer needed.
@@ -71,10 +68,7 @@ impl Cancel {
     /// Returns a token that also ends when an interrupt is raised. The results found until then count, with
     /// the runs that show them.
     pub fn interrupted_by(interrupt: &Interrupt) -> Self {
-        Cancel {
-            interrupt: interrupt.clone(),
-            ..Cancel::default()
-        }
+        Cancel { interrupt: interrupt.clone(), ..Cancel::default() }
     }
 
     /// Returns a token for a part of the work: it is over after a time, counted from now, and whenever this
@@ -100,10 +94,8 @@ impl Cancel {
     /// Sets the time limit, counted from now. The results found until then count, with the runs that show
     /// them. Only the first call has an effect.
     pub fn limit(&self, time: Duration) {
-        self.deadline.get_or_init(|| Deadline {
-            after: time,
-            at: Instant::now().checked_add(time),
-        });
+        self.deadline
+            .get_or_init(|| Deadline { after: time, at: Instant::now().checked_add(time) });
     }
 
     /// Returns the time limit.
@@ -139,10 +131,7 @@ impl Cancel {
 
     /// Returns the progress of the verification.
     pub fn effort(&self) -> Effort {
-        let so_far = Effort {
-            states: self.before.load(Ordering::Relaxed),
-            bytes: 0,
-        };
+        let so_far = Effort { states: self.before.load(Ordering::Relaxed), bytes: 0 };
         let now = self.now();
         now.iter().fold(so_far, |sum, (_, effort)| Effort {
             states: sum.states + effort.states,

@@ -144,10 +144,7 @@ impl<'a> DerivationContext<'a> {
             options,
             cancel,
             together,
-            share: Limits {
-                bytes: limits.bytes / together,
-                ..limits
-            },
+            share: Limits { bytes: limits.bytes / together, ..limits },
             memory: RwLock::default(),
         }
     }
@@ -177,14 +174,8 @@ impl<'a> DerivationContext<'a> {
     fn minimum_cores(&self) -> Result<MinimumCores, Vec<Diagnostic>> {
         let mut variation = Variation::new(self)?;
         variation.settings.cores = None;
-        let most = build(self.names, &variation.settings, &|_| true)
-            .system
-            .tasks
-            .len() as u32;
-        let mut out = MinimumCores {
-            cores: None,
-            tried: Vec::new(),
-        };
+        let most = build(self.names, &variation.settings, &|_| true).system.tasks.len() as u32;
+        let mut out = MinimumCores { cores: None, tried: Vec::new() };
         for cores in 1..=most.max(1) {
             if self.cancel.is_over() {
                 break;
@@ -211,21 +202,13 @@ impl<'a> DerivationContext<'a> {
         let unit = built.system.unit;
         let current = built.system.codels.iter().find(|codel| {
             *codel.path == *path
-                || codel
-                    .site
-                    .is_some_and(|site| same_codel(&target, site, &codel.path, &path))
+                || codel.site.is_some_and(|site| same_codel(&target, site, &codel.path, &path))
         });
         let Some(current) = current else {
             return Err(vec![not_a("codel that is executed", codel)]);
         };
         let upper = current.upper;
-        let longest = built
-            .system
-            .tasks
-            .iter()
-            .filter_map(|task| task.period)
-            .max()
-            .unwrap_or(1);
+        let longest = built.system.tasks.iter().filter_map(|task| task.period).max().unwrap_or(1);
         let of_ticks = |ticks: u32| unit * Ratio::from_integer(i128::from(ticks));
         let mut holds = |ticks: u32| {
             variation.settings.upper_bound = Some((codel.clone(), of_ticks(ticks)));
@@ -235,21 +218,13 @@ impl<'a> DerivationContext<'a> {
         let value = |ticks: u32| Value::Time(report_unit.from_seconds(of_ticks(ticks)));
         let mut out = Extreme {
             of: path,
-            now: if upper == crate::system::FOREVER {
-                Value::Unbounded
-            } else {
-                value(upper)
-            },
+            now: if upper == crate::system::FOREVER { Value::Unbounded } else { value(upper) },
             fails_now: false,
             extreme: None,
             exact: settings(self.scenario, self.options).durations != Durations::Fixed,
             incomplete: false,
         };
-        let start = if upper == crate::system::FOREVER {
-            0
-        } else {
-            upper
-        };
+        let start = if upper == crate::system::FOREVER { 0 } else { upper };
         match holds(start) {
             Verdict::Proved => {}
             verdict => {
@@ -426,20 +401,15 @@ impl<'v> Variation<'v> {
             for (c, member) in names.components.iter().enumerate() {
                 let periodic = member.component.tasks.iter().enumerate();
                 let periodic = periodic.filter(|(_, task)| task.period.is_some());
-                tasks.extend(periodic.map(|(index, _)| DeclaredTask {
-                    component: c,
-                    index: index as u32,
-                }));
+                tasks.extend(
+                    periodic.map(|(index, _)| DeclaredTask { component: c, index: index as u32 }),
+                );
             }
         }
         if !errors.is_empty() {
             return Err(errors);
         }
-        Ok(Variation {
-            asked,
-            settings,
-            tasks,
-        })
+        Ok(Variation { asked, settings, tasks })
     }
 
     fn schedulable(&self) -> Verdict {
@@ -458,11 +428,7 @@ impl<'v> Variation<'v> {
         let proved =
             |task: TaskId| released[task] && meets_deadlines(&built.system, task, bounds[task]);
         let open: Vec<TaskId> = tasks.into_iter().filter(|&task| !proved(task)).collect();
-        let watch = Watch {
-            schedulable: open.clone(),
-            stop_at_first: true,
-            ..Watch::default()
-        };
+        let watch = Watch { schedulable: open.clone(), stop_at_first: true, ..Watch::default() };
         if watch.schedulable.is_empty() {
             return Verdict::Proved;
         }

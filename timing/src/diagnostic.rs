@@ -89,19 +89,13 @@ impl Diagnostic {
 
     fn suggest(mut self, text: &str, is_word: bool) -> Self {
         self.message.push_str(&format!("; did you mean `{text}`?"));
-        self.suggestion = Some(Box::new(Suggestion {
-            text: text.to_owned(),
-            is_word,
-        }));
+        self.suggestion = Some(Box::new(Suggestion { text: text.to_owned(), is_word }));
         self
     }
 
     /// Adds a place in a specification.
     pub(crate) fn about(self, place: Place) -> Self {
-        Diagnostic {
-            places: vec![place],
-            ..self
-        }
+        Diagnostic { places: vec![place], ..self }
     }
 
     pub(crate) fn warning(code: &'static str, range: Range<usize>, message: String) -> Self {

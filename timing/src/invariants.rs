@@ -75,16 +75,12 @@ fn contradicts(parts: &Parts, about: &[(Literal, Vec<&Part>)], case: &[Literal])
     for &(atom, holds) in case {
         let known = about.iter().find(|(known, _)| *known == (atom, holds));
         for &part in known.map_or(&[][..], |(_, parts)| parts) {
-            let at = present
-                .iter()
-                .position(|(other, _)| std::ptr::eq(*other, part));
+            let at = present.iter().position(|(other, _)| std::ptr::eq(*other, part));
             let at = at.unwrap_or_else(|| {
                 present.push((part, part.locals.iter().collect()));
                 present.len() - 1
             });
-            present[at]
-                .1
-                .retain(|local| parts.value(local, atom) == holds);
+            present[at].1.retain(|local| parts.value(local, atom) == holds);
         }
     }
     if present.iter().any(|(_, locals)| locals.is_empty()) {

@@ -46,10 +46,7 @@ pub(crate) fn all<Q: Sync, A: Send + Sync>(
     });
     let told = *lock(&told);
     let answers: Vec<Option<A>> = answers.into_iter().map(OnceLock::into_inner).collect();
-    answers[told.min(answers.len())..]
-        .iter()
-        .flatten()
-        .for_each(tell);
+    answers[told.min(answers.len())..].iter().flatten().for_each(tell);
     answers
 }
 

@@ -32,10 +32,7 @@ impl ReductionUse {
     pub(crate) fn add(&mut self, activities: &[Activity]) {
         self.explorations += 1;
         for activity in activities {
-            let known = self
-                .reductions
-                .iter()
-                .position(|all| all.kind == activity.kind);
+            let known = self.reductions.iter().position(|all| all.kind == activity.kind);
             let at = known.unwrap_or_else(|| {
                 self.reductions.push(UseOfReduction {
                     kind: activity.kind,
@@ -58,22 +55,14 @@ impl ReductionUse {
 
     /// Adds a system that schedule abstraction treated or refused.
     pub(crate) fn add_abstraction(&mut self, off: Option<Refusal>) {
-        match self
-            .abstractions
-            .iter_mut()
-            .find(|abstraction| abstraction.0 == off)
-        {
+        match self.abstractions.iter_mut().find(|abstraction| abstraction.0 == off) {
             Some((_, count)) => *count += 1,
             None => self.abstractions.push((off, 1)),
         }
     }
 
     fn abstraction(&self) -> Option<(&'static str, String)> {
-        let all: usize = self
-            .abstractions
-            .iter()
-            .map(|abstraction| abstraction.1)
-            .sum();
+        let all: usize = self.abstractions.iter().map(|abstraction| abstraction.1).sum();
         let parts = self.abstractions.iter().map(|(off, count)| {
             let part = match count {
                 count if *count == all => String::new(),
@@ -133,14 +122,8 @@ mod tests {
         let lines = [
             ("sleep-sets", "not used: there are clients"),
             ("symmetry", "used"),
-            (
-                "deferral",
-                "used in 1 of 2 explorations; not used in 1 of 2: switched off",
-            ),
+            ("deferral", "used in 1 of 2 explorations; not used in 1 of 2: switched off"),
         ];
-        assert_eq!(
-            all.lines(),
-            lines.map(|(name, line)| (name, line.to_owned()))
-        );
+        assert_eq!(all.lines(), lines.map(|(name, line)| (name, line.to_owned())));
     }
 }

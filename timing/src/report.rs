@@ -457,39 +457,28 @@ impl Report {
     pub(crate) fn effort(&mut self, found: &Findings) {
         self.states += found.states;
         self.steps += found.steps;
-        found
-            .reductions
-            .iter()
-            .for_each(|reduction| self.reductions.add(reduction));
+        found.reductions.iter().for_each(|reduction| self.reductions.add(reduction));
         self.memory = self.memory.max(found.bytes);
     }
 
     /// Returns true if some check failed.
     pub fn refuted(&self) -> bool {
-        self.checks
-            .iter()
-            .any(|check| check.verdict == Verdict::Refuted)
+        self.checks.iter().any(|check| check.verdict == Verdict::Refuted)
     }
 
     /// Returns true if some check was given up.
     pub fn unknown(&self) -> bool {
-        self.checks
-            .iter()
-            .any(|check| check.verdict == Verdict::Unknown)
+        self.checks.iter().any(|check| check.verdict == Verdict::Unknown)
     }
 
     /// Returns true if some check had nothing to verify.
     pub fn nothing(&self) -> bool {
-        self.checks
-            .iter()
-            .any(|check| check.verdict == Verdict::Nothing)
+        self.checks.iter().any(|check| check.verdict == Verdict::Nothing)
     }
 
     /// Returns true if the scenario or the model has errors.
     pub fn has_errors(&self) -> bool {
-        self.diagnostics
-            .iter()
-            .any(|diagnostic| diagnostic.severity == Severity::Error)
+        self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 }
 
@@ -498,9 +487,7 @@ impl CheckReport {
     /// reaches the value.
     pub fn run(&self) -> &[Event] {
         let runs = [&self.counterexample, &self.possible_run, &self.witness];
-        runs.into_iter()
-            .find(|run| !run.is_empty())
-            .map_or(&[], |run| run)
+        runs.into_iter().find(|run| !run.is_empty()).map_or(&[], |run| run)
     }
 
     /// Returns the part of the limit that is left, in percent of the limit; below 0 if the limit is exceeded.

@@ -252,10 +252,7 @@ impl CodelSet {
 
     /// Returns true if the two sets have a codel in common.
     pub fn intersects(&self, other: &CodelSet) -> bool {
-        self.0
-            .iter()
-            .zip(&other.0)
-            .any(|(one, other)| one & other != 0)
+        self.0.iter().zip(&other.0).any(|(one, other)| one & other != 0)
     }
 
     /// Returns true if the set is empty.
@@ -423,10 +420,7 @@ impl TimedSystem {
     /// Returns `component.service`.
     pub fn service_path(&self, service: ServiceId) -> String {
         let service = &self.services[service];
-        format!(
-            "{}.{}",
-            self.components[service.component].name, service.name
-        )
+        format!("{}.{}", self.components[service.component].name, service.name)
     }
 
     /// Returns the machine of an automaton.
@@ -455,10 +449,7 @@ impl TimedSystem {
             false => task.period.map_or(u64::MAX, u64::from),
         };
         let controls = self.components.iter().map(|component| {
-            let own = component
-                .tasks
-                .iter()
-                .map(|&task| of_task(&self.tasks[task]));
+            let own = component.tasks.iter().map(|&task| of_task(&self.tasks[task]));
             own.min().unwrap_or(0)
         });
         self.tasks.iter().map(of_task).chain(controls).collect()
@@ -503,9 +494,7 @@ impl TimedSystem {
 
     /// Returns true if a client makes one of these requests that every component accepts.
     pub(crate) fn has_builtin(&self, which: impl Fn(Builtin) -> bool) -> bool {
-        self.services
-            .iter()
-            .any(|service| service.builtin.is_some_and(&which))
+        self.services.iter().any(|service| service.builtin.is_some_and(&which))
     }
 
     /// Returns true if clients request activities. Slots of activities are limited, so that their requests
@@ -522,11 +511,7 @@ impl TimedSystem {
         requested: &TiSlice<ServiceId, bool>,
     ) -> bool {
         let mut slots = self.tasks[task].slots.iter();
-        slots.any(|&a| {
-            self.automata[a]
-                .service
-                .is_some_and(|service| requested[service])
-        })
+        slots.any(|&a| self.automata[a].service.is_some_and(|service| requested[service]))
     }
 
     /// Makes two codels exclude each other.

@@ -130,9 +130,7 @@ pub(crate) fn verify_settings(
     let checks = expand(names, &whole, settings, &mut report.diagnostics);
     if names.components.is_empty() {
         let message = "there is no component to verify".to_owned();
-        report
-            .diagnostics
-            .push(Diagnostic::error("scn-no-component", 0..0, message));
+        report.diagnostics.push(Diagnostic::error("scn-no-component", 0..0, message));
     }
     if report.has_errors() {
         return report;
@@ -144,15 +142,7 @@ pub(crate) fn verify_settings(
             tell(report);
         }
     };
-    let of_whole = Group {
-        names,
-        built: &whole,
-        unit,
-        settings,
-        limits,
-        cancel,
-        tell: &tell,
-    };
+    let of_whole = Group { names, built: &whole, unit, settings, limits, cancel, tell: &tell };
     report.checks = checks.iter().map(|check| of_whole.open(check)).collect();
     let parts = parted(names, settings, &whole, &checks);
     let mut groups: Vec<(Group, &[usize], ResponseBounds)> = (parts.iter())
@@ -207,10 +197,7 @@ fn parted(names: &Names, settings: &Settings, whole: &Built, checks: &[Single]) 
     for group in &groups {
         let of_group: Vec<usize> = (0..checks.len())
             .filter(|&i| {
-                checks[i]
-                    .components
-                    .first()
-                    .is_none_or(|component| group.contains(component))
+                checks[i].components.first().is_none_or(|component| group.contains(component))
             })
             .collect();
         if of_group.is_empty() {
@@ -286,15 +273,11 @@ impl Group<'_> {
             return;
         }
         let found = analysed.abstracted(self.limits.bytes, self.cancel);
-        report
-            .reductions
-            .add_abstraction(found.as_ref().err().copied());
+        report.reductions.add_abstraction(found.as_ref().err().copied());
         let Ok(open) = found else {
             return;
         };
-        let open = open
-            .into_iter()
-            .map(|(task, why)| (analysed.path(task), why));
+        let open = open.into_iter().map(|(task, why)| (analysed.path(task), why));
         report.reductions.left_open.extend(open);
         let before = report.answered();
         self.analyse(checks, of_group, analysed, report);
@@ -338,9 +321,8 @@ impl Group<'_> {
         let (together, apart): (Vec<usize>, Vec<usize>) =
             open.partition(|&i| self.is_about_ticks(&checks[i]));
         // Less effort is spent on exact values.
-        let (settled, unsettled): (Vec<usize>, Vec<usize>) = together
-            .into_iter()
-            .partition(|&i| self.is_settled(&checks[i], analysed));
+        let (settled, unsettled): (Vec<usize>, Vec<usize>) =
+            together.into_iter().partition(|&i| self.is_settled(&checks[i], analysed));
         let together = [unsettled, settled];
         if together.iter().chain([&apart]).all(Vec::is_empty) {
             let limits = self.limits;
@@ -377,10 +359,7 @@ impl Group<'_> {
     ) {
         let (lasting, explored): (Vec<usize>, Vec<usize>) = part.iter().partition(|&&i| {
             let apart = &checks[i].what;
-            matches!(
-                apart,
-                What::Chain(_) | What::LeadsTo(..) | What::Eventually(_)
-            )
+            matches!(apart, What::Chain(_) | What::LeadsTo(..) | What::Eventually(_))
         });
         if !explored.is_empty() {
             let limits = self.limits_for(checks, &explored, analysed);

@@ -15,12 +15,8 @@ fn directory(named: Option<PathBuf>, program: Option<PathBuf>) -> Option<PathBuf
         return Some(named.join("diagnostics"));
     }
     let program = program?.canonicalize().ok()?;
-    let places = |path: &Path| {
-        [
-            path.join("docs/diagnostics"),
-            path.join("share/doc/dotgen/diagnostics"),
-        ]
-    };
+    let places =
+        |path: &Path| [path.join("docs/diagnostics"), path.join("share/doc/dotgen/diagnostics")];
     let around = program.ancestors().skip(1).take(4);
     around.flat_map(places).find(|place| place.is_dir())
 }

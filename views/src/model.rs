@@ -10,8 +10,7 @@ pub fn document(unit: &UnitResult) -> Value {
     let spec = &unit.spec;
     let prototypes = |component, codel: &_| {
         let all = prototypes(spec, component, codel).into_iter();
-        all.map(|(language, text)| (language.to_owned(), Value::from(text)))
-            .collect()
+        all.map(|(language, text)| (language.to_owned(), Value::from(text))).collect()
     };
     model_json::with_prototypes(spec, Some(&*unit.locations), Some(&prototypes))
 }

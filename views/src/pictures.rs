@@ -147,9 +147,7 @@ pub fn draw(units: &[UnitResult], around: &SystemContext, wish: &PictureRequest)
     for (unit, component) in components(units, wish.component.as_deref()) {
         match (wish.kind, &wish.owner) {
             (Kind::Locks, owner) => {
-                let named = owner
-                    .as_ref()
-                    .and_then(|owner| find_owner(component, owner));
+                let named = owner.as_ref().and_then(|owner| find_owner(component, owner));
                 if owner.is_some() && named.is_none() {
                     continue;
                 }
@@ -257,12 +255,7 @@ fn components<'u>(
 /// The task or service of a name.
 fn find_owner(component: &Component, name: &str) -> Option<Owner> {
     let tasks = component.tasks.iter().position(|task| task.name == name);
-    let services = || {
-        component
-            .services
-            .iter()
-            .position(|service| service.name == name)
-    };
+    let services = || component.services.iter().position(|service| service.name == name);
     match tasks {
         Some(task) => Some(Owner::Task(task as u32)),
         None => services().map(|service| Owner::Service(service as u32)),
@@ -325,13 +318,9 @@ pub fn data(
 
 /// The facts about the codel at a place.
 fn codel_details(spec: &Spec, component: Option<&str>, src: Src) -> Option<Value> {
-    let component = spec
-        .components
-        .iter()
-        .find(|candidate| Some(candidate.name.as_str()) == component)?;
-    let found = component
-        .all_codels()
-        .find(|codel| component.codel(*codel).src == src)?;
+    let component =
+        spec.components.iter().find(|candidate| Some(candidate.name.as_str()) == component)?;
+    let found = component.all_codels().find(|codel| component.codel(*codel).src == src)?;
     let codel = component.codel(found);
     let params: Vec<String> = codel
         .params
@@ -353,11 +342,7 @@ fn codel_details(spec: &Spec, component: Option<&str>, src: Src) -> Option<Value
             format!("{direction} {source} {}", param.name)
         })
         .collect();
-    let states: Vec<&str> = codel
-        .triggers
-        .iter()
-        .map(|trigger| trigger.name.as_str())
-        .collect();
+    let states: Vec<&str> = codel.triggers.iter().map(|trigger| trigger.name.as_str()).collect();
     Some(json!({
         "name": codel.name,
         "states": states,
@@ -393,10 +378,7 @@ fn excluded(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String> 
 pub fn machine(spec: &Spec, component: &str, owner: &str, form: &str) -> Result<String, String> {
     let form = Form::deserialize(serde_json::Value::from(form))
         .map_err(|_| format!("no form {form} of pictures: it is svg, mermaid or dot"))?;
-    let found = spec
-        .components
-        .iter()
-        .find(|candidate| candidate.name.as_str() == component);
+    let found = spec.components.iter().find(|candidate| candidate.name.as_str() == component);
     let graph = found.and_then(|component| {
         let owner = component
             .machines()

@@ -176,11 +176,7 @@ fn processes(dotgen: &Path, runs: usize) -> Result<()> {
     let commands: [(&str, &str, &[&str]); 3] = [
         ("a process that does nothing (`true`)", "true", &[]),
         ("`dotgen --version`", &dotgen, &["--version"]),
-        (
-            "`dotgen check` of the maneuver example",
-            &dotgen,
-            &["check", &file],
-        ),
+        ("`dotgen check` of the maneuver example", &dotgen, &["check", &file]),
     ];
     let mut times = vec![Vec::with_capacity(runs); commands.len()];
     for _ in 0..runs {
@@ -196,10 +192,7 @@ fn processes(dotgen: &Path, runs: usize) -> Result<()> {
     println!("{:<42} {:>7.2} ms", commands[0].0, milliseconds(base));
     for ((name, ..), median) in std::iter::zip(&commands[1..], medians) {
         let ratio = median.as_secs_f64() / base.as_secs_f64();
-        println!(
-            "{name:<42} {:>7.2} ms  {ratio:>5.1} x",
-            milliseconds(median)
-        );
+        println!("{name:<42} {:>7.2} ms  {ratio:>5.1} x", milliseconds(median));
     }
     Ok(())
 }
@@ -218,18 +211,12 @@ fn milliseconds(time: Duration) -> f64 {
 fn instructions() -> Result<()> {
     tools::ensure(tools::VALGRIND)?;
     let program = instruction_program()?;
-    println!(
-        "{:<42} {:>14} {:>14}",
-        "700 lines, once", "instructions", "per token"
-    );
+    println!("{:<42} {:>14} {:>14}", "700 lines, once", "instructions", "per token");
     for what in ["lex", "parse"] {
         let (once, tokens) = count(&program, what, 1)?;
         let (often, _) = count(&program, what, 11)?;
         let round = (often - once) / 10;
-        println!(
-            "{what:<42} {round:>14} {:>14.1}",
-            round as f64 / tokens as f64
-        );
+        println!("{what:<42} {round:>14} {:>14.1}", round as f64 / tokens as f64);
     }
     Ok(())
 }
@@ -267,10 +254,9 @@ fn count(program: &str, what: &str, rounds: u64) -> Result<(u64, u64)> {
     ];
     let tokens = run::capture(run::command(root(), "valgrind", &arguments))?;
     let text = std::fs::read_to_string(&out).context("valgrind wrote no counts")?;
-    let total = text.lines().find_map(|line| {
-        line.strip_prefix("summary: ")
-            .or(line.strip_prefix("totals: "))
-    });
+    let total = text
+        .lines()
+        .find_map(|line| line.strip_prefix("summary: ").or(line.strip_prefix("totals: ")));
     let total = total.context("no total in what valgrind wrote")?;
     Ok((total.trim().parse()?, tokens.trim().parse()?))
 }

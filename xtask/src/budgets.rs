@@ -85,20 +85,13 @@ fn measured(names: &[String]) -> Result<BTreeMap<String, Figures>> {
         names.is_empty() || names.iter().any(|name| operation.name.contains(name))
     };
     let wanted: Vec<&Operation> = OPERATIONS.iter().filter(wanted).collect();
-    step(&format!(
-        "Instructions and memory of {} operations",
-        wanted.len()
-    ));
+    step(&format!("Instructions and memory of {} operations", wanted.len()));
     let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {
         while let Some(operation) = wanted.get(next.fetch_add(1, Ordering::Relaxed)) {
             let started = Instant::now();
             let figures = one(&dotgen, &folder, operation);
-            eprintln!(
-                "    {}: {:.1} s",
-                operation.name,
-                started.elapsed().as_secs_f32()
-            );
+            eprintln!("    {}: {:.1} s", operation.name, started.elapsed().as_secs_f32());
             let mut results = results.lock().unwrap_or_else(|error| error.into_inner());
             results.push((operation.name.to_owned(), figures));
         }
@@ -107,9 +100,7 @@ fn measured(names: &[String]) -> Result<BTreeMap<String, Figures>> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         (0..cores).for_each(|_| drop(scope.spawn(work)));
     });
-    let results = results
-        .into_inner()
-        .unwrap_or_else(|error| error.into_inner());
+    let results = results.into_inner().unwrap_or_else(|error| error.into_inner());
     let result = |(name, figures): (String, Result<Figures>)| {
         let figures = figures.with_context(|| name.clone())?;
         Ok((name, figures))
@@ -118,14 +109,9 @@ fn measured(names: &[String]) -> Result<BTreeMap<String, Figures>> {
 }
 
 fn one(dotgen: &Path, folder: &Path, operation: &Operation) -> Result<Figures> {
-    let mut figures = Figures {
-        instructions: [0.0; 3],
-        megabytes: 0.0,
-    };
+    let mut figures = Figures { instructions: [0.0; 3], megabytes: 0.0 };
     for (at, times) in SIZE_FACTORS.into_iter().enumerate() {
-        let here = folder
-            .join(operation.name.replace(' ', "-"))
-            .join(times.to_string());
+        let here = folder.join(operation.name.replace(' ', "-")).join(times.to_string());
         if here.exists() {
             std::fs::remove_dir_all(&here)?;
         }
@@ -153,23 +139,14 @@ fn instructions(dotgen: &Path, folder: &Path, arguments: &[String]) -> Result<u6
     }
     let text = std::fs::read_to_string(&out).context("valgrind wrote no counts")?;
     let mut lines = text.lines();
-    let total = lines.find_map(|line| {
-        line.strip_prefix("summary: ")
-            .or(line.strip_prefix("totals: "))
-    });
-    Ok(total
-        .context("no total in what valgrind wrote")?
-        .trim()
-        .parse()?)
+    let total =
+        lines.find_map(|line| line.strip_prefix("summary: ").or(line.strip_prefix("totals: ")));
+    Ok(total.context("no total in what valgrind wrote")?.trim().parse()?)
 }
 
 /// Peak memory of one process, without valgrind.
 fn megabytes(dotgen: &Path, folder: &Path, arguments: Vec<String>) -> Result<f64> {
-    let job = Job {
-        program: &dotgen.to_string_lossy(),
-        arguments,
-        directory: folder,
-    };
+    let job = Job { program: &dotgen.to_string_lossy(), arguments, directory: folder };
     let taken = measure::alternate(&[job], 1)?.pop().flatten();
     Ok(taken.context("it took too long")?.megabytes)
 }
@@ -204,9 +181,7 @@ fn differences(
         }
         if figures.megabytes > budget.megabytes * (1.0 + MEMORY_TOLERANCE) {
             let (now, then) = (figures.megabytes, budget.megabytes);
-            out.push(format!(
-                "{name}: {now:.0} MB at the peak, the budget is {then:.0} MB"
-            ));
+            out.push(format!("{name}: {now:.0} MB at the peak, the budget is {then:.0} MB"));
         }
     }
     out
@@ -225,11 +200,7 @@ fn written(all: &BTreeMap<String, Figures>) -> String {
     let mut out = HEAD.to_owned();
     for (name, figures) in all {
         let [a, b, c] = figures.instructions;
-        _ = writeln!(
-            out,
-            "{name:<24} {a:>9.1} {b:>9.1} {c:>9.1} {:>6.0}",
-            figures.megabytes
-        );
+        _ = writeln!(out, "{name:<24} {a:>9.1} {b:>9.1} {c:>9.1} {:>6.0}", figures.megabytes);
     }
     out
 }
@@ -247,10 +218,7 @@ fn read() -> Result<BTreeMap<String, Figures>> {
         let [a, b, c, megabytes] = figures[..] else {
             bail!("four figures are needed: {line}");
         };
-        let figures = Figures {
-            instructions: [a, b, c],
-            megabytes,
-        };
+        let figures = Figures { instructions: [a, b, c], megabytes };
         out.insert(name.trim().to_owned(), figures);
     }
     Ok(out)
@@ -261,10 +229,7 @@ mod tests {
     use super::*;
 
     fn of(instructions: [f64; 3], megabytes: f64) -> BTreeMap<String, Figures> {
-        let figures = Figures {
-            instructions,
-            megabytes,
-        };
+        let figures = Figures { instructions, megabytes };
         BTreeMap::from([("check".to_owned(), figures)])
     }
 
@@ -273,10 +238,7 @@ mod tests {
         let all = of([1.5, 2.0, 3.0], 20.0);
         let text = written(&all);
         let line = text.lines().last().expect("a line");
-        assert_eq!(
-            line,
-            "check                          1.5       2.0       3.0     20"
-        );
+        assert_eq!(line, "check                          1.5       2.0       3.0     20");
     }
 
     #[test]

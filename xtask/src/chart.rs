@@ -72,11 +72,7 @@ impl Chart<'_> {
                 y + 4.0
             );
         }
-        let sizes = self
-            .lines
-            .iter()
-            .flat_map(|line| &line.points)
-            .map(|point| point.0);
+        let sizes = self.lines.iter().flat_map(|line| &line.points).map(|point| point.0);
         for size in sizes.collect::<BTreeSet<usize>>() {
             let _ = writeln!(
                 out,
@@ -134,11 +130,7 @@ impl Chart<'_> {
     }
 
     fn range(&self) -> (usize, usize) {
-        let sizes = self
-            .lines
-            .iter()
-            .flat_map(|line| &line.points)
-            .map(|point| point.0);
+        let sizes = self.lines.iter().flat_map(|line| &line.points).map(|point| point.0);
         let last = sizes.clone().max().unwrap_or(1);
         (sizes.min().unwrap_or(0), last)
     }
@@ -167,37 +159,22 @@ mod tests {
 
     fn chart(lines: Vec<Line>) -> String {
         let powers = &[(1.0, "1"), (10.0, "10"), (100.0, "100")];
-        Chart {
-            title: "t",
-            across: "n",
-            powers,
-            ratios: false,
-            lines,
-        }
-        .svg()
+        Chart { title: "t", across: "n", powers, ratios: false, lines }.svg()
     }
 
     #[test]
     fn a_power_of_ten_is_on_its_rule_and_less_than_the_least_at_the_bottom() {
-        let svg = chart(vec![Line {
-            name: "a",
-            points: vec![(1, 0.2), (2, 10.0), (3, 100.0)],
-        }]);
+        let svg = chart(vec![Line { name: "a", points: vec![(1, 0.2), (2, 10.0), (3, 100.0)] }]);
         let middle = f64::midpoint(TOP, BOTTOM);
         assert!(
-            svg.contains(&format!(
-                "d=\"M74.0 {BOTTOM:.1}L277.0 {middle:.1}L480.0 {TOP:.1}\""
-            )),
+            svg.contains(&format!("d=\"M74.0 {BOTTOM:.1}L277.0 {middle:.1}L480.0 {TOP:.1}\"")),
             "{svg}"
         );
     }
 
     #[test]
     fn names_of_lines_that_end_together_are_moved_apart() {
-        let line = |name| Line {
-            name,
-            points: vec![(1, 10.0)],
-        };
+        let line = |name| Line { name, points: vec![(1, 10.0)] };
         let svg = chart(vec![line("a"), line("b")]);
         let height = |name: &str| -> f64 {
             let at = svg.find(&format!(">{name}</text></g>")).unwrap();

@@ -71,11 +71,7 @@ fn open_in_code(code: &Path, vsix: &Path) -> Result<()> {
         command
     };
     step("Opening examples/maneuver in VS Code");
-    run::capture(code(&[
-        "--install-extension",
-        &vsix.to_string_lossy(),
-        "--force",
-    ]))?;
+    run::capture(code(&["--install-extension", &vsix.to_string_lossy(), "--force"]))?;
     let file = crate::example().join("maneuver.gen");
     let (workspace, file) = (crate::example(), file.to_string_lossy().into_owned());
     run::capture(code(&["--new-window", &workspace.to_string_lossy(), &file]))?;
@@ -106,24 +102,13 @@ fn serve(vsix: &Path, port: Option<u16>) -> Result<()> {
     };
     // Only this machine is served, because there is no password.
     let mut command = code_server();
-    command.args([
-        "--auth",
-        "none",
-        "--disable-telemetry",
-        "--disable-update-check",
-    ]);
-    command.args([
-        "--disable-workspace-trust",
-        "--disable-getting-started-override",
-    ]);
+    command.args(["--auth", "none", "--disable-telemetry", "--disable-update-check"]);
+    command.args(["--disable-workspace-trust", "--disable-getting-started-override"]);
     command.arg("--bind-addr").arg(format!("127.0.0.1:{port}"));
     command.stdout(std::process::Stdio::null());
     let mut child = command.spawn().context("cannot start the workbench")?;
     println!();
-    println!(
-        "  Open  http://127.0.0.1:{port}/?folder={}",
-        crate::example().display()
-    );
+    println!("  Open  http://127.0.0.1:{port}/?folder={}", crate::example().display());
     println!("  Then open maneuver.gen and type. Ctrl-C ends the demo.");
     println!();
     child.wait()?;

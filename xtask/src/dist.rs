@@ -29,12 +29,8 @@ use crate::tools;
 const GLIBC: &str = "2.28";
 
 /// Tools from PyPI, with their versions.
-const PIP_TOOLS: [&str; 4] = [
-    "ziglang==0.15.1",
-    "cargo-zigbuild==0.24.1",
-    "maturin==1.16.0",
-    "wheel==0.45.1",
-];
+const PIP_TOOLS: [&str; 4] =
+    ["ziglang==0.15.1", "cargo-zigbuild==0.24.1", "maturin==1.16.0", "wheel==0.45.1"];
 /// Tools from crates.io, with their versions.
 const CARGO_TOOLS: [(&str, &str); 2] = [("cargo-deb", "3.8.0"), ("cargo-cyclonedx", "0.5.9")];
 
@@ -86,10 +82,7 @@ fn make() -> Result<()> {
     tools.wheel(&program, &out)?;
     bill_of_materials(&tools, &out)?;
     let program = tools.program(false)?;
-    for vsix in [
-        extension::package(&program, Profile::Dist)?,
-        extension::package_universal()?,
-    ] {
+    for vsix in [extension::package(&program, Profile::Dist)?, extension::package_universal()?] {
         std::fs::copy(&vsix, out.join(vsix.file_name().context("a file")?))?;
     }
     checksums(&out)
@@ -114,25 +107,13 @@ impl Tools {
         step("Installing the tools that make packages");
         let place = tools.directory.to_string_lossy().into_owned();
         let root = crate::root();
-        run::capture(run::command(
-            root,
-            "python3",
-            &["-m", "venv", "--clear", &place],
-        ))?;
+        run::capture(run::command(root, "python3", &["-m", "venv", "--clear", &place]))?;
         let mut pip = vec!["install", "--quiet", "--disable-pip-version-check"];
         pip.extend(PIP_TOOLS);
         let program = tools.directory.join("bin/pip");
         run::capture(run::command(root, &program.to_string_lossy(), &pip))?;
         for (name, version) in CARGO_TOOLS {
-            let arguments = [
-                "install",
-                "--locked",
-                "--root",
-                &place,
-                "--version",
-                version,
-                name,
-            ];
+            let arguments = ["install", "--locked", "--root", &place, "--version", version, name];
             run::capture(run::cargo(&arguments))?;
         }
         std::fs::write(stamp, wanted)?;
@@ -152,13 +133,7 @@ impl Tools {
     fn program(&self, with_zenoh: bool) -> Result<PathBuf> {
         let target = target();
         let versioned = format!("{target}.{GLIBC}");
-        let mut arguments = vec![
-            "zigbuild",
-            "--locked",
-            "--profile=dist",
-            "--target",
-            &versioned,
-        ];
+        let mut arguments = vec!["zigbuild", "--locked", "--profile=dist", "--target", &versioned];
         arguments.extend(["--package", "dotgen", "--bin", "dotgen"]);
         if with_zenoh {
             arguments.extend(["--features", FEATURES]);
@@ -182,23 +157,12 @@ impl Tools {
         let program = program.to_string_lossy();
         run::capture(run::command(crate::root(), &program, &["man", &pages]))?;
         for shell in ["bash", "zsh", "fish"] {
-            let text = run::capture(run::command(
-                crate::root(),
-                &program,
-                &["completions", shell],
-            ))?;
+            let text =
+                run::capture(run::command(crate::root(), &program, &["completions", shell]))?;
             std::fs::write(stage.join(format!("dotgen.{shell}")), text)?;
         }
         let out = out.to_string_lossy();
-        let arguments = [
-            "deb",
-            "--no-build",
-            "--no-strip",
-            "-p",
-            "dotgen",
-            "--output",
-            &out,
-        ];
+        let arguments = ["deb", "--no-build", "--no-strip", "-p", "dotgen", "--output", &out];
         run::capture(self.in_path(run::cargo(&arguments))).map(drop)
     }
 
@@ -225,18 +189,14 @@ impl Tools {
         let written = in_project("maturin", &metadata)?;
         std::fs::remove_dir_all(python)?;
         let name = written.trim().lines().last().unwrap_or_default();
-        let name = name
-            .strip_suffix(".dist-info")
-            .context("metadata of the wheel")?;
+        let name = name.strip_suffix(".dist-info").context("metadata of the wheel")?;
         let scripts = stage.join(format!("{name}.data/scripts"));
         std::fs::create_dir_all(&scripts)?;
         std::fs::copy(program, scripts.join("dotgen"))?;
         let out = out.to_string_lossy();
         in_project("wheel", &["pack", &place, "--dest-dir", &out])?;
         // The name that `pack` gives is that of the system on which the wheel was made.
-        let packed = std::fs::read_dir(&*out)?
-            .flatten()
-            .map(|entry| entry.path());
+        let packed = std::fs::read_dir(&*out)?.flatten().map(|entry| entry.path());
         let packed: Vec<PathBuf> = packed
             .filter(|path| path.extension().is_some_and(|extension| extension == "whl"))
             .collect();
@@ -245,13 +205,7 @@ impl Tools {
         };
         let architecture = std::env::consts::ARCH;
         let platform = format!("manylinux_{}_{architecture}", GLIBC.replace('.', "_"));
-        let tags = [
-            "tags",
-            "--remove",
-            "--platform-tag",
-            &platform,
-            &packed.to_string_lossy(),
-        ];
+        let tags = ["tags", "--remove", "--platform-tag", &platform, &packed.to_string_lossy()];
         in_project("wheel", &tags).map(drop)
     }
 }
@@ -262,12 +216,7 @@ fn archive(program: &Path, out: &Path) -> Result<()> {
     let script = crate::root().join("packaging/archive.sh");
     let (program, out) = (program.to_string_lossy(), out.to_string_lossy());
     let arguments = [&*program, &*target(), &*out];
-    run::capture(run::command(
-        crate::root(),
-        &script.to_string_lossy(),
-        &arguments,
-    ))
-    .map(drop)
+    run::capture(run::command(crate::root(), &script.to_string_lossy(), &arguments)).map(drop)
 }
 
 /// What the program is made of.

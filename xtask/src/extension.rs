@@ -49,14 +49,7 @@ pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
     if built(profile).get().is_some() {
         return Ok(server_program(profile));
     }
-    let mut arguments = vec![
-        "build",
-        "--locked",
-        "--package",
-        "dotgen",
-        "--bin",
-        "dotgen",
-    ];
+    let mut arguments = vec!["build", "--locked", "--package", "dotgen", "--bin", "dotgen"];
     // The extension does not exchange ports with other machines, and its package should be small.
     match profile {
         Profile::Dist => arguments.push("--profile=dist"),
@@ -81,24 +74,16 @@ pub(crate) fn server_program(profile: Profile) -> PathBuf {
 /// Installs the npm packages of `directory`, unless they already agree with its lock file.
 pub(crate) fn install_packages(directory: &Path) -> Result<()> {
     tools::ensure_node()?;
-    let modified = |path: &str| {
-        directory
-            .join(path)
-            .metadata()
-            .and_then(|metadata| metadata.modified())
-    };
-    if let (Ok(installed), Ok(wanted)) = (
-        modified("node_modules/.package-lock.json"),
-        modified("package-lock.json"),
-    ) && installed >= wanted
+    let modified =
+        |path: &str| directory.join(path).metadata().and_then(|metadata| metadata.modified());
+    if let (Ok(installed), Ok(wanted)) =
+        (modified("node_modules/.package-lock.json"), modified("package-lock.json"))
+        && installed >= wanted
     {
         return Ok(());
     }
     let name = directory.strip_prefix(crate::root()).unwrap_or(directory);
-    step(&format!(
-        "Installing the npm packages of {}",
-        name.display()
-    ));
+    step(&format!("Installing the npm packages of {}", name.display()));
     run::capture(npm(directory, &["ci", "--no-audit", "--no-fund"])).map(drop)
 }
 
@@ -113,11 +98,7 @@ pub(crate) fn npm(directory: &Path, arguments: &[&str]) -> std::process::Command
 /// Bundles the extension with `server`, built as `profile`, inside and packages it for this system.
 pub(crate) fn package(server: &Path, profile: Profile) -> Result<PathBuf> {
     let platform = platform();
-    pack(
-        Some((server, profile)),
-        &["--target", platform],
-        &format!("dotgen-{platform}.vsix"),
-    )
+    pack(Some((server, profile)), &["--target", platform], &format!("dotgen-{platform}.vsix"))
 }
 
 /// Packages the extension without a program, for systems that have no package of their own.
@@ -139,11 +120,7 @@ fn pack(server: Option<(&Path, Profile)>, options: &[&str], name: &str) -> Resul
     for text in ["LICENSE", NOTICES] {
         std::fs::copy(crate::root().join(text), directory.join(text))?;
     }
-    copy(
-        &crate::root().join("docs"),
-        &directory.join("docs"),
-        &["md", "svg", "png"],
-    )?;
+    copy(&crate::root().join("docs"), &directory.join("docs"), &["md", "svg", "png"])?;
     run::capture(npm(&directory, &["run", "--silent", "bundle"]))?;
     let vsix = crate::target().join(name);
     let out = vsix.to_string_lossy();

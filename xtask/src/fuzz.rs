@@ -59,15 +59,8 @@ fn build() -> Result<PathBuf> {
     let into = target().join("fuzz/build");
     // With an explicit target, build scripts and macros are built without the flags.
     let host = host()?;
-    let arguments = [
-        "build",
-        "--release",
-        "--locked",
-        "--manifest-path",
-        &manifest,
-        "--target",
-        &host,
-    ];
+    let arguments =
+        ["build", "--release", "--locked", "--manifest-path", &manifest, "--target", &host];
     let mut cargo = run::cargo(&arguments);
     cargo.env("RUSTFLAGS", FLAGS).env("CARGO_TARGET_DIR", &into);
     run::run(cargo)?;
@@ -90,10 +83,7 @@ fn one(program: &Path, name: &str, options: &Options) -> Result<bool> {
     let kept = crate::root().join("fuzz/corpus").join(name);
     std::fs::create_dir_all(&found)?;
     std::fs::create_dir_all(&kept)?;
-    let (found, kept) = (
-        found.to_string_lossy().into_owned(),
-        kept.to_string_lossy().into_owned(),
-    );
+    let (found, kept) = (found.to_string_lossy().into_owned(), kept.to_string_lossy().into_owned());
     let time = format!("-max_total_time={}", options.seconds);
     let broken = format!("-artifact_prefix={found}-broken-");
     let runs = match options.inputs {
@@ -101,12 +91,7 @@ fn one(program: &Path, name: &str, options: &Options) -> Result<bool> {
         n => format!("-runs={n}"),
     };
     // An input that takes ten seconds is a failure, like a panic.
-    let limits = [
-        "-timeout=10",
-        "-rss_limit_mb=4096",
-        "-max_len=16384",
-        "-print_final_stats=1",
-    ];
+    let limits = ["-timeout=10", "-rss_limit_mb=4096", "-max_len=16384", "-print_final_stats=1"];
     let mut arguments = vec![found.as_str(), &kept, &time, &runs, &broken];
     arguments.extend(limits);
     let examples = crate::root().join("examples");

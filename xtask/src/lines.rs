@@ -16,10 +16,7 @@ pub(crate) fn lines() -> Result<bool> {
             continue;
         };
         let lines = of_folder(folder.join("src").as_std_path())?;
-        println!(
-            "{lines:>7}  {}",
-            folder.strip_prefix(crate::root()).unwrap_or(folder)
-        );
+        println!("{lines:>7}  {}", folder.strip_prefix(crate::root()).unwrap_or(folder));
         total += lines;
     }
     println!("{total:>7}  total");
@@ -30,11 +27,7 @@ fn of_folder(folder: &Path) -> Result<usize> {
     let mut lines = 0;
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
-        let name = path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if path.is_dir() && name != "tests" {
             lines += of_folder(&path)?;
         } else if name.ends_with(".rs") && name != "tests.rs" {

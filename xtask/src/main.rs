@@ -117,9 +117,7 @@ fn main() -> ExitCode {
 
 /// Root of the repository.
 fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .expect("xtask/ is in the root")
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask/ is in the root")
 }
 
 /// The build directory.

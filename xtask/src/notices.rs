@@ -49,10 +49,7 @@ pub(crate) fn notices(options: &Options) -> Result<bool> {
     let refused = parts.iter().filter_map(|part| refusal(part, &allowed));
     let refused: Vec<String> = refused.collect();
     if !refused.is_empty() {
-        bail!(
-            "licences that are not accepted (the list is in deny.toml):\n{}",
-            refused.join("\n")
-        );
+        bail!("licences that are not accepted (the list is in deny.toml):\n{}", refused.join("\n"));
     }
     let text = render(&parts)?;
     let path = crate::root().join(NOTICES);
@@ -113,11 +110,7 @@ fn crates() -> Result<Vec<Part>> {
     let reached = reached(&metadata, &program.id)?;
     let ours: BTreeSet<&PackageId> = metadata.workspace_members.iter().collect();
     let mut parts = Vec::new();
-    for package in metadata
-        .packages
-        .iter()
-        .filter(|package| reached.contains(&package.id))
-    {
+    for package in metadata.packages.iter().filter(|package| reached.contains(&package.id)) {
         if ours.contains(&package.id) {
             continue;
         }
@@ -139,10 +132,7 @@ fn crates() -> Result<Vec<Part>> {
 
 /// The packages in a package. Build scripts and tests do not count: they are not part of the program.
 fn reached<'a>(metadata: &'a Metadata, from: &'a PackageId) -> Result<BTreeSet<&'a PackageId>> {
-    let resolve = metadata
-        .resolve
-        .as_ref()
-        .context("cargo resolves dependencies")?;
+    let resolve = metadata.resolve.as_ref().context("cargo resolves dependencies")?;
     let nodes: BTreeMap<&PackageId, _> =
         resolve.nodes.iter().map(|node| (&node.id, node)).collect();
     let mut reached = BTreeSet::new();
@@ -165,14 +155,9 @@ fn npm_packages() -> Result<Vec<Part>> {
     extension::install_packages(&directory)?;
     let lock = std::fs::read_to_string(directory.join("package-lock.json"))?;
     let lock: Value = serde_json::from_str(&lock)?;
-    let packages = lock["packages"]
-        .as_object()
-        .context("the lock file lists packages")?;
+    let packages = lock["packages"].as_object().context("the lock file lists packages")?;
     let mut reached = BTreeSet::new();
-    let mut open: Vec<String> = BUNDLED
-        .iter()
-        .map(|text| format!("node_modules/{text}"))
-        .collect();
+    let mut open: Vec<String> = BUNDLED.iter().map(|text| format!("node_modules/{text}")).collect();
     while let Some(place) = open.pop() {
         let Some(package) = packages.get(&place) else {
             bail!("{place} is not in package-lock.json");
@@ -192,11 +177,7 @@ fn npm_packages() -> Result<Vec<Part>> {
     }
     let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
     let part = |place: String| {
-        let name = place
-            .rsplit("node_modules/")
-            .next()
-            .unwrap_or_default()
-            .to_owned();
+        let name = place.rsplit("node_modules/").next().unwrap_or_default().to_owned();
         Part {
             version: text(&packages[&place]["version"]),
             licence: text(&packages[&place]["license"]),
@@ -222,16 +203,10 @@ fn render(parts: &[Part]) -> Result<String> {
         let own = licence_texts(&part.directory)
             .with_context(|| format!("cannot read {}", part.directory.display()))?;
         if own.is_empty() {
-            writeln!(
-                out,
-                "    the package has no text of its licence; its home may"
-            )?;
+            writeln!(out, "    the package has no text of its licence; its home may")?;
         }
         for text in own {
-            texts
-                .entry(text)
-                .or_default()
-                .push(format!("{name} {version}"));
+            texts.entry(text).or_default().push(format!("{name} {version}"));
         }
     }
     let mut texts: Vec<(Vec<String>, String)> = texts.into_iter().map(|(a, b)| (b, a)).collect();

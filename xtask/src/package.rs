@@ -12,9 +12,6 @@ pub(crate) fn package() -> Result<PathBuf> {
     let vsix = extension::package(&server, Profile::Dist)?;
     let size = vsix.metadata()?.len() as f64 / 1e6;
     println!("{} ({size:.1} MB)", vsix.display());
-    println!(
-        "Install it with: code --install-extension {}",
-        vsix.display()
-    );
+    println!("Install it with: code --install-extension {}", vsix.display());
     Ok(vsix)
 }

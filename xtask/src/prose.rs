@@ -38,11 +38,7 @@ const TEXTS: [&str; 8] = [
 ];
 
 /// Definitions of the language, in the words of their own.
-const DEFINITIONS: [&str; 3] = [
-    "docs/language.md",
-    "docs/timed-semantics.md",
-    "docs/checks.md",
-];
+const DEFINITIONS: [&str; 3] = ["docs/language.md", "docs/timed-semantics.md", "docs/checks.md"];
 
 /// Prints every place with a pattern. Returns true if there is none.
 pub(crate) fn prose() -> Result<bool> {
@@ -73,10 +69,7 @@ fn places(root: &Path) -> Result<Vec<String>> {
     files.sort();
     let mut found = Vec::new();
     for path in files {
-        let name = path
-            .strip_prefix(root)?
-            .to_string_lossy()
-            .replace('\\', "/");
+        let name = path.strip_prefix(root)?.to_string_lossy().replace('\\', "/");
         if DEFINITIONS.contains(&name.as_str()) {
             continue;
         }
@@ -103,10 +96,8 @@ fn patterns(text: &str) -> Vec<(usize, &'static str, &'static str)> {
         // Every second part is between back-quotes.
         let prose: Vec<&str> = line.split('`').step_by(2).collect();
         let prose = prose.join("X").to_lowercase();
-        let words: Vec<&str> = prose
-            .split(|c: char| !c.is_alphanumeric())
-            .filter(|part| !part.is_empty())
-            .collect();
+        let words: Vec<&str> =
+            prose.split(|c: char| !c.is_alphanumeric()).filter(|part| !part.is_empty()).collect();
         for (pattern, better) in PATTERNS {
             if occurs(&words, pattern) {
                 found.push((number, pattern, better));
@@ -119,18 +110,15 @@ fn patterns(text: &str) -> Vec<(usize, &'static str, &'static str)> {
 /// Returns true if the words of a pattern follow each other; `X` stands for any noun.
 fn occurs(words: &[&str], pattern: &str) -> bool {
     let pattern: Vec<&str> = pattern.split(' ').collect();
-    words
-        .windows(pattern.len())
-        .enumerate()
-        .any(|(at, window)| {
-            let matches = std::iter::zip(&pattern, window).all(|(wanted, word)| match *wanted {
-                "X" => !["longer", "more"].contains(word),
-                _ => wanted == word,
-            });
-            // "There is no X" is English; "there" may be on the line before.
-            let needs_subject = pattern.contains(&"X");
-            matches && (!needs_subject || at > 0 && words[at - 1] != "there")
-        })
+    words.windows(pattern.len()).enumerate().any(|(at, window)| {
+        let matches = std::iter::zip(&pattern, window).all(|(wanted, word)| match *wanted {
+            "X" => !["longer", "more"].contains(word),
+            _ => wanted == word,
+        });
+        // "There is no X" is English; "there" may be on the line before.
+        let needs_subject = pattern.contains(&"X");
+        matches && (!needs_subject || at > 0 && words[at - 1] != "there")
+    })
 }
 
 #[cfg(test)]
@@ -139,12 +127,9 @@ mod tests {
 
     #[test]
     fn patterns_are_found_outside_of_code() {
-        for text in [
-            "Nobody is sought.",
-            "the answer is no proof",
-            "a task beside it",
-            "is looked at",
-        ] {
+        for text in
+            ["Nobody is sought.", "the answer is no proof", "a task beside it", "is looked at"]
+        {
             assert_eq!(patterns(text).len(), 1, "{text}");
         }
         for text in [

@@ -20,30 +20,14 @@ pub(crate) struct Options {
 const PLACES: [(&str, &str, &str); 14] = [
     ("Cargo.toml", "version = \"", "\"\nedition"),
     ("vscode-extension/package.json", "\"version\": \"", "\""),
-    (
-        "vscode-extension/package-lock.json",
-        "\"version\": \"",
-        "\"",
-    ),
-    (
-        "editors/tree-sitter-genom3/package.json",
-        "\"version\": \"",
-        "\"",
-    ),
-    (
-        "editors/tree-sitter-genom3/tree-sitter.json",
-        "\"version\": \"",
-        "\"",
-    ),
+    ("vscode-extension/package-lock.json", "\"version\": \"", "\""),
+    ("editors/tree-sitter-genom3/package.json", "\"version\": \"", "\""),
+    ("editors/tree-sitter-genom3/tree-sitter.json", "\"version\": \"", "\""),
     ("editors/zed/Cargo.toml", "version = \"", "\""),
     ("editors/zed/extension.toml", "\nversion = \"", "\""),
     ("clients/python/pyproject.toml", "\nversion = \"", "\""),
     ("packaging/robotpkg/Makefile", "VERSION=\t", "\n"),
-    (
-        ".github/ISSUE_TEMPLATE/bug.yml",
-        "placeholder: dotgen ",
-        "\n",
-    ),
+    (".github/ISSUE_TEMPLATE/bug.yml", "placeholder: dotgen ", "\n"),
     ("docs/ci.md", "OWNER/dotgen@v", "\n"),
     ("docs/ci.md", "version: v", "\n"),
     ("docs/ci.md", "releases/download/v", "\n"),
@@ -89,26 +73,13 @@ pub(crate) fn release(options: &Options) -> Result<()> {
     for (file, before, after) in PLACES {
         let path = crate::root().join(file);
         let text = std::fs::read_to_string(&path).context(file)?;
-        let (from, to) = (
-            format!("{before}{current}{after}"),
-            format!("{before}{version}{after}"),
-        );
+        let (from, to) = (format!("{before}{current}{after}"), format!("{before}{version}{after}"));
         std::fs::write(path, text.replacen(&from, &to, 2))?;
     }
     step("Lock files");
     run::capture(run::cargo(&["update", "--workspace"]))?;
-    run::capture(run::cargo(&[
-        "update",
-        "--workspace",
-        "--manifest-path",
-        "fuzz/Cargo.toml",
-    ]))?;
-    git(&[
-        "commit",
-        "--all",
-        "--message",
-        &format!("release: {version}"),
-    ])?;
+    run::capture(run::cargo(&["update", "--workspace", "--manifest-path", "fuzz/Cargo.toml"]))?;
+    git(&["commit", "--all", "--message", &format!("release: {version}")])?;
     git(&["tag", "--annotate", &tag, "--message", version])?;
     println!("Check `git show`, then: git push --follow-tags");
     Ok(())
@@ -118,17 +89,12 @@ pub(crate) fn release(options: &Options) -> Result<()> {
 fn current(root: &Path) -> Result<String> {
     let text = std::fs::read_to_string(root.join("Cargo.toml"))?;
     let (_, before, after) = PLACES[0];
-    let version = text
-        .split_once(before)
-        .and_then(|(_, rest)| rest.split_once(after));
+    let version = text.split_once(before).and_then(|(_, rest)| rest.split_once(after));
     Ok(version.context("Cargo.toml has no version")?.0.to_owned())
 }
 
 fn parsed(version: &str) -> Option<[u32; 3]> {
-    if !version
-        .bytes()
-        .all(|byte| byte == b'.' || byte.is_ascii_digit())
-    {
+    if !version.bytes().all(|byte| byte == b'.' || byte.is_ascii_digit()) {
         return None;
     }
     let numbers: Option<Vec<u32>> = version.split('.').map(|part| part.parse().ok()).collect();
@@ -172,12 +138,8 @@ mod tests {
 
     #[test]
     fn changes_get_a_date() {
-        let next = dated(
-            "# Changes\n\n## Unreleased\n\n* A.\n\n## 0.1.0\n",
-            "0.2.0",
-            "2026-01-02",
-        )
-        .unwrap();
+        let next = dated("# Changes\n\n## Unreleased\n\n* A.\n\n## 0.1.0\n", "0.2.0", "2026-01-02")
+            .unwrap();
         assert_eq!(
             next,
             "# Changes\n\n## Unreleased\n\n## 0.2.0 - 2026-01-02\n\n* A.\n\n## 0.1.0\n"
@@ -189,10 +151,7 @@ mod tests {
             ("## Unreleased\n\n## 0.1.0\n\n* A.\n", "0.2.0"),
             ("# Changes\n", "0.1.0"),
         ] {
-            assert!(
-                dated(changes, version, "2026-01-02").is_err(),
-                "{changes:?}"
-            );
+            assert!(dated(changes, version, "2026-01-02").is_err(), "{changes:?}");
         }
     }
 }

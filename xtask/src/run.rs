@@ -19,10 +19,7 @@ pub(crate) fn step(what: &str) {
 /// A command in `directory`, without standard input, so that it cannot wait for an answer.
 pub(crate) fn command(directory: &Path, program: &str, arguments: &[&str]) -> Command {
     let mut command = Command::new(program);
-    command
-        .args(arguments)
-        .current_dir(directory)
-        .stdin(Stdio::null());
+    command.args(arguments).current_dir(directory).stdin(Stdio::null());
     command
 }
 
@@ -51,9 +48,7 @@ pub(crate) fn cargo(arguments: &[&str]) -> Command {
 pub(crate) fn run(mut command: Command) -> Result<()> {
     let shown = show(&command);
     let started = Instant::now();
-    let status = command
-        .status()
-        .with_context(|| format!("cannot run {shown}"))?;
+    let status = command.status().with_context(|| format!("cannot run {shown}"))?;
     if !status.success() {
         bail!("{shown}: {status}");
     }
@@ -65,9 +60,7 @@ pub(crate) fn run(mut command: Command) -> Result<()> {
 pub(crate) fn capture(mut command: Command) -> Result<String> {
     let shown = show(&command);
     let started = Instant::now();
-    let output = command
-        .output()
-        .with_context(|| format!("cannot run {shown}"))?;
+    let output = command.output().with_context(|| format!("cannot run {shown}"))?;
     if !output.status.success() {
         bail!(
             "{shown}: {}\n{}{}",
@@ -94,10 +87,8 @@ pub(crate) fn watch(command: Command, mut line: impl FnMut(&str)) -> Result<bool
 pub(crate) fn lines(mut command: Command, mut line: impl FnMut(&str)) -> Result<bool> {
     let shown = show(&command);
     eprintln!("    {shown}");
-    let mut child = command
-        .stdout(Stdio::piped())
-        .spawn()
-        .with_context(|| format!("cannot run {shown}"))?;
+    let mut child =
+        command.stdout(Stdio::piped()).spawn().with_context(|| format!("cannot run {shown}"))?;
     if let Some(stdout) = child.stdout.take() {
         for text in BufReader::new(stdout).split(b'\n') {
             let text = text?;

@@ -58,71 +58,19 @@ impl Outcome {
 const CLIPPY: &str = "clippy";
 
 const SUITES: &[Suite] = &[
-    Suite {
-        name: "format",
-        editor: false,
-        run: format,
-    },
-    Suite {
-        name: CLIPPY,
-        editor: false,
-        run: clippy,
-    },
-    Suite {
-        name: "notices",
-        editor: false,
-        run: notices,
-    },
-    Suite {
-        name: "rust",
-        editor: false,
-        run: rust,
-    },
-    Suite {
-        name: "without-data",
-        editor: false,
-        run: without_data::without_data,
-    },
-    Suite {
-        name: "campaign",
-        editor: false,
-        run: campaign,
-    },
-    Suite {
-        name: "fuzz",
-        editor: false,
-        run: fuzz,
-    },
-    Suite {
-        name: "extension",
-        editor: false,
-        run: extension_units,
-    },
-    Suite {
-        name: "grammar",
-        editor: false,
-        run: grammar,
-    },
-    Suite {
-        name: "client",
-        editor: false,
-        run: client,
-    },
-    Suite {
-        name: "neovim",
-        editor: true,
-        run: editors::neovim,
-    },
-    Suite {
-        name: "emacs",
-        editor: true,
-        run: editors::emacs,
-    },
-    Suite {
-        name: "vscode",
-        editor: true,
-        run: editors::vscode,
-    },
+    Suite { name: "format", editor: false, run: format },
+    Suite { name: CLIPPY, editor: false, run: clippy },
+    Suite { name: "notices", editor: false, run: notices },
+    Suite { name: "rust", editor: false, run: rust },
+    Suite { name: "without-data", editor: false, run: without_data::without_data },
+    Suite { name: "campaign", editor: false, run: campaign },
+    Suite { name: "fuzz", editor: false, run: fuzz },
+    Suite { name: "extension", editor: false, run: extension_units },
+    Suite { name: "grammar", editor: false, run: grammar },
+    Suite { name: "client", editor: false, run: client },
+    Suite { name: "neovim", editor: true, run: editors::neovim },
+    Suite { name: "emacs", editor: true, run: editors::emacs },
+    Suite { name: "vscode", editor: true, run: editors::vscode },
 ];
 
 /// Runs the suites; false if a test failed.
@@ -171,10 +119,7 @@ pub(crate) fn test(options: &Options) -> Result<bool> {
 
 fn summary(rows: &[(&str, Result<Outcome>, Duration)]) -> bool {
     println!();
-    println!(
-        "{:<12} {:>7} {:>7} {:>8}",
-        "suite", "passed", "failed", "time"
-    );
+    println!("{:<12} {:>7} {:>7} {:>8}", "suite", "passed", "failed", "time");
     let mut total = Outcome::default();
     for (name, outcome, time) in rows {
         let (passed, failed, note) = match outcome {
@@ -185,10 +130,7 @@ fn summary(rows: &[(&str, Result<Outcome>, Duration)]) -> bool {
                 (0, 1, format!("  {first}"))
             }
         };
-        println!(
-            "{name:<12} {passed:>7} {failed:>7} {:>6.1} s{note}",
-            time.as_secs_f32()
-        );
+        println!("{name:<12} {passed:>7} {failed:>7} {:>6.1} s{note}", time.as_secs_f32());
         total.passed += passed;
         total.failed += failed;
     }
@@ -204,11 +146,7 @@ fn summary(rows: &[(&str, Result<Outcome>, Duration)]) -> bool {
 
 /// The outcome of a suite that is one check.
 fn one(passed: bool) -> Outcome {
-    Outcome {
-        passed: passed.into(),
-        failed: (!passed).into(),
-        ..Outcome::default()
-    }
+    Outcome { passed: passed.into(), failed: (!passed).into(), ..Outcome::default() }
 }
 
 fn format() -> Result<Outcome> {
@@ -317,21 +255,13 @@ fn slowest(mut times: Vec<(f64, String)>) -> Vec<String> {
 /// A sample of `cargo xtask campaign`.
 fn campaign() -> Result<Outcome> {
     let (passed, failed) = crate::campaign::sample()?;
-    Ok(Outcome {
-        passed,
-        failed,
-        ..Outcome::default()
-    })
+    Ok(Outcome { passed, failed, ..Outcome::default() })
 }
 
 /// Checks that the lock file of the fuzzed programs, which are a separate workspace, is current.
 fn fuzz() -> Result<Outcome> {
-    let arguments = [
-        "metadata",
-        "--locked",
-        "--format-version=1",
-        "--manifest-path=fuzz/Cargo.toml",
-    ];
+    let arguments =
+        ["metadata", "--locked", "--format-version=1", "--manifest-path=fuzz/Cargo.toml"];
     match run::capture(run::cargo(&arguments)) {
         Ok(_) => Ok(one(true)),
         Err(error) => {
@@ -343,22 +273,18 @@ fn fuzz() -> Result<Outcome> {
 fn extension_units() -> Result<Outcome> {
     let directory = extension::directory();
     extension::install_packages(&directory)?;
-    let mut outcome = one(run::watch(
-        extension::npm(&directory, &["run", "--silent", "typecheck"]),
-        |_| (),
-    )?);
+    let mut outcome =
+        one(run::watch(extension::npm(&directory, &["run", "--silent", "typecheck"]), |_| ())?);
     run::capture(extension::npm(&directory, &["run", "--silent", "bundle"]))?;
-    let succeeded = run::watch(
-        extension::npm(&directory, &["run", "--silent", "test:unit"]),
-        |line| {
+    let succeeded =
+        run::watch(extension::npm(&directory, &["run", "--silent", "test:unit"]), |line| {
             if let Some((_, number)) = line.split_once(" pass ") {
                 outcome.passed += number.trim().parse().unwrap_or(0);
             }
             if let Some((_, number)) = line.split_once(" fail ") {
                 outcome.failed += number.trim().parse().unwrap_or(0);
             }
-        },
-    )?;
+        })?;
     if !succeeded && outcome.failed == 0 {
         outcome.failed = 1;
     }
@@ -373,25 +299,17 @@ fn grammar() -> Result<Outcome> {
     for source in files(&snapshots, "gen")? {
         let snapshot = PathBuf::from(format!("{}.snap", source.display()));
         if !snapshot.exists() {
-            bail!(
-                "{} is missing: run `npm run test:grammar` and commit it",
-                snapshot.display()
-            );
+            bail!("{} is missing: run `npm run test:grammar` and commit it", snapshot.display());
         }
     }
     let sources = directory.join("test/grammar");
     let tests = files(&sources, "gen")?.len()
         + files(&sources, "scn")?.len()
         + files(&snapshots, "gen")?.len();
-    let succeeded = run::watch(
-        extension::npm(&directory, &["run", "--silent", "test:grammar"]),
-        |_| (),
-    )?;
+    let succeeded =
+        run::watch(extension::npm(&directory, &["run", "--silent", "test:grammar"]), |_| ())?;
     Ok(match succeeded {
-        true => Outcome {
-            passed: tests,
-            ..Outcome::default()
-        },
+        true => Outcome { passed: tests, ..Outcome::default() },
         false => one(false),
     })
 }
@@ -425,10 +343,7 @@ fn python(scripts: &Path) -> Result<PathBuf> {
     let requirements = scripts.join("requirements.txt");
     let wanted = std::fs::read_to_string(&requirements)?;
     let directory = crate::target().join("tools/python");
-    let (python, stamp) = (
-        directory.join("bin/python"),
-        directory.join("requirements.txt"),
-    );
+    let (python, stamp) = (directory.join("bin/python"), directory.join("requirements.txt"));
     if std::fs::read_to_string(&stamp).ok().as_ref() != Some(&wanted) {
         step("Installing pytest-lsp");
         let venv = ["-m", "venv", "--clear", &*directory.to_string_lossy()];
@@ -487,15 +402,8 @@ mod tests {
     #[test]
     fn the_summary_of_node_is_read() {
         let mut outcome = super::Outcome::default();
-        let lines = [
-            "ok 1 - # pass 3 of it",
-            "# pass 10",
-            "# fail 2",
-            "# suites 0",
-        ];
-        lines
-            .iter()
-            .for_each(|line| super::editors::tap(line, &mut outcome));
+        let lines = ["ok 1 - # pass 3 of it", "# pass 10", "# fail 2", "# suites 0"];
+        lines.iter().for_each(|line| super::editors::tap(line, &mut outcome));
         assert_eq!((outcome.passed, outcome.failed), (10, 2));
     }
 

@@ -17,10 +17,7 @@ pub(crate) struct Tool {
 pub(crate) const CHROMIUM: &[Tool] = &[
     Tool::new("chromium", "chromium"),
     // Without any font the workbench draws no text.
-    Tool::new(
-        "/usr/share/fonts/truetype/dejavu/DejaVuSansMono.ttf",
-        "fonts-dejavu-core",
-    ),
+    Tool::new("/usr/share/fonts/truetype/dejavu/DejaVuSansMono.ttf", "fonts-dejavu-core"),
 ];
 /// The language of GenoM3's templates.
 pub(crate) const TCL: &[Tool] = &[Tool::new("tclsh", "tcl")];
@@ -28,27 +25,18 @@ pub(crate) const VALGRIND: &[Tool] = &[Tool::new("valgrind", "valgrind")];
 /// Reports the peak memory of a process.
 pub(crate) const TIME: &[Tool] = &[Tool::new("/usr/bin/time", "time")];
 pub(crate) const NEOVIM: &[Tool] = &[Tool::new("nvim", "neovim")];
-pub(crate) const EMACS: &[Tool] = &[
-    Tool::new("emacs", "emacs-nox"),
-    Tool::new("/usr/share/doc/elpa-eglot", "elpa-eglot"),
-];
+pub(crate) const EMACS: &[Tool] =
+    &[Tool::new("emacs", "emacs-nox"), Tool::new("/usr/share/doc/elpa-eglot", "elpa-eglot")];
 /// Attached to components to inspect codels; tests are skipped without it, with a message.
 pub(crate) const DEBUGGER: &[Tool] = &[Tool::new("gdb", "gdb")];
-pub(crate) const PYTHON: &[Tool] = &[
-    Tool::new("python3", "python3"),
-    Tool::new("/usr/share/doc/python3-venv", "python3-venv"),
-];
+pub(crate) const PYTHON: &[Tool] =
+    &[Tool::new("python3", "python3"), Tool::new("/usr/share/doc/python3-venv", "python3-venv")];
 /// Sets up a clean Debian; `objdump` lists the symbols of a program.
-pub(crate) const DEBOOTSTRAP: &[Tool] = &[
-    Tool::new("/usr/sbin/debootstrap", "debootstrap"),
-    Tool::new("objdump", "binutils"),
-];
+pub(crate) const DEBOOTSTRAP: &[Tool] =
+    &[Tool::new("/usr/sbin/debootstrap", "debootstrap"), Tool::new("objdump", "binutils")];
 /// For the native modules of the workbench.
-pub(crate) const NATIVE_MODULES: &[Tool] = &[
-    Tool::new("python3", "python3"),
-    Tool::new("make", "make"),
-    Tool::new("g++", "g++"),
-];
+pub(crate) const NATIVE_MODULES: &[Tool] =
+    &[Tool::new("python3", "python3"), Tool::new("make", "make"), Tool::new("g++", "g++")];
 /// Node is not installed automatically: Debian's is too old.
 const NODE: &str = "Node.js 20 or later with npm";
 
@@ -110,12 +98,7 @@ pub(crate) fn ensure_node() -> Result<()> {
     let version = run::command(crate::root(), "node", &["--version"]).output();
     let major = version.ok().and_then(|output| {
         let text = String::from_utf8(output.stdout).ok()?;
-        text.trim()
-            .strip_prefix('v')?
-            .split('.')
-            .next()?
-            .parse::<u32>()
-            .ok()
+        text.trim().strip_prefix('v')?.split('.').next()?.parse::<u32>().ok()
     });
     match major {
         Some(20..) if find("npm").is_some() => Ok(()),

@@ -39,10 +39,7 @@ fn report(component: &Component, codel: CodelRef, exclusion: &Exclusion, found: 
             }
             let codel = component.codel(other);
             let owner = OwnerName::of(component, other.owner);
-            let role = Role::Sharing {
-                codel: codel.name.clone(),
-                owner: owner.clone(),
-            };
+            let role = Role::Sharing { codel: codel.name.clone(), owner: owner.clone() };
             let kind = CodelProblem::SharedWithCodel {
                 codel: codel_name,
                 shared: shared.into(),

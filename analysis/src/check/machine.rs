@@ -26,10 +26,7 @@ struct Owner<'a> {
 
 impl Owner<'_> {
     fn name(&self) -> OwnerName {
-        OwnerName {
-            kind: self.what,
-            name: self.name.clone(),
-        }
+        OwnerName { kind: self.what, name: self.name.clone() }
     }
 }
 
@@ -39,12 +36,7 @@ pub(super) fn check(spec: &Spec, component: &Component, found: &mut Vec<Finding>
         return;
     }
     for task in &component.tasks {
-        let owner = Owner {
-            what: "task",
-            name: &task.name,
-            src: task.src,
-            throws: &task.throws,
-        };
+        let owner = Owner { what: "task", name: &task.name, src: task.src, throws: &task.throws };
         check_machine(spec, &owner, &task.codels, found);
     }
     for service in &component.services {
@@ -64,10 +56,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
         return;
     }
     // Without its yields, which is a syntax error, the reachable states are unknown.
-    let complete = machine
-        .codels
-        .iter()
-        .all(|(_, codel)| !codel.yields.is_empty());
+    let complete = machine.codels.iter().all(|(_, codel)| !codel.yields.is_empty());
     let mut reached = machine.reachable("start");
     let from_stop = machine.reachable("stop");
     // With a codel of its own, `ether` is a state like any other, and the machine has no end.
@@ -76,20 +65,12 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
         && complete
         && !ends
     {
-        found.push(Finding::new(
-            CodelProblem::StopWithoutEther {
-                owner: owner.name(),
-            },
-            stop.src,
-        ));
+        found.push(Finding::new(CodelProblem::StopWithoutEther { owner: owner.name() }, stop.src));
     }
     reached.extend(from_stop);
     let misnamed = misnamed(&machine);
     for (&(state, src), used) in misnamed.iter() {
-        let kind = CodelProblem::Misnamed {
-            state: state.clone(),
-            owner: owner.name(),
-        };
+        let kind = CodelProblem::Misnamed { state: state.clone(), owner: owner.name() };
         found.push(Finding::new(kind, src).near(Some(Near::new(src, used))));
     }
     let is_misnamed = |codel: &Codel| {
@@ -119,11 +100,8 @@ fn unreachable(
         let is_before = |name: &str| before.triggers.iter().any(|s| s.name == name);
         machine.reaches_without_pause(&state.name, is_before)
     });
-    let kind = CodelProblem::Unreachable {
-        state: state.name.clone(),
-        owner: owner.name(),
-        in_cycle,
-    };
+    let kind =
+        CodelProblem::Unreachable { state: state.name.clone(), owner: owner.name(), in_cycle };
     Some(Finding::new(kind, codel.src).related(owner.src, Role::Owner(owner.what)))
 }
 
@@ -185,10 +163,7 @@ fn undefined(owner: &Owner<'_>, machine: &Machine<'_>, codel: &Codel, state: &St
         state: state.name.clone(),
         owner: owner.name(),
     };
-    Finding::new(kind, state.src)
-        .related(codel.src, Role::Codel)
-        .compiler_at(codel.src)
-        .near(near)
+    Finding::new(kind, state.src).related(codel.src, Role::Codel).compiler_at(codel.src).near(near)
 }
 
 /// States of unreachable codels, each with a similarly named state that several transitions lead to and that
@@ -205,8 +180,7 @@ fn misnamed<'m>(machine: &Machine<'m>) -> Misnamed<'m> {
     let is_often_used = |name: &&Name| used.iter().filter(|other| *other == name).count() > 1;
     let undefined = || {
         let used = used.iter().copied();
-        used.filter(|name| !given(name) && machine.codel(name).is_none())
-            .filter(is_often_used)
+        used.filter(|name| !given(name) && machine.codel(name).is_none()).filter(is_often_used)
     };
     let mut out = BTreeMap::new();
     for state in machine.codels.iter().flat_map(|(_, codel)| &codel.triggers) {
@@ -227,11 +201,7 @@ fn thrown_elsewhere(spec: &Spec, owner: &Owner<'_>, name: &str) -> Option<TypeId
         matches!(ty.kind, TypeKind::Exception { .. })
             && ty.name.as_ref().is_some_and(|text| text.as_str() == name)
     };
-    if owner
-        .throws
-        .iter()
-        .any(|&exception| is_it(spec.ty(exception)))
-    {
+    if owner.throws.iter().any(|&exception| is_it(spec.ty(exception))) {
         return None;
     }
     let index = spec.types.iter().position(is_it)?;

@@ -11,17 +11,9 @@ pub(super) fn check(component: &Component, found: &mut Vec<Finding>) {
     }
     for (index, task) in (0..).zip(&component.tasks) {
         let runs = !task.codels.is_empty()
-            || component
-                .services
-                .iter()
-                .any(|service| service.task == Some(index));
+            || component.services.iter().any(|service| service.task == Some(index));
         if !runs && task.imported_from.is_none() {
-            found.push(Finding::new(
-                CodelProblem::IdleTask {
-                    task: task.name.clone(),
-                },
-                task.src,
-            ));
+            found.push(Finding::new(CodelProblem::IdleTask { task: task.name.clone() }, task.src));
         }
     }
 }

@@ -56,15 +56,7 @@ const fn error(
     why: &'static str,
     fix: &'static str,
 ) -> Code {
-    Code {
-        id,
-        severity: Severity::Error,
-        meaning,
-        why,
-        fix,
-        reference: true,
-        follows: &[],
-    }
+    Code { id, severity: Severity::Error, meaning, why, fix, reference: true, follows: &[] }
 }
 
 const fn warning(
@@ -73,10 +65,7 @@ const fn warning(
     why: &'static str,
     fix: &'static str,
 ) -> Code {
-    Code {
-        severity: Severity::Warning,
-        ..error(id, meaning, why, fix)
-    }
+    Code { severity: Severity::Warning, ..error(id, meaning, why, fix) }
 }
 
 const fn hint(
@@ -85,18 +74,12 @@ const fn hint(
     why: &'static str,
     fix: &'static str,
 ) -> Code {
-    Code {
-        severity: Severity::Hint,
-        ..error(id, meaning, why, fix)
-    }
+    Code { severity: Severity::Hint, ..error(id, meaning, why, fix) }
 }
 
 /// Marks a code that the reference compiler does not report.
 const fn ours(code: Code) -> Code {
-    Code {
-        reference: false,
-        ..code
-    }
+    Code { reference: false, ..code }
 }
 
 /// All codes that elaboration and the checks of components report.

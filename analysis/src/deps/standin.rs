@@ -44,23 +44,12 @@ pub fn folder(specification: &Utf8Path) -> Utf8PathBuf {
 /// Stand-ins for all included files that are not found. Each name goes to the file with the most similar
 /// path, the others to the first one.
 pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<StandIn> {
-    let missing = needs
-        .includes
-        .iter()
-        .filter(|include| include.found.is_none());
-    let mut trees = Trees(
-        missing
-            .map(|include| (include, Module::default()))
-            .collect(),
-    );
+    let missing = needs.includes.iter().filter(|include| include.found.is_none());
+    let mut trees = Trees(missing.map(|include| (include, Module::default())).collect());
     if trees.0.is_empty() {
         return Vec::new();
     }
-    for interface in needs
-        .interfaces
-        .iter()
-        .filter(|interface| interface.found.is_none())
-    {
+    for interface in needs.interfaces.iter().filter(|interface| interface.found.is_none()) {
         trees.interface(&interface.name);
     }
     for name in &needs.unknown {
@@ -73,10 +62,7 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
     let files = trees.0.iter().filter_map(|(include, tree)| {
         let below = Utf8Path::new(&include.path);
         let climbs = below.components().any(|component| {
-            !matches!(
-                component,
-                camino::Utf8Component::Normal(_) | camino::Utf8Component::CurDir
-            )
+            !matches!(component, camino::Utf8Component::Normal(_) | camino::Utf8Component::CurDir)
         });
         (!climbs).then(|| StandIn {
             include: include.path.clone(),
@@ -109,11 +95,7 @@ impl Trees<'_> {
 
     /// Declares a name in its file, as what it is used as.
     fn declare(&mut self, name: &UnknownName) {
-        let path: Vec<&str> = name
-            .name
-            .split("::")
-            .filter(|part| !part.is_empty())
-            .collect();
+        let path: Vec<&str> = name.name.split("::").filter(|part| !part.is_empty()).collect();
         let Some((last, scopes)) = path.split_last() else {
             return;
         };
@@ -135,10 +117,7 @@ impl Trees<'_> {
                 }
             }
             Missing::Source {
-                name,
-                kind: Some(SourceKind::Local),
-                service: Some(service),
-                ..
+                name, kind: Some(SourceKind::Local), service: Some(service), ..
             } => {
                 let service = gap.component.and_then(|component| {
                     let services = &spec.components[component as usize].services;
@@ -151,9 +130,7 @@ impl Trees<'_> {
                     self.interface(interface).local(service, params, name);
                 }
             }
-            Missing::Source {
-                name, kind, dir, ..
-            } => {
+            Missing::Source { name, kind, dir, .. } => {
                 let provided =
                     unknown_interface(spec, gap, false).map(|interface| (interface, false));
                 let used = unknown_interface(spec, gap, true).map(|interface| (interface, true));
@@ -191,9 +168,7 @@ fn first_of<'s>(spec: &'s Spec, gap: &Gap) -> Option<(&'s Name, bool)> {
 /// The first unknown interface among those that a component uses if `used`, otherwise among those that it
 /// provides or extends.
 fn unknown_interface<'s>(spec: &'s Spec, gap: &Gap, used: bool) -> Option<&'s Name> {
-    imports(spec, gap)
-        .find(|import| import.1 == used)
-        .map(|(name, _)| name)
+    imports(spec, gap).find(|import| import.1 == used).map(|(name, _)| name)
 }
 
 fn imports<'s>(spec: &'s Spec, gap: &Gap) -> impl Iterator<Item = (&'s Name, bool)> {
@@ -208,10 +183,7 @@ fn imports<'s>(spec: &'s Spec, gap: &Gap) -> impl Iterator<Item = (&'s Name, boo
 /// The parameters of a service as a stand-in can declare them: a repeated declaration must have the same
 /// parameters. `None` if one has a type that the stand-in cannot name.
 fn params(spec: &Spec, service: &Service) -> Option<Vec<String>> {
-    let declared = service
-        .params
-        .iter()
-        .filter(|param| param.dir != ParamDir::Local);
+    let declared = service.params.iter().filter(|param| param.dir != ParamDir::Local);
     let one = |param: &Param| {
         let ty = spec.ty(param.ty);
         let named = match ty.kind {
@@ -255,23 +227,18 @@ fn likeness(name: &str, path: &str) -> Option<usize> {
         return None;
     }
     let words = path.with_extension("");
-    let words = words
-        .components()
-        .filter(|component| flat.contains(&format!("_{component}_")));
+    let words = words.components().filter(|component| flat.contains(&format!("_{component}_")));
     Some(words.count() + stem.len())
 }
 
 fn file(include: &str, tree: &Module) -> String {
-    let guard: String = include
-        .chars()
-        .map(|character| {
-            if character.is_ascii_alphanumeric() {
-                character.to_ascii_uppercase()
-            } else {
-                '_'
-            }
-        })
-        .collect();
+    let guard: String =
+        include
+            .chars()
+            .map(|character| {
+                if character.is_ascii_alphanumeric() { character.to_ascii_uppercase() } else { '_' }
+            })
+            .collect();
     let mut out = format!(
         "{MARK} for `{include}`, which was not found.\n \
          * It has what the specification uses of it, with types that are made up. Nothing that is generated from it fits\n \
@@ -329,9 +296,7 @@ impl Module {
     }
 
     fn within(&mut self, scopes: &[&str]) -> &mut Module {
-        scopes
-            .iter()
-            .fold(self, |module, scope| module.module(scope))
+        scopes.iter().fold(self, |module, scope| module.module(scope))
     }
 
     fn interface(&mut self, name: &str) -> &mut Module {
@@ -425,11 +390,7 @@ impl Module {
         for name in &self.tasks {
             let _ = writeln!(out, "{indent}task {name} {{}};");
         }
-        let again = |name: &Name| {
-            self.declared_again
-                .iter()
-                .any(|service| service.name == *name)
-        };
+        let again = |name: &Name| self.declared_again.iter().any(|service| service.name == *name);
         for name in self.services.iter().filter(|service| !again(service)) {
             let _ = writeln!(out, "{indent}function {name}() {{}};");
         }
@@ -494,9 +455,7 @@ fn write_member(out: &mut String, name: &str, paths: &[Vec<PathElement>], depth:
     let mut inner: Vec<(Name, Vec<Vec<PathElement>>)> = Vec::new();
     let mut dimensions = 0;
     for path in paths {
-        let indexes = path
-            .iter()
-            .take_while(|element| matches!(element, PathElement::Index(_)));
+        let indexes = path.iter().take_while(|element| matches!(element, PathElement::Index(_)));
         let indexes = indexes.count();
         dimensions = dimensions.max(indexes);
         if let Some((PathElement::Member(member), rest)) = path[indexes..].split_first() {

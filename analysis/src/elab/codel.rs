@@ -43,12 +43,7 @@ impl<'a> Elaborator<'a> {
         decl: &'a CodelDecl,
         kind: CodelKind,
     ) {
-        let source = CodelSource {
-            decl,
-            visit: self.visit,
-            scope: self.scope,
-            kind,
-        };
+        let source = CodelSource { decl, visit: self.visit, scope: self.scope, kind };
         self.add_codel(index, owner, source);
     }
 
@@ -71,13 +66,8 @@ impl<'a> Elaborator<'a> {
             .iter()
             .find(|codel| codel.name == name.text);
         if let Some(first) = known {
-            let diagnostic = Finding::new(
-                CodelProblem::CodelTwice {
-                    name: name.text.clone(),
-                },
-                at,
-            )
-            .related(first.src, Role::FirstUsed);
+            let diagnostic = Finding::new(CodelProblem::CodelTwice { name: name.text.clone() }, at)
+                .related(first.src, Role::FirstUsed);
             self.report(diagnostic);
             return;
         }
@@ -174,13 +164,9 @@ impl<'a> Elaborator<'a> {
             let known =
                 |other: &&Param| other.name == param.name && other.source != ParamSource::Opaque;
             if let Some(first) = params.iter().find(known) {
-                let diagnostic = Finding::new(
-                    CodelProblem::ParamTwice {
-                        name: param.name.clone(),
-                    },
-                    param.src,
-                )
-                .related(first.src, Role::First);
+                let diagnostic =
+                    Finding::new(CodelProblem::ParamTwice { name: param.name.clone() }, param.src)
+                        .related(first.src, Role::First);
                 self.report(diagnostic);
                 complete = false;
                 continue;
@@ -200,14 +186,7 @@ impl<'a> Elaborator<'a> {
             let container = self.container.take();
             let def = self.define(DefKind::Codel, &name.text, at, node, None);
             self.container = container;
-            self.codels.insert(
-                name.text.clone(),
-                KnownCodel {
-                    def,
-                    src: at,
-                    signature,
-                },
-            );
+            self.codels.insert(name.text.clone(), KnownCodel { def, src: at, signature });
             return;
         };
         let (def, first) = (known.def, known.src);
@@ -284,28 +263,21 @@ impl<'a> Elaborator<'a> {
                 && let Some(codel) = codel
             {
                 let codel = self.src(codel.ptr);
-                let diagnostic = Finding::new(
-                    CodelProblem::PausedTrigger {
-                        state: name.clone(),
-                    },
-                    codel,
-                )
-                .related(at, Role::ThisState);
+                let diagnostic =
+                    Finding::new(CodelProblem::PausedTrigger { state: name.clone() }, codel)
+                        .related(at, Role::ThisState);
                 self.report(diagnostic);
             } else if state.paused && name == "ether" {
                 self.error(at, CodelProblem::PausedEther);
             }
             let paused = state.paused && codel.is_none() && name != "ether";
-            if let Some(first) = states
-                .iter()
-                .find(|state| state.name == *name && state.paused == paused)
+            if let Some(first) =
+                states.iter().find(|state| state.name == *name && state.paused == paused)
             {
                 let pause = if paused { "pause::" } else { "" };
 
                 let diagnostic = Finding::new(
-                    CodelProblem::StateTwice {
-                        state: format!("{pause}{name}").into(),
-                    },
+                    CodelProblem::StateTwice { state: format!("{pause}{name}").into() },
                     at,
                 )
                 .related(first.src, Role::FirstHere);
@@ -313,12 +285,7 @@ impl<'a> Elaborator<'a> {
                 continue;
             }
             let event = self.event(index, &state.name, paused, self.src(state.name.ptr));
-            states.push(State {
-                name: name.clone(),
-                paused,
-                event,
-                src: at,
-            });
+            states.push(State { name: name.clone(), paused, event, src: at });
         }
         states
     }
@@ -366,12 +333,10 @@ impl<'a> Elaborator<'a> {
         let mut clashes: Vec<(Text, Text, Src)> = Vec::new();
         let component = &self.spec.components[index as usize];
         for state in triggers {
-            let first = component.codels_of(owner).iter().find(|codel| {
-                codel
-                    .triggers
-                    .iter()
-                    .any(|trigger| trigger.name == state.name)
-            });
+            let first = component
+                .codels_of(owner)
+                .iter()
+                .find(|codel| codel.triggers.iter().any(|trigger| trigger.name == state.name));
             if let Some(first) = first {
                 clashes.push((state.name.clone(), first.name.clone(), first.src));
             }
@@ -424,12 +389,8 @@ impl<'a> Elaborator<'a> {
             self.error(
                 at,
                 match place {
-                    TimePlace::Clause => ValueProblem::WcetNoNumber {
-                        value: value.describe(),
-                    },
-                    TimePlace::Pragma => ValueProblem::PragmaNoNumber {
-                        value: value.describe(),
-                    },
+                    TimePlace::Clause => ValueProblem::WcetNoNumber { value: value.describe() },
+                    TimePlace::Pragma => ValueProblem::PragmaNoNumber { value: value.describe() },
                 },
             );
             return None;

@@ -30,11 +30,7 @@ impl<'a> Elaborator<'a> {
         ptr: Ptr,
     ) {
         let at = self.src(name.ptr);
-        let kind = if interface {
-            ComponentKind::Interface
-        } else {
-            ComponentKind::Component
-        };
+        let kind = if interface { ComponentKind::Interface } else { ComponentKind::Component };
         let index = match self.component_by_name.get(&name.text).copied() {
             Some(index) => {
                 if !self.reopen(index, kind, at) {
@@ -47,11 +43,7 @@ impl<'a> Elaborator<'a> {
         let Some(body) = body else { return };
         let state = &self.components[index as usize];
         let (scope, def) = (state.scope, state.def);
-        self.spec.bodies.push(Body {
-            visit: self.visit,
-            item: Some(ptr.item),
-            component: index,
-        });
+        self.spec.bodies.push(Body { visit: self.visit, item: Some(ptr.item), component: index });
         let outer = self.component.replace(index);
         self.within(scope, Some(def), |this| {
             this.for_each(body, |this, item| this.export(index, item));
@@ -72,15 +64,8 @@ impl<'a> Elaborator<'a> {
 
             let place = self.definitions[def.0 as usize].src;
             self.report(
-                Finding::new(
-                    NameProblem::OtherKind {
-                        name: known.name.clone(),
-                        was,
-                        is,
-                    },
-                    at,
-                )
-                .related(place, Role::FirstDeclared),
+                Finding::new(NameProblem::OtherKind { name: known.name.clone(), was, is }, at)
+                    .related(place, Role::FirstDeclared),
             );
             return false;
         }
@@ -182,8 +167,7 @@ impl<'a> Elaborator<'a> {
                     // The component is called `pause`, or its module has a member of that name.
                     self.report_clash(scope, &pause_name, at, clash);
                 }
-                self.scopes
-                    .open(scope, &pause_name, ScopeKind::Module, None, false)
+                self.scopes.open(scope, &pause_name, ScopeKind::Module, None, false)
             }
         }
     }
@@ -192,14 +176,10 @@ impl<'a> Elaborator<'a> {
     fn export(&mut self, index: u32, item: &'a Item) {
         match item {
             Item::Property(property) => self.component_property(index, property),
-            Item::Ids {
-                members, keyword, ..
-            } => self.ids(index, members, *keyword),
-            Item::Task {
-                name: Some(name),
-                properties,
-                ptr,
-            } => self.task(index, name, properties, *ptr),
+            Item::Ids { members, keyword, .. } => self.ids(index, members, *keyword),
+            Item::Task { name: Some(name), properties, ptr } => {
+                self.task(index, name, properties, *ptr)
+            }
             Item::Port(decl) => self.port(index, decl),
             Item::Service(decl) => self.service(index, decl),
             _ => {
@@ -213,10 +193,7 @@ impl<'a> Elaborator<'a> {
         self.close_services(index);
         let state = &mut self.components[index as usize];
         state.closing = Some(self.closings.len());
-        self.closings.push(BodyEnd {
-            component: index,
-            snapshot: None,
-        });
+        self.closings.push(BodyEnd { component: index, snapshot: None });
     }
 
     // Ids
@@ -233,17 +210,12 @@ impl<'a> Elaborator<'a> {
                 None,
                 true,
             );
-            self.within(scope, self.container, |this| {
-                this.members(items, DefKind::IdsMember)
-            });
+            self.within(scope, self.container, |this| this.members(items, DefKind::IdsMember));
             return;
         };
         let def = self.scopes.get(scope).def;
         // The ids can be used as a type once they have members.
-        let (outer, name) = (
-            self.components[index as usize].scope,
-            Text::new_static("ids"),
-        );
+        let (outer, name) = (self.components[index as usize].scope, Text::new_static("ids"));
         let hidden = match first {
             true => self.scopes.get_mut(outer).names.remove(&name),
             false => None,
@@ -270,17 +242,13 @@ impl<'a> Elaborator<'a> {
             self.report_clash(outer, &name, at, clash);
             return None;
         }
-        let kind = TypeKind::Struct {
-            members: Vec::new(),
-        };
+        let kind = TypeKind::Struct { members: Vec::new() };
         let container = self.container.replace(state.def);
         let ids = self.named(kind, outer, name.clone(), at);
         let def = self.define(DefKind::Ids, &name, at, at, Some(ids));
         self.container = container;
         self.scopes.get_mut(outer).names.insert(name.clone(), ids);
-        let scope = self
-            .scopes
-            .open(outer, &name, ScopeKind::Struct, Some(def), false);
+        let scope = self.scopes.open(outer, &name, ScopeKind::Struct, Some(def), false);
         self.components[index as usize].ids = Some(scope);
         self.spec.components[index as usize].ids = Some(ids);
         Some(scope)
@@ -386,24 +354,15 @@ impl<'a> Elaborator<'a> {
             let place = self.spec.components[index as usize].services[service as usize].src;
 
             self.report(
-                Finding::new(
-                    NameProblem::Taken {
-                        name: port.name.clone(),
-                        what: "a service",
-                    },
-                    at,
-                )
-                .related(place, Role::Service),
+                Finding::new(NameProblem::Taken { name: port.name.clone(), what: "a service" }, at)
+                    .related(place, Role::Service),
             );
             self.add_refused_name(index, &port.name);
             return false;
         }
         let scope = state.scope;
         let number = self.spec.components[index as usize].ports.len() as u32;
-        let kind = TypeKind::Port {
-            component: index,
-            port: number,
-        };
+        let kind = TypeKind::Port { component: index, port: number };
         if let Some(clash) = self.scopes.clash(scope, &port.name, false) {
             self.report_clash(scope, &port.name, at, clash);
             self.add_refused_name(index, &port.name);

@@ -66,11 +66,7 @@ impl<'a> Elaborator<'a> {
             }
             ExprKind::Path(path) => self.named_value(path, at),
             ExprKind::Paren(inner) => self.eval(inner),
-            ExprKind::Unary {
-                op,
-                op_ptr,
-                operand,
-            } => {
+            ExprKind::Unary { op, op_ptr, operand } => {
                 let value = self.eval(operand);
                 let result = unary(*op, &value);
                 result.unwrap_or_else(|| {
@@ -78,20 +74,12 @@ impl<'a> Elaborator<'a> {
 
                     self.error(
                         at,
-                        ValueProblem::Unary {
-                            op: unary_text(*op),
-                            value: value.describe(),
-                        },
+                        ValueProblem::Unary { op: unary_text(*op), value: value.describe() },
                     );
                     value
                 })
             }
-            ExprKind::Binary {
-                op,
-                op_ptr,
-                left,
-                right,
-            } => {
+            ExprKind::Binary { op, op_ptr, left, right } => {
                 let left = self.eval(left);
                 let right = self.eval(right);
                 match binary(*op, &left, &right) {
@@ -115,13 +103,7 @@ impl<'a> Elaborator<'a> {
         match parse_integer(text) {
             Some((value, odd)) => {
                 if odd {
-                    self.error(
-                        at,
-                        ValueProblem::OctalDigit {
-                            text: text.clone(),
-                            value,
-                        },
-                    );
+                    self.error(at, ValueProblem::OctalDigit { text: text.clone(), value });
                 }
                 Const::unsigned(value)
             }
@@ -149,10 +131,7 @@ impl<'a> Elaborator<'a> {
             _ => {
                 let what = words::describe(&self.spec, ty);
                 let mut diagnostic = Finding::new(
-                    ValueProblem::HasNoValue {
-                        path: words::path_text(path).into(),
-                        what,
-                    },
+                    ValueProblem::HasNoValue { path: words::path_text(path).into(), what },
                     at,
                 );
                 if let Some(place) = self.type_place(ty) {
@@ -174,19 +153,11 @@ impl<'a> Elaborator<'a> {
         if value == Const::Unknown {
             return None;
         }
-        let integer = value
-            .integral()
-            .and_then(|integral| u64::try_from(integral).ok());
+        let integer = value.integral().and_then(|integral| u64::try_from(integral).ok());
         if integer.is_none() {
             let at = self.src(expr.ptr);
 
-            self.error(
-                at,
-                ValueProblem::NotNatural {
-                    what,
-                    value: value.describe(),
-                },
-            );
+            self.error(at, ValueProblem::NotNatural { what, value: value.describe() });
         }
         integer
     }
@@ -197,9 +168,7 @@ fn parse_integer(text: &str) -> Option<(i128, bool)> {
     let digits = text.trim_end_matches(['u', 'U', 'l', 'L']);
     let fits = |number: u64| i128::from(number);
     if let Some(hex) = digits.strip_prefix("0x").or(digits.strip_prefix("0X")) {
-        return u64::from_str_radix(hex, 16)
-            .ok()
-            .map(|number| (fits(number), false));
+        return u64::from_str_radix(hex, 16).ok().map(|number| (fits(number), false));
     }
     match digits.strip_prefix('0') {
         None | Some("") => digits.parse().ok().map(|number| (fits(number), false)),
@@ -241,10 +210,7 @@ pub(super) fn from_value(value: &Value) -> Const {
     match value {
         Value::Bool(flag) => Const::Bool(*flag),
         Value::Uint(number) => Const::unsigned(i128::from(*number)),
-        Value::Int(number) => Const::Int {
-            value: i128::from(*number),
-            signed: true,
-        },
+        Value::Int(number) => Const::Int { value: i128::from(*number), signed: true },
         Value::Float(number) => Const::Float(*number),
         Value::Char(character) => Const::Char(character.clone()),
         Value::String(text) => Const::Str(text.clone()),

@@ -108,10 +108,7 @@ impl<'a> Elaborator<'a> {
             visits: unit.visits,
             visit: 0,
             include_depth: 0,
-            spec: Spec {
-                release: unit.release,
-                ..Spec::default()
-            },
+            spec: Spec { release: unit.release, ..Spec::default() },
             scopes: Scopes::new(),
             scope: GLOBAL,
             component: None,
@@ -177,11 +174,7 @@ impl<'a> Elaborator<'a> {
                 continue;
             }
             if let Some(component) = self.component {
-                self.spec.bodies.push(Body {
-                    visit: target,
-                    item: None,
-                    component,
-                });
+                self.spec.bodies.push(Body { visit: target, item: None, component });
             }
             self.include_depth += 1;
             let outer = std::mem::replace(&mut self.visit, target);
@@ -193,18 +186,12 @@ impl<'a> Elaborator<'a> {
 
     /// The file being read.
     pub(super) fn file(&self) -> u32 {
-        self.visits
-            .get(self.visit as usize)
-            .map_or(0, |visit| visit.file)
+        self.visits.get(self.visit as usize).map_or(0, |visit| visit.file)
     }
 
     /// A node of the visit being read.
     pub(super) fn src(&self, ptr: Ptr) -> Src {
-        Src {
-            visit: self.visit,
-            item: ptr.item,
-            node: ptr.node,
-        }
+        Src { visit: self.visit, item: ptr.item, node: ptr.node }
     }
 
     // Diagnostics
@@ -222,11 +209,7 @@ impl<'a> Elaborator<'a> {
             finding.related.insert(0, place);
             finding.at = importing.at;
         }
-        if let Some(ImportInProgress {
-            at,
-            again: Some(why),
-        }) = self.importing
-        {
+        if let Some(ImportInProgress { at, again: Some(why) }) = self.importing {
             let is_error = finding.severity == Severity::Error;
             if is_error && !self.repeated_imports.insert(at) {
                 return;
@@ -241,11 +224,7 @@ impl<'a> Elaborator<'a> {
 
     /// Removes the last finding if it has this code: a worse error is reported for the same text.
     pub(super) fn retract(&mut self, code: &str) {
-        if self
-            .diagnostics
-            .last()
-            .is_some_and(|diagnostic| diagnostic.code() == code)
-        {
+        if self.diagnostics.last().is_some_and(|diagnostic| diagnostic.code() == code) {
             self.diagnostics.pop();
         }
     }
@@ -321,10 +300,7 @@ impl<'a> Elaborator<'a> {
 
     /// Returns true if an error about this type was already reported.
     pub(super) fn is_unknown(&self, id: TypeId) -> bool {
-        matches!(
-            self.spec.ty(self.spec.resolve_alias(id)).kind,
-            TypeKind::Unknown
-        )
+        matches!(self.spec.ty(self.spec.resolve_alias(id)).kind, TypeKind::Unknown)
     }
 
     // Declarations
@@ -394,14 +370,8 @@ impl<'a> Elaborator<'a> {
                 let what = words::describe(&self.spec, previous);
                 let place = self.type_place(previous);
                 let kind = match place {
-                    Some(_) => NameProblem::Clash {
-                        name: name.clone(),
-                        what,
-                    },
-                    None => NameProblem::ClashWithState {
-                        name: name.clone(),
-                        what,
-                    },
+                    Some(_) => NameProblem::Clash { name: name.clone(), what },
+                    None => NameProblem::ClashWithState { name: name.clone(), what },
                 };
                 let diagnostic = Finding::new(kind, at);
                 match place {
@@ -419,13 +389,8 @@ impl<'a> Elaborator<'a> {
                     Some(_) => "a type",
                     None => "the scope of paused states",
                 };
-                let diagnostic = Finding::new(
-                    NameProblem::ClashWithScope {
-                        name: name.clone(),
-                        what,
-                    },
-                    at,
-                );
+                let diagnostic =
+                    Finding::new(NameProblem::ClashWithScope { name: name.clone(), what }, at);
                 match def {
                     Some(def) => {
                         let place = self.definitions[def.0 as usize].src;
@@ -453,9 +418,7 @@ impl<'a> Elaborator<'a> {
     /// The forward declaration of a type, if it is one.
     pub(super) fn forward_of(&mut self, ty: TypeId) -> Option<&mut ForwardDeclaration> {
         // In order of creation.
-        let found = self
-            .forwards
-            .binary_search_by_key(&ty, |declaration| declaration.ty);
+        let found = self.forwards.binary_search_by_key(&ty, |declaration| declaration.ty);
         self.forwards.get_mut(found.ok()?)
     }
 

@@ -31,10 +31,7 @@ pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, C
     let integer = |min: i128, max: i128, signed: bool| {
         let value = match value {
             // The complement of an unsigned number has the width of its type.
-            Const::Int {
-                value,
-                signed: false,
-            } if *value < 0 && !signed => value & max,
+            Const::Int { value, signed: false } if *value < 0 && !signed => value & max,
             Const::Int { value, .. } => *value,
             Const::Float(_) => value.integral().ok_or(ConversionError::Kind)?,
             _ => return Err(ConversionError::Kind),
@@ -45,11 +42,7 @@ pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, C
         if value < min || value > max {
             return Err(ConversionError::Range);
         }
-        Ok(if signed {
-            Value::Int(value as i64)
-        } else {
-            Value::Uint(value as u64)
-        })
+        Ok(if signed { Value::Int(value as i64) } else { Value::Uint(value as u64) })
     };
     match kind {
         TypeKind::Boolean => match value {
@@ -63,10 +56,9 @@ pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, C
         TypeKind::Short => integer(i16::MIN.into(), i16::MAX.into(), true),
         TypeKind::Long => integer(i32::MIN.into(), i32::MAX.into(), true),
         TypeKind::LongLong => integer(i64::MIN.into(), i64::MAX.into(), true),
-        TypeKind::Float | TypeKind::Double => value
-            .number()
-            .map(Value::Float)
-            .ok_or(ConversionError::Kind),
+        TypeKind::Float | TypeKind::Double => {
+            value.number().map(Value::Float).ok_or(ConversionError::Kind)
+        }
         TypeKind::Char => match value {
             Const::Char(character) => Ok(Value::Char(character.clone())),
             Const::Str(text) => Ok(Value::String(text.clone())),
@@ -116,10 +108,8 @@ pub(super) fn explain_misfit(
                 ty,
             },
         },
-        ConversionError::Range => ValueProblem::OutOfRange {
-            of,
-            number: value.integer().unwrap_or_default(),
-            ty,
-        },
+        ConversionError::Range => {
+            ValueProblem::OutOfRange { of, number: value.integer().unwrap_or_default(), ty }
+        }
     }
 }

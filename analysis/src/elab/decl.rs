@@ -25,12 +25,9 @@ impl<'a> Elaborator<'a> {
     /// A statement at the top of a specification.
     pub(super) fn statement(&mut self, item: &'a Item) {
         match item {
-            Item::Component {
-                interface,
-                name: Some(name),
-                body,
-                ptr,
-            } => self.component(*interface, name, body.as_deref(), *ptr),
+            Item::Component { interface, name: Some(name), body, ptr } => {
+                self.component(*interface, name, body.as_deref(), *ptr)
+            }
             _ => {
                 self.idl_statement(item);
             }
@@ -40,21 +37,10 @@ impl<'a> Elaborator<'a> {
     /// A statement that may stand in modules and components too. Returns true if it was one.
     pub(super) fn idl_statement(&mut self, item: &'a Item) -> bool {
         match item {
-            Item::Module {
-                name: Some(name),
-                items,
-                ptr,
-            } => self.module(name, items, *ptr),
+            Item::Module { name: Some(name), items, ptr } => self.module(name, items, *ptr),
             Item::Const(decl) => self.const_decl(decl),
-            Item::Typedef {
-                ty,
-                declarators,
-                ptr,
-            } => self.typedef(ty, declarators, *ptr),
-            Item::Native {
-                name: Some(name),
-                ptr,
-            } => {
+            Item::Typedef { ty, declarators, ptr } => self.typedef(ty, declarators, *ptr),
+            Item::Native { name: Some(name), ptr } => {
                 self.new_type(TypeKind::Native, DefKind::Native, name, *ptr);
             }
             Item::Exceptions { exceptions, ptr } => {
@@ -65,14 +51,8 @@ impl<'a> Elaborator<'a> {
             Item::Type(decl) => {
                 self.type_decl(decl);
             }
-            Item::ForwardStruct {
-                name: Some(name),
-                ptr,
-            } => self.forward(name, *ptr, true),
-            Item::ForwardUnion {
-                name: Some(name),
-                ptr,
-            } => self.forward(name, *ptr, false),
+            Item::ForwardStruct { name: Some(name), ptr } => self.forward(name, *ptr, true),
+            Item::ForwardUnion { name: Some(name), ptr } => self.forward(name, *ptr, false),
             Item::Pragma(pragma) => self.pragma(pragma),
             _ => return false,
         }
@@ -120,13 +100,7 @@ impl<'a> Elaborator<'a> {
             self.report_clash(self.scope, &name.text, at, clash);
         }
         let def = self.define(kind, &name.text, at, node, None);
-        self.scopes.open(
-            self.scope,
-            &name.text,
-            ScopeKind::Module,
-            Some(def),
-            clash.is_some(),
-        )
+        self.scopes.open(self.scope, &name.text, ScopeKind::Module, Some(def), clash.is_some())
     }
 
     fn const_decl(&mut self, decl: &'a ConstDecl) {
@@ -140,10 +114,7 @@ impl<'a> Elaborator<'a> {
             match convert(&self.spec, &value, ty) {
                 Ok(converted) => {
                     self.check_string_length(&value, ty, self.src(decl.value.ptr));
-                    TypeKind::Const {
-                        ty,
-                        value: converted,
-                    }
+                    TypeKind::Const { ty, value: converted }
                 }
                 Err(misfit) => {
                     let diagnostic = Finding::new(
@@ -173,13 +144,7 @@ impl<'a> Elaborator<'a> {
             (value, &self.spec.ty(last).kind)
             && text.len() as u64 > *bound
         {
-            self.error(
-                at,
-                ValueProblem::StringTooLong {
-                    length: text.len(),
-                    bound: *bound,
-                },
-            );
+            self.error(at, ValueProblem::StringTooLong { length: text.len(), bound: *bound });
         }
     }
 
@@ -187,12 +152,7 @@ impl<'a> Elaborator<'a> {
         let base = self.type_ref(ty);
         for declarator in declarators {
             let ty = self.declared_type(base, declarator);
-            self.new_type(
-                TypeKind::Typedef { ty },
-                DefKind::Typedef,
-                &declarator.name,
-                ptr,
-            );
+            self.new_type(TypeKind::Typedef { ty }, DefKind::Typedef, &declarator.name, ptr);
         }
     }
 
@@ -221,20 +181,13 @@ impl<'a> Elaborator<'a> {
             }
         }
         let (kind, def) = if is_struct {
-            (
-                TypeKind::ForwardStruct { definition: None },
-                DefKind::Struct,
-            )
+            (TypeKind::ForwardStruct { definition: None }, DefKind::Struct)
         } else {
             (TypeKind::ForwardUnion { definition: None }, DefKind::Union)
         };
         let id = self.new_type(kind, def, name, ptr);
         let declared = self.scopes.get(self.scope).names.get(&name.text) == Some(&id);
-        self.forwards.push(ForwardDeclaration {
-            ty: id,
-            file: self.file(),
-            excused: !declared,
-        });
+        self.forwards.push(ForwardDeclaration { ty: id, file: self.file(), excused: !declared });
     }
 
     /// A struct, union or enum with its body, as a statement or inline.
@@ -291,13 +244,8 @@ impl<'a> Elaborator<'a> {
                     let place = types::place(&self.spec, previous);
 
                     self.report(
-                        Finding::new(
-                            NameProblem::DefinedElsewhere {
-                                name: name.text.clone(),
-                            },
-                            at,
-                        )
-                        .related(place, Role::Declared),
+                        Finding::new(NameProblem::DefinedElsewhere { name: name.text.clone() }, at)
+                            .related(place, Role::Declared),
                     );
                 }
             }
@@ -318,16 +266,8 @@ impl<'a> Elaborator<'a> {
         };
         // If the name is not taken, it is recorded for its uses.
         let declared = matches!(clash, None | Some(Clash::Enclosing));
-        let scope = self
-            .scopes
-            .open(self.scope, &name.text, kind, Some(def), !declared);
-        OpenBody {
-            scope,
-            def,
-            at,
-            completes,
-            declared,
-        }
+        let scope = self.scopes.open(self.scope, &name.text, kind, Some(def), !declared);
+        OpenBody { scope, def, at, completes, declared }
     }
 
     /// Creates the type whose scope [`Self::open_type`] opened.
@@ -369,11 +309,7 @@ impl<'a> Elaborator<'a> {
     pub(super) fn members(&mut self, items: &'a [Item], kind: DefKind) -> Vec<TypeId> {
         let mut members = Vec::new();
         self.for_each(items, |this, item| match item {
-            Item::Member {
-                ty,
-                declarators,
-                ptr,
-            } => {
+            Item::Member { ty, declarators, ptr } => {
                 let base = this.type_ref(ty);
                 for declarator in declarators {
                     let ty = this.declared_type(base, declarator);
@@ -422,10 +358,7 @@ impl<'a> Elaborator<'a> {
         let mut values = Vec::with_capacity(enumerators.len());
         for (value, enumerator) in (0..).zip(enumerators) {
             let at = self.src(enumerator.ptr);
-            let kind = TypeKind::Enumerator {
-                enumeration: id,
-                value,
-            };
+            let kind = TypeKind::Enumerator { enumeration: id, value };
             let value = self.named(kind, self.scope, enumerator.text.clone(), at);
             let container = self.container.replace(def);
             self.define(DefKind::Enumerator, &enumerator.text, at, at, Some(value));
@@ -433,9 +366,7 @@ impl<'a> Elaborator<'a> {
             self.declare(self.scope, enumerator, value);
             values.push(value);
         }
-        let kind = TypeKind::Enum {
-            enumerators: values,
-        };
+        let kind = TypeKind::Enum { enumerators: values };
         let created = self.named(kind, self.scope, name.text.clone(), at);
         debug_assert_eq!(created, id);
         self.type_defs[created.0 as usize] = Some(def);

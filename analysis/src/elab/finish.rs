@@ -26,10 +26,8 @@ impl Elaborator<'_> {
     /// Records the types that stand-ins declare.
     fn note_open_types(&mut self) {
         let visits = self.visits;
-        let is_standin: Vec<bool> = visits
-            .iter()
-            .map(|visit| is_standin(visit.path.as_ref()))
-            .collect();
+        let is_standin: Vec<bool> =
+            visits.iter().map(|visit| is_standin(visit.path.as_ref())).collect();
         if !is_standin.contains(&true) {
             return;
         }
@@ -50,10 +48,9 @@ impl Elaborator<'_> {
                 if self.spec.components[index].lang.is_none()
                     && !self.spec.missing_interfaces(index as u32).is_empty()
                 {
-                    self.spec.gaps.push(Gap {
-                        component: Some(index as u32),
-                        missing: Missing::Language,
-                    });
+                    self.spec
+                        .gaps
+                        .push(Gap { component: Some(index as u32), missing: Missing::Language });
                 }
                 let component = &mut self.spec.components[index];
                 component.lang.get_or_insert_with(|| "c".to_owned());
@@ -70,11 +67,7 @@ impl Elaborator<'_> {
 
     /// The lints of a component, as far as its declarations were resolved.
     fn lint(&mut self, index: usize) {
-        if !self.components[index]
-            .tasks
-            .iter()
-            .any(|task| task.incomplete)
-        {
+        if !self.components[index].tasks.iter().any(|task| task.incomplete) {
             for lint in crate::check::lints(&self.spec.components[index]) {
                 self.report(lint);
             }
@@ -106,9 +99,7 @@ impl Elaborator<'_> {
 
                 self.unresolved(
                     pragma.at,
-                    ValueProblem::PragmaUnknown {
-                        codel: pragma.codel.clone(),
-                    },
+                    ValueProblem::PragmaUnknown { codel: pragma.codel.clone() },
                     near,
                 );
                 continue;
@@ -118,10 +109,7 @@ impl Elaborator<'_> {
             let mut clause = None;
             for component in &mut self.spec.components {
                 let tasks = component.tasks.iter_mut().map(|task| &mut task.codels);
-                let services = component
-                    .services
-                    .iter_mut()
-                    .map(|service| &mut service.codels);
+                let services = component.services.iter_mut().map(|service| &mut service.codels);
                 for codel in tasks.chain(services).flatten() {
                     if codel.name != pragma.codel {
                         continue;
@@ -135,9 +123,7 @@ impl Elaborator<'_> {
             if let Some(clause) = clause {
                 self.report(
                     Finding::new(
-                        ValueProblem::PragmaAndClause {
-                            codel: pragma.codel.clone(),
-                        },
+                        ValueProblem::PragmaAndClause { codel: pragma.codel.clone() },
                         pragma.at,
                     )
                     .related(clause, Role::Declaration),
@@ -187,11 +173,7 @@ impl Elaborator<'_> {
         if component.tasks.iter().all(|task| task.period.is_none()) {
             return;
         }
-        let times = component
-            .tasks
-            .iter()
-            .flat_map(|task| [&task.period, &task.delay])
-            .flatten();
+        let times = component.tasks.iter().flat_map(|task| [&task.period, &task.delay]).flatten();
         let rate = times.fold(1_000_000, |rate, time| gcd(rate, microseconds(time)));
         let src = component.src;
         let rate = self.seconds(Ratio::new(rate, 1_000_000), None, src);
@@ -200,9 +182,7 @@ impl Elaborator<'_> {
 }
 
 fn microseconds(time: &Quantity) -> i128 {
-    (time.value * Ratio::from_integer(1_000_000))
-        .round()
-        .to_integer()
+    (time.value * Ratio::from_integer(1_000_000)).round().to_integer()
 }
 
 /// The greatest common divisor; zero does not count.
@@ -259,12 +239,6 @@ fn order_types(result: &mut Elaborated, order: &[u32]) {
 }
 
 fn reorder(spec: &mut Spec, by_order: &[u32]) {
-    let mut old: Vec<Option<_>> = std::mem::take(&mut spec.types)
-        .into_iter()
-        .map(Some)
-        .collect();
-    spec.types = by_order
-        .iter()
-        .filter_map(|order| old.get_mut(*order as usize)?.take())
-        .collect();
+    let mut old: Vec<Option<_>> = std::mem::take(&mut spec.types).into_iter().map(Some).collect();
+    spec.types = by_order.iter().filter_map(|order| old.get_mut(*order as usize)?.take()).collect();
 }

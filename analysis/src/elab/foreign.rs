@@ -36,9 +36,8 @@ pub(super) fn standard_type(name: &str) -> Option<&'static str> {
 }
 
 /// Types that are always available.
-pub(super) const TYPES: [&str; 8] = [
-    "boolean", "octet", "char", "string", "short", "long", "float", "double",
-];
+pub(super) const TYPES: [&str; 8] =
+    ["boolean", "octet", "char", "string", "short", "long", "float", "double"];
 
 /// The equivalent of a constant of other languages.
 pub(super) fn constant_of(name: &str) -> Option<&'static str> {

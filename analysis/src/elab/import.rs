@@ -40,13 +40,9 @@ impl<'a> Elaborator<'a> {
         for name in names {
             let at = self.src(name.ptr);
             if let Some((_, first)) = seen.iter().find(|(text, _)| *text == &name.text) {
-                let diagnostic = Finding::new(
-                    NameProblem::ImportedTwice {
-                        name: name.text.clone(),
-                    },
-                    at,
-                )
-                .related(*first, Role::FirstHere);
+                let diagnostic =
+                    Finding::new(NameProblem::ImportedTwice { name: name.text.clone() }, at)
+                        .related(*first, Role::FirstHere);
                 self.report(diagnostic);
                 continue;
             }
@@ -60,10 +56,7 @@ impl<'a> Elaborator<'a> {
                 self.components[index as usize].incomplete = true;
                 self.spec.gaps.push(Gap {
                     component: Some(index),
-                    missing: Missing::Interface {
-                        name: name.text.clone(),
-                        used: word == "uses",
-                    },
+                    missing: Missing::Interface { name: name.text.clone(), used: word == "uses" },
                 });
                 continue;
             };
@@ -129,10 +122,7 @@ impl<'a> Elaborator<'a> {
         }
         for name in self.pragma_unknown.clone() {
             let missing = Missing::Interface { name, used: false };
-            self.spec.gaps.push(Gap {
-                component: Some(index),
-                missing,
-            });
+            self.spec.gaps.push(Gap { component: Some(index), missing });
         }
     }
 
@@ -187,10 +177,7 @@ impl<'a> Elaborator<'a> {
             let name = &self.spec.components[interface as usize].tasks[task].name;
             let own = self.components[index as usize].task_by_name.get(name);
             let Some(own) = own.copied() else { continue };
-            for codel in self.components[interface as usize].tasks[task]
-                .codels
-                .clone()
-            {
+            for codel in self.components[interface as usize].tasks[task].codels.clone() {
                 self.add_codel(index, Owner::Task(own), codel);
             }
         }
@@ -285,10 +272,7 @@ impl<'a> Elaborator<'a> {
         let name = &self.spec.components[interface as usize].name;
 
         let mut diagnostic = Finding::new(
-            DeclarationProblem::PropertyImported {
-                interface: name.clone(),
-                word,
-            },
+            DeclarationProblem::PropertyImported { interface: name.clone(), word },
             at,
         );
         if let Some(theirs) = theirs {
@@ -388,14 +372,9 @@ impl<'a> Elaborator<'a> {
             union(&mut to.throws, task.throws);
             let place = to.src;
             for word in conflicts {
-                let theirs = self.components[interface as usize].tasks[number]
-                    .given
-                    .get(word);
+                let theirs = self.components[interface as usize].tasks[number].given.get(word);
                 let mut diagnostic = Finding::new(
-                    DeclarationProblem::TaskPropertyImported {
-                        task: task.name.clone(),
-                        word,
-                    },
+                    DeclarationProblem::TaskPropertyImported { task: task.name.clone(), word },
                     at,
                 );
                 if let Some(theirs) = theirs {
@@ -418,11 +397,7 @@ impl<'a> Elaborator<'a> {
                 (true, PortDir::Out) => PortDir::In,
                 (false, dir) => dir,
             };
-            let port = Port {
-                dir,
-                imported_from: Some(interface),
-                ..port
-            };
+            let port = Port { dir, imported_from: Some(interface), ..port };
             self.add_port(index, port, uses, def, at);
         }
     }

@@ -34,9 +34,9 @@ impl<'a> Elaborator<'a> {
         }
         let member = match &init.designator {
             Some(Designator::Member(name)) => Some(PathElement::Member(name.text.clone())),
-            Some(Designator::Index(index)) => Some(PathElement::Index(
-                self.non_negative_integer(index, "index")?,
-            )),
+            Some(Designator::Index(index)) => {
+                Some(PathElement::Index(self.non_negative_integer(index, "index")?))
+            }
             None => None,
         };
         self.fit(init, ty, member)
@@ -68,9 +68,7 @@ impl<'a> Elaborator<'a> {
                 if opaque && self.spec.release.has(Change::OpaqueInitializers) {
                     self.error(
                         at,
-                        ValueProblem::NoDefault {
-                            ty: types::display(&self.spec, ty).into(),
-                        },
+                        ValueProblem::NoDefault { ty: types::display(&self.spec, ty).into() },
                     );
                     return None;
                 }
@@ -83,9 +81,7 @@ impl<'a> Elaborator<'a> {
                 ) {
                     self.error(
                         at,
-                        ValueProblem::NeedsBraces {
-                            ty: types::display(&self.spec, ty).into(),
-                        },
+                        ValueProblem::NeedsBraces { ty: types::display(&self.spec, ty).into() },
                     );
                     return None;
                 }
@@ -145,9 +141,7 @@ impl<'a> Elaborator<'a> {
             _ => {
                 self.error(
                     at,
-                    ValueProblem::NeedsNoBraces {
-                        ty: types::display(&self.spec, ty).into(),
-                    },
+                    ValueProblem::NeedsNoBraces { ty: types::display(&self.spec, ty).into() },
                 );
                 None
             }
@@ -175,9 +169,7 @@ impl<'a> Elaborator<'a> {
                 },
                 Some(Designator::Member(name)) => {
                     self.report_part(
-                        ValueProblem::ElementByName {
-                            name: name.text.clone(),
-                        },
+                        ValueProblem::ElementByName { name: name.text.clone() },
                         None,
                         first,
                         here,
@@ -187,12 +179,7 @@ impl<'a> Elaborator<'a> {
                 None => {}
             }
             if let Some(length) = length.filter(|length| position >= *length) {
-                self.report_part(
-                    ValueProblem::NoElement { position, length },
-                    None,
-                    first,
-                    here,
-                );
+                self.report_part(ValueProblem::NoElement { position, length }, None, first, here);
                 return None;
             }
             match self.fit(part, element, Some(PathElement::Index(position))) {
@@ -242,9 +229,7 @@ impl<'a> Elaborator<'a> {
                 }
                 Some(Designator::Index(_)) => {
                     self.report_part(
-                        ValueProblem::MemberByIndex {
-                            ty: types::display(&self.spec, ty).into(),
-                        },
+                        ValueProblem::MemberByIndex { ty: types::display(&self.spec, ty).into() },
                         None,
                         first,
                         here,

@@ -14,11 +14,7 @@ impl<'a> Elaborator<'a> {
     /// Records a use of a feature that only releases with a change accept.
     pub(super) fn newer(&mut self, change: Change, what: &'static str, at: Src) {
         // For an imported interface, this was reported in the interface.
-        let known = self
-            .newer
-            .uses
-            .iter()
-            .any(|usage| usage.0 == change && usage.2 == at);
+        let known = self.newer.uses.iter().any(|usage| usage.0 == change && usage.2 == at);
         if !known {
             self.newer.uses.push((change, what, at));
         }
@@ -52,19 +48,10 @@ impl<'a> Elaborator<'a> {
     /// Reports features that not all releases claimed by the specifications accept.
     pub(super) fn report_newer(&mut self) {
         let NewerReleases { uses, requirements } = std::mem::take(&mut self.newer);
-        let all = self
-            .spec
-            .components
-            .iter()
-            .flat_map(|component| &component.requires);
+        let all = self.spec.components.iter().flat_map(|component| &component.requires);
         let all = all.chain(&self.spec.pragma_requires);
-        let bound = all
-            .filter_map(|requirement| Release::lower_bound(requirement))
-            .max();
-        let greatest = requirements
-            .iter()
-            .max_by_key(|requirement| requirement.0)
-            .copied();
+        let bound = all.filter_map(|requirement| Release::lower_bound(requirement)).max();
+        let greatest = requirements.iter().max_by_key(|requirement| requirement.0).copied();
         for (change, what, at) in uses {
             let since = change.since();
             if bound >= Some(since) {

@@ -19,10 +19,7 @@ impl<'a> Elaborator<'a> {
 
     /// Records a task or service that is not found and may come from an unknown interface.
     pub(super) fn lack_of(&mut self, index: u32, missing: Missing) {
-        let gap = Gap {
-            component: Some(index),
-            missing,
-        };
+        let gap = Gap { component: Some(index), missing };
         if self.components[index as usize].incomplete && !self.spec.gaps.contains(&gap) {
             self.spec.gaps.push(gap);
         }
@@ -32,10 +29,7 @@ impl<'a> Elaborator<'a> {
     pub(super) fn opaque_type(&mut self, path: &Path, at: Src) -> TypeId {
         let id = self.unknown(at);
         if let Some((last, scopes)) = path.segments.split_last() {
-            let module = |name: &Name| Scope {
-                kind: ScopeKind::Module,
-                name: name.text.clone(),
-            };
+            let module = |name: &Name| Scope { kind: ScopeKind::Module, name: name.text.clone() };
             let ty = &mut self.spec.types[id.0 as usize];
             ty.name = Some(last.text.clone());
             ty.scope = scopes.iter().map(module).collect();
@@ -51,12 +45,7 @@ impl<'a> Elaborator<'a> {
         service: Option<u32>,
         decl: &ParamDecl,
     ) -> Option<Param> {
-        let ParamSpec::Path {
-            path,
-            rename,
-            source,
-        } = &decl.spec
-        else {
+        let ParamSpec::Path { path, rename, source } = &decl.spec else {
             return None;
         };
         fn member(step: &PathStep) -> Option<&Name> {
@@ -65,10 +54,7 @@ impl<'a> Elaborator<'a> {
                 PathStep::Index(_) => None,
             }
         }
-        let (first, last) = (
-            path.iter().find_map(member),
-            path.iter().rev().find_map(member),
-        );
+        let (first, last) = (path.iter().find_map(member), path.iter().rev().find_map(member));
         // Members of the ids are named by their last name, everything else by the first.
         let whole = matches!(source, Some((known, _)) if *known != Source::Ids)
             || first.is_some_and(|name| self.local_named(index, service, &name.text).is_some());
@@ -138,10 +124,7 @@ impl<'a> Elaborator<'a> {
             PathStep::Index(_) => PathElement::Index(0),
         });
         let path = path.collect();
-        self.record_unresolved(Missing::Member {
-            of: of.into(),
-            path,
-        });
+        self.record_unresolved(Missing::Member { of: of.into(), path });
     }
 
     /// Name and scope for a type inside of an unknown one, if the last recorded gap was such a type.
@@ -159,10 +142,7 @@ impl<'a> Elaborator<'a> {
             }
         }
         let scopes = outer.split("::").filter(|part| !part.is_empty());
-        let scopes = scopes.map(|scope| Scope {
-            kind: ScopeKind::Module,
-            name: scope.into(),
-        });
+        let scopes = scopes.map(|scope| Scope { kind: ScopeKind::Module, name: scope.into() });
         Some((name.into(), scopes.collect()))
     }
 }

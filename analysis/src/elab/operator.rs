@@ -33,15 +33,13 @@ pub(super) fn unary(op: UnaryOp, value: &Const) -> Option<Const> {
     Some(match (op, value) {
         (_, Const::Unknown) => Const::Unknown,
         (UnaryOp::Not, Const::Bool(flag)) => Const::Bool(!flag),
-        (UnaryOp::Not, Const::Int { value, signed }) => Const::Int {
-            value: !value,
-            signed: *signed,
-        },
+        (UnaryOp::Not, Const::Int { value, signed }) => {
+            Const::Int { value: !value, signed: *signed }
+        }
         (UnaryOp::Minus, Const::Float(number)) => Const::Float(-number),
-        (UnaryOp::Minus, Const::Int { .. }) => Const::Int {
-            value: -value.integer()?,
-            signed: true,
-        },
+        (UnaryOp::Minus, Const::Int { .. }) => {
+            Const::Int { value: -value.integer()?, signed: true }
+        }
         (UnaryOp::Plus, Const::Float(_) | Const::Int { .. }) => value.clone(),
         _ => return None,
     })
@@ -59,11 +57,9 @@ impl BinaryProblem {
     pub(super) fn explain(self, op: BinaryOp, left: &Const, right: &Const) -> ValueProblem {
         let op = binary_text(op);
         match self {
-            Self::Kinds => ValueProblem::Binary {
-                op,
-                left: left.describe(),
-                right: right.describe(),
-            },
+            Self::Kinds => {
+                ValueProblem::Binary { op, left: left.describe(), right: right.describe() }
+            }
             Self::DivisionByZero => ValueProblem::DivisionByZero { op },
             Self::Overflow => ValueProblem::Overflow { op },
         }
@@ -72,12 +68,8 @@ impl BinaryProblem {
 
 pub(super) fn binary(op: BinaryOp, left: &Const, right: &Const) -> Result<Const, BinaryProblem> {
     use BinaryOp as Op;
-    let known = |constant: &Const| {
-        matches!(
-            constant,
-            Const::Unknown | Const::Int { .. } | Const::Float(_)
-        )
-    };
+    let known =
+        |constant: &Const| matches!(constant, Const::Unknown | Const::Int { .. } | Const::Float(_));
     if !known(left) || !known(right) {
         return Err(BinaryProblem::Kinds);
     }
@@ -87,16 +79,8 @@ pub(super) fn binary(op: BinaryOp, left: &Const, right: &Const) -> Result<Const,
     if matches!(op, Op::Shl | Op::Shr) {
         return shift(op, left, right);
     }
-    let (
-        Const::Int {
-            value: raw_a,
-            signed: s,
-        },
-        Const::Int {
-            value: raw_b,
-            signed: t,
-        },
-    ) = (left, right)
+    let (Const::Int { value: raw_a, signed: s }, Const::Int { value: raw_b, signed: t }) =
+        (left, right)
     else {
         let (Some(a), Some(b)) = (left.number(), right.number()) else {
             return Err(BinaryProblem::Kinds);
@@ -134,19 +118,14 @@ pub(super) fn binary(op: BinaryOp, left: &Const, right: &Const) -> Result<Const,
         _ => a.checked_rem(b),
     };
     let value = value.ok_or(BinaryProblem::Overflow)?;
-    Ok(Const::Int {
-        value,
-        signed: signed || value < 0,
-    })
+    Ok(Const::Int { value, signed: signed || value < 0 })
 }
 
 fn shift(op: BinaryOp, left: &Const, right: &Const) -> Result<Const, BinaryProblem> {
     let Const::Int { signed, .. } = left else {
         return Err(BinaryProblem::Kinds);
     };
-    let amount = right
-        .integral()
-        .and_then(|integral| u32::try_from(integral).ok());
+    let amount = right.integral().and_then(|integral| u32::try_from(integral).ok());
     let (Some(value), Some(amount)) = (left.integer(), amount) else {
         return Err(BinaryProblem::Kinds);
     };
@@ -157,8 +136,5 @@ fn shift(op: BinaryOp, left: &Const, right: &Const) -> Result<Const, BinaryProbl
         _ if amount < 62 && value.unsigned_abs() < 1 << 65 => value << amount,
         _ => return Err(BinaryProblem::Overflow),
     };
-    Ok(Const::Int {
-        value,
-        signed: *signed,
-    })
+    Ok(Const::Int { value, signed: *signed })
 }

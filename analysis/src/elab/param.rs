@@ -98,12 +98,7 @@ impl<'a> Elaborator<'a> {
         decl: &'a ParamDecl,
         kind: CodelKind,
     ) -> Option<Param> {
-        let ParamSpec::Path {
-            source,
-            path,
-            rename,
-        } = &decl.spec
-        else {
+        let ParamSpec::Path { source, path, rename } = &decl.spec else {
             return None;
         };
         let at = self.src(decl.ptr);
@@ -119,25 +114,12 @@ impl<'a> Elaborator<'a> {
                     _ => "a remote service",
                 };
 
-                self.error(
-                    at,
-                    CodelProblem::WholeIds {
-                        name: rename.text.clone(),
-                        what,
-                    },
-                );
+                self.error(at, CodelProblem::WholeIds { name: rename.text.clone(), what });
                 return None;
             }
             return self.whole_ids(index, decl, rename, codel_access(decl.dir));
         };
-        let written = PathParts {
-            decl,
-            first,
-            rest,
-            rename,
-            access: codel_access(decl.dir),
-            at,
-        };
+        let written = PathParts { decl, first, rest, rename, access: codel_access(decl.dir), at };
         let target = match source {
             Some((source, _)) => self.explicit_target(index, service, *source, &written)?,
             None => self.implicit_target(index, service, &written)?,
@@ -160,14 +142,8 @@ impl<'a> Elaborator<'a> {
         let Some((PathStep::Member(first), rest)) = path.split_first() else {
             return self.whole_ids(index, decl, rename?, attribute_access(decl.dir));
         };
-        let written = PathParts {
-            decl,
-            first,
-            rest,
-            rename,
-            access: attribute_access(decl.dir),
-            at,
-        };
+        let written =
+            PathParts { decl, first, rest, rename, access: attribute_access(decl.dir), at };
         let Target::Ids(member) = self.explicit_target(index, None, Source::Ids, &written)? else {
             return None;
         };
@@ -288,10 +264,7 @@ impl<'a> Elaborator<'a> {
 
                 self.unresolved(
                     written.at,
-                    CodelProblem::Unknown {
-                        name: name.clone(),
-                        places,
-                    },
+                    CodelProblem::Unknown { name: name.clone(), places },
                     near,
                 );
                 None
@@ -339,12 +312,7 @@ impl<'a> Elaborator<'a> {
         }
         let name = &self.spec.components[index as usize].name;
 
-        self.error(
-            at,
-            CodelProblem::NoIds {
-                component: name.clone(),
-            },
-        );
+        self.error(at, CodelProblem::NoIds { component: name.clone() });
     }
 
     // One function for each source
@@ -416,9 +384,7 @@ impl<'a> Elaborator<'a> {
         let is_lost = !matches!(kind, CodelKind::Validate | CodelKind::Fsm);
         if dir == ParamDir::In && written.decl.dir != Dir::In && is_lost {
             let diagnostic = Finding::new(
-                CodelProblem::WritesInput {
-                    name: written.first.text.clone(),
-                },
+                CodelProblem::WritesInput { name: written.first.text.clone() },
                 written.at,
             )
             .related(place, Role::Parameter);
@@ -448,19 +414,15 @@ impl<'a> Elaborator<'a> {
         }
         match (dir, written.decl.dir) {
             (PortDir::In, Dir::Out) => {
-                let diagnostic = Finding::new(
-                    CodelProblem::WritesInputPort { name: name.clone() },
-                    written.at,
-                )
-                .related(place, Role::Port);
+                let diagnostic =
+                    Finding::new(CodelProblem::WritesInputPort { name: name.clone() }, written.at)
+                        .related(place, Role::Port);
                 self.report(diagnostic);
             }
             (PortDir::In, Dir::Inout) => {
-                let diagnostic = Finding::new(
-                    CodelProblem::InoutInputPort { name: name.clone() },
-                    written.at,
-                )
-                .related(place, Role::Port);
+                let diagnostic =
+                    Finding::new(CodelProblem::InoutInputPort { name: name.clone() }, written.at)
+                        .related(place, Role::Port);
                 self.report(diagnostic);
             }
             _ => {}
@@ -483,17 +445,11 @@ impl<'a> Elaborator<'a> {
         let ty = self.spec.components[index as usize].remotes[remote as usize].ty;
         let name = &written.first.text;
         if !written.rest.is_empty() {
-            self.error(
-                written.at,
-                CodelProblem::RemoteMember { name: name.clone() },
-            );
+            self.error(written.at, CodelProblem::RemoteMember { name: name.clone() });
             return None;
         }
         if written.decl.dir != Dir::In {
-            self.error(
-                written.at,
-                CodelProblem::RemoteDirection { name: name.clone() },
-            );
+            self.error(written.at, CodelProblem::RemoteDirection { name: name.clone() });
         }
         let name = self.param_name(written, written.first);
         Some(Param {

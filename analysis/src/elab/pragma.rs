@@ -38,11 +38,9 @@ impl<'a> Elaborator<'a> {
             Pragma::Masquerade { arguments, ty, ptr } => {
                 self.masquerade(arguments, ty.as_ref(), *ptr);
             }
-            Pragma::Wcet {
-                codel,
-                duration,
-                ptr,
-            } => self.pragma_wcet(codel.as_ref(), duration.as_ref(), *ptr),
+            Pragma::Wcet { codel, duration, ptr } => {
+                self.pragma_wcet(codel.as_ref(), duration.as_ref(), *ptr)
+            }
         }
     }
 
@@ -66,10 +64,7 @@ impl<'a> Elaborator<'a> {
         if known.iter().any(|(name, _)| name == template.as_str()) {
             self.error(
                 at,
-                NameProblem::MasqueradeTwice {
-                    name: name.clone(),
-                    template: template.clone(),
-                },
+                NameProblem::MasqueradeTwice { name: name.clone(), template: template.clone() },
             );
         } else {
             known.push((template.to_string(), data.to_string()));
@@ -89,28 +84,15 @@ impl<'a> Elaborator<'a> {
         let Some((number, unit)) = self.execution_time(duration, TimePlace::Pragma, at) else {
             return;
         };
-        let first = self
-            .pragma_wcet
-            .iter()
-            .find(|wcet| wcet.codel == codel.text);
+        let first = self.pragma_wcet.iter().find(|wcet| wcet.codel == codel.text);
         if let Some(first) = first {
-            let diagnostic = Finding::new(
-                ValueProblem::PragmaTwice {
-                    codel: codel.text.clone(),
-                },
-                at,
-            )
-            .related(first.at, Role::First);
+            let diagnostic =
+                Finding::new(ValueProblem::PragmaTwice { codel: codel.text.clone() }, at)
+                    .related(first.at, Role::First);
             self.report(diagnostic);
             return;
         }
         let name = self.src(codel.ptr);
-        self.pragma_wcet.push(PragmaWcet {
-            codel: codel.text.clone(),
-            name,
-            at,
-            number,
-            unit,
-        });
+        self.pragma_wcet.push(PragmaWcet { codel: codel.text.clone(), name, at, number, unit });
     }
 }

@@ -78,12 +78,9 @@ pub(super) fn home(kind: &PropertyKind) -> &'static str {
 /// The text of a string expression. The grammar allows only strings here.
 pub(super) fn text(expr: &Expr) -> Option<String> {
     match &expr.kind {
-        ExprKind::Str(parts) => Some(
-            parts
-                .iter()
-                .map(|(literal, _)| string_content(literal))
-                .collect(),
-        ),
+        ExprKind::Str(parts) => {
+            Some(parts.iter().map(|(literal, _)| string_content(literal)).collect())
+        }
         ExprKind::Paren(inner) => text(inner),
         _ => None,
     }
@@ -130,11 +127,7 @@ impl<'a> Elaborator<'a> {
                 let value = self.stack(size, at);
                 if self.once_in_component(index, word, at) {
                     self.spec.components[index as usize].stack = value;
-                    self.newer(
-                        Change::ComponentStack,
-                        "a `stack` for a whole component",
-                        at,
-                    );
+                    self.newer(Change::ComponentStack, "a `stack` for a whole component", at);
                 }
             }
             PropertyKind::Provides(names)
@@ -176,10 +169,7 @@ impl<'a> Elaborator<'a> {
         } else {
             given.insert(word, at);
         }
-        union(
-            &mut self.spec.components[index as usize].codels_requires,
-            added,
-        );
+        union(&mut self.spec.components[index as usize].codels_requires, added);
     }
 
     pub(super) fn local_outside(&mut self, at: Src, place: &'static str) {
@@ -255,10 +245,7 @@ impl<'a> Elaborator<'a> {
 
                 self.error(
                     at,
-                    DeclarationProblem::ListedTwice {
-                        text: string.into(),
-                        word: word.into(),
-                    },
+                    DeclarationProblem::ListedTwice { text: string.into(), word: word.into() },
                 );
             } else {
                 strings.push(string);
@@ -281,10 +268,7 @@ impl<'a> Elaborator<'a> {
                 self.report_unresolved_exception(path, at);
                 self.spec.gaps.push(Gap {
                     component: Some(component),
-                    missing: Missing::Exception {
-                        name: words::path_text(path).into(),
-                        owner,
-                    },
+                    missing: Missing::Exception { name: words::path_text(path).into(), owner },
                 });
                 continue;
             };
@@ -293,10 +277,7 @@ impl<'a> Elaborator<'a> {
                 TypeKind::Unknown => {
                     self.spec.gaps.push(Gap {
                         component: Some(component),
-                        missing: Missing::Exception {
-                            name: words::path_text(path).into(),
-                            owner,
-                        },
+                        missing: Missing::Exception { name: words::path_text(path).into(), owner },
                     });
                     continue;
                 }
@@ -304,13 +285,8 @@ impl<'a> Elaborator<'a> {
                     let what = words::describe(&self.spec, ty);
                     let name = words::path_text(path);
 
-                    let mut diagnostic = Finding::new(
-                        NameProblem::NotAnException {
-                            path: name.into(),
-                            what,
-                        },
-                        at,
-                    );
+                    let mut diagnostic =
+                        Finding::new(NameProblem::NotAnException { path: name.into(), what }, at);
                     if let Some(place) = self.type_place(ty) {
                         diagnostic = diagnostic.related(place, Role::Declared);
                     }
@@ -346,10 +322,7 @@ impl<'a> Elaborator<'a> {
 
         self.unresolved(
             at,
-            NameProblem::Unknown {
-                noun: Noun::Exception,
-                name: name.text.clone(),
-            },
+            NameProblem::Unknown { noun: Noun::Exception, name: name.text.clone() },
             near,
         );
     }
@@ -374,13 +347,7 @@ impl<'a> Elaborator<'a> {
                 None => self.src(duration.value.ptr),
             };
 
-            self.error(
-                at,
-                ValueProblem::NotANumber {
-                    word: word.into(),
-                    value: value.describe(),
-                },
-            );
+            self.error(at, ValueProblem::NotANumber { word: word.into(), value: value.describe() });
             return None;
         };
         if number < Ratio::from_integer(0) {
@@ -405,10 +372,7 @@ impl<'a> Elaborator<'a> {
             _ => number,
         };
         let number = self.anonymous(TypeKind::Double, src);
-        let kind = TypeKind::Const {
-            ty: number,
-            value: Value::Float(to_f64(value)),
-        };
+        let kind = TypeKind::Const { ty: number, value: Value::Float(to_f64(value)) };
         let ty = self.anonymous(kind, src);
         Quantity { value, ty, src }
     }
@@ -444,16 +408,9 @@ impl<'a> Elaborator<'a> {
 
     fn amount(&mut self, value: u64, src: Src) -> Quantity {
         let number = self.anonymous(TypeKind::UnsignedLong, src);
-        let kind = TypeKind::Const {
-            ty: number,
-            value: Value::Uint(value),
-        };
+        let kind = TypeKind::Const { ty: number, value: Value::Uint(value) };
         let ty = self.anonymous(kind, src);
-        Quantity {
-            value: Ratio::from_integer(i128::from(value)),
-            ty,
-            src,
-        }
+        Quantity { value: Ratio::from_integer(i128::from(value)), ty, src }
     }
 }
 

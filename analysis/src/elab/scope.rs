@@ -80,10 +80,7 @@ impl Scopes {
     ) -> ScopeId {
         let id = ScopeId(self.all.len() as u32);
         let mut path = self.get(parent).path.clone();
-        path.push(Scope {
-            kind,
-            name: name.clone(),
-        });
+        path.push(Scope { kind, name: name.clone() });
         self.all.push(ScopeData {
             name: name.clone(),
             kind,

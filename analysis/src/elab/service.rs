@@ -48,10 +48,7 @@ impl<'a> Elaborator<'a> {
             return;
         }
         let params = self.service_params(index, decl);
-        let known = self.components[index as usize]
-            .service_by_name
-            .get(&name.text)
-            .copied();
+        let known = self.components[index as usize].service_by_name.get(&name.text).copied();
         let service = match known {
             Some(service) => {
                 let def = self.components[index as usize].services[service as usize].def;
@@ -79,11 +76,8 @@ impl<'a> Elaborator<'a> {
         if decl.kind == ServiceKind::Attribute && known.is_none() {
             let (visit, scope) = (self.visit, self.scope);
             let state = &mut self.components[index as usize].services[service as usize];
-            state.paths = decl
-                .params
-                .iter()
-                .map(|decl| PathSource { decl, visit, scope })
-                .collect();
+            state.paths =
+                decl.params.iter().map(|decl| PathSource { decl, visit, scope }).collect();
         }
         let node = self.src(decl.ptr);
         self.spec.owner_bodies.push(OwnerBody {
@@ -121,14 +115,8 @@ impl<'a> Elaborator<'a> {
         self.add_refused_name(index, name);
 
         self.report(
-            Finding::new(
-                NameProblem::Taken {
-                    name: name.clone(),
-                    what,
-                },
-                at,
-            )
-            .related(place, Role::Declared),
+            Finding::new(NameProblem::Taken { name: name.clone(), what }, at)
+                .related(place, Role::Declared),
         );
         true
     }
@@ -306,13 +294,7 @@ impl<'a> Elaborator<'a> {
             let which = if word == "before" { BEFORE } else { AFTER };
             for (text, src) in &names {
                 if *text == name.text {
-                    self.error(
-                        *src,
-                        DeclarationProblem::ListsItself {
-                            name: text.clone(),
-                            word,
-                        },
-                    );
+                    self.error(*src, DeclarationProblem::ListsItself { name: text.clone(), word });
                 }
             }
             self.components[index as usize].services[service as usize].lists[which] =
@@ -329,17 +311,12 @@ impl<'a> Elaborator<'a> {
         word: &'static str,
         at: Src,
     ) {
-        let again = self.components[index as usize].services[service as usize]
-            .given
-            .contains_key(word);
+        let again =
+            self.components[index as usize].services[service as usize].given.contains_key(word);
         if again && self.spec.release.has(Change::MergedProperties) {
             // The first one counts.
             self.task_named(index, task, at);
-            self.newer(
-                Change::MergedProperties,
-                "a second `task` of an activity",
-                at,
-            );
+            self.newer(Change::MergedProperties, "a second `task` of an activity", at);
         } else if self.once_in_service(index, service, word, at)
             && let Some(task) = self.task_named(index, task, at)
         {
@@ -382,11 +359,7 @@ impl<'a> Elaborator<'a> {
             }
             _ => {}
         }
-        let kind = if stateful {
-            CodelKind::Fsm
-        } else {
-            CodelKind::Simple
-        };
+        let kind = if stateful { CodelKind::Fsm } else { CodelKind::Simple };
         self.codel_here(index, Owner::Service(service), codel, kind);
     }
 
@@ -398,10 +371,7 @@ impl<'a> Elaborator<'a> {
         kind: DeclarationProblem,
     ) {
         let compiler_at = self.src(service.ptr);
-        let at = codel
-            .name
-            .as_ref()
-            .map_or(property, |name| self.src(name.ptr));
+        let at = codel.name.as_ref().map_or(property, |name| self.src(name.ptr));
         self.report(
             // The reference compiler reports it at the service.
             Finding::new(kind, compiler_at).related(at, Role::ThisCodel),
@@ -428,13 +398,7 @@ impl<'a> Elaborator<'a> {
             let names = state.task_by_name.keys().map(|key| key.as_str());
             let near = self.near(self.src(task.ptr), &task.text, names);
 
-            self.unresolved(
-                at,
-                DeclarationProblem::UnknownTask {
-                    name: task.text.clone(),
-                },
-                near,
-            );
+            self.unresolved(at, DeclarationProblem::UnknownTask { name: task.text.clone() }, near);
             return None;
         };
         let def = state.tasks[found as usize].def;
@@ -449,10 +413,7 @@ impl<'a> Elaborator<'a> {
             let at = self.src(name.ptr);
             if let Some((_, first)) = names.iter().find(|(text, _)| *text == name.text) {
                 let diagnostic = Finding::new(
-                    DeclarationProblem::NamedTwice {
-                        name: name.text.clone(),
-                        word: word.into(),
-                    },
+                    DeclarationProblem::NamedTwice { name: name.text.clone(), word: word.into() },
                     at,
                 )
                 .related(*first, Role::FirstHere);
@@ -471,9 +432,7 @@ impl<'a> Elaborator<'a> {
         let c = index as usize;
         for s in 0..self.spec.components[c].services.len() {
             let lists = self.components[c].services[s].lists.clone();
-            let mut resolved = lists
-                .iter()
-                .map(|name_list| self.resolve_list(index, name_list));
+            let mut resolved = lists.iter().map(|name_list| self.resolve_list(index, name_list));
             let (interrupts, before, after) = (resolved.next(), resolved.next(), resolved.next());
             drop(resolved);
             let service = &mut self.spec.components[c].services[s];
@@ -547,11 +506,9 @@ impl<'a> Elaborator<'a> {
         if no_task {
             let (name, by) = (name.clone(), by.clone());
             let kind = match component.tasks.first() {
-                Some(task) => DeclarationProblem::ActivityWithoutTask {
-                    name,
-                    by,
-                    task: task.name.clone(),
-                },
+                Some(task) => {
+                    DeclarationProblem::ActivityWithoutTask { name, by, task: task.name.clone() }
+                }
                 None => DeclarationProblem::ActivityWithoutAnyTask { name, by },
             };
 

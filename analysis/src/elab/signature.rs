@@ -32,10 +32,7 @@ impl<'a> Elaborator<'a> {
             if native.is_none() && types::has_native(&self.spec, new.param.ty) {
                 native = Some((new.param.name.clone(), new.param.src));
             }
-            if let Some(first) = params
-                .iter()
-                .find(|param| param.param.name == new.param.name)
-            {
+            if let Some(first) = params.iter().find(|param| param.param.name == new.param.name) {
                 let diagnostic = Finding::new(
                     DeclarationProblem::ParamTwice {
                         what: "parameter",
@@ -53,10 +50,7 @@ impl<'a> Elaborator<'a> {
             let at = self.src(name.ptr);
 
             let diagnostic = Finding::new(
-                DeclarationProblem::NativeParam {
-                    param,
-                    service: name.text.clone(),
-                },
+                DeclarationProblem::NativeParam { param, service: name.text.clone() },
                 at,
             )
             .related(place, Role::Parameter);
@@ -140,9 +134,8 @@ impl<'a> Elaborator<'a> {
         node: Src,
         kind: DefKind,
     ) {
-        let position = self.spec.components[index as usize].services[service as usize]
-            .params
-            .len() as u32;
+        let position =
+            self.spec.components[index as usize].services[service as usize].params.len() as u32;
         let def = self.define(kind, &param.name, name_src, node, None);
         self.definitions[def.0 as usize].ty = Some(param.ty);
         self.set_entity(def, Entity::Param(index, service, position));
@@ -182,11 +175,8 @@ impl<'a> Elaborator<'a> {
         import: Option<Src>,
     ) {
         let known = &self.spec.components[index as usize].services[service as usize];
-        let expected: Vec<&Param> = known
-            .params
-            .iter()
-            .filter(|param| param.dir != ParamDir::Local)
-            .collect();
+        let expected: Vec<&Param> =
+            known.params.iter().filter(|param| param.dir != ParamDir::Local).collect();
         let mut problems: Vec<Finding> = Vec::new();
         for (old, new) in expected.iter().zip(params) {
             let place = import.unwrap_or(new.src);
@@ -287,10 +277,7 @@ impl<'a> Elaborator<'a> {
     fn add_local(&mut self, index: u32, service: u32, local: Param, src: Src, again: bool) {
         let state = &self.components[index as usize].services[service as usize];
         let known = &self.spec.components[index as usize].services[service as usize];
-        let position = known
-            .params
-            .iter()
-            .position(|param| param.name == local.name);
+        let position = known.params.iter().position(|param| param.name == local.name);
         let Some(position) = position else {
             self.add_param(index, service, local, src, src, DefKind::Local);
             return;
@@ -301,18 +288,11 @@ impl<'a> Elaborator<'a> {
         // A variable from an earlier declaration of the service may be repeated.
         let same_declaration = again || old.dir != ParamDir::Local;
         if same_declaration {
-            let what = if old.dir == ParamDir::Local {
-                "local variable"
-            } else {
-                "parameter"
-            };
+            let what = if old.dir == ParamDir::Local { "local variable" } else { "parameter" };
 
             self.report(
                 Finding::new(
-                    DeclarationProblem::ParamTwice {
-                        what,
-                        name: local.name.clone(),
-                    },
+                    DeclarationProblem::ParamTwice { what, name: local.name.clone() },
                     src,
                 )
                 .related(place, Role::First),

@@ -39,11 +39,7 @@ impl<'a> Elaborator<'a> {
             }
         };
         let node = self.src(ptr);
-        self.spec.owner_bodies.push(OwnerBody {
-            component: index,
-            owner: Owner::Task(task),
-            node,
-        });
+        self.spec.owner_bodies.push(OwnerBody { component: index, owner: Owner::Task(task), node });
         let container = self.components[index as usize].tasks[task as usize].def;
         let outer = self.container.replace(container);
         self.for_each(properties, |this, item| {
@@ -109,9 +105,7 @@ impl<'a> Elaborator<'a> {
             PropertyKind::Period(duration) | PropertyKind::Delay(duration) => {
                 let value = self.time(duration, word, at);
                 if word == "period"
-                    && value
-                        .as_ref()
-                        .is_some_and(|time| time.value == Ratio::from_integer(0))
+                    && value.as_ref().is_some_and(|time| time.value == Ratio::from_integer(0))
                 {
                     self.error(at, ValueProblem::PeriodZero);
                 }
@@ -149,13 +143,7 @@ impl<'a> Elaborator<'a> {
                 self.local_outside(at, "a task");
             }
             kind => {
-                self.error(
-                    at,
-                    DeclarationProblem::NotInTask {
-                        word,
-                        home: property::home(kind),
-                    },
-                );
+                self.error(at, DeclarationProblem::NotInTask { word, home: property::home(kind) });
             }
         }
     }
@@ -168,10 +156,7 @@ impl<'a> Elaborator<'a> {
             Some(name) => (self.src(name.ptr), name.text.clone()),
             None => (self.src(decl.ptr), Text::default()),
         };
-        let kind = DeclarationProblem::TaskCodelWithoutState {
-            codel,
-            task: name.text.clone(),
-        };
+        let kind = DeclarationProblem::TaskCodelWithoutState { codel, task: name.text.clone() };
         // The reference compiler reports it at the task.
         self.report(Finding::new(kind, compiler_at).related(at, Role::ThisCodel));
         self.misplaced_params(index, Owner::Task(task), decl, CodelKind::Fsm);
@@ -200,12 +185,7 @@ impl<'a> Elaborator<'a> {
         let at = delay.src;
         match &task.period {
             None if !period_given => {
-                self.error(
-                    at,
-                    ValueProblem::DelayWithoutPeriod {
-                        task: task.name.clone(),
-                    },
-                );
+                self.error(at, ValueProblem::DelayWithoutPeriod { task: task.name.clone() });
             }
             Some(period) if delay.value >= period.value => {
                 let diagnostic =

@@ -78,10 +78,7 @@ impl<'a> Elaborator<'a> {
         ) {
             let what = words::describe(&self.spec, ty);
             let mut diagnostic = Finding::new(
-                NameProblem::NotAType {
-                    path: words::path_text(path).into(),
-                    what,
-                },
+                NameProblem::NotAType { path: words::path_text(path).into(), what },
                 at,
             );
             if let Some(place) = self.type_place(ty) {
@@ -92,21 +89,14 @@ impl<'a> Elaborator<'a> {
         let last = self.spec.resolve_alias(ty);
         match &self.spec.ty(last).kind {
             TypeKind::Exception { members } if members.is_empty() && usage == TypeUse::Value => {
-                self.error(
-                    at,
-                    NameProblem::NoData {
-                        path: words::path_text(path).into(),
-                    },
-                );
+                self.error(at, NameProblem::NoData { path: words::path_text(path).into() });
                 self.unknown(at)
             }
             TypeKind::ForwardStruct { .. } | TypeKind::ForwardUnion { .. }
                 if usage == TypeUse::Value =>
             {
                 let mut diagnostic = Finding::new(
-                    NameProblem::NotYetDefined {
-                        path: words::path_text(path).into(),
-                    },
+                    NameProblem::NotYetDefined { path: words::path_text(path).into() },
                     at,
                 );
                 if let Some(place) = self.type_place(last) {
@@ -129,9 +119,7 @@ impl<'a> Elaborator<'a> {
                 TypeKind::StructMember { .. } | TypeKind::UnionMember { .. }
             )
         };
-        let (ty, through) = self
-            .scopes
-            .lookup(self.scope, path.absolute, &names, wanted)?;
+        let (ty, through) = self.scopes.lookup(self.scope, path.absolute, &names, wanted)?;
         for (segment, scope) in path.segments.iter().zip(through) {
             if let Some(def) = self.scopes.get(scope).def {
                 self.refer(self.src(segment.ptr), def);
@@ -161,11 +149,7 @@ impl<'a> Elaborator<'a> {
         };
         let noun = if types { Noun::Type } else { Noun::Constant };
         let (scope, followed) = self.scopes.follow(self.scope, path.absolute, &names);
-        let token = |index: usize| {
-            path.segments
-                .get(index)
-                .map_or(path.ptr, |segment| segment.ptr)
-        };
+        let token = |index: usize| path.segments.get(index).map_or(path.ptr, |segment| segment.ptr);
         let path_text = words::path_text(path);
         let standard = foreign::standard_type(path_text.trim_start_matches("::"));
         let (kind, near) = if let Some(ty) = standard.filter(|_| types) {
@@ -225,10 +209,7 @@ impl<'a> Elaborator<'a> {
         };
         let basic: &[&str] = if types { &foreign::TYPES } else { &[] };
         match foreign {
-            Some(name) => Some(Near {
-                plain: true,
-                ..Near::new(at, name)
-            }),
+            Some(name) => Some(Near { plain: true, ..Near::new(at, name) }),
             None => {
                 let candidates = candidates.chain(basic.iter().copied());
                 self.near(at, &last.text, candidates)
@@ -327,10 +308,7 @@ pub(crate) fn members(spec: &Spec, ty: TypeId) -> Option<&[TypeId]> {
 /// The member of that name.
 pub(crate) fn member_named(spec: &Spec, ty: TypeId, name: &str) -> Option<TypeId> {
     let found = members(spec, ty)?;
-    found
-        .iter()
-        .copied()
-        .find(|member| spec.ty(*member).name.as_deref() == Some(name))
+    found.iter().copied().find(|member| spec.ty(*member).name.as_deref() == Some(name))
 }
 
 /// Returns true if two types are equal: aliases do not count, structs compare by their members. An unknown
@@ -352,10 +330,7 @@ fn equal_parts(spec: &Spec, a: TypeId, b: TypeId, seen: &mut ComparedPairs) -> b
         return true;
     }
     let mut all = |a: &[TypeId], b: &[TypeId]| {
-        a.len() == b.len()
-            && a.iter()
-                .zip(b)
-                .all(|(a, b)| equal_parts(spec, *a, *b, seen))
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| equal_parts(spec, *a, *b, seen))
     };
     use TypeKind as K;
     match (&spec.ty(a).kind, &spec.ty(b).kind) {
@@ -372,16 +347,9 @@ fn equal_parts(spec: &Spec, a: TypeId, b: TypeId, seen: &mut ComparedPairs) -> b
         }
         (K::Struct { members: a }, K::Struct { members: b })
         | (K::Exception { members: a }, K::Exception { members: b }) => all(a, b),
-        (
-            K::Union {
-                switch: s,
-                members: a,
-            },
-            K::Union {
-                switch: t,
-                members: b,
-            },
-        ) => all(&[*s], &[*t]) && all(a, b),
+        (K::Union { switch: s, members: a }, K::Union { switch: t, members: b }) => {
+            all(&[*s], &[*t]) && all(a, b)
+        }
         (K::Native, K::Native)
         | (K::Enum { .. }, K::Enum { .. })
         | (K::Enumerator { .. }, K::Enumerator { .. })
@@ -468,13 +436,8 @@ pub(crate) fn display(spec: &Spec, ty: TypeId) -> String {
             (None, TypeKind::Array { element, length }) => {
                 let mut element = *element;
                 let mut dimensions = format!("[{length}]");
-                while let (
-                    None,
-                    TypeKind::Array {
-                        element: inner,
-                        length,
-                    },
-                ) = (&spec.ty(element).name, &spec.ty(element).kind)
+                while let (None, TypeKind::Array { element: inner, length }) =
+                    (&spec.ty(element).name, &spec.ty(element).kind)
                 {
                     dimensions.push_str(&format!("[{length}]"));
                     element = *inner;

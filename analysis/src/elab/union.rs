@@ -40,12 +40,7 @@ impl<'a> Elaborator<'a> {
             let mut members: Vec<TypeId> = Vec::new();
             let mut used: FxHashMap<LabelKey, TypeId> = FxHashMap::default();
             this.for_each(cases, |this, item| match item {
-                Item::Case {
-                    labels,
-                    ty: member,
-                    declarator,
-                    ptr,
-                } => {
+                Item::Case { labels, ty: member, declarator, ptr } => {
                     let base = this.type_ref(member);
                     let Some(declarator) = declarator else {
                         this.labels(labels, ty, None, &mut used);
@@ -56,15 +51,10 @@ impl<'a> Elaborator<'a> {
                         let at = this.src(declarator.name.ptr);
                         this.error(
                             at,
-                            ValueProblem::MemberIsSwitch {
-                                name: declarator.name.text.clone(),
-                            },
+                            ValueProblem::MemberIsSwitch { name: declarator.name.text.clone() },
                         );
                     }
-                    let kind = TypeKind::UnionMember {
-                        ty: member,
-                        labels: Vec::new(),
-                    };
+                    let kind = TypeKind::UnionMember { ty: member, labels: Vec::new() };
                     let node = this.src(*ptr);
                     let id = this.member(kind, DefKind::Member, &declarator.name, node);
                     let values = this.labels(labels, ty, Some((&declarator.name, id)), &mut used);

@@ -24,10 +24,7 @@ pub(super) enum Const {
 
 impl Const {
     pub(super) fn unsigned(value: i128) -> Self {
-        Self::Int {
-            value,
-            signed: false,
-        }
+        Self::Int { value, signed: false }
     }
 
     /// The kind of the value, with an article.
@@ -47,10 +44,7 @@ impl Const {
     /// The value of an integer, with complements of unsigned numbers taken at 64 bits.
     pub(super) fn integer(&self) -> Option<i128> {
         match self {
-            Self::Int {
-                value,
-                signed: false,
-            } if *value < 0 => Some(value & i128::from(u64::MAX)),
+            Self::Int { value, signed: false } if *value < 0 => Some(value & i128::from(u64::MAX)),
             Self::Int { value, .. } => Some(*value),
             _ => None,
         }
@@ -79,9 +73,7 @@ impl Const {
     pub(super) fn exact(&self) -> Option<Seconds> {
         match self {
             Self::Float(value) => Some(exact(*value)),
-            _ => self
-                .integer()
-                .map(|integer| Ratio::from_integer(integer.clamp(-LIMIT, LIMIT))),
+            _ => self.integer().map(|integer| Ratio::from_integer(integer.clamp(-LIMIT, LIMIT))),
         }
     }
 }
@@ -92,22 +84,13 @@ const LIMIT: i128 = 1_000_000_000_000_000_000;
 /// The rational number for the shortest decimal text of a float: 0.005 is 1/200.
 pub(super) fn exact(value: f64) -> Seconds {
     if !value.is_finite() {
-        return Ratio::from_integer(if value.is_sign_negative() {
-            -LIMIT
-        } else {
-            LIMIT
-        });
+        return Ratio::from_integer(if value.is_sign_negative() { -LIMIT } else { LIMIT });
     }
     let text = format!("{value:e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);
-    let decimals = mantissa
-        .split_once('.')
-        .map_or(0, |(_, text)| text.len() as i32);
-    let digits: String = mantissa
-        .chars()
-        .filter(|character| *character != '.')
-        .collect();
+    let decimals = mantissa.split_once('.').map_or(0, |(_, text)| text.len() as i32);
+    let digits: String = mantissa.chars().filter(|character| *character != '.').collect();
     let Ok(digits) = digits.parse::<i128>() else {
         return Ratio::from_integer(0);
     };

@@ -33,10 +33,7 @@ impl OwnerName {
                 (kind, &service.name)
             }
         };
-        OwnerName {
-            kind,
-            name: name.clone(),
-        }
+        OwnerName { kind, name: name.clone() }
     }
 }
 

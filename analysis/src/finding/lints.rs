@@ -93,10 +93,7 @@ impl fmt::Display for UntimedCodels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let UntimedCodels { codels, owner } = self;
         let (has, counts) = (codels.verb("has", "have"), codels.verb("counts", "count"));
-        write!(
-            f,
-            "{codels} of {owner} {has} no execution time and {counts}"
-        )
+        write!(f, "{codels} of {owner} {has} no execution time and {counts}")
     }
 }
 

@@ -142,14 +142,12 @@ impl NameProblem {
                 here.remove_part().map(TextFix::plain).into_iter().collect()
             }
             NameProblem::Standard { ty, .. } => vec![here.replace(ty)],
-            NameProblem::Unknown {
-                noun: Noun::Exception,
-                name,
-            } => here.declare_exception(name).into_iter().collect(),
-            NameProblem::Unknown {
-                noun: Noun::Type,
-                name,
-            } => here.declare_type(name).into_iter().collect(),
+            NameProblem::Unknown { noun: Noun::Exception, name } => {
+                here.declare_exception(name).into_iter().collect()
+            }
+            NameProblem::Unknown { noun: Noun::Type, name } => {
+                here.declare_type(name).into_iter().collect()
+            }
             _ => Vec::new(),
         }
     }

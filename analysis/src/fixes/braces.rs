@@ -10,11 +10,7 @@ use super::{TextFix, indent_of};
 pub(crate) fn missing_brace(root: &SyntaxNode, error: &SyntaxError) -> Option<TextFix> {
     let brace = error.missing?;
     // At the end of the file the last token is reported.
-    let here = if error.at_end {
-        root.text_range().end()
-    } else {
-        error.range.start()
-    };
+    let here = if error.at_end { root.text_range().end() } else { error.range.start() };
     let before = token_before(root, here)?;
     let (at, text) = match brace {
         "{" => (before.text_range().end(), " {".to_owned()),
@@ -62,10 +58,7 @@ fn end_of_body(
     let behind = std::iter::successors(before.next_token(), SyntaxToken::next_token);
     let mut behind = behind.take_while(|token| token.text_range().start() < here);
     match behind.find(|token| token.kind() == SyntaxKind::NEWLINE) {
-        Some(end) => Some((
-            end.text_range().start(),
-            format!("{}{indent}}};", end.text()),
-        )),
+        Some(end) => Some((end.text_range().start(), format!("{}{indent}}};", end.text()))),
         None => Some((before.text_range().end(), " };".to_owned())),
     }
 }

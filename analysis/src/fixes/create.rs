@@ -13,20 +13,14 @@ impl FixSite<'_> {
     /// `Declare exception …`, without members.
     pub(crate) fn declare_exception(&self, name: &str) -> Option<TextFix> {
         self.declare(name, SyntaxKind::EXCEPTION_DECL, |name| {
-            (
-                format!("exception {name};"),
-                format!("Declare the exception `{name}`"),
-            )
+            (format!("exception {name};"), format!("Declare the exception `{name}`"))
         })
     }
 
     /// `Declare task …`, aperiodic until a period is given.
     pub(crate) fn declare_task(&self, name: &str) -> Option<TextFix> {
         self.declare(name, SyntaxKind::TASK, |name| {
-            (
-                format!("task {name} {{ }};"),
-                format!("Declare the task `{name}`"),
-            )
+            (format!("task {name} {{ }};"), format!("Declare the task `{name}`"))
         })
     }
 
@@ -45,10 +39,7 @@ impl FixSite<'_> {
             let first = param.path().and_then(|path| path.syntax().first_token());
             first.is_some_and(|token| token.text() == name)
         };
-        let mut uses = component
-            .syntax()
-            .descendants()
-            .filter_map(ast::PathParam::cast);
+        let mut uses = component.syntax().descendants().filter_map(ast::PathParam::cast);
         let direction = match uses.any(|usage| usage.in_token().is_none() && same(&usage)) {
             true => "out",
             false => "in",
@@ -70,9 +61,7 @@ impl FixSite<'_> {
     pub(crate) fn declare_service(&self, name: &str) -> Option<TextFix> {
         let item = self.item_of_component()?;
         let mut before = std::iter::successors(item.prev_sibling(), SyntaxNode::prev_sibling);
-        let task = before
-            .find_map(ast::Task::cast)
-            .and_then(|task| task.name());
+        let task = before.find_map(ast::Task::cast).and_then(|task| task.name());
         self.declare(name, SyntaxKind::SERVICE, |name| match &task {
             Some(task) => (
                 format!(
@@ -81,10 +70,7 @@ impl FixSite<'_> {
                 ),
                 format!("Declare the activity `{name}`"),
             ),
-            None => (
-                format!("function {name}() {{ }};"),
-                format!("Declare the function `{name}`"),
-            ),
+            None => (format!("function {name}() {{ }};"), format!("Declare the function `{name}`")),
         })
     }
 
@@ -111,14 +97,10 @@ impl FixSite<'_> {
         }
         // Types that several components share are declared outside of them; types in a module stay there.
         let item = token.parent_ancestors().find(|ancestor| {
-            let around = ancestor
-                .parent()
-                .filter(|parent| ast::Body::can_cast(parent.kind()));
+            let around = ancestor.parent().filter(|parent| ast::Body::can_cast(parent.kind()));
             let owner = around.and_then(|parent| parent.parent());
             let is_inside = owner.map(|owner| ast::Module::can_cast(owner.kind()));
-            let is_outermost = ancestor
-                .parent()
-                .is_some_and(|parent| parent.parent().is_none());
+            let is_outermost = ancestor.parent().is_some_and(|parent| parent.parent().is_none());
             ast::Item::can_cast(ancestor.kind()) && is_inside.unwrap_or(is_outermost)
         })?;
         let mut members = members_of(&item, name);
@@ -126,9 +108,7 @@ impl FixSite<'_> {
             members.push("value".to_owned());
         }
         let indent = indent_of(&item);
-        let members = members
-            .iter()
-            .map(|member| format!("{indent}  double {member};\n"));
+        let members = members.iter().map(|member| format!("{indent}  double {member};\n"));
         let members: String = members.collect();
         let text = format!("struct {name} {{\n{members}{indent}}};");
         let at = before_comments(&item)?;
@@ -147,11 +127,7 @@ impl FixSite<'_> {
         }
         let mut before = std::iter::successors(item.prev_sibling(), SyntaxNode::prev_sibling);
         let ids = before.find(|sibling| ast::Ids::can_cast(sibling.kind()))?;
-        self.add_property(
-            &ids,
-            &format!("long {name};"),
-            format!("Add `long {name}` to the ids"),
-        )
+        self.add_property(&ids, &format!("long {name};"), format!("Add `long {name}` to the ids"))
     }
 
     /// A declaration behind the last one of its kind before the use in the same body, otherwise before the
@@ -187,20 +163,14 @@ impl FixSite<'_> {
                 }
             }
         };
-        Some(TextFix {
-            kind: FixKind::Guess,
-            title,
-            edits: vec![edit],
-        })
+        Some(TextFix { kind: FixKind::Guess, title, edits: vec![edit] })
     }
 
     /// The declaration around, directly in the body of a component or interface.
     fn item_of_component(&self) -> Option<SyntaxNode> {
         let token = self.token_at(self.range)?;
         token.parent_ancestors().find(|ancestor| {
-            let body = ancestor
-                .parent()
-                .filter(|parent| ast::Body::can_cast(parent.kind()));
+            let body = ancestor.parent().filter(|parent| ast::Body::can_cast(parent.kind()));
             let owner = body.and_then(|body| body.parent());
             ast::Item::can_cast(ancestor.kind())
                 && owner.is_some_and(|owner| ast::Component::can_cast(owner.kind()))
@@ -212,9 +182,7 @@ impl FixSite<'_> {
 fn members_of(item: &SyntaxNode, ty: &str) -> Vec<String> {
     let text = |node: &SyntaxNode| node.text().to_string().trim().to_owned();
     let is_ty = |known_type: &Option<ast::TypeSpec>| {
-        known_type
-            .as_ref()
-            .is_some_and(|known_type| text(known_type.syntax()) == ty)
+        known_type.as_ref().is_some_and(|known_type| text(known_type.syntax()) == ty)
     };
     let mut names: Vec<String> = Vec::new();
     for node in item.descendants() {
@@ -223,9 +191,7 @@ fn members_of(item: &SyntaxNode, ty: &str) -> Vec<String> {
         } else if let Some(member) =
             ast::Member::cast(node).filter(|member| is_ty(&member.type_spec()))
         {
-            let all = member
-                .declarators()
-                .filter_map(|declarator| declarator.name());
+            let all = member.declarators().filter_map(|declarator| declarator.name());
             names.extend(all.map(|name| text(name.syntax())));
         }
     }
@@ -271,9 +237,7 @@ fn before_comments(item: &SyntaxNode) -> Option<TextSize> {
 
 /// Returns true for a word of the language.
 fn is_word(text: &str) -> bool {
-    SyntaxKind::spellings()
-        .iter()
-        .any(|spelling| spelling.1 == text)
+    SyntaxKind::spellings().iter().any(|spelling| spelling.1 == text)
 }
 
 fn is_name(text: &str) -> bool {

@@ -4,9 +4,7 @@ use dotgen_syntax::{SyntaxKind, SyntaxNode, TextRange, TextSize};
 
 /// Returns true if a node begins its line.
 pub(super) fn starts_line(node: &SyntaxNode) -> bool {
-    let tokens = node
-        .descendants_with_tokens()
-        .filter_map(|element| element.into_token());
+    let tokens = node.descendants_with_tokens().filter_map(|element| element.into_token());
     let first = tokens.into_iter().find(|token| !token.kind().is_trivia());
     let mut before = first.and_then(|token| token.prev_token());
     while let Some(token) = before {
@@ -30,25 +28,15 @@ pub(super) fn indent_of(node: &SyntaxNode) -> String {
     let before = first.and_then(|token| token.prev_token());
     before
         .filter(|token| token.kind() == SyntaxKind::WHITESPACE)
-        .map(|token| {
-            token
-                .text()
-                .rsplit('\n')
-                .next()
-                .unwrap_or_default()
-                .to_owned()
-        })
+        .map(|token| token.text().rsplit('\n').next().unwrap_or_default().to_owned())
         .unwrap_or_default()
 }
 
 /// The end of the last real token of a node.
 pub(super) fn end_of(node: &SyntaxNode) -> TextSize {
-    let tokens = node
-        .descendants_with_tokens()
-        .filter_map(|element| element.into_token());
-    let last = tokens
-        .filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty())
-        .last();
+    let tokens = node.descendants_with_tokens().filter_map(|element| element.into_token());
+    let last =
+        tokens.filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty()).last();
     last.map_or(node.text_range().end(), |token| token.text_range().end())
 }
 
@@ -74,9 +62,7 @@ pub(super) fn with_comma(part: &SyntaxNode) -> TextRange {
     let mut next = part.last_token().and_then(|token| token.next_token());
     while let Some(token) = next {
         if token.kind() == SyntaxKind::COMMA {
-            let after = token
-                .next_token()
-                .filter(|token| token.kind() == SyntaxKind::WHITESPACE);
+            let after = token.next_token().filter(|token| token.kind() == SyntaxKind::WHITESPACE);
             let end = after.map_or(token.text_range().end(), |token| token.text_range().end());
             return TextRange::new(range.start(), end);
         }

@@ -32,19 +32,8 @@ const BEFORE: usize = 2;
 const BEHIND: usize = 2;
 
 /// Tokens that are often left out, with the side of the error that is tried first.
-const INSERTED: [&str; 11] = [
-    ";",
-    ",",
-    ">",
-    ")",
-    "]",
-    "::",
-    "=",
-    "<",
-    "in ",
-    "yield ",
-    "codel<start> ",
-];
+const INSERTED: [&str; 11] =
+    [";", ",", ">", ")", "]", "::", "=", "<", "in ", "yield ", "codel<start> "];
 
 /// Marks that are often confused.
 const MARKS: [&str; 12] = [";", ",", ":", "::", ".", "(", ")", "[", "]", "{", "}", ">"];
@@ -83,11 +72,7 @@ pub(crate) fn repairs(text: &str, at: TextRange) -> Vec<TextFix> {
     let fix = |(_, trial): (usize, CandidateFix)| TextFix {
         kind: FixKind::Guess,
         title: trial.title,
-        edits: trial
-            .edits
-            .into_iter()
-            .map(|(range, text)| (text_range(&range), text))
-            .collect(),
+        edits: trial.edits.into_iter().map(|(range, text)| (text_range(&range), text)).collect(),
     };
     kept.into_iter().map(fix).collect()
 }
@@ -158,12 +143,7 @@ fn trials(text: &str, at: TextRange) -> Vec<CandidateFix> {
     let tokens: Vec<usize> = (0..raw.len()).filter(is_code).collect();
     let start = usize::from(at.start());
     let error = tokens.partition_point(|token| raw.range(*token).end <= start);
-    let window = Window {
-        text,
-        raw,
-        at: error,
-        tokens,
-    };
+    let window = Window { text, raw, at: error, tokens };
     let mut out = Vec::new();
     removals(&window, at, &mut out);
     replacements(&window, &mut out);
@@ -178,11 +158,7 @@ fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<CandidateFix>) {
     let mut remove = |range: Range<usize>, cost: u32| {
         let title = format!("Remove `{}`", window.text[range.clone()].trim());
         let range = with_blank(window.text, range);
-        out.push(CandidateFix {
-            title,
-            edits: vec![(range, String::new())],
-            cost,
-        });
+        out.push(CandidateFix { title, edits: vec![(range, String::new())], cost });
     };
     let whole = usize::from(at.start())..usize::from(at.end());
     if !whole.is_empty() && !window.text[whole.clone()].contains('\n') {
@@ -200,10 +176,7 @@ fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<CandidateFix>) {
             if window.text[range.clone()].contains('\n') {
                 break;
             }
-            remove(
-                range,
-                base + 6 * (last - first) as u32 + window.distance(first),
-            );
+            remove(range, base + 6 * (last - first) as u32 + window.distance(first));
         }
     }
 }
@@ -245,12 +218,8 @@ fn replacements(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
 
 /// Returns true if two marks look similar or are used in similar places.
 fn is_similar(a: &str, b: &str) -> bool {
-    const LIKE: [&[&str]; 4] = [
-        &[";", ":", ","],
-        &[":", "::", "."],
-        &["(", "[", "{", "<"],
-        &[")", "]", "}", ">"],
-    ];
+    const LIKE: [&[&str]; 4] =
+        [&[";", ":", ","], &[":", "::", "."], &["(", "[", "{", "<"], &[")", "]", "}", ">"]];
     LIKE.iter().any(|all| all.contains(&a) && all.contains(&b))
 }
 
@@ -367,10 +336,7 @@ fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
     }
     for token in 0..window.raw.len() {
         let range = window.raw.range(token);
-        if !matches!(
-            window.raw.kind(token),
-            SyntaxKind::BLOCK_COMMENT | SyntaxKind::OPEN_COMMENT
-        ) {
+        if !matches!(window.raw.kind(token), SyntaxKind::BLOCK_COMMENT | SyntaxKind::OPEN_COMMENT) {
             continue;
         }
         if let Some(at) = window.text[range.clone()].find("* /") {

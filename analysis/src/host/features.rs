@@ -80,20 +80,12 @@ impl Analysis {
         path: &Utf8Path,
         range: Option<Range<usize>>,
     ) -> Cancellable<Vec<SemanticToken>> {
-        self.list(path, |view| {
-            ide::semantic_tokens::semantic_tokens(view, range)
-        })
+        self.list(path, |view| ide::semantic_tokens::semantic_tokens(view, range))
     }
 
     /// Regions excluded by conditionals.
     pub fn inactive_regions(&self, path: &Utf8Path) -> Cancellable<Vec<Range<usize>>> {
-        self.list(path, |view| {
-            view.pre()
-                .inactive
-                .iter()
-                .map(|&range| bytes(range))
-                .collect()
-        })
+        self.list(path, |view| view.pre().inactive.iter().map(|&range| bytes(range)).collect())
     }
 
     /// The definition of the name under the cursor.
@@ -126,25 +118,17 @@ impl Analysis {
         at: &FilePosition,
         include_declaration: bool,
     ) -> Cancellable<Option<Vec<ReferenceAt>>> {
-        self.at(at, |view, offset| {
-            ide::references::references(view, offset, include_declaration)
-        })
+        self.at(at, |view, offset| ide::references::references(view, offset, include_declaration))
     }
 
     /// Every mention in this file of the name under the cursor.
     pub fn highlights(&self, at: &FilePosition) -> Cancellable<Vec<Highlight>> {
-        self.list(&at.path, |view| {
-            ide::highlights::highlights(view, at.offset)
-        })
+        self.list(&at.path, |view| ide::highlights::highlights(view, at.offset))
     }
 
     /// The description of the name under the cursor.
     pub fn hover(&self, at: &FilePosition) -> Cancellable<Option<RangeInfo<Hover>>> {
-        for hover in [
-            ide::hover::hover,
-            ide::context_hover::hover,
-            ide::keyword_hover::hover,
-        ] {
+        for hover in [ide::hover::hover, ide::context_hover::hover, ide::keyword_hover::hover] {
             if let Some(found) = self.at(at, hover)? {
                 return Ok(Some(found));
             }
@@ -154,9 +138,7 @@ impl Analysis {
 
     /// Completions at a cursor, best first.
     pub fn completions(&self, at: &FilePosition) -> Cancellable<Vec<CompletionItem>> {
-        self.list(&at.path, |view| {
-            ide::completion::completions(view, at.offset)
-        })
+        self.list(&at.path, |view| ide::completion::completions(view, at.offset))
     }
 
     /// Documentation of a completion: its [`CompletionItem::definition`] and name.
@@ -166,11 +148,7 @@ impl Analysis {
         definition: u32,
         name: &str,
     ) -> Cancellable<Option<CompletionDoc>> {
-        Ok(self
-            .in_file(path, |view| {
-                ide::completion::resolve(view, definition, name)
-            })?
-            .flatten())
+        Ok(self.in_file(path, |view| ide::completion::resolve(view, definition, name))?.flatten())
     }
 
     /// Components that provide the entity under the cursor, or the interface that declares it.
@@ -204,9 +182,8 @@ impl Analysis {
         new_name: &str,
         progress: &Progress,
     ) -> Cancellable<Result<Vec<FileEdit>, RenameError>> {
-        let found = self.in_file(&at.path, |view| {
-            ide::rename::rename(view, at.offset, new_name, progress)
-        })?;
+        let found = self
+            .in_file(&at.path, |view| ide::rename::rename(view, at.offset, new_name, progress))?;
         Ok(found.unwrap_or_else(|| Err(RenameError("The file cannot be read".to_owned()))))
     }
 
@@ -237,9 +214,7 @@ impl Analysis {
         range: Range<usize>,
         config: &InlayConfig,
     ) -> Cancellable<Vec<InlayHint>> {
-        self.list(path, |view| {
-            ide::inlay_hints::inlay_hints(view, &range, config)
-        })
+        self.list(path, |view| ide::inlay_hints::inlay_hints(view, &range, config))
     }
 
     /// The code lenses of a file, by place.
@@ -249,9 +224,7 @@ impl Analysis {
 
     /// The text of a code lens of a file; `None` if its declaration no longer exists.
     pub fn resolve_lens(&self, path: &Utf8Path, kind: &LensKind) -> Cancellable<Option<LensText>> {
-        Ok(self
-            .in_file(path, |view| ide::code_lens::resolve(view, kind))?
-            .flatten())
+        Ok(self.in_file(path, |view| ide::code_lens::resolve(view, kind))?.flatten())
     }
 
     /// The signature around a cursor.
@@ -277,9 +250,7 @@ impl Analysis {
         typed: char,
         options: &Options,
     ) -> Cancellable<Vec<FileEdit>> {
-        self.list(&at.path, |view| {
-            ide::formatting::on_type(view, at.offset, typed, options)
-        })
+        self.list(&at.path, |view| ide::formatting::on_type(view, at.offset, typed, options))
     }
 
     /// The refactorings that apply to a selection.
@@ -294,11 +265,7 @@ impl Analysis {
         range: Range<usize>,
         time: &str,
     ) -> Cancellable<Option<FileEdit>> {
-        Ok(self
-            .in_file(path, |view| {
-                ide::assists::execution_time(view, &range, time)
-            })?
-            .flatten())
+        Ok(self.in_file(path, |view| ide::assists::execution_time(view, &range, time))?.flatten())
     }
 
     /// The edit that sets the period or delay of the task around a place; `None` if the text comes from a
@@ -310,18 +277,12 @@ impl Analysis {
         which: TaskTime,
         time: &str,
     ) -> Cancellable<Option<FileEdit>> {
-        Ok(self
-            .in_file(path, |view| {
-                ide::assists::task_time(view, &range, which, time)
-            })?
-            .flatten())
+        Ok(self.in_file(path, |view| ide::assists::task_time(view, &range, which, time))?.flatten())
     }
 
     /// Sorts the includes of a file; `None` if they are sorted, or if their order matters.
     pub fn organize_includes(&self, path: &Utf8Path) -> Cancellable<Option<Assist>> {
-        Ok(self
-            .in_file(path, ide::assists::organize_includes)?
-            .flatten())
+        Ok(self.in_file(path, ide::assists::organize_includes)?.flatten())
     }
 
     fn list<T>(

@@ -65,10 +65,7 @@ pub(crate) fn assists(view: &FileView<'_>, range: &Range<usize>) -> Vec<Assist> 
     {
         return Vec::new();
     }
-    let cx = Cx {
-        view,
-        range: range.clone(),
-    };
+    let cx = Cx { view, range: range.clone() };
     let mut out: Vec<Assist> = Vec::new();
     out.extend(extract_struct::extract_struct(&cx));
     out.extend(inline_typedef::inline_typedef(&cx));
@@ -108,16 +105,11 @@ impl Cx<'_, '_> {
             SyntaxElement::Token(token) => token.parent(),
         };
         if !range.is_empty() {
-            return from(root.covering_element(range))?
-                .ancestors()
-                .find_map(N::cast);
+            return from(root.covering_element(range))?.ancestors().find_map(N::cast);
         }
         // The cursor may be right behind the node.
         let tokens = root.token_at_offset(offset(self.range.start));
-        let right = tokens
-            .clone()
-            .right_biased()
-            .and_then(|token| token.parent());
+        let right = tokens.clone().right_biased().and_then(|token| token.parent());
         let left = tokens.left_biased().and_then(|token| token.parent());
         let mut around = right.into_iter().chain(left);
         around.find_map(|parent| parent.ancestors().find_map(N::cast))
@@ -173,9 +165,7 @@ impl Cx<'_, '_> {
     fn whole_lines(&self, range: Range<usize>) -> Range<usize> {
         let text = self.view.text();
         let start = text[..range.start].rfind('\n').map_or(0, |index| index + 1);
-        let end = text[range.end..]
-            .find('\n')
-            .map_or(text.len(), |index| range.end + index + 1);
+        let end = text[range.end..].find('\n').map_or(text.len(), |index| range.end + index + 1);
         let alone =
             text[start..range.start].trim().is_empty() && text[range.end..end].trim().is_empty();
         if alone { start..end } else { range }
@@ -185,23 +175,15 @@ impl Cx<'_, '_> {
     fn unused_name(&self, base: &str) -> SmolStr {
         let elaborated = self.view.elaborated();
         let used = |name: &str| {
-            elaborated
-                .definitions
-                .iter()
-                .any(|definition| definition.name == name)
+            elaborated.definitions.iter().any(|definition| definition.name == name)
                 || elaborated.spec.components.iter().any(|component| {
-                    component
-                        .services
-                        .iter()
-                        .any(|service| service.name == name)
+                    component.services.iter().any(|service| service.name == name)
                         || component.ports.iter().any(|port| port.name == name)
                 })
         };
         let numbered = (2..).map(|number| format!("{base}_{number}"));
         let mut candidates = std::iter::once(base.to_owned()).chain(numbered);
-        candidates
-            .find(|candidate| !used(candidate))
-            .map_or_else(|| base.into(), SmolStr::from)
+        candidates.find(|candidate| !used(candidate)).map_or_else(|| base.into(), SmolStr::from)
     }
 
     /// The codel whose name is written at a range.

@@ -96,13 +96,9 @@ pub(crate) fn prepare(view: &FileView<'_>, at: usize) -> Option<Vec<CallItem>> {
                 let of_it = definition.container.is_some_and(|container| {
                     let container = &elaborated.definition(container).name;
                     *container == component.name
-                        || component
-                            .provides
-                            .iter()
-                            .chain(&component.extends)
-                            .any(|provided| {
-                                elaborated.spec.components[*provided as usize].name == *container
-                            })
+                        || component.provides.iter().chain(&component.extends).any(|provided| {
+                            elaborated.spec.components[*provided as usize].name == *container
+                        })
                 });
                 for (index, _) in found.filter(|_| of_it) {
                     out.extend(item(view, component, Owner::Service(index), None));
@@ -127,10 +123,7 @@ pub(crate) fn outgoing(view: &FileView<'_>, key: &CallKey) -> Vec<Call> {
 
 fn calls(view: &FileView<'_>, key: &CallKey, incoming: bool) -> Vec<Call> {
     let spec = &view.elaborated().spec;
-    let Some(component) = spec
-        .components
-        .iter()
-        .find(|component| component.name == key.component)
+    let Some(component) = spec.components.iter().find(|component| component.name == key.component)
     else {
         return Vec::new();
     };
@@ -140,15 +133,10 @@ fn calls(view: &FileView<'_>, key: &CallKey, incoming: bool) -> Vec<Call> {
     let mut out: Vec<Call> = Vec::new();
     let mut add = |item: Option<CallItem>, mention: Option<Src>| {
         let Some(item) = item else { return };
-        let range = mention
-            .and_then(|mention| view.place(mention))
-            .map(|place| bytes(place.1));
+        let range = mention.and_then(|mention| view.place(mention)).map(|place| bytes(place.1));
         match out.iter_mut().find(|call| call.item.key == item.key) {
             Some(known) => known.ranges.extend(range),
-            None => out.push(Call {
-                item,
-                ranges: range.into_iter().collect(),
-            }),
+            None => out.push(Call { item, ranges: range.into_iter().collect() }),
         }
     };
     match &key.state {
@@ -157,11 +145,7 @@ fn calls(view: &FileView<'_>, key: &CallKey, incoming: bool) -> Vec<Call> {
                 let bound =
                     |codel: &Codel| codel.triggers.iter().any(|trigger| trigger.name == *state);
                 if incoming {
-                    for to in codel
-                        .yields
-                        .iter()
-                        .filter(|candidate| candidate.name == *state)
-                    {
+                    for to in codel.yields.iter().filter(|candidate| candidate.name == *state) {
                         for from in &codel.triggers {
                             let item = item(view, component, owner, Some(&from.name));
                             add(item, Some(to.src));
@@ -197,11 +181,7 @@ fn calls(view: &FileView<'_>, key: &CallKey, incoming: bool) -> Vec<Call> {
 fn mention(view: &FileView<'_>, component: &Component, from: u32, to: &str) -> Option<Src> {
     let elaborated = view.elaborated();
     let from = &component.services[from as usize];
-    let node = elaborated
-        .definitions
-        .iter()
-        .find(|definition| definition.src == from.src)?
-        .node;
+    let node = elaborated.definitions.iter().find(|definition| definition.src == from.src)?.node;
     let (file, range) = view.place(node)?;
     let mut inside = elaborated.references.iter().filter(|reference| {
         !reference.declaration
@@ -233,12 +213,7 @@ fn item(
         }
         Owner::Service(i) => {
             let service = &component.services[i as usize];
-            (
-                &service.name,
-                false,
-                service.src,
-                SymbolKind::from(service.kind),
-            )
+            (&service.name, false, service.src, SymbolKind::from(service.kind))
         }
     };
     let key = CallKey {
@@ -260,10 +235,7 @@ fn item(
     };
     let codels = component.codels_of(owner);
     let trigger = codels.iter().find_map(|codel| {
-        let found = codel
-            .triggers
-            .iter()
-            .find(|trigger| trigger.name == *state)?;
+        let found = codel.triggers.iter().find(|trigger| trigger.name == *state)?;
         Some((found.src, Some(&codel.name)))
     });
     let mention = || {
@@ -319,11 +291,7 @@ mod tests {
 
     #[test]
     fn states() {
-        check(
-            "pause::wait$0",
-            &["start (1)", "wait (1)", "go (1)"],
-            &["wait (1)", "ether (1)"],
-        );
+        check("pause::wait$0", &["start (1)", "wait (1)", "go (1)"], &["wait (1)", "ether (1)"]);
         check("codel<start$0>", &[], &["go (1)", "wait (1)"]);
         check("f$0()", &[], &["go (1)", "wait (1)"]);
         check("ether$0", &["wait (1)", "go (1)"], &[]);

@@ -31,12 +31,7 @@ pub struct LensConfig {
 impl LensConfig {
     /// All kinds, or none.
     pub fn all(shown: bool) -> LensConfig {
-        LensConfig {
-            verdicts: shown,
-            machines: shown,
-            accesses: shown,
-            codels: shown,
-        }
+        LensConfig { verdicts: shown, machines: shown, accesses: shown, codels: shown }
     }
 }
 
@@ -104,19 +99,13 @@ pub(crate) fn code_lenses(view: &FileView<'_>, config: &LensConfig) -> Vec<CodeL
                 machine(elaborated, component, Owner::Task(task), &definition.name)
                     .filter(|_| config.machines)
             }
-            Some(Entity::Service(component, service)) => machine(
-                elaborated,
-                component,
-                Owner::Service(service),
-                &definition.name,
-            )
-            .filter(|_| config.machines),
+            Some(Entity::Service(component, service)) => {
+                machine(elaborated, component, Owner::Service(service), &definition.name)
+                    .filter(|_| config.machines)
+            }
             // Unused declarations are reported as findings.
-            _ => (config.accesses && !accesses(elaborated, definition).is_empty()).then_some(
-                LensKind::Accesses {
-                    offset: range.start,
-                },
-            ),
+            _ => (config.accesses && !accesses(elaborated, definition).is_empty())
+                .then_some(LensKind::Accesses { offset: range.start }),
         };
         out.extend(kind.map(|kind| CodeLens { range, kind }));
     }
@@ -126,10 +115,8 @@ pub(crate) fn code_lenses(view: &FileView<'_>, config: &LensConfig) -> Vec<CodeL
 
 fn machine(elaborated: &Elaborated, component: u32, owner: Owner, name: &str) -> Option<LensKind> {
     let component = elaborated.spec.components.get(component as usize)?;
-    is_machine(component, owner).then(|| LensKind::StateMachine {
-        component: component.name.clone(),
-        owner: name.into(),
-    })
+    is_machine(component, owner)
+        .then(|| LensKind::StateMachine { component: component.name.clone(), owner: name.into() })
 }
 
 /// Tasks and services by their access to a port or a member of the ids.
@@ -158,10 +145,7 @@ impl Accesses {
             let names: Vec<String> = all.iter().map(|name| name.to_string()).collect();
             (!names.is_empty()).then(|| format!("{word} {}", listed(&names, MANY)))
         };
-        let parts = [
-            part("written by", &self.written),
-            part("read by", &self.read),
-        ];
+        let parts = [part("written by", &self.written), part("read by", &self.read)];
         parts.into_iter().flatten().collect::<Vec<_>>().join(" · ")
     }
 }
@@ -195,12 +179,7 @@ fn accesses(elaborated: &Elaborated, definition: &Definition) -> Accesses {
             Owner::Task(task) => &component.tasks[task as usize].name,
             Owner::Service(service) => &component.services[service as usize].name,
         };
-        for param in component
-            .codel(at)
-            .params
-            .iter()
-            .filter(|param| concerns(param))
-        {
+        for param in component.codel(at).params.iter().filter(|param| concerns(param)) {
             let (reads, writes) = directions(param.dir);
             out.add(name, writes, reads);
         }
@@ -262,10 +241,9 @@ pub(crate) fn resolve(view: &FileView<'_>, kind: &LensKind) -> Option<LensText> 
                 references: found.into_iter().map(|reference| reference.place).collect(),
             })
         }
-        LensKind::StateMachine { .. } => Some(LensText {
-            title: "state machine".to_owned(),
-            references: Vec::new(),
-        }),
+        LensKind::StateMachine { .. } => {
+            Some(LensText { title: "state machine".to_owned(), references: Vec::new() })
+        }
     }
 }
 
@@ -273,9 +251,7 @@ pub(crate) fn resolve(view: &FileView<'_>, kind: &LensKind) -> Option<LensText> 
 fn shares_line(view: &FileView<'_>, elaborated: &Elaborated, offset: usize) -> bool {
     let text = view.text();
     let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
-    let end = text[offset..]
-        .find('\n')
-        .map_or(text.len(), |at| offset + at);
+    let end = text[offset..].find('\n').map_or(text.len(), |at| offset + at);
     let mut declared = elaborated.definitions.iter();
     declared.any(|definition| {
         matches!(definition.kind, DefKind::Port | DefKind::IdsMember)
@@ -315,11 +291,7 @@ component c {
         let text = fixture.text("/main.gen");
         let mut out = String::new();
         for lens in analysis.code_lenses(path, &LensConfig::all(true)).unwrap() {
-            let title = analysis
-                .resolve_lens(path, &lens.kind)
-                .unwrap()
-                .unwrap()
-                .title;
+            let title = analysis.resolve_lens(path, &lens.kind).unwrap().unwrap().title;
             out += &format!("{}: {title}\n", &text[lens.range]);
         }
         expect![[r#"

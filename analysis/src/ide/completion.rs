@@ -106,10 +106,8 @@ pub fn plain_snippet(snippet: &str) -> String {
                 }
                 if braced && chars.next_if_eq(&'|').is_some() {
                     // For a choice, the first one.
-                    let all: String = chars
-                        .by_ref()
-                        .take_while(|character| *character != '|')
-                        .collect();
+                    let all: String =
+                        chars.by_ref().take_while(|character| *character != '|').collect();
                     let first = all.split(',').next().unwrap_or_default();
                     out.push_str(first);
                     known.push((number, first.to_owned()));
@@ -168,9 +166,7 @@ pub(crate) fn completions(view: &FileView<'_>, at: usize) -> Vec<CompletionItem>
     let mut items = out.finish();
     let definitions = &view.elaborated().definitions;
     for item in &mut items {
-        let definition = item
-            .definition
-            .and_then(|number| definitions.get(number as usize));
+        let definition = item.definition.and_then(|number| definitions.get(number as usize));
         item.name = definition.map(|definition| definition.name.clone());
     }
     items
@@ -201,10 +197,8 @@ fn code(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
     if context.after.next().is_some_and(value) {
         out.items.retain(|completion_item| {
             use SymbolKind::*;
-            !matches!(
-                completion_item.kind,
-                CompletionKind::Symbol(Const | Enumerator | Macro)
-            ) && !["TRUE", "FALSE"].contains(&completion_item.label.as_str())
+            !matches!(completion_item.kind, CompletionKind::Symbol(Const | Enumerator | Macro))
+                && !["TRUE", "FALSE"].contains(&completion_item.label.as_str())
         });
     }
     // A path that continues after the cursor is replaced as a whole; in parameters `::` renames.
@@ -237,10 +231,7 @@ pub(super) struct Completions {
 
 impl Completions {
     pub(super) fn empty() -> Completions {
-        Completions {
-            replace: 0..0,
-            items: Vec::new(),
-        }
+        Completions { replace: 0..0, items: Vec::new() }
     }
 
     /// Extends the replaced range over text after the cursor that belongs to the item, such as the rest of a
@@ -326,8 +317,7 @@ impl Completions {
 
     pub(super) fn finish(mut self) -> Vec<CompletionItem> {
         // A stable sort: items of equal rank stay in order of declaration.
-        self.items
-            .sort_by_key(|completion_item| completion_item.rank);
+        self.items.sort_by_key(|completion_item| completion_item.rank);
         for completion_item in self
             .items
             .iter_mut()
@@ -337,10 +327,7 @@ impl Completions {
         }
         let mut seen = FxHashSet::default();
         self.items.retain(|completion_item| {
-            seen.insert((
-                completion_item.label.clone(),
-                completion_item.insert.clone(),
-            ))
+            seen.insert((completion_item.label.clone(), completion_item.insert.clone()))
         });
         self.items
     }

@@ -136,9 +136,8 @@ pub(crate) fn surroundings(view: &FileView<'_>, at: usize) -> Surroundings {
 
 /// Blanks at the end of a directive line belong to it.
 fn line_end(text: &str, end: usize) -> usize {
-    let blanks = text.get(end..).map_or(0, |rest| {
-        rest.len() - rest.trim_start_matches([' ', '\t']).len()
-    });
+    let blanks =
+        text.get(end..).map_or(0, |rest| rest.len() - rest.trim_start_matches([' ', '\t']).len());
     end + blanks
 }
 
@@ -165,12 +164,7 @@ impl Context {
         }
         let frames = reader.frames;
         let after = TextAfter::new(view, word.end.max(at));
-        Context {
-            tokens,
-            frames,
-            word,
-            after,
-        }
+        Context { tokens, frames, word, after }
     }
 
     /// The innermost open bracket.
@@ -250,14 +244,7 @@ impl Word {
 
 impl Frame {
     fn new(kind: FrameKind, head: usize, open: usize, start: usize) -> Frame {
-        Frame {
-            kind,
-            head,
-            open,
-            start,
-            commas: 0,
-            given: Vec::new(),
-        }
+        Frame { kind, head, open, start, commas: 0, given: Vec::new() }
     }
 }
 
@@ -403,10 +390,7 @@ impl Reader<'_> {
         }
         let before = i.checked_sub(1).map(|index| &self.tokens[index]);
         let line = self.text.get(..word.range.start).unwrap_or_default();
-        let begins_line = line
-            .rsplit('\n')
-            .next()
-            .is_some_and(|part| part.trim().is_empty());
+        let begins_line = line.rsplit('\n').next().is_some_and(|part| part.trim().is_empty());
         let continues = before.is_some_and(|token| {
             use SyntaxKind::*;
             token.text == "async" || matches!(token.kind, COLON2 | DOT | EQ | SEMICOLON)
@@ -451,9 +435,7 @@ impl Reader<'_> {
         let brace =
             |frame: &Frame| matches!(frame.kind, FrameKind::Body(_) | FrameKind::Initializers);
         let within = self.frames.iter().rposition(brace).unwrap_or(0) + 1;
-        let found = self.frames[within..]
-            .iter()
-            .rposition(|frame| wanted(frame.kind));
+        let found = self.frames[within..].iter().rposition(|frame| wanted(frame.kind));
         if let Some(found) = found {
             self.frames.truncate(within + found);
         }
@@ -462,12 +444,7 @@ impl Reader<'_> {
     fn close_brace(&mut self, i: usize) {
         let brace =
             |frame: &Frame| matches!(frame.kind, FrameKind::Body(_) | FrameKind::Initializers);
-        let Some(at) = self
-            .frames
-            .iter()
-            .rposition(brace)
-            .filter(|index| *index > 0)
-        else {
+        let Some(at) = self.frames.iter().rposition(brace).filter(|index| *index > 0) else {
             // A superfluous bracket: a new statement follows.
             self.end_statement(i + 1);
             return;
@@ -499,10 +476,7 @@ impl Reader<'_> {
         let top = self.top();
         let (kind, start) = (top.kind, top.start);
         let statement = &self.tokens[start.min(i)..i];
-        let before = statement
-            .len()
-            .checked_sub(2)
-            .map(|index| &statement[index]);
+        let before = statement.len().checked_sub(2).map(|index| &statement[index]);
         if let Some(before) = before {
             if before.is("struct") {
                 return FrameKind::Body(BodyKind::Members);
@@ -521,23 +495,18 @@ impl Reader<'_> {
         if !matches!(kind, FrameKind::Body(_)) {
             return FrameKind::Initializers;
         }
-        FrameKind::Body(
-            match statement
-                .first()
-                .map_or("", |statement| statement.text.as_str())
-            {
-                "module" => BodyKind::Module,
-                "component" => BodyKind::Component,
-                "interface" => BodyKind::Interface,
-                "exception" => BodyKind::Members,
-                "ids" => BodyKind::Ids,
-                "task" => BodyKind::Task,
-                "port" => BodyKind::Port,
-                "attribute" => BodyKind::Attribute,
-                "function" => BodyKind::Function,
-                "activity" => BodyKind::Activity,
-                _ => BodyKind::Unknown,
-            },
-        )
+        FrameKind::Body(match statement.first().map_or("", |statement| statement.text.as_str()) {
+            "module" => BodyKind::Module,
+            "component" => BodyKind::Component,
+            "interface" => BodyKind::Interface,
+            "exception" => BodyKind::Members,
+            "ids" => BodyKind::Ids,
+            "task" => BodyKind::Task,
+            "port" => BodyKind::Port,
+            "attribute" => BodyKind::Attribute,
+            "function" => BodyKind::Function,
+            "activity" => BodyKind::Activity,
+            _ => BodyKind::Unknown,
+        })
     }
 }

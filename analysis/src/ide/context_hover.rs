@@ -29,13 +29,7 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
             names.join(", ")
         );
     }
-    Some(RangeInfo {
-        range: 0..end,
-        info: Hover {
-            markdown,
-            codels: Vec::new(),
-        },
-    })
+    Some(RangeInfo { range: 0..end, info: Hover { markdown, codels: Vec::new() } })
 }
 
 #[cfg(test)]
@@ -47,19 +41,13 @@ mod tests {
         let mut fixture = Fixture::new(
             "//- /a.gen\n#define T long\n#include \"t.idl\"\n//- /b.gen\n#define T short\n#include \"t.idl\"\n//- /t.idl\n// shared\ntypedef T t;\n",
         );
-        let at = |offset| FilePosition {
-            path: "/t.idl".into(),
-            offset,
-        };
+        let at = |offset| FilePosition { path: "/t.idl".into(), offset };
         let markdown = |fixture: &Fixture, offset| {
             let hover = fixture.analysis().hover(&at(offset)).unwrap();
             hover.map_or_else(String::new, |hover| hover.info.markdown)
         };
         let first = markdown(&fixture, 0);
-        assert!(
-            first.contains("included by `a.gen`.") && first.contains("`b.gen`"),
-            "{first}"
-        );
+        assert!(first.contains("included by `a.gen`.") && first.contains("`b.gen`"), "{first}");
         assert!(markdown(&fixture, 20).contains("long"));
         fixture.host.apply(Change {
             chosen: Some(vec![("/t.idl".into(), "/b.gen".into())]),
@@ -70,10 +58,7 @@ mod tests {
         assert!(second.contains("included by `b.gen`."), "{second}");
         assert!(markdown(&fixture, 20).contains("short"));
         // A root is shown in its own unit.
-        let root = FilePosition {
-            path: "/a.gen".into(),
-            offset: 3,
-        };
+        let root = FilePosition { path: "/a.gen".into(), offset: 3 };
         assert_eq!(fixture.analysis().hover(&root).unwrap(), None);
     }
 }

@@ -145,11 +145,7 @@ mod tests {
             .collect();
         assert_eq!(searched, [vec![], vec!["/sub", "/pose"], vec!["/"]]);
         let packages = fixture.analysis().missing_packages("/sub/main.gen".into());
-        let names: Vec<_> = packages
-            .unwrap()
-            .into_iter()
-            .map(|package| package.names)
-            .collect();
+        let names: Vec<_> = packages.unwrap().into_iter().map(|package| package.names).collect();
         assert_eq!(names, [["other-idl", "far"]]);
     }
 
@@ -170,15 +166,10 @@ mod tests {
 //- /c.idl
 ",
         );
-        let links = fixture
-            .analysis()
-            .document_links("/main.gen".into())
-            .unwrap();
+        let links = fixture.analysis().document_links("/main.gen".into()).unwrap();
         let text = fixture.text("/main.gen");
-        let links: Vec<(&str, &str)> = links
-            .iter()
-            .map(|link| (&text[link.range.clone()], link.target.as_str()))
-            .collect();
+        let links: Vec<(&str, &str)> =
+            links.iter().map(|link| (&text[link.range.clone()], link.target.as_str())).collect();
         assert_eq!(links, [("a.idl", "/a.idl"), ("HERE", "/b.idl")]);
     }
 }

@@ -44,14 +44,7 @@ fn item_symbols(view: &FileView<'_>, item: &ast::Item, out: &mut Vec<DocumentSym
         }
         ast::Item::TypedefDecl(typedef) => {
             let ty = typedef.type_spec();
-            declarators(
-                view,
-                node,
-                ty,
-                typedef.declarators(),
-                SymbolKind::Typedef,
-                out,
-            );
+            declarators(view, node, ty, typedef.declarators(), SymbolKind::Typedef, out);
         }
         ast::Item::NativeDecl(native) => {
             out.extend(symbol(view, node, native.name(), SymbolKind::Native, None));
@@ -75,25 +68,11 @@ fn item_symbols(view: &FileView<'_>, item: &ast::Item, out: &mut Vec<DocumentSym
         ast::Item::Service(service) => out.extend(service_symbol(view, service)),
         ast::Item::Member(member) => {
             let ty = member.type_spec();
-            declarators(
-                view,
-                node,
-                ty,
-                member.declarators(),
-                SymbolKind::Member,
-                out,
-            );
+            declarators(view, node, ty, member.declarators(), SymbolKind::Member, out);
         }
         ast::Item::Case(case) => {
             let declared = case.declarator().into_iter();
-            declarators(
-                view,
-                node,
-                case.type_spec(),
-                declared,
-                SymbolKind::Member,
-                out,
-            );
+            declarators(view, node, case.type_spec(), declared, SymbolKind::Member, out);
         }
         ast::Item::Property(node) => property(view, node, out),
     }
@@ -114,9 +93,7 @@ fn macro_symbol(view: &FileView<'_>, directive: &ast::Directive) -> Option<Docum
     if directive.kind() != ast::DirectiveKind::Define {
         return None;
     }
-    let params = directive
-        .params()
-        .map(|param| param.syntax().text().to_string());
+    let params = directive.params().map(|param| param.syntax().text().to_string());
     let node = directive.syntax();
     symbol(view, node, directive.name(), SymbolKind::Macro, params)
 }
@@ -146,20 +123,10 @@ fn port_symbols(view: &FileView<'_>, port: &ast::Port, out: &mut Vec<DocumentSym
         (_, Some(_)) => "out ",
         _ => "",
     };
-    let multiple = if port.multiple_token().is_some() {
-        "multiple "
-    } else {
-        ""
-    };
+    let multiple = if port.multiple_token().is_some() { "multiple " } else { "" };
     let ty = type_detail(view, port.type_spec()).unwrap_or_default();
     let detail = Some(format!("{multiple}{dir}{ty}"));
-    out.extend(symbol(
-        view,
-        port.syntax(),
-        port.name(),
-        SymbolKind::Port,
-        detail,
-    ));
+    out.extend(symbol(view, port.syntax(), port.name(), SymbolKind::Port, detail));
 }
 
 /// A service with its parameters as written.
@@ -172,9 +139,7 @@ fn service_symbol(view: &FileView<'_>, service: &ast::Service) -> Option<Documen
         SymbolKind::Activity
     };
     let mut found = with_body(view, service, service.name(), kind)?;
-    found.detail = service
-        .param_list()
-        .map(|param| one_line(view, param.syntax()));
+    found.detail = service.param_list().map(|param| one_line(view, param.syntax()));
     Some(found)
 }
 
@@ -200,13 +165,7 @@ fn property(view: &FileView<'_>, property: &ast::Property, out: &mut Vec<Documen
         ast::Property::LocalProperty(property) => {
             let detail = type_detail(view, property.type_spec());
             for declared in property.declarators() {
-                out.extend(declarator(
-                    view,
-                    node,
-                    &declared,
-                    SymbolKind::Local,
-                    &detail,
-                ));
+                out.extend(declarator(view, node, &declared, SymbolKind::Local, &detail));
             }
             None
         }
@@ -232,19 +191,12 @@ fn type_symbols(view: &FileView<'_>, ty: Option<ast::TypeSpec>) -> Option<Docume
             let mut found = with_body(view, &union, union.name(), SymbolKind::Union)?;
             found.detail = text(view, union.switch_type());
             // An enum declared as the switch type is part of the union.
-            found
-                .children
-                .splice(0..0, type_symbols(view, union.switch_type()));
+            found.children.splice(0..0, type_symbols(view, union.switch_type()));
             Some(found)
         }
         ast::TypeSpec::Enum(enumeration) => {
-            let mut found = symbol(
-                view,
-                enumeration.syntax(),
-                enumeration.name(),
-                SymbolKind::Enum,
-                None,
-            )?;
+            let mut found =
+                symbol(view, enumeration.syntax(), enumeration.name(), SymbolKind::Enum, None)?;
             let enumerators = enumeration
                 .enumerator_list()
                 .into_iter()
@@ -284,13 +236,9 @@ fn declarator(
     kind: SymbolKind,
     detail: &Option<String>,
 ) -> Option<DocumentSymbol> {
-    let dimensions: String = declarator
-        .dimensions()
-        .map(|dimension| one_line(view, dimension.syntax()))
-        .collect();
-    let detail = detail
-        .as_ref()
-        .map(|detail| format!("{detail}{dimensions}"));
+    let dimensions: String =
+        declarator.dimensions().map(|dimension| one_line(view, dimension.syntax())).collect();
+    let detail = detail.as_ref().map(|detail| format!("{detail}{dimensions}"));
     symbol(view, owner, declarator.name(), kind, detail)
 }
 
@@ -313,10 +261,8 @@ fn with_body(
 }
 
 fn unnamed(view: &FileView<'_>, node: &SyntaxNode, kind: SymbolKind) -> Option<DocumentSymbol> {
-    let keyword = node
-        .children_with_tokens()
-        .find(|element| element.kind().is_keyword())?
-        .into_token()?;
+    let keyword =
+        node.children_with_tokens().find(|element| element.kind().is_keyword())?.into_token()?;
     let selection_range = bytes(view.token_range(&keyword));
     Some(DocumentSymbol {
         name: format!("({} without name)", keyword.text()),
@@ -380,20 +326,13 @@ mod tests {
 
     fn dump(text: &str, symbols: &[DocumentSymbol], depth: usize, out: &mut String) {
         for symbol in symbols {
-            assert!(
-                symbol.range.start <= symbol.selection_range.start,
-                "{symbol:?}"
-            );
+            assert!(symbol.range.start <= symbol.selection_range.start, "{symbol:?}");
             assert!(symbol.selection_range.end <= symbol.range.end, "{symbol:?}");
             let detail = symbol.detail.as_deref().unwrap_or_default();
             let selected = &text[symbol.selection_range.clone()];
             let indent = "  ".repeat(depth);
-            writeln!(
-                out,
-                "{indent}{:?} {} [{selected}] {detail}",
-                symbol.kind, symbol.name
-            )
-            .unwrap();
+            writeln!(out, "{indent}{:?} {} [{selected}] {detail}", symbol.kind, symbol.name)
+                .unwrap();
             for child in &symbol.children {
                 assert!(symbol.range.start <= child.range.start, "{child:?}");
                 assert!(child.range.end <= symbol.range.end, "{child:?}");
@@ -405,10 +344,7 @@ mod tests {
     #[track_caller]
     fn check(text: &str, expected: Expect) {
         let fixture = Fixture::new(text);
-        let symbols = fixture
-            .analysis()
-            .document_symbols("/main.gen".into())
-            .unwrap();
+        let symbols = fixture.analysis().document_symbols("/main.gen".into()).unwrap();
         let mut out = String::new();
         dump(&fixture.text("/main.gen"), &symbols, 0, &mut out);
         expected.assert_eq(&out);

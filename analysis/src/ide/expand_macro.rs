@@ -13,9 +13,7 @@ pub(crate) fn expand_macro(view: &FileView<'_>, at: usize) -> Option<RangeInfo<M
     }
     let tokens = root.token_at_offset(at);
     let around = |token: dotgen_syntax::SyntaxToken| {
-        token
-            .parent_ancestors()
-            .find(|ancestor| ancestor.kind() == SyntaxKind::MACRO_CALL)
+        token.parent_ancestors().find(|ancestor| ancestor.kind() == SyntaxKind::MACRO_CALL)
     };
     // The cursor may be right after the call.
     let call = tokens

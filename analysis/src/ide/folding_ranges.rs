@@ -69,9 +69,8 @@ impl Folds<'_> {
                 self.fold(element.text_range(), Some(FoldKind::Region));
             }
             _ => {
-                let in_directive = element
-                    .ancestors()
-                    .any(|ancestor| ancestor.kind() == SyntaxKind::DIRECTIVE);
+                let in_directive =
+                    element.ancestors().any(|ancestor| ancestor.kind() == SyntaxKind::DIRECTIVE);
                 if !in_directive {
                     self.end_runs();
                 }
@@ -130,19 +129,13 @@ impl Folds<'_> {
         let text = self.text.get(range.clone()).unwrap_or_default();
         let end = range.start + text.trim_end().len();
         if text.trim_end().contains(['\n', '\r']) {
-            self.out.push(FoldingRange {
-                range: range.start..end,
-                kind,
-            });
+            self.out.push(FoldingRange { range: range.start..end, kind });
         }
     }
 
     /// An empty line separates runs.
     fn blank_line(&mut self, newline: TextRange) {
-        let before = self
-            .text
-            .get(..usize::from(newline.start()))
-            .unwrap_or_default();
+        let before = self.text.get(..usize::from(newline.start())).unwrap_or_default();
         let line = before.rsplit(['\n', '\r']).next().unwrap_or_default();
         if line.trim().is_empty() {
             self.end_runs();
@@ -171,10 +164,7 @@ mod tests {
     #[track_caller]
     fn check(text: &str, expected: Expect) {
         let fixture = Fixture::new(text);
-        let folds = fixture
-            .analysis()
-            .folding_ranges("/main.gen".into())
-            .unwrap();
+        let folds = fixture.analysis().folding_ranges("/main.gen".into()).unwrap();
         let lines = |at: usize| text[..at].matches('\n').count() + 1;
         let lines: Vec<String> = folds
             .iter()

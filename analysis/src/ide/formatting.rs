@@ -54,11 +54,7 @@ fn statement(view: &FileView<'_>, at: usize, typed: char, options: &Options) -> 
     let root = view.root();
     let token = root.token_at_offset(offset(at)).left_biased();
     let closes = |token: &dotgen_syntax::SyntaxToken| {
-        let kind = if typed == '}' {
-            SyntaxKind::R_CURLY
-        } else {
-            SyntaxKind::SEMICOLON
-        };
+        let kind = if typed == '}' { SyntaxKind::R_CURLY } else { SyntaxKind::SEMICOLON };
         token.kind() == kind && usize::from(token.text_range().end()) == at
     };
     let Some(token) = token.filter(closes) else {
@@ -73,9 +69,7 @@ fn statement(view: &FileView<'_>, at: usize, typed: char, options: &Options) -> 
     };
     let range = bytes(view.node_range(&node));
     // With the indentation of its first line.
-    let line = view.text()[..range.start]
-        .rfind('\n')
-        .map_or(0, |index| index + 1);
+    let line = view.text()[..range.start].rfind('\n').map_or(0, |index| index + 1);
     let blank = view.text()[line..range.start].trim().is_empty();
     let start = if blank { line } else { range.start };
     let mut out = edits(view, Some(text_range(&(start..at))), options);
@@ -140,9 +134,7 @@ fn continuation(text: &str, open: usize, line: usize, unit: Unit) -> usize {
     if before > opens_on {
         return indentation(before);
     }
-    let goes_on = text[open..line]
-        .chars()
-        .any(|character| !character.is_whitespace());
+    let goes_on = text[open..line].chars().any(|character| !character.is_whitespace());
     let units = if goes_on { 2 } else { 1 };
     indentation(opens_on) + units * unit.columns()
 }
@@ -156,10 +148,8 @@ mod tests {
     #[track_caller]
     fn typed(text: &str, what: char, expected: &str) {
         let fixture = Fixture::new(text);
-        let edits = fixture
-            .analysis()
-            .format_on_type(&fixture.at(), what, &Options::default())
-            .unwrap();
+        let edits =
+            fixture.analysis().format_on_type(&fixture.at(), what, &Options::default()).unwrap();
         assert_eq!(apply(&fixture.text("/main.gen"), &edits), expected);
     }
 
@@ -168,16 +158,10 @@ mod tests {
         let text = "struct   a { long x; };\nstruct  b { long x; };\n";
         let fixture = Fixture::new(text);
         let path = camino::Utf8Path::new("/main.gen");
-        let all = fixture
-            .analysis()
-            .format(path, None, &Options::default())
-            .unwrap();
+        let all = fixture.analysis().format(path, None, &Options::default()).unwrap();
         let all = apply(text, &all);
         assert!(all.starts_with("struct a {"), "{all}");
-        let second = fixture
-            .analysis()
-            .format(path, Some(24..41), &Options::default())
-            .unwrap();
+        let second = fixture.analysis().format(path, Some(24..41), &Options::default()).unwrap();
         let second = apply(text, &second);
         assert!(second.starts_with("struct   a { long x; };\n"), "{second}");
         assert!(second.contains("struct b"), "{second}");
@@ -189,17 +173,10 @@ mod tests {
         let fixture = Fixture::new(text);
         let edits = fixture
             .analysis()
-            .format(
-                camino::Utf8Path::new("/main.gen"),
-                None,
-                &Options::default(),
-            )
+            .format(camino::Utf8Path::new("/main.gen"), None, &Options::default())
             .unwrap();
         let out = apply(text, &edits);
-        assert!(
-            out.starts_with("struct  a { long ; };\n") && out.contains("struct b"),
-            "{out}"
-        );
+        assert!(out.starts_with("struct  a { long ; };\n") && out.contains("struct b"), "{out}");
     }
 
     #[test]

@@ -86,10 +86,7 @@ fn answer(range: TextRange, mut info: Vec<NavTarget>) -> Option<RangeInfo<Vec<Na
         }
         new
     });
-    (!info.is_empty()).then(|| RangeInfo {
-        range: bytes(range),
-        info,
-    })
+    (!info.is_empty()).then(|| RangeInfo { range: bytes(range), info })
 }
 
 fn first_declaration(view: &FileView<'_>, id: DefId) -> Option<NavTarget> {
@@ -140,12 +137,8 @@ fn named_type(spec: &Spec, mut id: TypeId) -> Option<TypeId> {
             TypeKind::Array { element, .. }
             | TypeKind::Sequence { element, .. }
             | TypeKind::Optional { element } => *element,
-            TypeKind::ForwardStruct {
-                definition: Some(definition),
-            }
-            | TypeKind::ForwardUnion {
-                definition: Some(definition),
-            } => *definition,
+            TypeKind::ForwardStruct { definition: Some(definition) }
+            | TypeKind::ForwardUnion { definition: Some(definition) } => *definition,
             _ => return ty.name.is_some().then_some(id),
         };
     }
@@ -199,14 +192,8 @@ mod tests {
             .map_or_else(Vec::new, |range_info| range_info.info)
             .iter()
             .map(|target| {
-                assert!(
-                    target.full_range.start <= target.focus_range.start,
-                    "{target:?}"
-                );
-                assert!(
-                    target.focus_range.end <= target.full_range.end,
-                    "{target:?}"
-                );
+                assert!(target.full_range.start <= target.focus_range.start, "{target:?}");
+                assert!(target.focus_range.end <= target.full_range.end, "{target:?}");
                 format!("{}:{:?}", target.path, target.focus_range)
             })
             .collect();
@@ -252,11 +239,7 @@ module m {
     #[test]
     fn include_paths() {
         let fixture = Fixture::new("//- /main.gen\n#include \"t$0.idl\"\n//- /t.idl\n");
-        let found = fixture
-            .analysis()
-            .goto_definition(&fixture.at())
-            .unwrap()
-            .unwrap();
+        let found = fixture.analysis().goto_definition(&fixture.at()).unwrap().unwrap();
         assert_eq!(found.range, 10..15);
         assert_eq!(found.info[0].path, "/t.idl");
     }
@@ -322,11 +305,7 @@ component c {
         let found = found.unwrap_or_else(|| panic!("nothing at `{use_}`"));
         let text = fixture.text("/main.gen");
         let start = text.find(declaration).expect("the declaration is there");
-        let places: Vec<_> = found
-            .info
-            .iter()
-            .map(|target| target.focus_range.clone())
-            .collect();
+        let places: Vec<_> = found.info.iter().map(|target| target.focus_range.clone()).collect();
         let inside = |range: &std::ops::Range<usize>| {
             start <= range.start && range.end <= start + declaration.len()
         };
@@ -361,18 +340,9 @@ component c {
         );
         definition("struct s;\nstruct s { long x; };\n//     ^\ntypedef s$0 t;\n");
         let ty: Goto = Analysis::goto_type_definition;
-        check(
-            ty,
-            "typedef long t;\n//           ^\nstruct s { t x$0; };\n",
-        );
-        check(
-            ty,
-            "struct s { long x; };\n//     ^\nstruct u { sequence<s> x$0; };\n",
-        );
-        check(
-            ty,
-            "struct s { long x; };\n//     ^\ncomponent c { port in s p$0; };\n",
-        );
+        check(ty, "typedef long t;\n//           ^\nstruct s { t x$0; };\n");
+        check(ty, "struct s { long x; };\n//     ^\nstruct u { sequence<s> x$0; };\n");
+        check(ty, "struct s { long x; };\n//     ^\ncomponent c { port in s p$0; };\n");
         check(ty, "enum e { A };\n//   ^\nconst e x$0 = A;\n");
         check(ty, "const long x$0 = 1;\n");
     }

@@ -49,13 +49,7 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
         let name = root.path(view.db).file_name().unwrap_or_default();
         text += &format!("\n\n*as included by {}*", markdown::code(name));
     }
-    Some(RangeInfo {
-        range: bytes(range),
-        info: Hover {
-            markdown: text,
-            codels,
-        },
-    })
+    Some(RangeInfo { range: bytes(range), info: Hover { markdown: text, codels } })
 }
 
 /// The searched directories of an included file that is not found.
@@ -71,13 +65,7 @@ fn missing_include(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> {
     for directory in &include.searched {
         text += &format!("\n- {}", markdown::code(directory.as_str()));
     }
-    Some(RangeInfo {
-        range: include.range,
-        info: Hover {
-            markdown: text,
-            codels: Vec::new(),
-        },
-    })
+    Some(RangeInfo { range: include.range, info: Hover { markdown: text, codels: Vec::new() } })
 }
 
 /// The names of component and codel, if the definition is a codel.
@@ -125,16 +113,11 @@ fn mentioned(view: &FileView<'_>, id: DefId, mention: Option<TextRange>) -> Opti
 /// The task (`true`) or service around a place, by name.
 fn owner_around(view: &FileView<'_>, place: TextRange) -> Option<(bool, String)> {
     let root = view.root();
-    let inner = root
-        .text_range()
-        .contains_range(place)
-        .then(|| root.covering_element(place))?;
+    let inner = root.text_range().contains_range(place).then(|| root.covering_element(place))?;
     let mut around = inner.ancestors();
     let owner = around
         .find(|ancestor| matches!(ancestor.kind(), SyntaxKind::TASK | SyntaxKind::SERVICE))?;
-    let name = owner
-        .children()
-        .find(|child| child.kind() == SyntaxKind::NAME)?;
+    let name = owner.children().find(|child| child.kind() == SyntaxKind::NAME)?;
     Some((owner.kind() == SyntaxKind::TASK, name.text().to_string()))
 }
 
@@ -151,9 +134,7 @@ fn declaration_text(view: &FileView<'_>, definition: &Definition) -> Option<Stri
         (SymbolKind::State, _) => format!("state {}", definition.name),
         (SymbolKind::Enumerator, _) => definition.name.to_string(),
         (SymbolKind::Parameter, Some(node)) if node.kind() == SyntaxKind::NAME => {
-            let param = node
-                .ancestors()
-                .find(|ancestor| ancestor.kind() == SyntaxKind::PATH_PARAM);
+            let param = node.ancestors().find(|ancestor| ancestor.kind() == SyntaxKind::PATH_PARAM);
             one_line(there, &param.unwrap_or(node))
         }
         (SymbolKind::Local, Some(node)) => {
@@ -164,10 +145,7 @@ fn declaration_text(view: &FileView<'_>, definition: &Definition) -> Option<Stri
         (SymbolKind::Codel, Some(node)) => {
             // With the word before it.
             let property = node.parent().filter(|parent| {
-                matches!(
-                    parent.kind(),
-                    SyntaxKind::CODEL_PROPERTY | SyntaxKind::VALIDATE_PROPERTY
-                )
+                matches!(parent.kind(), SyntaxKind::CODEL_PROPERTY | SyntaxKind::VALIDATE_PROPERTY)
             });
             normalized(there, &property.unwrap_or(node))
         }
@@ -183,12 +161,7 @@ fn view_of<'db>(view: &FileView<'db>, file: SourceFile) -> Option<FileView<'db>>
         true => view.key,
         false => crate::unit::serving_visit(view.db, view.unit, file)?.1,
     };
-    Some(FileView {
-        db: view.db,
-        file,
-        unit: view.unit,
-        key,
-    })
+    Some(FileView { db: view.db, file, unit: view.unit, key })
 }
 
 /// The outermost node that covers exactly a range.
@@ -229,20 +202,15 @@ fn type_facts(elaborated: &Elaborated, definition: &Definition) -> Vec<String> {
     };
     if let Some(value) = value_of {
         let resolved = render::resolved_type_text(spec, value);
-        let declares = matches!(
-            definition.kind,
-            DefKind::Struct | DefKind::Union | DefKind::Exception
-        );
+        let declares =
+            matches!(definition.kind, DefKind::Struct | DefKind::Union | DefKind::Exception);
         if let Some(resolved) = resolved.filter(|_| !declares) {
             out.push(format!("type `{resolved}`"));
         }
         if let Some(size) =
             render::packed_size(spec, value).filter(|_| definition.kind != DefKind::Const)
         {
-            out.push(format!(
-                "{size} byte{} packed",
-                if size == 1 { "" } else { "s" }
-            ));
+            out.push(format!("{size} byte{} packed", if size == 1 { "" } else { "s" }));
         }
     }
     match spec.types.get(ty.0 as usize).map(|ty| &ty.kind) {
@@ -252,10 +220,7 @@ fn type_facts(elaborated: &Elaborated, definition: &Definition) -> Vec<String> {
                 Value::Int(number) if *number > 9 => format!(" (`{number:#x}`)"),
                 _ => String::new(),
             };
-            out.push(format!(
-                "value {}{hexadecimal}",
-                markdown::code(&render::value(spec, value))
-            ));
+            out.push(format!("value {}{hexadecimal}", markdown::code(&render::value(spec, value))));
         }
         Some(TypeKind::Enumerator { enumeration, value }) => {
             let of = render::type_text(spec, *enumeration);
@@ -308,9 +273,7 @@ fn macro_hover(
 }
 
 fn define_text(view: &FileView<'_>, site: &MacroSite) -> Option<String> {
-    let file = view
-        .db
-        .file(camino::Utf8Path::new(site.file.as_ref()?.as_str()));
+    let file = view.db.file(camino::Utf8Path::new(site.file.as_ref()?.as_str()));
     let definition = define(view.db, file, site.ordinal)?;
     let text = file.text(view.db);
     let raw = &lexed(view.db, file).raw;
@@ -340,9 +303,8 @@ fn define_text(view: &FileView<'_>, site: &MacroSite) -> Option<String> {
 pub(crate) fn expansion(view: &FileView<'_>, name: TextRange) -> Option<String> {
     let root = view.root();
     let token = root.token_at_offset(name.start()).right_biased()?;
-    let call = token
-        .parent_ancestors()
-        .find(|ancestor| ancestor.kind() == SyntaxKind::MACRO_CALL)?;
+    let call =
+        token.parent_ancestors().find(|ancestor| ancestor.kind() == SyntaxKind::MACRO_CALL)?;
     if call.text_range().start() != name.start() {
         return None;
     }

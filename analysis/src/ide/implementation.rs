@@ -62,16 +62,11 @@ pub(crate) fn implementations(view: &FileView<'_>, at: usize) -> Option<RangeInf
         }
     }
     out.sort_by(|a, b| (&a.path, a.focus_range.start).cmp(&(&b.path, b.focus_range.start)));
-    (!out.is_empty()).then(|| RangeInfo {
-        range: bytes(range),
-        info: out,
-    })
+    (!out.is_empty()).then(|| RangeInfo { range: bytes(range), info: out })
 }
 
 fn in_interface(elaborated: &Elaborated, definition: &Definition) -> bool {
-    let container = definition
-        .container
-        .map(|container| elaborated.definition(container));
+    let container = definition.container.map(|container| elaborated.definition(container));
     container.is_some_and(|container| container.kind == DefKind::Interface)
 }
 
@@ -89,10 +84,7 @@ fn completions(
         },
         _ => return Vec::new(),
     };
-    let Some(index) = spec
-        .components
-        .iter()
-        .position(|component| component.name == interface)
+    let Some(index) = spec.components.iter().position(|component| component.name == interface)
     else {
         return Vec::new();
     };
@@ -127,10 +119,7 @@ mod tests {
     #[track_caller]
     fn check(text: &str) {
         let fixture = Fixture::new(text);
-        let found = fixture
-            .analysis()
-            .goto_implementation(&fixture.at())
-            .unwrap();
+        let found = fixture.analysis().goto_implementation(&fixture.at()).unwrap();
         let mut found: Vec<String> = found
             .map_or_else(Vec::new, |implementation| implementation.info)
             .iter()

@@ -89,11 +89,7 @@ pub(crate) fn inlay_hints(
     range: &Range<usize>,
     config: &InlayConfig,
 ) -> Vec<InlayHint> {
-    let mut hints = Hints {
-        view,
-        range,
-        out: Vec::new(),
-    };
+    let mut hints = Hints { view, range, out: Vec::new() };
     let elaborated = view.elaborated();
     for (number, component) in (0..).zip(&elaborated.spec.components) {
         if config.types != InlayTypes::Off {
@@ -142,9 +138,7 @@ impl Hints<'_, '_> {
             SyntaxKind::CODEL_PROPERTY => Some(node.text_range().end()),
             SyntaxKind::BODY => Some(node.text_range().start() + TextSize::of('{')),
             SyntaxKind::TASK | SyntaxKind::COMPONENT => {
-                let body = node
-                    .children()
-                    .find(|child| child.kind() == SyntaxKind::BODY)?;
+                let body = node.children().find(|child| child.kind() == SyntaxKind::BODY)?;
                 Some(body.text_range().start() + TextSize::of('{'))
             }
             _ => None,
@@ -155,12 +149,7 @@ impl Hints<'_, '_> {
     /// Adds a hint at its place, if that is in the range.
     fn push(&mut self, at: usize, kind: InlayKind, label: String, tooltip: String) {
         if self.range.start <= at && at <= self.range.end {
-            self.out.push(InlayHint {
-                at,
-                label,
-                kind,
-                tooltip,
-            });
+            self.out.push(InlayHint { at, label, kind, tooltip });
         }
     }
 
@@ -171,11 +160,7 @@ impl Hints<'_, '_> {
         for codel in component.all_codels() {
             params.extend(&component.codel(codel).params);
         }
-        let inherited = if all {
-            Vec::new()
-        } else {
-            self.inherited(number, component)
-        };
+        let inherited = if all { Vec::new() } else { self.inherited(number, component) };
         for param in params {
             let Some(place) = self.place(param.src) else {
                 continue;
@@ -216,9 +201,7 @@ impl Hints<'_, '_> {
                 )
                 && home.is_some_and(|home| *home != component.name)
         });
-        foreign
-            .filter_map(|reference| Some(self.place(reference.at)?.start))
-            .collect()
+        foreign.filter_map(|reference| Some(self.place(reference.at)?.start)).collect()
     }
 
     /// Implicit properties of a component.
@@ -244,12 +227,7 @@ impl Hints<'_, '_> {
         if !all.is_empty() {
             let tooltip = "Values of properties that are not given.".to_owned();
             let at = self.after_declaration(place.start);
-            self.push(
-                at,
-                InlayKind::Default,
-                format!(" ‹by default {}›", all.join(", ")),
-                tooltip,
-            );
+            self.push(at, InlayKind::Default, format!(" ‹by default {}›", all.join(", ")), tooltip);
         }
     }
 
@@ -261,11 +239,8 @@ impl Hints<'_, '_> {
             _ => None,
         });
         let map = self.view.map();
-        let named = components.filter(|other| {
-            other
-                .name()
-                .is_some_and(|name| name.text(map) == component.name)
-        });
+        let named = components
+            .filter(|other| other.name().is_some_and(|name| name.text(map) == component.name));
         let mut properties = named
             .flat_map(|component| component.items().collect::<Vec<_>>())
             .filter_map(|component| match component {
@@ -306,12 +281,7 @@ impl Hints<'_, '_> {
                 continue;
             };
             // An endless turn is a diagnostic.
-            let Some(Turn::Bounded {
-                sum,
-                chain,
-                incomplete,
-            }) = machine.longest_turn(state)
-            else {
+            let Some(Turn::Bounded { sum, chain, incomplete }) = machine.longest_turn(state) else {
                 continue;
             };
             // The same number as its own `wcet`, or no number at all.
@@ -319,10 +289,8 @@ impl Hints<'_, '_> {
             if is_own || sum == Seconds::from_integer(0) {
                 continue;
             }
-            let steps: Vec<&str> = chain
-                .iter()
-                .map(|&chain| machine.at(chain).name.as_str())
-                .collect();
+            let steps: Vec<&str> =
+                chain.iter().map(|&chain| machine.at(chain).name.as_str()).collect();
             let mut tooltip = format!("Longest way to the next pause: {}.", steps.join(" → "));
             let bound = match incomplete {
                 false => "≤",
@@ -349,20 +317,14 @@ impl Hints<'_, '_> {
                 continue;
             };
             let mut tooltip = "Longest turn of the permanent activity, by the period.".to_owned();
-            for service in component
-                .services
-                .iter()
-                .filter(|service| service.task == Some(index))
-            {
+            for service in component.services.iter().filter(|service| service.task == Some(index)) {
                 let machine = Machine::new(&service.codels);
                 let turns = machine.turn_starts().into_iter();
                 let longest = turns.filter_map(|turn| match machine.longest_turn(turn)? {
                     Turn::Bounded { sum, .. } => Some(sum),
                     Turn::Unbounded { .. } => None,
                 });
-                if let Some(longest) = longest
-                    .max()
-                    .filter(|turn| *turn > Seconds::from_integer(0))
+                if let Some(longest) = longest.max().filter(|turn| *turn > Seconds::from_integer(0))
                 {
                     tooltip += &format!(
                         "\n- activity `{}` adds at most {} a turn",
@@ -398,10 +360,7 @@ mod tests {
         let fixture = Fixture::new(text);
         let path = camino::Utf8Path::new("/main.gen");
         let mut out = fixture.text("/main.gen");
-        let hints = fixture
-            .analysis()
-            .inlay_hints(path, 0..out.len(), &config)
-            .unwrap();
+        let hints = fixture.analysis().inlay_hints(path, 0..out.len(), &config).unwrap();
         for hint in hints.iter().rev() {
             out.insert_str(hint.at, &format!("[{}]", hint.label));
         }
@@ -433,58 +392,19 @@ component c {
     #[test]
     fn each_kind_can_be_switched() {
         assert_eq!(shown(TEXT, NONE), TEXT);
-        let types = shown(
-            TEXT,
-            InlayConfig {
-                types: InlayTypes::Inherited,
-                ..NONE
-            },
-        );
+        let types = shown(TEXT, InlayConfig { types: InlayTypes::Inherited, ..NONE });
         assert!(types.contains("f(port in p[ ‹s›], ids in v.x)"), "{types}");
-        let types = shown(
-            TEXT,
-            InlayConfig {
-                types: InlayTypes::All,
-                ..NONE
-            },
-        );
-        assert!(
-            types.contains("f(port in p[ ‹s›], ids in v.x[ ‹double›])"),
-            "{types}"
-        );
+        let types = shown(TEXT, InlayConfig { types: InlayTypes::All, ..NONE });
+        assert!(types.contains("f(port in p[ ‹s›], ids in v.x[ ‹double›])"), "{types}");
         let wcet = shown(TEXT, InlayConfig { wcet: true, ..NONE });
         // A chain of one codel takes the time in its `wcet`.
         assert!(wcet.contains("codel<start>"), "{wcet}");
-        assert!(
-            wcet.contains("yield more, ether;[ ‹turn ≤ 4.5 ms›]\n"),
-            "{wcet}"
-        );
-        let load = shown(
-            TEXT,
-            InlayConfig {
-                utilisation: true,
-                ..NONE
-            },
-        );
+        assert!(wcet.contains("yield more, ether;[ ‹turn ≤ 4.5 ms›]\n"), "{wcet}");
+        let load = shown(TEXT, InlayConfig { utilisation: true, ..NONE });
         assert!(load.contains("task t {[ ‹load 45 %›]"), "{load}");
-        let ether = shown(
-            TEXT,
-            InlayConfig {
-                implicit_ether: true,
-                ..NONE
-            },
-        );
-        assert!(
-            ether.contains("yield pause::go;[ ‹stop → ether›]\n  };"),
-            "{ether}"
-        );
-        let defaults = shown(
-            TEXT,
-            InlayConfig {
-                defaults: true,
-                ..NONE
-            },
-        );
+        let ether = shown(TEXT, InlayConfig { implicit_ether: true, ..NONE });
+        assert!(ether.contains("yield pause::go;[ ‹stop → ether›]\n  };"), "{ether}");
+        let defaults = shown(TEXT, InlayConfig { defaults: true, ..NONE });
         assert!(
             defaults
                 .contains("component c {[ ‹by default clock rate 10 ms, language c, version 0›]"),
@@ -497,25 +417,13 @@ component c {
         let fixture = Fixture::new(TEXT);
         let path = camino::Utf8Path::new("/main.gen");
         let all = InlayConfig::default();
-        assert_eq!(
-            fixture.analysis().inlay_hints(path, 0..10, &all).unwrap(),
-            []
-        );
+        assert_eq!(fixture.analysis().inlay_hints(path, 0..10, &all).unwrap(), []);
     }
 
     #[test]
     fn a_machine_that_ends_on_stop_has_no_hint() {
         let text = "component c { task t { codel<start> f() yield ether; codel<stop> g() yield ether; }; };\n";
-        assert_eq!(
-            shown(
-                text,
-                InlayConfig {
-                    implicit_ether: true,
-                    ..NONE
-                }
-            ),
-            text
-        );
+        assert_eq!(shown(text, InlayConfig { implicit_ether: true, ..NONE }), text);
     }
 
     #[test]

@@ -18,10 +18,7 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
     };
     Some(RangeInfo {
         range: bytes(token.text_range()),
-        info: Hover {
-            markdown: format!("`{}`: {text}", token.text()),
-            codels: Vec::new(),
-        },
+        info: Hover { markdown: format!("`{}`: {text}", token.text()), codels: Vec::new() },
     })
 }
 
@@ -187,11 +184,7 @@ mod tests {
         };
         let source = fixture.text(fixture.at().path.as_str());
         assert_eq!(&source[hover.range], word);
-        assert!(
-            hover.info.markdown.starts_with(beginning),
-            "{}",
-            hover.info.markdown
-        );
+        assert!(hover.info.markdown.starts_with(beginning), "{}", hover.info.markdown);
     }
 
     #[test]

@@ -27,11 +27,7 @@ pub(crate) fn named(db: &dyn Db, names: &[&str]) -> Vec<NamedDeclaration> {
     let mut found: Vec<NamedDeclaration> = found.into_iter().flatten().collect();
     let mut seen = FxHashSet::default();
     found.retain(|declaration| {
-        seen.insert((
-            declaration.path.clone(),
-            declaration.range.start,
-            declaration.names.clone(),
-        ))
+        seen.insert((declaration.path.clone(), declaration.range.start, declaration.names.clone()))
     });
     found.sort_by(|a, b| (&a.path, a.range.start).cmp(&(&b.path, b.range.start)));
     found
@@ -42,10 +38,7 @@ fn of_unit(db: &dyn Db, root: SourceFile, names: &[&str], units: usize) -> Vec<N
     let elaborated = elaborated_of_many(db, unit, units);
     let all = &elaborated.definitions;
     let mut found = Vec::new();
-    for declaration in all
-        .iter()
-        .filter(|definition| has_name(all, definition, names))
-    {
+    for declaration in all.iter().filter(|definition| has_name(all, definition, names)) {
         let Some((file, range)) = place(db, unit, declaration.src) else {
             continue;
         };
@@ -69,9 +62,7 @@ fn has_name(all: &[Definition], declaration: &Definition, names: &[&str]) -> boo
     for name in names.iter().rev() {
         match declaration {
             Some(definition) if definition.name == *name => {
-                declaration = definition
-                    .container
-                    .and_then(|container| at(all, container))
+                declaration = definition.container.and_then(|container| at(all, container))
             }
             _ => return false,
         }

@@ -35,9 +35,7 @@ pub(crate) fn references(
         .collect();
     let mut roots: Vec<SourceFile> = view.unit.inputs(view.db).clone();
     let mut seen = FxHashSet::from_iter(roots.iter().copied());
-    let others = identities
-        .iter()
-        .flat_map(|identity| roots_of(view.db, identity.file));
+    let others = identities.iter().flat_map(|identity| roots_of(view.db, identity.file));
     roots.extend(others.copied().filter(|root| seen.insert(*root)));
     let found = parallel::over(view.db, &roots, |db, &root| {
         named(db, unit_of_root(db, root), &identities, roots.len())
@@ -47,21 +45,14 @@ pub(crate) fn references(
         match target {
             Target::Macro(name, Some(site)) => {
                 let home = nav_target(view, target).map(|target| view.db.file(&target.path));
-                for_each_unit(view, home, |unit| {
-                    macro_uses(view.db, unit, name, site, &mut out)
-                });
+                for_each_unit(view, home, |unit| macro_uses(view.db, unit, name, site, &mut out));
                 out.extend(nav_target(view, target).map(|target| ReferenceAt {
-                    place: FileRange {
-                        path: target.path,
-                        range: target.focus_range,
-                    },
+                    place: FileRange { path: target.path, range: target.focus_range },
                     access: AccessKind::Declaration,
                 }));
             }
             Target::File(file) => {
-                for_each_unit(view, [*file], |unit| {
-                    includes(view.db, unit, *file, &mut out)
-                });
+                for_each_unit(view, [*file], |unit| includes(view.db, unit, *file, &mut out));
             }
             _ => {}
         }
@@ -71,11 +62,8 @@ pub(crate) fn references(
     }
     // For a name that is both declared and used, the use is more informative.
     let key = |reference: &ReferenceAt| {
-        let place = (
-            reference.place.path.clone(),
-            reference.place.range.start,
-            reference.place.range.end,
-        );
+        let place =
+            (reference.place.path.clone(), reference.place.range.start, reference.place.range.end);
         (place, std::cmp::Reverse(reference.access))
     };
     out.sort_by_key(key);
@@ -112,10 +100,7 @@ fn named(db: &dyn Db, unit: UnitKey<'_>, wanted: &[Identity], count: usize) -> V
     }
     let at = |src: Src, access| {
         let (file, range) = place(db, unit, src)?;
-        Some(ReferenceAt {
-            place: file_range(db, file, range),
-            access,
-        })
+        Some(ReferenceAt { place: file_range(db, file, range), access })
     };
     let declared = elaborated.definitions.iter();
     let declared = declared.filter(|definition| ids.contains(&definition.id));
@@ -168,10 +153,7 @@ fn includes(db: &dyn Db, unit: UnitKey<'_>, target: SourceFile, out: &mut Vec<Re
 }
 
 fn file_range(db: &dyn Db, file: SourceFile, range: dotgen_syntax::TextRange) -> FileRange {
-    FileRange {
-        path: file.path(db).clone(),
-        range: bytes(range),
-    }
+    FileRange { path: file.path(db).clone(), range: bytes(range) }
 }
 
 #[cfg(test)]
@@ -309,11 +291,7 @@ typedef m::t u;
     #[test]
     fn without_the_declaration() {
         let fixture = Fixture::new("typedef long t$0;\ntypedef t u;\n");
-        let found = fixture
-            .analysis()
-            .references(&fixture.at(), false)
-            .unwrap()
-            .unwrap();
+        let found = fixture.analysis().references(&fixture.at(), false).unwrap().unwrap();
         assert_eq!(found.len(), 1);
     }
 }

@@ -64,9 +64,7 @@ pub(crate) fn prepare(view: &FileView<'_>, at: usize) -> Result<RangeInfo<String
             name.to_string()
         }
         Some(Target::Macro(name, _)) => {
-            return refuse(format!(
-                "`{name}` is not defined in a file of this specification"
-            ));
+            return refuse(format!("`{name}` is not defined in a file of this specification"));
         }
         Some(Target::File(_)) => {
             return refuse("To change a path, rename the file: its includes are updated");
@@ -92,10 +90,7 @@ fn definition_name(view: &FileView<'_>, id: DefId) -> Result<String, RenameError
     if definition.kind == DefKind::State
         && matches!(definition.name.as_str(), "start" | "stop" | "ether")
     {
-        return refuse(format!(
-            "The state `{}` has its name from the language",
-            definition.name
-        ));
+        return refuse(format!("The state `{}` has its name from the language", definition.name));
     }
     if view.place(definition.src).is_none() {
         return refuse(format!("`{}` is not defined in a file", definition.name));
@@ -121,9 +116,7 @@ pub(crate) fn rename(
     let Some((_, targets)) = targets_at(view, at) else {
         return refuse("There is no name here that can be changed");
     };
-    let is_macro = targets
-        .iter()
-        .any(|target| matches!(target, Target::Macro(..)));
+    let is_macro = targets.iter().any(|target| matches!(target, Target::Macro(..)));
     let places = match is_macro {
         true => macro_places(view, at, &old),
         false => places_of(view, &targets, &old, new_name, progress)?,
@@ -140,11 +133,7 @@ pub(crate) fn rename(
                     hand first"
             ));
         }
-        edits.push(FileEdit {
-            path: file.path(db).clone(),
-            range,
-            new_text: new_name.to_owned(),
-        });
+        edits.push(FileEdit { path: file.path(db).clone(), range, new_text: new_name.to_owned() });
     }
     // Sorted by the text of paths: comparing their components takes a second for many edits.
     edits.sort_by(|a, b| (a.path.as_str(), a.range.start).cmp(&(b.path.as_str(), b.range.start)));
@@ -245,14 +234,8 @@ fn mentions(
     }
     // Most names are different: their places are not looked up.
     let is_named = |definition: DefId| elaborated.definition(definition).name == old;
-    let declared = elaborated
-        .definitions
-        .iter()
-        .map(|definition| (definition.src, definition.id));
-    let used = elaborated
-        .references
-        .iter()
-        .map(|reference| (reference.at, reference.target));
+    let declared = elaborated.definitions.iter().map(|definition| (definition.src, definition.id));
+    let used = elaborated.references.iter().map(|reference| (reference.at, reference.target));
     let named: Vec<(FileSpan, DefId)> = declared
         .chain(used)
         .filter(|pair| is_named(pair.1))
@@ -261,17 +244,13 @@ fn mentions(
             Some(((file, bytes(range)), id))
         })
         .collect();
-    let found: FxHashSet<&FileSpan> = named
-        .iter()
-        .filter(|pair| ids.contains(&pair.1))
-        .map(|pair| &pair.0)
-        .collect();
+    let found: FxHashSet<&FileSpan> =
+        named.iter().filter(|pair| ids.contains(&pair.1)).map(|pair| &pair.0).collect();
     let mut identities: FxHashMap<DefId, Option<Identity>> = FxHashMap::default();
     let mut out = Vec::new();
     for (place, id) in named.iter().filter(|pair| found.contains(&pair.0)) {
-        let identity = identities
-            .entry(*id)
-            .or_insert_with(|| identity_in(db, unit, &elaborated, *id));
+        let identity =
+            identities.entry(*id).or_insert_with(|| identity_in(db, unit, &elaborated, *id));
         out.extend(identity.clone().map(|identity| (place.clone(), identity)));
     }
     out
@@ -340,12 +319,9 @@ fn check_macros(
                 if !crate::unit::mentioned(db, file).words.contains(new_name) {
                     continue;
                 }
-                let defined = defines(db, file).iter().any(|define| {
-                    define
-                        .name
-                        .as_ref()
-                        .is_some_and(|name| name.text == new_name)
-                });
+                let defined = defines(db, file)
+                    .iter()
+                    .any(|define| define.name.as_ref().is_some_and(|name| name.text == new_name));
                 if defined {
                     return refuse(format!("`{new_name}` is a macro, defined in {name}"));
                 }
@@ -375,13 +351,12 @@ fn check_meaning(
             return Some(taken().unwrap_or_else(|| error.message.clone()));
         }
         let same = comparison.before.references == comparison.after.references
-            && std::iter::zip(
-                &comparison.before.definitions,
-                &comparison.after.definitions,
+            && std::iter::zip(&comparison.before.definitions, &comparison.after.definitions).all(
+                |(a, b)| {
+                    (a.id, a.kind, a.src, a.container, a.ty)
+                        == (b.id, b.kind, b.src, b.container, b.ty)
+                },
             )
-            .all(|(a, b)| {
-                (a.id, a.kind, a.src, a.container, a.ty) == (b.id, b.kind, b.src, b.container, b.ty)
-            })
             && comparison.before.definitions.len() == comparison.after.definitions.len()
             && shape(&comparison.before.spec) == shape(&comparison.after.spec);
         (!same).then(|| {
@@ -404,18 +379,8 @@ fn check_meaning(
 fn shape(spec: &crate::model::Spec) -> Vec<[usize; 5]> {
     let of = |component: &crate::model::Component| {
         let codels = component.all_codels().count();
-        let parts = [
-            component.tasks.len(),
-            component.ports.len(),
-            component.services.len(),
-        ];
-        [
-            parts[0],
-            parts[1],
-            parts[2],
-            component.remotes.len(),
-            codels,
-        ]
+        let parts = [component.tasks.len(), component.ports.len(), component.services.len()];
+        [parts[0], parts[1], parts[2], component.remotes.len(), codels]
     };
     spec.components.iter().map(of).collect()
 }
@@ -426,11 +391,7 @@ pub(crate) fn files_moved(db: &dyn Db, moves: &[(Utf8PathBuf, Utf8PathBuf)]) -> 
         moves.iter().find_map(|(from, to)| {
             let rest = path.strip_prefix(normalize(from)).ok()?;
             let to = normalize(to);
-            Some(if rest.as_str().is_empty() {
-                to
-            } else {
-                to.join(rest)
-            })
+            Some(if rest.as_str().is_empty() { to } else { to.join(rest) })
         })
     };
     let mut edits: Vec<FileEdit> = Vec::new();
@@ -454,15 +415,7 @@ pub(crate) fn files_moved(db: &dyn Db, moves: &[(Utf8PathBuf, Utf8PathBuf)]) -> 
                 let new_from = new_from.as_deref().unwrap_or(from);
                 let new_target = new_target.as_deref().unwrap_or(target);
                 let spelled = Utf8Path::new(request.path.as_str());
-                let new = respell(
-                    db,
-                    spelled,
-                    request.angled,
-                    from,
-                    target,
-                    new_from,
-                    new_target,
-                );
+                let new = respell(db, spelled, request.angled, from, target, new_from, new_target);
                 // The name of a macro as an operand is not a path to change.
                 let path = (range != include.range).then_some(new).flatten();
                 if let Some(path) = path.filter(|path| path.as_str() != request.path) {

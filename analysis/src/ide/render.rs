@@ -32,10 +32,7 @@ pub(crate) fn normalized(view: &FileView<'_>, node: &SyntaxNode) -> String {
 
 /// The text of a node on one line, without body.
 pub(crate) fn one_line(view: &FileView<'_>, node: &SyntaxNode) -> String {
-    let mut layout = Layout {
-        flat: true,
-        ..Layout::default()
-    };
+    let mut layout = Layout { flat: true, ..Layout::default() };
     for element in node.descendants_with_tokens() {
         let Some(token) = element.as_token() else {
             continue;
@@ -50,15 +47,12 @@ pub(crate) fn one_line(view: &FileView<'_>, node: &SyntaxNode) -> String {
 
 /// Returns true for directives, excluded text, and macro calls.
 fn is_hidden(token: &SyntaxToken, within: &SyntaxNode) -> bool {
-    token
-        .parent_ancestors()
-        .take_while(|ancestor| ancestor != within)
-        .any(|ancestor| {
-            matches!(
-                ancestor.kind(),
-                SyntaxKind::DIRECTIVE | SyntaxKind::INACTIVE | SyntaxKind::MACRO_CALL
-            )
-        })
+    token.parent_ancestors().take_while(|ancestor| ancestor != within).any(|ancestor| {
+        matches!(
+            ancestor.kind(),
+            SyntaxKind::DIRECTIVE | SyntaxKind::INACTIVE | SyntaxKind::MACRO_CALL
+        )
+    })
 }
 
 #[derive(Default)]
@@ -139,11 +133,8 @@ impl Layout {
         let Some(previous) = self.previous else {
             return false;
         };
-        let glued_before = matches!(
-            kind,
-            SEMICOLON | COMMA | R_PAREN | R_BRACK | COLON2 | R_ANGLE
-        ) || (matches!(kind, DOT | L_BRACK)
-            && !matches!(previous, L_CURLY | COMMA))
+        let glued_before = matches!(kind, SEMICOLON | COMMA | R_PAREN | R_BRACK | COLON2 | R_ANGLE)
+            || (matches!(kind, DOT | L_BRACK) && !matches!(previous, L_CURLY | COMMA))
             || (kind == COLON && self.label);
         let glued_after = matches!(previous, L_PAREN | L_BRACK | COLON2 | DOT | L_ANGLE);
         if kind == COLON2 {
@@ -189,11 +180,7 @@ pub(crate) fn type_text(spec: &Spec, id: TypeId) -> String {
         TypeKind::Array { .. } => {
             let (mut element, mut dimensions) = (id, String::new());
             while let Some(Type {
-                kind:
-                    TypeKind::Array {
-                        element: inner,
-                        length,
-                    },
+                kind: TypeKind::Array { element: inner, length },
                 name: None,
                 ..
             }) = spec.types.get(element.0 as usize)
@@ -220,31 +207,17 @@ pub(crate) fn resolved_type_text(spec: &Spec, id: TypeId) -> Option<String> {
     Some(match &ty.kind {
         TypeKind::Unknown => return None,
         TypeKind::Struct { members } => {
-            format!(
-                "struct {} ({})",
-                type_text(spec, resolved),
-                count(members.len(), "member")
-            )
+            format!("struct {} ({})", type_text(spec, resolved), count(members.len(), "member"))
         }
         TypeKind::Union { members, .. } => {
-            format!(
-                "union {} ({})",
-                type_text(spec, resolved),
-                count(members.len(), "case")
-            )
+            format!("union {} ({})", type_text(spec, resolved), count(members.len(), "case"))
         }
         TypeKind::Enum { enumerators } => {
-            format!(
-                "enum {} ({})",
-                type_text(spec, resolved),
-                count(enumerators.len(), "value")
-            )
+            format!("enum {} ({})", type_text(spec, resolved), count(enumerators.len(), "value"))
         }
-        TypeKind::Exception { members } => format!(
-            "exception {} ({})",
-            type_text(spec, resolved),
-            count(members.len(), "member")
-        ),
+        TypeKind::Exception { members } => {
+            format!("exception {} ({})", type_text(spec, resolved), count(members.len(), "member"))
+        }
         TypeKind::Native => format!("native {}", type_text(spec, resolved)),
         _ => type_text(spec, resolved),
     })

@@ -53,11 +53,7 @@ pub(crate) fn occurrences<'db>(
     let mut out = Vec::new();
     for definition in &elaborated.definitions {
         if let Some(range) = here(definition.src) {
-            out.push(Occurrence {
-                range,
-                target: definition.id,
-                access: AccessKind::Declaration,
-            });
+            out.push(Occurrence { range, target: definition.id, access: AccessKind::Declaration });
         }
     }
     for reference in &elaborated.references {
@@ -73,12 +69,7 @@ pub(crate) fn occurrences<'db>(
         }
     }
     out.sort_by_key(|occurrence| {
-        (
-            occurrence.range.start(),
-            occurrence.range.end(),
-            occurrence.target,
-            occurrence.access,
-        )
+        (occurrence.range.start(), occurrence.range.end(), occurrence.target, occurrence.access)
     });
     out.dedup();
     out
@@ -121,16 +112,9 @@ pub(crate) fn meanings_at(view: &FileView<'_>, at: usize) -> Option<(TextRange, 
             .is_some_and(|identity| identity.file == view.file && identity.range == range),
         _ => false,
     };
-    let elsewhere: Vec<Target> = targets
-        .iter()
-        .filter(|target| !is_here(target))
-        .cloned()
-        .collect();
-    let found = if elsewhere.is_empty() {
-        targets
-    } else {
-        elsewhere
-    };
+    let elsewhere: Vec<Target> =
+        targets.iter().filter(|target| !is_here(target)).cloned().collect();
+    let found = if elsewhere.is_empty() { targets } else { elsewhere };
     Some((range, found))
 }
 
@@ -146,29 +130,24 @@ fn same_place(all: &[Occurrence], range: TextRange) -> Vec<Target> {
 /// The macro named under the cursor, in its definition, a condition or a call.
 fn macro_at(view: &FileView<'_>, at: dotgen_syntax::TextSize) -> Option<(TextRange, Target)> {
     let pre = view.pre();
-    let used = pre
-        .macro_uses
-        .iter()
-        .find(|usage| usage.range.contains_inclusive(at));
+    let used = pre.macro_uses.iter().find(|usage| usage.range.contains_inclusive(at));
     if let Some(used) = used {
         let target = Target::Macro(used.name.clone(), used.site.clone());
         return Some((used.range, target));
     }
-    pre.directives
-        .iter()
-        .find_map(|directive| match &directive.kind {
-            DirectiveKind::Define(define) => {
-                let name = define.name.as_ref()?;
-                let site = MacroSite {
-                    file: Some(view.file.path(view.db).as_str().into()),
-                    ordinal: define.ordinal,
-                };
-                name.range
-                    .contains_inclusive(at)
-                    .then(|| (name.range, Target::Macro(name.text.clone(), Some(site))))
-            }
-            _ => None,
-        })
+    pre.directives.iter().find_map(|directive| match &directive.kind {
+        DirectiveKind::Define(define) => {
+            let name = define.name.as_ref()?;
+            let site = MacroSite {
+                file: Some(view.file.path(view.db).as_str().into()),
+                ordinal: define.ordinal,
+            };
+            name.range
+                .contains_inclusive(at)
+                .then(|| (name.range, Target::Macro(name.text.clone(), Some(site))))
+        }
+        _ => None,
+    })
 }
 
 /// The definition of a target; `None` for predefined macros.
@@ -253,12 +232,7 @@ pub(crate) fn identity_in<'db>(
 ) -> Option<Identity> {
     let definition = elaborated.definitions.get(id.0 as usize)?;
     let (file, range) = place(db, unit, definition.src)?;
-    Some(Identity {
-        file,
-        range,
-        name: definition.name.clone(),
-        kind: definition.kind.into(),
-    })
+    Some(Identity { file, range, name: definition.name.clone(), kind: definition.kind.into() })
 }
 
 /// The definitions of a unit with any of these identities.

@@ -82,10 +82,7 @@ mod tests {
     fn check(text: &str, expected: &[&str]) {
         let fixture = Fixture::new(text);
         let at = fixture.at();
-        let ranges = fixture
-            .analysis()
-            .selection_ranges(&at.path, &[at.offset])
-            .unwrap();
+        let ranges = fixture.analysis().selection_ranges(&at.path, &[at.offset]).unwrap();
         let text = fixture.text("/main.gen");
         let found: Vec<&str> = ranges[0].iter().map(|range| &text[range.clone()]).collect();
         assert_eq!(found, expected);
@@ -95,12 +92,7 @@ mod tests {
     fn grows_along_the_tree() {
         check(
             "typedef sequence<m::t$0, 4> u;",
-            &[
-                "t",
-                "m::t",
-                "sequence<m::t, 4>",
-                "typedef sequence<m::t, 4> u;",
-            ],
+            &["t", "m::t", "sequence<m::t, 4>", "typedef sequence<m::t, 4> u;"],
         );
         check(
             "component c { ids { lo$0ng v; }; };",

@@ -23,15 +23,9 @@ pub(crate) fn semantic_tokens(
         let Some(definition) = definitions.get(occurrence.target.0 as usize) else {
             continue;
         };
-        names
-            .entry(occurrence.range)
-            .or_insert((definition.kind, occurrence.access));
+        names.entry(occurrence.range).or_insert((definition.kind, occurrence.access));
     }
-    let macros = view
-        .pre()
-        .macro_uses
-        .iter()
-        .filter(|usage| usage.site.is_some());
+    let macros = view.pre().macro_uses.iter().filter(|usage| usage.site.is_some());
     let mut tokens = Tokens {
         names,
         macros: macros.map(|definition| definition.range.start()).collect(),
@@ -68,11 +62,7 @@ struct Tokens {
 impl Tokens {
     fn push(&mut self, range: TextRange, ty: TokenType, modifiers: TokenModifiers) {
         if !range.is_empty() {
-            self.out.push(SemanticToken {
-                range: bytes(range),
-                ty,
-                modifiers,
-            });
+            self.out.push(SemanticToken { range: bytes(range), ty, modifiers });
         }
     }
 
@@ -96,11 +86,7 @@ impl Tokens {
         if kind.is_trivia() {
             return None;
         }
-        if self
-            .macros
-            .binary_search(&token.text_range().start())
-            .is_ok()
-        {
+        if self.macros.binary_search(&token.text_range().start()).is_ok() {
             return Some((TokenType::Macro, NONE));
         }
         if let Some(&(definition, access)) = self.names.get(&token.text_range()) {
@@ -143,9 +129,7 @@ fn directive_token(
 ) -> Option<Option<(TokenType, TokenModifiers)>> {
     use SyntaxKind as K;
     const NONE: TokenModifiers = TokenModifiers::NONE;
-    let directive = token
-        .parent_ancestors()
-        .find(|ancestor| ancestor.kind() == K::DIRECTIVE)?;
+    let directive = token.parent_ancestors().find(|ancestor| ancestor.kind() == K::DIRECTIVE)?;
     let kind = token.kind();
     Some(match parent {
         K::DIRECTIVE => Some((TokenType::Directive, NONE)),
@@ -153,9 +137,8 @@ fn directive_token(
         K::NAME => Some((TokenType::Macro, TokenModifiers::DECLARATION)),
         K::NAME_REF => {
             let word = directive.first_child();
-            let in_params = token
-                .parent_ancestors()
-                .any(|ancestor| ancestor.kind() == K::MACRO_PARAMS);
+            let in_params =
+                token.parent_ancestors().any(|ancestor| ancestor.kind() == K::MACRO_PARAMS);
             let is_word = word.is_some_and(|word| word.text_range() == token.text_range());
             let pragma = dotgen_syntax::ast::AstNode::cast(directive)
                 .map(|node: dotgen_syntax::ast::Directive| node.kind());
@@ -241,21 +224,13 @@ fn unresolved(token: &SyntaxToken, parent: SyntaxKind) -> Option<(TokenType, Tok
 
 fn string_modifiers(token: &SyntaxToken) -> TokenModifiers {
     use SyntaxKind as K;
-    let owner = token
-        .parent_ancestors()
-        .find(|ancestor| !matches!(ancestor.kind(), K::LITERAL));
+    let owner = token.parent_ancestors().find(|ancestor| !matches!(ancestor.kind(), K::LITERAL));
     let is_doc = owner.is_some_and(|owner| match owner.kind() {
         K::INITIALIZER_DOC => true,
-        K::STRING_PROPERTY => owner
-            .first_token()
-            .is_some_and(|token| token.kind() == K::DOC_KW),
+        K::STRING_PROPERTY => owner.first_token().is_some_and(|token| token.kind() == K::DOC_KW),
         _ => false,
     });
-    if is_doc {
-        TokenModifiers::DOCUMENTATION
-    } else {
-        TokenModifiers::NONE
-    }
+    if is_doc { TokenModifiers::DOCUMENTATION } else { TokenModifiers::NONE }
 }
 
 fn is_base_type(kind: SyntaxKind) -> bool {
@@ -314,10 +289,7 @@ mod tests {
     #[track_caller]
     fn check(text: &str, expected: Expect) {
         let fixture = Fixture::new(text);
-        let tokens = fixture
-            .analysis()
-            .semantic_tokens("/main.gen".into(), None)
-            .unwrap();
+        let tokens = fixture.analysis().semantic_tokens("/main.gen".into(), None).unwrap();
         expected.assert_eq(&dump(&fixture.text("/main.gen"), &tokens));
     }
 
@@ -459,12 +431,7 @@ const long n = N;
     #[test]
     fn a_range_gives_the_tokens_that_touch_it() {
         let fixture = Fixture::new("const long a = 1;\nconst long b = 2;\nconst long c = 3;\n");
-        let tokens = |range| {
-            fixture
-                .analysis()
-                .semantic_tokens("/main.gen".into(), range)
-                .unwrap()
-        };
+        let tokens = |range| fixture.analysis().semantic_tokens("/main.gen".into(), range).unwrap();
         let all = tokens(None);
         let some = tokens(Some(18..35));
         assert_eq!(some.len(), all.len() / 3);

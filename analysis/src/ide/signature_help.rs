@@ -125,15 +125,9 @@ fn list(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<Signat
         parameter_list::List::Attribute | parameter_list::List::Service => {
             // Declared before, here or in an interface: the parameters must be the same.
             let component = names.component()?;
-            let service = component
-                .services
-                .iter()
-                .find(|service| service.name == name.text)?;
-            let params: Vec<&Param> = service
-                .params
-                .iter()
-                .filter(|param| param.dir != ParamDir::Local)
-                .collect();
+            let service = component.services.iter().find(|service| service.name == name.text)?;
+            let params: Vec<&Param> =
+                service.params.iter().filter(|param| param.dir != ParamDir::Local).collect();
             if params.is_empty() {
                 return None;
             }
@@ -187,10 +181,7 @@ struct Builder {
 
 impl Builder {
     fn new(label: String) -> Builder {
-        Builder {
-            label,
-            parameters: Vec::new(),
-        }
+        Builder { label, parameters: Vec::new() }
     }
 
     fn parameter(&mut self, text: &str) {
@@ -245,14 +236,8 @@ component c {
     #[test]
     fn parameters() {
         let check = |here: &str, expected: &str| check(&TEXT.replace("HERE", here), expected);
-        check(
-            "task u { codel<start> f($0",
-            "f([ids in double x], port out s p)",
-        );
-        check(
-            "task u { codel<start> f(in v.x, $0",
-            "f(ids in double x, [port out s p])",
-        );
+        check("task u { codel<start> f($0", "f([ids in double x], port out s p)");
+        check("task u { codel<start> f(in v.x, $0", "f(ids in double x, [port out s p])");
         check("function g(in long a, $0", "g(in long a, [in s b])");
         check("task u { codel<start> unknown($0", "");
         check("task u { $0", "");
@@ -263,14 +248,8 @@ component c {
         let check = |here: &str, expected: &str| check(&TEXT.replace("HERE", here), expected);
         check("function h(in s b = { $0", "s { [double x], long[2] y }");
         check("function h(in s b = { 1, $0", "s { double x, [long[2] y] }");
-        check(
-            "function h(in s b = { .y = $0",
-            "s { double x, [long[2] y] }",
-        );
-        check(
-            "function h(in s b = { .x = (1 + $0",
-            "s { [double x], long[2] y }",
-        );
+        check("function h(in s b = { .y = $0", "s { double x, [long[2] y] }");
+        check("function h(in s b = { .x = (1 + $0", "s { [double x], long[2] y }");
         check("function h(in s b = { .y = { $0", "long[2] { [long…] }");
         check("attribute h(in v = { $0", "s { [double x], long[2] y }");
     }

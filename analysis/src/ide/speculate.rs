@@ -73,10 +73,8 @@ pub(crate) fn compare_some<R: Send>(
     for edit in edits {
         by_file.entry(db.file(&edit.path)).or_default().push(edit);
     }
-    let roots: FxHashSet<SourceFile> = by_file
-        .keys()
-        .flat_map(|&file| roots_of(db, file).iter().copied())
-        .collect();
+    let roots: FxHashSet<SourceFile> =
+        by_file.keys().flat_map(|&file| roots_of(db, file).iter().copied()).collect();
     let roots: Vec<SourceFile> = roots.into_iter().collect();
     let roots = parallel::over(db, &roots, |db, &root| tried(db, root).then_some(root));
     let mut roots: Vec<SourceFile> = roots.into_iter().flatten().collect();
@@ -85,19 +83,11 @@ pub(crate) fn compare_some<R: Send>(
     progress.expect(roots.len());
     let found = parallel::over(db, &batches, |db, batch| {
         let mut texts: FxHashMap<Utf8PathBuf, String> = FxHashMap::default();
-        for file in batch
-            .iter()
-            .flat_map(|&root| files(db, unit_of_root(db, root)))
-        {
+        for file in batch.iter().flat_map(|&root| files(db, unit_of_root(db, root))) {
             let edits = by_file.get(&file).into_iter().flatten().copied();
-            texts
-                .entry(file.path(db).clone())
-                .or_insert_with(|| apply(file.text(db), edits));
+            texts.entry(file.path(db).clone()).or_insert_with(|| apply(file.text(db), edits));
         }
-        let overlay = Overlay {
-            texts,
-            below: db.loader().clone(),
-        };
+        let overlay = Overlay { texts, below: db.loader().clone() };
         let other = RootDatabase::with_settings_of(db, Arc::new(overlay));
         let mut found = Vec::new();
         for &root in *batch {
@@ -126,10 +116,7 @@ pub(crate) fn edited_unit(db: &dyn Db, root: SourceFile, edits: &[FileEdit]) -> 
         let here = edits.iter().filter(|edit| edit.path == *path);
         texts.insert(path.clone(), apply(file.text(db), here));
     }
-    let overlay = Overlay {
-        texts,
-        below: db.loader().clone(),
-    };
+    let overlay = Overlay { texts, below: db.loader().clone() };
     let other = RootDatabase::with_settings_of(db, Arc::new(overlay));
     let there = unit_of_root(&other, other.file(root.path(db)));
     unit_result(&other, there)

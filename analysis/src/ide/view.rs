@@ -29,12 +29,7 @@ impl<'db> FileView<'db> {
         }
         let unit = serving_unit(db, file);
         let (_, key) = serving_visit(db, unit, file)?;
-        Some(FileView {
-            db,
-            file,
-            unit,
-            key,
-        })
+        Some(FileView { db, file, unit, key })
     }
 
     pub(crate) fn text(&self) -> &'db str {

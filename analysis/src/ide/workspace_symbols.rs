@@ -60,10 +60,7 @@ fn of_unit(db: &dyn Db, root: SourceFile, query: &str, count: usize) -> Vec<Rank
     let unit = unit_of_root(db, root);
     let elaborated = elaborated_of_many(db, unit, count);
     let mut found = Vec::new();
-    for definition in elaborated
-        .definitions
-        .iter()
-        .filter(|definition| is_listed(definition.kind))
+    for definition in elaborated.definitions.iter().filter(|definition| is_listed(definition.kind))
     {
         let Some(rank) = rank(&definition.name, query) else {
             continue;
@@ -75,10 +72,7 @@ fn of_unit(db: &dyn Db, root: SourceFile, query: &str, count: usize) -> Vec<Rank
             name: definition.name.clone(),
             kind: definition.kind.into(),
             container: container_name(&elaborated.definitions, definition),
-            target: FileRange {
-                path: file.path(db).clone(),
-                range: bytes(range),
-            },
+            target: FileRange { path: file.path(db).clone(), range: bytes(range) },
         };
         found.push((Reverse(rank), definition.name.clone(), symbol));
     }
@@ -87,10 +81,7 @@ fn of_unit(db: &dyn Db, root: SourceFile, query: &str, count: usize) -> Vec<Rank
 
 /// Returns false for parameters and local variables, which are not listed outside their service.
 fn is_listed(kind: DefKind) -> bool {
-    !matches!(
-        kind,
-        DefKind::Parameter | DefKind::Local | DefKind::CodelParameter
-    )
+    !matches!(kind, DefKind::Parameter | DefKind::Local | DefKind::CodelParameter)
 }
 
 /// The quality of a match: equal, prefix, substring, scattered; `None` without a match.
@@ -107,10 +98,7 @@ fn rank(name: &str, query: &str) -> Option<u8> {
         return Some(2);
     }
     let mut letters = lower.chars();
-    query
-        .chars()
-        .all(|wanted| letters.any(|letter| letter == wanted))
-        .then_some(1)
+    query.chars().all(|wanted| letters.any(|letter| letter == wanted)).then_some(1)
 }
 
 #[cfg(test)]

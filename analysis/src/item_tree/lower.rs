@@ -136,9 +136,7 @@ fn directives<'a>(
     if elements.len() <= FEW && elements.iter().all(|(spelled, _)| *spelled) {
         let at = elements.iter().filter_map(|&(_, index)| {
             let (directive, index) = directive(index)?;
-            let token = root
-                .token_at_offset(directive.range.start())
-                .right_biased()?;
+            let token = root.token_at_offset(directive.range.start()).right_biased()?;
             let node = token
                 .parent_ancestors()
                 .find(|ancestor| ancestor.kind() == SyntaxKind::DIRECTIVE)?;
@@ -166,10 +164,7 @@ impl Lowering<'_> {
         let start = self.ranges.starts.last().copied().unwrap_or(0);
         let node = self.ranges.ranges.len() as u32 - start;
         self.ranges.ranges.push(range);
-        Ptr {
-            item: item as u32,
-            node,
-        }
+        Ptr { item: item as u32, node }
     }
 
     fn node(&mut self, node: &SyntaxNode) -> Ptr {
@@ -208,16 +203,11 @@ impl Lowering<'_> {
 
     fn ident(&mut self, token: Option<SyntaxToken>) -> Option<Name> {
         let token = token?;
-        Some(Name {
-            text: self.map.text(&token),
-            ptr: self.token(&token),
-        })
+        Some(Name { text: self.map.text(&token), ptr: self.token(&token) })
     }
 
     fn names(&mut self, names: AstChildren<ast::NameRef>) -> Vec<Name> {
-        names
-            .filter_map(|name| self.name_ref(Some(name)))
-            .collect_exact()
+        names.filter_map(|name| self.name_ref(Some(name))).collect_exact()
     }
 
     // Items.
@@ -310,10 +300,9 @@ impl Lowering<'_> {
                 ty: self.type_ref(typedef.type_spec(), &node),
                 declarators: self.declarators(typedef.declarators()),
             },
-            ast::Item::NativeDecl(native) => Item::Native {
-                ptr: self.node(&node),
-                name: self.name(native.name()),
-            },
+            ast::Item::NativeDecl(native) => {
+                Item::Native { ptr: self.node(&node), name: self.name(native.name()) }
+            }
             ast::Item::ExceptionDecl(exception) => Item::Exceptions {
                 ptr: self.node(&node),
                 exceptions: exception
@@ -396,17 +385,12 @@ impl Lowering<'_> {
                 })
                 .collect_exact(),
             ty: self.type_ref(case.type_spec(), case.syntax()),
-            declarator: case
-                .declarator()
-                .and_then(|declarator| self.declarator(&declarator)),
+            declarator: case.declarator().and_then(|declarator| self.declarator(&declarator)),
         }
     }
 
     fn exception(&mut self, exception: &ast::Exception) -> Option<ExceptionDecl> {
-        Some(ExceptionDecl {
-            name: self.name(exception.name())?,
-            members: self.body(exception),
-        })
+        Some(ExceptionDecl { name: self.name(exception.name())?, members: self.body(exception) })
     }
 
     fn directive(&mut self, at: usize, fragment: Option<Fragment>) -> Option<Item> {
@@ -418,10 +402,7 @@ impl Lowering<'_> {
                     *self.fragments.get_mut(ordinal as usize)? = fragment;
                     *self.placed.get_mut(ordinal as usize)? = true;
                 }
-                Some(Item::Include {
-                    ordinal,
-                    ptr: self.ptr(directive.range),
-                })
+                Some(Item::Include { ordinal, ptr: self.ptr(directive.range) })
             }
             DirectiveKind::Pragma(pragma) => {
                 let word = pragma.name.as_ref()?.text.clone();
@@ -434,20 +415,11 @@ impl Lowering<'_> {
                         .collect_exact()
                 };
                 Some(Item::Pragma(match word.as_str() {
-                    "require" | "requires" => Pragma::Requires {
-                        arguments: arguments(self),
-                        ptr,
-                    },
-                    "provide" | "provides" => Pragma::Provides {
-                        arguments: arguments(self),
-                        ptr,
-                    },
+                    "require" | "requires" => Pragma::Requires { arguments: arguments(self), ptr },
+                    "provide" | "provides" => Pragma::Provides { arguments: arguments(self), ptr },
                     "masquerade" => Pragma::Masquerade {
                         arguments: arguments(self),
-                        ty: pragma
-                            .args
-                            .get(1)
-                            .and_then(|argument| self.path_in(&node, argument)),
+                        ty: pragma.args.get(1).and_then(|argument| self.path_in(&node, argument)),
                         ptr,
                     },
                     "wcet" => {
@@ -457,9 +429,7 @@ impl Lowering<'_> {
                             directive.syntax().children().filter_map(ast::NameRef::cast);
                         Pragma::Wcet {
                             codel: self.name_ref(names.nth(1)),
-                            duration: directive
-                                .quantity()
-                                .map(|quantity| self.duration(&quantity)),
+                            duration: directive.quantity().map(|quantity| self.duration(&quantity)),
                             ptr,
                         }
                     }
@@ -475,13 +445,10 @@ impl Lowering<'_> {
         let ptr = self.ptr(argument.range);
         let start = argument.range.start();
         // In a `_Pragma`, or with quotes escaped, the parts have no place of their own.
-        let spelled = directive
-            .text_range()
-            .contains_range(argument.range)
-            .then(|| {
-                let within = argument.range - directive.text_range().start();
-                directive.text().slice(within).to_string()
-            });
+        let spelled = directive.text_range().contains_range(argument.range).then(|| {
+            let within = argument.range - directive.text_range().start();
+            directive.text().slice(within).to_string()
+        });
         let inside = spelled.and_then(|slice| slice.find(argument.text.as_str()));
         let mut offset = 0;
         let mut segments = Vec::new();
@@ -495,10 +462,7 @@ impl Lowering<'_> {
                     }
                     None => argument.range,
                 };
-                segments.push(Name {
-                    text: name.into(),
-                    ptr: self.ptr(range),
-                });
+                segments.push(Name { text: name.into(), ptr: self.ptr(range) });
             }
             offset += part.len() + 2;
         }
@@ -553,12 +517,9 @@ impl Lowering<'_> {
                     _ => P::Extends(names),
                 }
             }
-            ast::Property::ThrowsProperty(property) => P::Throws(
-                property
-                    .paths()
-                    .filter_map(|path| self.path(&path))
-                    .collect_exact(),
-            ),
+            ast::Property::ThrowsProperty(property) => {
+                P::Throws(property.paths().filter_map(|path| self.path(&path)).collect_exact())
+            }
             ast::Property::PriorityProperty(property) => {
                 P::Priority(self.expr(property.expr(), node))
             }
@@ -582,9 +543,9 @@ impl Lowering<'_> {
                 ty: self.type_ref(property.type_spec(), node),
                 declarators: self.declarators(property.declarators()),
             },
-            ast::Property::CodelProperty(property) => P::Codel(Box::new(
-                self.codel(&property.codel()?, property.is_async()),
-            )),
+            ast::Property::CodelProperty(property) => {
+                P::Codel(Box::new(self.codel(&property.codel()?, property.is_async())))
+            }
         };
         Some(Property { kind, ptr, keyword })
     }

@@ -54,13 +54,7 @@ fn uses(lint: &Lint) -> Vec<DataAccess> {
             };
             // `in` on an output port reads back the written value.
             let (reads, writes) = directions(param.dir);
-            out.push(DataAccess {
-                what,
-                reads,
-                writes,
-                at: param.src,
-                by: Accessor::Codel(codel),
-            });
+            out.push(DataAccess { what, reads, writes, at: param.src, by: Accessor::Codel(codel) });
         }
     }
     for (i, service) in component.services.iter().enumerate() {
@@ -83,10 +77,7 @@ fn uses(lint: &Lint) -> Vec<DataAccess> {
 }
 
 fn directions(dir: ParamDir) -> (bool, bool) {
-    (
-        matches!(dir, ParamDir::In | ParamDir::Inout),
-        matches!(dir, ParamDir::Out | ParamDir::Inout),
-    )
+    (matches!(dir, ParamDir::In | ParamDir::Inout), matches!(dir, ParamDir::Out | ParamDir::Inout))
 }
 
 fn member(path: &[PathElement]) -> Option<String> {
@@ -98,10 +89,8 @@ fn member(path: &[PathElement]) -> Option<String> {
 
 fn ports(lint: &mut Lint, uses: &[DataAccess]) {
     for (index, port) in lint.component.ports.iter().enumerate() {
-        let of_port: Vec<&DataAccess> = uses
-            .iter()
-            .filter(|u| u.what == AccessedData::Port(index as u32))
-            .collect();
+        let of_port: Vec<&DataAccess> =
+            uses.iter().filter(|u| u.what == AccessedData::Port(index as u32)).collect();
         let name = &port.name;
         if port.dir == PortDir::In {
             if !of_port.iter().any(|u| u.reads) {
@@ -111,10 +100,7 @@ fn ports(lint: &mut Lint, uses: &[DataAccess]) {
         }
         let writers: Vec<&&DataAccess> = of_port.iter().filter(|u| u.writes).collect();
         if writers.is_empty() {
-            lint.report(
-                port.src,
-                LintWarning::PortNeverWritten { name: name.clone() },
-            );
+            lint.report(port.src, LintWarning::PortNeverWritten { name: name.clone() });
             continue;
         }
         let mut tasks: Vec<u32> = writers
@@ -147,10 +133,8 @@ fn ports(lint: &mut Lint, uses: &[DataAccess]) {
             if racing.len() < 2 {
                 continue;
             }
-            let names: Vec<Name> = racing
-                .iter()
-                .map(|&t| lint.component.tasks[t as usize].name.clone())
-                .collect();
+            let names: Vec<Name> =
+                racing.iter().map(|&t| lint.component.tasks[t as usize].name.clone()).collect();
             let related: Vec<(Src, Role)> = steady
                 .iter()
                 .filter_map(|u| match u.by {
@@ -160,10 +144,7 @@ fn ports(lint: &mut Lint, uses: &[DataAccess]) {
                 .collect();
             let found = lint.report(
                 port.src,
-                LintWarning::WriteRace {
-                    name: name.clone(),
-                    tasks: Names(names),
-                },
+                LintWarning::WriteRace { name: name.clone(), tasks: Names(names) },
             );
             found.related = related;
         }
@@ -186,18 +167,13 @@ fn ids(lint: &mut Lint, uses: &[DataAccess]) {
             AccessedData::Port(_) => false,
         };
         let of_member: Vec<&DataAccess> = uses.iter().filter(touches).collect();
-        let named = of_member
-            .iter()
-            .any(|u| matches!(u.what, AccessedData::Ids(Some(_))));
+        let named = of_member.iter().any(|u| matches!(u.what, AccessedData::Ids(Some(_))));
         let reads = of_member.iter().any(|u| u.reads);
         let writes = of_member.iter().any(|u| u.writes);
         if !reads && !writes {
             lint.report(ty.src, LintWarning::MemberUnused { name: name.clone() });
         } else if !writes {
-            lint.report(
-                ty.src,
-                LintWarning::MemberNeverWritten { name: name.clone() },
-            );
+            lint.report(ty.src, LintWarning::MemberNeverWritten { name: name.clone() });
         } else if !reads && named {
             lint.report(ty.src, LintWarning::MemberNeverRead { name: name.clone() });
         } else {
@@ -210,12 +186,9 @@ fn ids(lint: &mut Lint, uses: &[DataAccess]) {
 /// requests set.
 fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&DataAccess]) {
     let starts = |by: Accessor| match by {
-        Accessor::Codel(
-            codel @ CodelRef {
-                owner: Owner::Task(_),
-                ..
-            },
-        ) => lint.codel(codel).triggers.iter().any(|s| s.name == "start"),
+        Accessor::Codel(codel @ CodelRef { owner: Owner::Task(_), .. }) => {
+            lint.codel(codel).triggers.iter().any(|s| s.name == "start")
+        }
         _ => false,
     };
     if uses.iter().any(|u| u.writes && starts(u.by)) {
@@ -226,23 +199,10 @@ fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&DataAccess]) {
     let reader = uses.iter().find(|u| {
         u.reads
             && !u.writes
-            && matches!(
-                u.by,
-                Accessor::Codel(CodelRef {
-                    owner: Owner::Task(_),
-                    ..
-                })
-            )
+            && matches!(u.by, Accessor::Codel(CodelRef { owner: Owner::Task(_), .. }))
     });
     let permanent_writer = uses.iter().any(|u| {
-        u.writes
-            && matches!(
-                u.by,
-                Accessor::Codel(CodelRef {
-                    owner: Owner::Task(_),
-                    ..
-                })
-            )
+        u.writes && matches!(u.by, Accessor::Codel(CodelRef { owner: Owner::Task(_), .. }))
     });
     if permanent_writer {
         return;
@@ -260,12 +220,6 @@ fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&DataAccess]) {
         .collect();
     debug_assert!(lint.codel(names).kind == CodelKind::Fsm);
     let codel = lint.codel_name(names);
-    let found = lint.report(
-        reader.at,
-        LintWarning::ReadBeforeWrite {
-            codel,
-            name: name.clone(),
-        },
-    );
+    let found = lint.report(reader.at, LintWarning::ReadBeforeWrite { codel, name: name.clone() });
     found.related = writers;
 }

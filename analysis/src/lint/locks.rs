@@ -56,10 +56,7 @@ fn long_hold(lint: &mut Lint, codel: CodelRef, exclusions: &[mutex::Exclusion]) 
                 other: lint.codel_name(other),
             },
         );
-        found.related.push((
-            component.codel(other).src,
-            Role::WaitsFor(through.as_str().into()),
-        ));
+        found.related.push((component.codel(other).src, Role::WaitsFor(through.as_str().into())));
         found.related.push((period.src, Role::PeriodOfWaiting));
     }
 }
@@ -99,9 +96,7 @@ fn self_blocking(lint: &mut Lint, codel: CodelRef) {
             },
         );
         found.severity = Severity::Information;
-        found
-            .related
-            .push((other_codel.src, Role::AlsoUses(through.as_str().into())));
+        found.related.push((other_codel.src, Role::AlsoUses(through.as_str().into())));
         return;
     }
 }
@@ -122,11 +117,7 @@ fn describe(lint: &Lint, through: &[SharedParameters]) -> String {
 /// it runs before or after all others.
 pub(super) fn only_starts_or_stops(lint: &Lint, codel: CodelRef) -> bool {
     let ends = |name: &str| name == "start" || name == "stop";
-    let mut yields = lint
-        .component
-        .codels_of(codel.owner)
-        .iter()
-        .flat_map(|c| &c.yields);
+    let mut yields = lint.component.codels_of(codel.owner).iter().flat_map(|c| &c.yields);
     matches!(codel.owner, Owner::Task(_))
         && lint.codel(codel).triggers.iter().all(|s| ends(&s.name))
         && yields.all(|s| s.name != "start")

@@ -23,11 +23,7 @@ fn interrupts_nothing(lint: &mut Lint, index: u32) {
     if service.kind != ServiceKind::Activity || list.all || list.services.contains(&index) {
         return;
     }
-    let pauses = service
-        .codels
-        .iter()
-        .flat_map(|c| &c.yields)
-        .any(|s| s.paused);
+    let pauses = service.codels.iter().flat_map(|c| &c.yields).any(|s| s.paused);
     let writes = service.codels.iter().flat_map(|c| &c.params).find(|p| {
         matches!(p.dir, ParamDir::Out | ParamDir::Inout)
             && matches!(p.source, ParamSource::Ids | ParamSource::Port(_))
@@ -37,10 +33,7 @@ fn interrupts_nothing(lint: &mut Lint, index: u32) {
             (&service.name, service.src, &param.name, param.src);
         let found = lint.report(
             at,
-            LintWarning::ConcurrentInstances {
-                name: name.clone(),
-                param: param_name.clone(),
-            },
+            LintWarning::ConcurrentInstances { name: name.clone(), param: param_name.clone() },
         );
         found.related.push((param_src, Role::Written));
     }
@@ -49,24 +42,16 @@ fn interrupts_nothing(lint: &mut Lint, index: u32) {
 /// `service/blind-validate`: a validate codel of a setter that does not get the value to set.
 fn blind_validate(lint: &mut Lint, index: u32) {
     let service = &lint.component.services[index as usize];
-    let sets = service
-        .params
-        .iter()
-        .any(|p| matches!(p.dir, ParamDir::In | ParamDir::Inout));
+    let sets = service.params.iter().any(|p| matches!(p.dir, ParamDir::In | ParamDir::Inout));
     if service.kind != ServiceKind::Attribute || !sets {
         return;
     }
     let component = lint.component;
-    for codel in component.services[index as usize]
-        .codels
-        .iter()
-        .filter(|c| c.kind == CodelKind::Validate)
+    for codel in
+        component.services[index as usize].codels.iter().filter(|c| c.kind == CodelKind::Validate)
     {
         if codel.params.is_empty()
-            || codel
-                .params
-                .iter()
-                .any(|p| matches!(p.source, ParamSource::Local(_)))
+            || codel.params.iter().any(|p| matches!(p.source, ParamSource::Local(_)))
         {
             continue;
         }
@@ -79,11 +64,7 @@ fn blind_validate(lint: &mut Lint, index: u32) {
                 value: value.clone(),
             },
         );
-        found.related = codel
-            .params
-            .iter()
-            .map(|p| (p.src, Role::OldValue))
-            .collect();
+        found.related = codel.params.iter().map(|p| (p.src, Role::OldValue)).collect();
     }
 }
 

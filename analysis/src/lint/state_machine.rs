@@ -32,11 +32,7 @@ pub(super) fn check(lint: &mut Lint) {
 /// function can have that name. In C++ they are in the component's namespace.
 fn names_of_events(lint: &mut Lint) {
     let component = lint.component;
-    if component
-        .lang
-        .as_deref()
-        .is_some_and(|language| language != "c")
-    {
+    if component.lang.as_deref().is_some_and(|language| language != "c") {
         return;
     }
     let prefix = format!("{}_", component.name);
@@ -90,29 +86,14 @@ fn loops(lint: &mut Lint, owner: Owner, machine: &Machine) {
         let owner = lint.owner_name(owner);
         let never_ends = is_activity && !ends && !throws && machine.position("start").is_some();
         let found = if never_ends {
-            lint.report(
-                at,
-                LintWarning::NoTermination {
-                    owner,
-                    round,
-                    closing,
-                },
-            )
+            lint.report(at, LintWarning::NoTermination { owner, round, closing })
         } else {
             let cost = if periodic {
                 "within one period it can go round any number of times, so its execution time has no bound"
             } else {
                 "the task can be kept busy by it for any time"
             };
-            lint.report(
-                at,
-                LintWarning::BusyLoop {
-                    owner,
-                    round,
-                    cost,
-                    closing,
-                },
-            )
+            lint.report(at, LintWarning::BusyLoop { owner, round, cost, closing })
         };
         if !periodic && !never_ends {
             found.severity = Severity::Hint;
@@ -120,17 +101,12 @@ fn loops(lint: &mut Lint, owner: Owner, machine: &Machine) {
         let next = cycle.iter().cycle().skip(1);
         for (&v, &to) in cycle.iter().zip(next) {
             let codel = machine.at(v);
-            if let Some(state) = codel
-                .yields
-                .iter()
-                .find(|s| !s.paused && machine.position(&s.name) == Some(to))
+            if let Some(state) =
+                codel.yields.iter().find(|s| !s.paused && machine.position(&s.name) == Some(to))
             {
                 found.related.push((
                     state.src,
-                    Role::Yields {
-                        codel: codel.name.clone(),
-                        state: state.name.clone(),
-                    },
+                    Role::Yields { codel: codel.name.clone(), state: state.name.clone() },
                 ));
             }
         }
@@ -157,15 +133,10 @@ fn pause_in_aperiodic_task(lint: &mut Lint) {
         let (at, name) = (first.src, &first.name);
         let found = lint.report(
             at,
-            LintWarning::AperiodicPause {
-                task: task.name.clone(),
-                state: name.clone(),
-            },
+            LintWarning::AperiodicPause { task: task.name.clone(), state: name.clone() },
         );
         found.related.push((task.src, Role::NoPeriod));
-        let others = paused[1..]
-            .iter()
-            .map(|s| (s.src, Role::PauseToo(s.name.clone())));
+        let others = paused[1..].iter().map(|s| (s.src, Role::PauseToo(s.name.clone())));
         found.related.extend(others);
     }
 }
@@ -180,10 +151,7 @@ fn dead_ends(lint: &mut Lint, machine: &Machine) {
             let at = codel.triggers.first().map_or(codel.src, |s| s.src);
             lint.report(
                 at,
-                LintWarning::DeadEnd {
-                    codel: codel.name.clone(),
-                    states: Names(names),
-                },
+                LintWarning::DeadEnd { codel: codel.name.clone(), states: Names(names) },
             );
         }
     }
@@ -209,26 +177,14 @@ fn missing_stop(lint: &mut Lint, index: u32, by: u32) {
     let component = lint.component;
     let service = &component.services[index as usize];
     if service.kind != ServiceKind::Activity
-        || service
-            .codels
-            .iter()
-            .flat_map(|c| &c.triggers)
-            .any(|s| s.name == "stop")
+        || service.codels.iter().flat_map(|c| &c.triggers).any(|s| s.name == "stop")
     {
         return;
     }
     let interrupter = &component.services[by as usize];
     // One codel that ends at once leaves no partial change.
-    let steps = service
-        .codels
-        .iter()
-        .filter(|c| !c.triggers.is_empty())
-        .count();
-    let pauses = service
-        .codels
-        .iter()
-        .flat_map(|c| &c.yields)
-        .any(|s| s.paused);
+    let steps = service.codels.iter().filter(|c| !c.triggers.is_empty()).count();
+    let pauses = service.codels.iter().flat_map(|c| &c.yields).any(|s| s.paused);
     if steps < 2 && !pauses {
         return;
     }
@@ -237,11 +193,7 @@ fn missing_stop(lint: &mut Lint, index: u32, by: u32) {
             && matches!(p.source, ParamSource::Ids | ParamSource::Port(_))
     });
     if let Some(param) = written {
-        let what = if matches!(param.source, ParamSource::Ids) {
-            "ids"
-        } else {
-            "port"
-        };
+        let what = if matches!(param.source, ParamSource::Ids) { "ids" } else { "port" };
         let (name, by) = (&service.name, &interrupter.name);
         let (param_name, param_src, by_src) = (param.name.clone(), param.src, interrupter.src);
         let found = lint.report(

@@ -19,10 +19,8 @@ fn missing_doc(lint: &mut Lint) {
     if component.doc.is_none() && component.kind == ComponentKind::Component {
         undocumented.push((component.src, "component", component.name.clone()));
     }
-    for service in component
-        .services
-        .iter()
-        .filter(|s| s.doc.is_none() && s.imported_from.is_none())
+    for service in
+        component.services.iter().filter(|s| s.doc.is_none() && s.imported_from.is_none())
     {
         undocumented.push((service.src, "service", service.name.clone()));
     }
@@ -44,12 +42,7 @@ fn naming(lint: &mut Lint) {
             None
         }
     };
-    let services = || {
-        lint.component
-            .services
-            .iter()
-            .filter(|s| s.imported_from.is_none())
-    };
+    let services = || lint.component.services.iter().filter(|s| s.imported_from.is_none());
     let mut count: Vec<(&'static str, usize)> = Vec::new();
     for convention in services().filter_map(|s| style(&s.name)) {
         match count.iter_mut().find(|(c, _)| *c == convention) {
@@ -66,13 +59,7 @@ fn naming(lint: &mut Lint) {
         .collect();
     if most > odd.len() {
         for (at, name) in odd {
-            lint.report(
-                at,
-                LintWarning::OddName {
-                    name,
-                    convention: main,
-                },
-            );
+            lint.report(at, LintWarning::OddName { name, convention: main });
         }
     }
 }
@@ -81,12 +68,7 @@ fn naming(lint: &mut Lint) {
 fn ordering(lint: &mut Lint) {
     let mut highest = 0;
     let mut late: Vec<(Src, Name)> = Vec::new();
-    for service in lint
-        .component
-        .services
-        .iter()
-        .filter(|s| s.imported_from.is_none())
-    {
+    for service in lint.component.services.iter().filter(|s| s.imported_from.is_none()) {
         let rank = service.kind as u32;
         if rank < highest {
             late.push((service.src, service.name.clone()));
@@ -95,15 +77,7 @@ fn ordering(lint: &mut Lint) {
     }
     if let Some((at, _)) = late.first().cloned() {
         let names = late.iter().map(|(_, n)| n.clone()).collect();
-        let found = lint.report(
-            at,
-            LintWarning::OddOrder {
-                late: LateCodels(Names(names)),
-            },
-        );
-        found.related = late[1..]
-            .iter()
-            .map(|(src, n)| (*src, Role::Too(n.clone())))
-            .collect();
+        let found = lint.report(at, LintWarning::OddOrder { late: LateCodels(Names(names)) });
+        found.related = late[1..].iter().map(|(src, n)| (*src, Role::Too(n.clone()))).collect();
     }
 }

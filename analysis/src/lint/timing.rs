@@ -36,47 +36,29 @@ fn missing_wcet(lint: &mut Lint) {
         let Some(&(_, at)) = missing.first() else {
             continue;
         };
-        let names = missing
-            .iter()
-            .map(|(codel, _)| lint.codel(*codel).name.clone())
-            .collect();
+        let names = missing.iter().map(|(codel, _)| lint.codel(*codel).name.clone()).collect();
         let found = lint.report(
             at,
             LintWarning::MissingWcet {
-                untimed: UntimedCodels {
-                    codels: Names(names),
-                    owner: lint.owner_name(owner),
-                },
+                untimed: UntimedCodels { codels: Names(names), owner: lint.owner_name(owner) },
             },
         );
-        found.related = missing[1..]
-            .iter()
-            .map(|&(_, src)| (src, Role::NoTime))
-            .collect();
+        found.related = missing[1..].iter().map(|&(_, src)| (src, Role::NoTime)).collect();
     }
 }
 
 /// `timing/wcet-exceeds-period`: a codel, or the chain of codels of one turn, longer than the period.
 fn wcet_exceeds_period(lint: &mut Lint, owner: Owner) {
-    let Some(period) = lint
-        .period_of(owner)
-        .filter(|p| *p > Ratio::from_integer(0))
-    else {
+    let Some(period) = lint.period_of(owner).filter(|p| *p > Ratio::from_integer(0)) else {
         return;
     };
     let machine = Machine::new(lint.component.codels_of(owner));
-    let task = lint
-        .task_of(owner)
-        .map(|t| &lint.component.tasks[t as usize]);
+    let task = lint.task_of(owner).map(|t| &lint.component.tasks[t as usize]);
     let Some(task) = task else { return };
     let period_src = task.period.as_ref().map_or(task.src, |p| p.src);
     let mut reported: Vec<usize> = Vec::new();
     for (v, (_, codel)) in machine.codels.iter().enumerate() {
-        let Some(wcet) = codel
-            .wcet
-            .as_ref()
-            .filter(|w| w.value > period && !codel.is_async)
-        else {
+        let Some(wcet) = codel.wcet.as_ref().filter(|w| w.value > period && !codel.is_async) else {
             continue;
         };
         reported.push(v);
@@ -91,9 +73,7 @@ fn wcet_exceeds_period(lint: &mut Lint, owner: Owner) {
                 period: Time(period),
             },
         );
-        found
-            .related
-            .push((period_src, Role::PeriodOf(task.name.clone())));
+        found.related.push((period_src, Role::PeriodOf(task.name.clone())));
     }
     for state in machine.turn_starts() {
         let Some(Turn::Bounded { sum, chain, .. }) = machine.longest_turn(state) else {
@@ -104,10 +84,7 @@ fn wcet_exceeds_period(lint: &mut Lint, owner: Owner) {
         }
         let steps = chain.iter().map(|&v| {
             let codel = machine.at(v);
-            (
-                codel.name.clone(),
-                codel.wcet.as_ref().map(|w| Time(w.value)),
-            )
+            (codel.name.clone(), codel.wcet.as_ref().map(|w| Time(w.value)))
         });
         let steps = Chain(steps.collect());
         let at = machine.at(chain[0]).src;
@@ -150,12 +127,7 @@ fn no_period(lint: &mut Lint) {
                 .any(|c| c.wcet.is_some());
         let pauses = task.codels.iter().flat_map(|c| &c.yields).any(|s| s.paused);
         if timed && pauses {
-            lint.report(
-                task.src,
-                LintWarning::NoPeriod {
-                    task: task.name.clone(),
-                },
-            );
+            lint.report(task.src, LintWarning::NoPeriod { task: task.name.clone() });
         }
     }
 }
@@ -172,13 +144,7 @@ fn overutilised(lint: &mut Lint) {
             continue;
         };
         total += share;
-        parts.push((
-            task.src,
-            Role::Load {
-                task: task.name.clone(),
-                share: Share(share),
-            },
-        ));
+        parts.push((task.src, Role::Load { task: task.name.clone(), share: Share(share) }));
     }
     if total > Ratio::from_integer(i128::from(cores)) {
         let found = lint.report(
@@ -202,25 +168,17 @@ fn suspicious_units(lint: &mut Lint) {
         if let Some(wcet) = codel.wcet.as_ref().filter(|w| w.value > long) {
             lint.report(
                 wcet.src,
-                LintWarning::LongCodel {
-                    codel: codel.name.clone(),
-                    time: Time(wcet.value),
-                },
+                LintWarning::LongCodel { codel: codel.name.clone(), time: Time(wcet.value) },
             );
         }
     }
     for task in &lint.component.tasks {
-        if let Some(period) = task
-            .period
-            .as_ref()
-            .filter(|p| p.value > Ratio::from_integer(0) && p.value < short)
+        if let Some(period) =
+            task.period.as_ref().filter(|p| p.value > Ratio::from_integer(0) && p.value < short)
         {
             lint.report(
                 period.src,
-                LintWarning::ShortPeriod {
-                    task: task.name.clone(),
-                    period: Time(period.value),
-                },
+                LintWarning::ShortPeriod { task: task.name.clone(), period: Time(period.value) },
             );
         }
     }

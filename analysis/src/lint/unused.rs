@@ -10,21 +10,14 @@ use crate::model::TypeKind;
 /// inside a component. `is_root` returns true for the visits of root files; declarations in other files are
 /// for other units.
 pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<Finding> {
-    let used: FxHashSet<u32> = unit
-        .references
-        .iter()
-        .filter(|r| !r.declaration)
-        .map(|r| r.target.0)
-        .collect();
+    let used: FxHashSet<u32> =
+        unit.references.iter().filter(|r| !r.declaration).map(|r| r.target.0).collect();
     let mut out = Vec::new();
     for definition in &unit.definitions {
         let name = definition.name.clone();
         let kind = match definition.kind {
             DefKind::Exception => LintWarning::NeverThrown { name },
-            DefKind::Native => LintWarning::TypeUnused {
-                what: "native type",
-                name,
-            },
+            DefKind::Native => LintWarning::TypeUnused { what: "native type", name },
             DefKind::Typedef | DefKind::Struct | DefKind::Union | DefKind::Enum => {
                 LintWarning::TypeUnused { what: "type", name }
             }

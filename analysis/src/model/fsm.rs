@@ -17,10 +17,8 @@ pub struct Machine<'m> {
 impl<'m> Machine<'m> {
     /// The machine of some codels; those without states are left out.
     pub fn new(codels: &'m [Codel]) -> Self {
-        let codels: Vec<(u32, &Codel)> = (0..)
-            .zip(codels)
-            .filter(|(_, number)| number.kind == CodelKind::Fsm)
-            .collect();
+        let codels: Vec<(u32, &Codel)> =
+            (0..).zip(codels).filter(|(_, number)| number.kind == CodelKind::Fsm).collect();
         let mut by_state = FxHashMap::default();
         for (position, (_, codel)) in codels.iter().enumerate() {
             for state in &codel.triggers {
@@ -37,9 +35,7 @@ impl<'m> Machine<'m> {
 
     /// The states that have a codel, in order of declaration.
     pub fn states(&self) -> impl Iterator<Item = &'m Name> + '_ {
-        self.codels
-            .iter()
-            .flat_map(|(_, codel)| codel.triggers.iter().map(|trigger| &trigger.name))
+        self.codels.iter().flat_map(|(_, codel)| codel.triggers.iter().map(|trigger| &trigger.name))
     }
 
     /// The codel of a state, with its index among all codels of the owner.

@@ -91,11 +91,7 @@ impl Spec {
     /// The gaps of a component, those of the interfaces that it imports included.
     pub fn gaps_of(&self, component: u32) -> impl Iterator<Item = &Missing> {
         let declaration = &self.components[component as usize];
-        let lists = [
-            &declaration.provides,
-            &declaration.uses,
-            &declaration.extends,
-        ];
+        let lists = [&declaration.provides, &declaration.uses, &declaration.extends];
         self.gaps
             .iter()
             .filter(move |gap| {
@@ -130,9 +126,7 @@ impl Spec {
         self.gaps_of(component).any(|gap| match gap {
             Missing::Interface { .. } => true,
             Missing::Exception { owner: None, .. } => true,
-            Missing::Exception {
-                owner: Some(of), ..
-            } => {
+            Missing::Exception { owner: Some(of), .. } => {
                 let task = match owner {
                     Owner::Service(service) => self.components[component as usize].services
                         [service as usize]
@@ -166,12 +160,8 @@ impl Spec {
                 TypeKind::Typedef { ty: aliased }
                 | TypeKind::StructMember { ty: aliased }
                 | TypeKind::UnionMember { ty: aliased, .. }
-                | TypeKind::ForwardStruct {
-                    definition: Some(aliased),
-                }
-                | TypeKind::ForwardUnion {
-                    definition: Some(aliased),
-                } => ty = aliased,
+                | TypeKind::ForwardStruct { definition: Some(aliased) }
+                | TypeKind::ForwardUnion { definition: Some(aliased) } => ty = aliased,
                 TypeKind::Unknown => return Some(ty),
                 TypeKind::Array { element, .. }
                 | TypeKind::Sequence { element, .. }
@@ -205,9 +195,7 @@ impl Spec {
                 && !interfaces.is_empty()
                 && self.gaps_of(component).any(is_source)
             {
-                interfaces
-                    .into_iter()
-                    .for_each(|interface| add(&mut out.interfaces, interface));
+                interfaces.into_iter().for_each(|interface| add(&mut out.interfaces, interface));
                 continue;
             }
             let own = &self.components[component as usize].name;

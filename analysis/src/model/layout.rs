@@ -43,18 +43,13 @@ fn measure(spec: &Spec, ty: TypeId, known: &mut Known) -> Option<u64> {
         }
         TypeKind::Sequence { element, bound } => {
             let bound = (*bound)?;
-            measure(spec, *element, known)?
-                .saturating_mul(bound)
-                .saturating_add(4)
+            measure(spec, *element, known)?.saturating_mul(bound).saturating_add(4)
         }
         TypeKind::Optional { element } => measure(spec, *element, known)?.saturating_add(1),
         TypeKind::Struct { members: them } | TypeKind::Exception { members: them } => {
             members(spec, them, u64::saturating_add)?
         }
-        TypeKind::Union {
-            switch,
-            members: them,
-        } => {
+        TypeKind::Union { switch, members: them } => {
             let largest = members(spec, them, u64::max)?;
             measure(spec, *switch, known)?.saturating_add(largest)
         }

@@ -193,17 +193,13 @@ fn interrupts(service: &super::Service, codel: CodelRef) -> bool {
 
 /// The pairs of parameters through which two codels conflict.
 pub fn collisions(spec: &Spec, own: &Codel, other: &Codel) -> Vec<SharedParameters> {
-    pairs(spec, &own.params, &other.params, |a, b| {
-        a == ParamDir::In && b == ParamDir::In
-    })
+    pairs(spec, &own.params, &other.params, |a, b| a == ParamDir::In && b == ParamDir::In)
 }
 
 /// The pairs of parameters through which a codel conflicts with an attribute. The attribute's direction is
 /// relative to the client: `in` sets the ids, `out` reads them.
 fn attribute_collisions(spec: &Spec, own: &Codel, params: &[Param]) -> Vec<SharedParameters> {
-    pairs(spec, &own.params, params, |a, b| {
-        a == ParamDir::In && b == ParamDir::Out
-    })
+    pairs(spec, &own.params, params, |a, b| a == ParamDir::In && b == ParamDir::Out)
 }
 
 fn pairs(
@@ -216,11 +212,7 @@ fn pairs(
     for (i, a) in (0..).zip(own) {
         for (j, b) in (0..).zip(other) {
             if let Some(shared) = shared(spec, a, b, &both_read) {
-                found.push(SharedParameters {
-                    shared,
-                    own: i,
-                    other: j,
-                });
+                found.push(SharedParameters { shared, own: i, other: j });
             }
         }
     }
@@ -240,11 +232,8 @@ fn shared(
             if !same || both_read(a.dir, b.dir) {
                 return None;
             }
-            let (short, long) = if a.path.len() <= b.path.len() {
-                (&a.path, &b.path)
-            } else {
-                (&b.path, &a.path)
-            };
+            let (short, long) =
+                if a.path.len() <= b.path.len() { (&a.path, &b.path) } else { (&b.path, &a.path) };
             long.starts_with(short).then(|| Shared::Ids(long.clone()))
         }
         _ => None,

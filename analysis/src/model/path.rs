@@ -83,22 +83,14 @@ impl Machine<'_> {
                 None => incomplete = true,
             }
         }
-        Some(Way::Longest {
-            states: all,
-            time,
-            pauses,
-            incomplete,
-        })
+        Some(Way::Longest { states: all, time, pauses, incomplete })
     }
 
     /// The transition from one state to another, or the longest path if there is none; see
     /// [`Machine::longest_between`].
     fn leg(&self, from: &str, to: &str) -> Result<Option<PathTail>, Vec<String>> {
         let yields = self.codel(from).map(|codel| codel.1.yields.iter());
-        let direct = yields
-            .into_iter()
-            .flatten()
-            .filter(|codel| codel.name == to);
+        let direct = yields.into_iter().flatten().filter(|codel| codel.name == to);
         match direct.min_by_key(|codel| codel.paused) {
             Some(codel) => Ok(Some(vec![(to.to_owned(), codel.paused)])),
             None => self.longest_between(from, to),
@@ -158,10 +150,8 @@ impl Machine<'_> {
                 match best.get(name) {
                     // An open state is on the current path.
                     Some(BestPath::Open) => {
-                        let open = stack
-                            .iter()
-                            .filter(|stack| stack.1)
-                            .map(|stack| stack.0.clone());
+                        let open =
+                            stack.iter().filter(|stack| stack.1).map(|stack| stack.0.clone());
                         let mut cycle: Vec<String> =
                             open.skip_while(|stack| stack != name).collect();
                         cycle.push(name.to_owned());

@@ -58,11 +58,7 @@ pub fn parts<'a>(specs: impl IntoIterator<Item = &'a Spec>) -> Vec<Part<'a>> {
     for (number, spec) in specs.into_iter().enumerate() {
         for component in &spec.components {
             if component.kind == ComponentKind::Component && known.insert(&component.name) {
-                parts.push(Part {
-                    spec,
-                    component,
-                    number,
-                });
+                parts.push(Part { spec, component, number });
             }
         }
     }
@@ -76,9 +72,8 @@ impl<'a> System<'a> {
         connections: &'a [Connection],
     ) -> System<'a> {
         let parts = parts.into_iter();
-        let parts: Vec<Part<'_>> = parts
-            .filter(|part| part.component.kind == ComponentKind::Component)
-            .collect();
+        let parts: Vec<Part<'_>> =
+            parts.filter(|part| part.component.kind == ComponentKind::Component).collect();
         let mut outputs: FxHashMap<String, Vec<PortRef>> = FxHashMap::default();
         for (number, part) in parts.iter().enumerate() {
             for (index, port) in (0..).zip(&part.component.ports) {
@@ -88,11 +83,7 @@ impl<'a> System<'a> {
                 }
             }
         }
-        System {
-            parts,
-            connections,
-            outputs,
-        }
+        System { parts, connections, outputs }
     }
 
     /// Output ports that feed an input port: the configured ones; otherwise those of other components with
@@ -116,11 +107,8 @@ impl<'a> System<'a> {
         let of_type = self.outputs.get(&type_name(reader.spec, port.data));
         let others = of_type.into_iter().flatten();
         let candidates: Vec<PortRef> = others.filter(|ty| ty.0 != part).copied().collect();
-        let mut same_name = candidates
-            .iter()
-            .filter(|candidate| *name(candidate) == port.name)
-            .copied()
-            .peekable();
+        let mut same_name =
+            candidates.iter().filter(|candidate| *name(candidate) == port.name).copied().peekable();
         match (same_name.peek(), candidates.len()) {
             (Some(_), _) => same_name.collect(),
             (None, 1) => candidates,
@@ -189,11 +177,7 @@ impl<'a> System<'a> {
                 found.sort_unstable();
                 found.dedup();
                 let part = other;
-                out.extend(
-                    found
-                        .into_iter()
-                        .map(|port| RemoteExclusion { part, codel, port }),
-                );
+                out.extend(found.into_iter().map(|port| RemoteExclusion { part, codel, port }));
             }
         }
         out
@@ -255,10 +239,7 @@ mod tests {
         };
         let connections: Vec<_> = connections
             .iter()
-            .map(|(to, from)| Connection {
-                from: port(from),
-                to: port(to),
-            })
+            .map(|(to, from)| Connection { from: port(from), to: port(to) })
             .collect();
         let system = System::new(parts(units.iter().map(|unit| &*unit.spec)), &connections);
         let part = system.part(component).unwrap();
@@ -266,11 +247,7 @@ mod tests {
         let mut out = Vec::new();
         for at in own.all_codels() {
             for exclusion in system.exclusions(part, at) {
-                out.push(format!(
-                    "{}: {}",
-                    own.codel(at).name,
-                    system.describe(&exclusion)
-                ));
+                out.push(format!("{}: {}", own.codel(at).name, system.describe(&exclusion)));
             }
         }
         out
@@ -320,10 +297,8 @@ mod tests {
 
     #[test]
     fn other_types_and_interfaces_do_not_meet() {
-        let other = POM
-            .replace("long", "double")
-            .replace("struct s", "struct t")
-            .replace("out s", "out t");
+        let other =
+            POM.replace("long", "double").replace("struct s", "struct t").replace("out s", "out t");
         let interface = "struct s { long x; };\ninterface i { port out s pose; };\n";
         let files = format!("//- /a.gen\n{other}//- /b.gen\n{NAV}//- /c.gen\n{interface}");
         assert_eq!(excluded(&files, &[], "nav"), [""; 0]);

@@ -48,11 +48,7 @@ impl<'m> Machine<'m> {
     /// States in which a turn begins period after period: the targets of `pause::`.
     pub fn resume_states(&self) -> Vec<&'m str> {
         let mut out: Vec<&'m str> = Vec::new();
-        let paused = self
-            .codels
-            .iter()
-            .flat_map(|(_, c)| &c.yields)
-            .filter(|s| s.paused);
+        let paused = self.codels.iter().flat_map(|(_, c)| &c.yields).filter(|s| s.paused);
         for state in paused.map(|s| s.name.as_str()) {
             if self.position(state).is_some() && !out.contains(&state) {
                 out.push(state);
@@ -63,11 +59,7 @@ impl<'m> Machine<'m> {
 
     /// Successors within the same turn.
     fn continues(&self, v: usize) -> impl Iterator<Item = usize> + '_ {
-        self.at(v)
-            .yields
-            .iter()
-            .filter(|s| !s.paused)
-            .filter_map(|s| self.position(&s.name))
+        self.at(v).yields.iter().filter(|s| !s.paused).filter_map(|s| self.position(&s.name))
     }
 
     /// Returns true if a wanted state is reached from `from` without a pause, or is `from` itself: a
@@ -166,15 +158,8 @@ impl<'m> Machine<'m> {
             chain.push(next);
         }
         let sum = best[start].as_ref().map_or_else(zero, |b| b.0);
-        let incomplete = self
-            .within_turn(start)
-            .into_iter()
-            .any(|v| self.at(v).wcet.is_none());
-        Some(Turn::Bounded {
-            sum,
-            chain,
-            incomplete,
-        })
+        let incomplete = self.within_turn(start).into_iter().any(|v| self.at(v).wcet.is_none());
+        Some(Turn::Bounded { sum, chain, incomplete })
     }
 
     /// All vertices that a turn beginning at `start` may execute.

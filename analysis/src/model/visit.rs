@@ -48,9 +48,7 @@ impl TypeIds for Type {
             TypeKind::Array { element: ty, .. }
             | TypeKind::Sequence { element: ty, .. }
             | TypeKind::Optional { element: ty }
-            | TypeKind::Enumerator {
-                enumeration: ty, ..
-            }
+            | TypeKind::Enumerator { enumeration: ty, .. }
             | TypeKind::StructMember { ty }
             | TypeKind::Typedef { ty } => f(ty),
             TypeKind::Enum { enumerators: types }
@@ -101,12 +99,8 @@ impl TypeIds for Component {
         self.ids.for_each_type_id(f);
         self.throws.for_each_type_id(f);
         for task in &mut self.tasks {
-            for quantity in [
-                &mut task.period,
-                &mut task.delay,
-                &mut task.priority,
-                &mut task.stack,
-            ] {
+            for quantity in [&mut task.period, &mut task.delay, &mut task.priority, &mut task.stack]
+            {
                 quantity.for_each_type_id(f);
             }
             task.throws.for_each_type_id(f);

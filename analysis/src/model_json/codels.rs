@@ -47,9 +47,7 @@ impl Writer<'_> {
         }
         self.time(&mut out, "wcet", &codel.wcet);
         let index = self.spec.components.iter();
-        let index = index
-            .zip(0..)
-            .find(|(index, _)| index.name == component.name);
+        let index = index.zip(0..).find(|(index, _)| index.name == component.name);
         if let (Some(prototypes), Some((_, index))) = (self.prototypes, index) {
             let prototypes = prototypes(index, codel);
             if !prototypes.is_empty() {
@@ -74,10 +72,9 @@ impl Writer<'_> {
                         Owner::Task(task) => {
                             lock.put("task", component.tasks[task as usize].name.as_str())
                         }
-                        Owner::Service(service) => lock.put(
-                            "service",
-                            component.services[service as usize].name.as_str(),
-                        ),
+                        Owner::Service(service) => {
+                            lock.put("service", component.services[service as usize].name.as_str())
+                        }
                     };
                     name
                 }
@@ -143,17 +140,13 @@ impl Writer<'_> {
                 locals.and_then(|all| Some(&all.get(local as usize)?.name))
             }
             ParamSource::Port(port) => component.ports.get(port as usize).map(|port| &port.name),
-            ParamSource::Remote(remote) => component
-                .remotes
-                .get(remote as usize)
-                .map(|remote| &remote.name),
+            ParamSource::Remote(remote) => {
+                component.remotes.get(remote as usize).map(|remote| &remote.name)
+            }
             _ => None,
         };
         out.put_some("of", of.map(|name| name.as_str()));
-        out.put_some(
-            "init",
-            param.init.as_ref().map(|init| self.initializer(init)),
-        );
+        out.put_some("init", param.init.as_ref().map(|init| self.initializer(init)));
         self.place(&mut out, param.src);
         out.done()
     }
@@ -195,9 +188,9 @@ impl Writer<'_> {
         out.put_some("doc", init.doc.as_deref());
         match &init.value {
             InitValue::Void => out.put("kind", "void"),
-            InitValue::Scalar(value) => out
-                .put("kind", value.word())
-                .put("value", self.value(value)),
+            InitValue::Scalar(value) => {
+                out.put("kind", value.word()).put("value", self.value(value))
+            }
             InitValue::Compound(parts) => {
                 let parts: Vec<Json> = parts.iter().map(|part| self.initializer(part)).collect();
                 out.put("kind", "compound").put("value", parts)

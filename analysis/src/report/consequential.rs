@@ -31,8 +31,7 @@ impl UnreadParts {
         self.incomplete |= is_incomplete(db, key);
         self.files |= lacks_files(db, key);
         self.nameless |= lacks_name(db, key);
-        self.unparsed
-            .extend(unparsed_words(db, key).iter().cloned());
+        self.unparsed.extend(unparsed_words(db, key).iter().cloned());
     }
 
     /// Returns true if a finding at a place is only a consequence.
@@ -48,13 +47,11 @@ impl UnreadParts {
         inside_out.is_some_and(|from| range.start() >= from)
             || self.files && finding.kind.may_be_in_a_package(finding.near.is_some())
             || finding.kind == ValueProblem::DelayRange.into() && has_error_on_line(db, key, range)
-            || codes::follows(finding.code())
-                .iter()
-                .any(|cause| match cause {
-                    Cause::NamelessDeclaration => self.nameless,
-                    Cause::BrokenMachine => broken_machines(db, key).iter().any(around),
-                    Cause::UnreadText => self.incomplete || self.names_lost_word(db, key, range),
-                })
+            || codes::follows(finding.code()).iter().any(|cause| match cause {
+                Cause::NamelessDeclaration => self.nameless,
+                Cause::BrokenMachine => broken_machines(db, key).iter().any(around),
+                Cause::UnreadText => self.incomplete || self.names_lost_word(db, key, range),
+            })
     }
 
     /// Returns true if a range mentions a word whose declaration may not have been parsed.
@@ -125,17 +122,13 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
         let range = node.text_range();
         let ended = node.last_token();
         let ended = ended.is_some_and(|token| token.kind() == SyntaxKind::SEMICOLON);
-        let whole = node
-            .children()
-            .any(|child| child.kind() == SyntaxKind::BODY);
+        let whole = node.children().any(|child| child.kind() == SyntaxKind::BODY);
         parse.errors.iter().any(|error| {
             let inside = range.contains(error.range.start());
             let between = TextRange::new(range.end(), error.range.start().max(range.end()));
             let behind = !ended
                 && error.range.start() >= range.end()
-                && text
-                    .get(bytes(between))
-                    .is_some_and(|text| text.trim().is_empty());
+                && text.get(bytes(between)).is_some_and(|text| text.trim().is_empty());
             match error.code() {
                 "missing-semicolon" => behind && !whole,
                 _ => inside || behind,
@@ -167,9 +160,7 @@ fn unparsed_words<'db>(db: &'db dyn Db, key: FileKey<'db>) -> FxHashSet<SmolStr>
         return FxHashSet::default();
     }
     let root = parse.syntax();
-    let lost = root
-        .descendants()
-        .filter(|node| node.kind() == SyntaxKind::ERROR);
+    let lost = root.descendants().filter(|node| node.kind() == SyntaxKind::ERROR);
     lost.flat_map(|node| node.descendants_with_tokens())
         .filter_map(|element| element.into_token())
         .filter(|token| token.kind() == SyntaxKind::IDENT)

@@ -56,9 +56,7 @@ pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Di
     for error in &parsed(db, key).errors {
         let kind = FindingKind::Parsing(Box::new(error.clone()));
         let mut diagnostic = at(kind, error.range, error.related);
-        diagnostic
-            .related
-            .extend(expanded_from(db, key, error.range));
+        diagnostic.related.extend(expanded_from(db, key, error.range));
         out.push(diagnostic);
     }
     for &range in &lowered(db, key).misplaced {
@@ -107,10 +105,7 @@ fn reading(db: &dyn Db, file: SourceFile) -> Option<(FileProblem, TextRange)> {
             let at = encoding::first_escape(file.text(db));
             let at = at.or_else(|| file.text(db).find('\u{fffd}')).unwrap_or(0);
             let width = file.text(db)[at..].chars().next().map_or(0, char::len_utf8);
-            Some((
-                FileProblem::NotUtf8,
-                TextRange::at(offset(at), offset(width)),
-            ))
+            Some((FileProblem::NotUtf8, TextRange::at(offset(at), offset(width))))
         }
     }
 }
@@ -122,11 +117,7 @@ pub(super) fn related_at(
     range: TextRange,
     message: impl Into<String>,
 ) -> Related {
-    Related {
-        path: file.path(db).clone(),
-        range: bytes(range),
-        message: message.into(),
-    }
+    Related { path: file.path(db).clone(), range: bytes(range), message: message.into() }
 }
 
 /// For the range of a macro call: the definition of the macro.
@@ -158,10 +149,7 @@ pub(super) fn macro_call_at(
     let first = raw.token_at(usize::from(range.start())) as u32;
     let is_call =
         |element: &Element| matches!(element, Element::Call { first: call, .. } if *call == first);
-    pre.elements
-        .iter()
-        .any(is_call)
-        .then(|| (used.name.clone(), site))
+    pre.elements.iter().any(is_call).then(|| (used.name.clone(), site))
 }
 
 /// The definition of a macro: its name in the directive.

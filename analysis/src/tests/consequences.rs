@@ -37,24 +37,15 @@ component c {
 
 #[test]
 fn names_in_text_that_does_not_parse_are_quiet() {
-    check(
-        "typedef long 4 t;\ntypedef t u;\ntypedef nope v;\n",
-        &["syntax", "unknown-type"],
-    );
+    check("typedef long 4 t;\ntypedef t u;\ntypedef nope v;\n", &["syntax", "unknown-type"]);
 }
 
 #[test]
 fn an_unfinished_declaration_declares_its_name() {
     check("const long n = ;\ntypedef long a[n];\n", &["syntax"]);
-    check(
-        "struct s { long x };\ntypedef s t;\n",
-        &["missing-semicolon"],
-    );
+    check("struct s { long x };\ntypedef s t;\n", &["missing-semicolon"]);
     check("struct s { };\ntypedef s t;\n", &["syntax"]);
-    check(
-        "typedef nope t;\ntypedef t u;\nstruct s { u x; };\n",
-        &["unknown-type"],
-    );
+    check("typedef nope t;\ntypedef t u;\nstruct s { u x; };\n", &["unknown-type"]);
 }
 
 #[test]
@@ -138,11 +129,7 @@ fn a_forgotten_first_line_of_a_task_or_service_is_one_error() {
 };
 ";
     check(RIGHT, &[]);
-    for line in [
-        "  task t {\n",
-        "  activity a(in long y) {\n",
-        "  function f() {\n",
-    ] {
+    for line in ["  task t {\n", "  activity a(in long y) {\n", "  function f() {\n"] {
         let (before, after) = RIGHT.split_once(line).unwrap();
         check(&format!("{before}{after}"), &["syntax"]);
     }
@@ -237,10 +224,7 @@ fn texts_taken_for_code_are_one_error() {
         &["missing-semicolon", "unknown-type"],
     );
     // An unrelated string over several lines hides nothing.
-    check(
-        &text("dok \"What\nit does.\"; typedef nope n;"),
-        &["syntax", "unknown-type"],
-    );
+    check(&text("dok \"What\nit does.\"; typedef nope n;"), &["syntax", "unknown-type"]);
 }
 
 #[test]
@@ -276,28 +260,16 @@ fn severities_are_configured_except_those_of_errors() {
     use crate::{diagnostic::Severity, host::Config};
     let text = "#define N 1\n#define N 2\ntypedef nope t;\n";
     let config = |severity| Config {
-        severities: vec![
-            ("pp-redefined".into(), severity),
-            ("unknown-type".into(), None),
-        ],
+        severities: vec![("pp-redefined".into(), severity), ("unknown-type".into(), None)],
         ..Config::default()
     };
     let severities = |config| {
         let fixture = Fixture::with_config(text, config);
         let found = fixture.analysis().diagnostics("/main.gen".into()).unwrap();
-        found
-            .iter()
-            .map(|diagnostic| diagnostic.severity)
-            .collect::<Vec<_>>()
+        found.iter().map(|diagnostic| diagnostic.severity).collect::<Vec<_>>()
     };
-    assert_eq!(
-        severities(Config::default()),
-        [Severity::Warning, Severity::Error]
-    );
-    assert_eq!(
-        severities(config(Some(Severity::Hint))),
-        [Severity::Hint, Severity::Error]
-    );
+    assert_eq!(severities(Config::default()), [Severity::Warning, Severity::Error]);
+    assert_eq!(severities(config(Some(Severity::Hint))), [Severity::Hint, Severity::Error]);
     assert_eq!(severities(config(None)), [Severity::Error]);
 }
 

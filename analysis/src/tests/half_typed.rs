@@ -17,10 +17,7 @@ use crate::{
 #[track_caller]
 fn ask(fixture: &Fixture, path: &Utf8Path, text: &str, offset: usize) {
     let analysis = fixture.analysis();
-    let at = FilePosition {
-        path: path.to_owned(),
-        offset,
-    };
+    let at = FilePosition { path: path.to_owned(), offset };
     let fits = |range: &Range<usize>| {
         assert!(
             text.get(range.clone()).is_some(),
@@ -44,14 +41,9 @@ fn ask(fixture: &Fixture, path: &Utf8Path, text: &str, offset: usize) {
         );
     }
     if let Some(help) = analysis.signature_help(&at).unwrap() {
+        assert!(help.active.is_none_or(|active| active < help.parameters.len()));
         assert!(
-            help.active
-                .is_none_or(|active| active < help.parameters.len())
-        );
-        assert!(
-            help.parameters
-                .iter()
-                .all(|parameter| help.label.get(parameter.clone()).is_some())
+            help.parameters.iter().all(|parameter| help.label.get(parameter.clone()).is_some())
         );
     }
     if let Ok(found) = analysis.prepare_rename(&at).unwrap() {
@@ -66,10 +58,7 @@ fn ask(fixture: &Fixture, path: &Utf8Path, text: &str, offset: usize) {
         disjoint(&assist.edits);
     }
     for typed in [';', '}', '\n'] {
-        for format in analysis
-            .format_on_type(&at, typed, &Options::default())
-            .unwrap()
-        {
+        for format in analysis.format_on_type(&at, typed, &Options::default()).unwrap() {
             fits(&format.range);
             assert!(text[format.range].trim().is_empty());
         }
@@ -80,16 +69,10 @@ fn ask(fixture: &Fixture, path: &Utf8Path, text: &str, offset: usize) {
 fn ask_file(fixture: &Fixture, path: &Utf8Path, text: &str) {
     let analysis = fixture.analysis();
     let whole = 0..text.len();
-    for hint in analysis
-        .inlay_hints(path, whole, &InlayConfig::default())
-        .unwrap()
-    {
+    for hint in analysis.inlay_hints(path, whole, &InlayConfig::default()).unwrap() {
         assert!(hint.at <= text.len());
     }
-    for lens in analysis
-        .code_lenses(path, &crate::ide::LensConfig::all(true))
-        .unwrap()
-    {
+    for lens in analysis.code_lenses(path, &crate::ide::LensConfig::all(true)).unwrap() {
         assert!(text.get(lens.range.clone()).is_some());
         analysis.resolve_lens(path, &lens.kind).unwrap();
     }
@@ -165,12 +148,7 @@ fn published(prefixes: usize, files: usize) {
         let fixture = format!("//- /main.gen\n{text}");
         let mut fixture = Fixture::new(&fixture);
         eprintln!("{path}");
-        type_in(
-            &mut fixture,
-            "/main.gen",
-            text,
-            (text.len() / prefixes.max(1)).max(1),
-        );
+        type_in(&mut fixture, "/main.gen", text, (text.len() / prefixes.max(1)).max(1));
     }
 }
 

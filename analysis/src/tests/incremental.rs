@@ -57,14 +57,8 @@ fn assert_never(log: &[String], queries: &[&str]) {
     }
 }
 
-const BELOW_ITEM_TREE: &[&str] = &[
-    "elaborated",
-    "check_body",
-    "body_view",
-    "visits",
-    "walk_unit",
-    "includers",
-];
+const BELOW_ITEM_TREE: &[&str] =
+    &["elaborated", "check_body", "body_view", "visits", "walk_unit", "includers"];
 
 #[test]
 fn an_edit_in_a_comment_stops_at_the_item_tree() {
@@ -76,14 +70,7 @@ fn an_edit_in_a_comment_stops_at_the_item_tree() {
         fixture.edit(path, format!("// a comment\n\n{text}"));
         let log = run(&fixture);
         assert_never(&log, BELOW_ITEM_TREE);
-        for once in [
-            "lexed",
-            "parse_text",
-            "lowered",
-            "item_tree",
-            "skeleton",
-            "mentioned",
-        ] {
+        for once in ["lexed", "parse_text", "lowered", "item_tree", "skeleton", "mentioned"] {
             assert_eq!(count(&log, once), 1, "{once} in {log:#?}");
         }
     }
@@ -102,10 +89,7 @@ fn an_edit_in_a_codel_checks_its_component_only() {
 
 #[test]
 fn a_new_state_and_a_new_period_check_their_component_only() {
-    let edits = [(
-        "begin(ids in v) yield ether",
-        "begin(ids in v) yield pause::start, ether",
-    )];
+    let edits = [("begin(ids in v) yield ether", "begin(ids in v) yield pause::start, ether")];
     for (from, to) in edits {
         let mut fixture = edited("/a.gen");
         fixture.replace("/a.gen", from, to);

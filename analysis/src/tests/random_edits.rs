@@ -139,9 +139,7 @@ fn apply(fixture: &mut Fixture, original: &[(Utf8PathBuf, String)], edit: &Edit)
         (Edit::Delete(_, at, length), Some(mut text)) => {
             let start = boundary(&text, *at);
             let end = text.len().min(start + usize::from(*length));
-            let end = (end..=text.len())
-                .find(|index| text.is_char_boundary(*index))
-                .unwrap();
+            let end = (end..=text.len()).find(|index| text.is_char_boundary(*index)).unwrap();
             text.replace_range(start..end, "");
             Some(text)
         }
@@ -155,10 +153,7 @@ fn apply(fixture: &mut Fixture, original: &[(Utf8PathBuf, String)], edit: &Edit)
         None => _ = files.remove(&path),
     }
     drop(files);
-    fixture.host.apply(Change {
-        files: vec![(path, new)],
-        ..Change::default()
-    });
+    fixture.host.apply(Change { files: vec![(path, new)], ..Change::default() });
 }
 
 /// Everything that must be equal, as text.
@@ -179,10 +174,7 @@ fn answers(fixture: &Fixture, paths: &[Utf8PathBuf]) -> String {
 }
 
 fn config() -> Config {
-    Config {
-        include_dirs: vec!["/".into()],
-        ..Config::default()
-    }
+    Config { include_dirs: vec!["/".into()], ..Config::default() }
 }
 
 proptest! {
@@ -214,10 +206,7 @@ proptest! {
 /// Runs every query at an offset.
 fn ask_everything(fixture: &Fixture, path: &Utf8Path, offset: usize) {
     let analysis = fixture.analysis();
-    let at = FilePosition {
-        path: path.to_owned(),
-        offset,
-    };
+    let at = FilePosition { path: path.to_owned(), offset };
     analysis.goto_definition(&at).unwrap();
     analysis.goto_declaration(&at).unwrap();
     analysis.goto_type_definition(&at).unwrap();
@@ -245,9 +234,7 @@ fn ask_about_file(fixture: &Fixture, path: &Utf8Path) {
 fn no_panic_at_any_offset_of_half_typed_files() {
     for (path, text) in split(FILES) {
         let mut fixture = Fixture::with_config(FILES, config());
-        let ends = (0..=text.len())
-            .filter(|index| text.is_char_boundary(*index))
-            .step_by(7);
+        let ends = (0..=text.len()).filter(|index| text.is_char_boundary(*index)).step_by(7);
         for end in ends.chain([text.len()]) {
             fixture.edit(path.as_str(), &text[..end]);
             ask_about_file(&fixture, &path);

@@ -16,10 +16,7 @@ fn given(release: Release) -> Option<ReleaseChoice> {
 #[track_caller]
 fn check(fixture: &Fixture, path: &str, release: &str, origin: ReleaseOrigin) {
     let choice = fixture.analysis().release(path.into()).unwrap();
-    assert_eq!(
-        (choice.release.to_string().as_str(), choice.origin),
-        (release, origin)
-    );
+    assert_eq!((choice.release.to_string().as_str(), choice.origin), (release, origin));
 }
 
 #[test]
@@ -58,15 +55,8 @@ fn what_is_said_counts_more_than_what_is_required() {
     let config = Config {
         release: given(Release::V2_99_41),
         projects: vec![
-            Project {
-                directory: "/p".into(),
-                release: given(Release::V3),
-                ..Project::default()
-            },
-            Project {
-                directory: "/q".into(),
-                ..Project::default()
-            },
+            Project { directory: "/p".into(), release: given(Release::V3), ..Project::default() },
+            Project { directory: "/q".into(), ..Project::default() },
         ],
         ..Config::default()
     };
@@ -85,10 +75,7 @@ fn the_language_follows_the_release() {
     assert_eq!(fixture.all_diagnostics(), "");
     fixture.replace("/main.gen", "2.99.41", "2.99.26");
     let found = fixture.all_diagnostics();
-    assert!(
-        found.contains("prop-not-in-component") && found.contains("2.99.40"),
-        "{found}"
-    );
+    assert!(found.contains("prop-not-in-component") && found.contains("2.99.40"), "{found}");
     fixture.replace("/main.gen", "2.99.26", "2.99.40");
     assert_eq!(fixture.all_diagnostics(), "");
 }
@@ -97,16 +84,11 @@ fn the_language_follows_the_release() {
 fn what_older_releases_refuse_is_hinted_at_until_it_is_required() {
     let text = "component c {\n  requires \"genom3 >= 2.99.26\";\n  ids { long x; };\n  \
                 attribute set(in x) { codel hook(inout x::y); };\n};\n";
-    let config = Config {
-        release: given(Release::V2_99_41),
-        ..Config::default()
-    };
+    let config = Config { release: given(Release::V2_99_41), ..Config::default() };
     let mut fixture = Fixture::with_config(text, config);
     let found = fixture.analysis().diagnostics("/main.gen".into()).unwrap();
-    let newer: Vec<_> = found
-        .iter()
-        .filter(|diagnostic| diagnostic.code == "newer-release")
-        .collect();
+    let newer: Vec<_> =
+        found.iter().filter(|diagnostic| diagnostic.code == "newer-release").collect();
     let [newer] = newer[..] else {
         panic!("{found:#?}");
     };
@@ -126,20 +108,13 @@ fn provided_ports_have_the_type_of_the_interface() {
     let text = "interface i { port out double p; };\ncomponent c { provides i; };\n"
         .replace("port out double p", "typedef double d; port out d p");
     for (release, expected) in [(Release::V2_99_39, "::c::p"), (Release::V2_99_41, "::i::p")] {
-        let config = Config {
-            release: given(release),
-            ..Config::default()
-        };
+        let config = Config { release: given(release), ..Config::default() };
         let fixture = Fixture::with_config(&text, config);
         let unit = fixture.analysis().unit("/main.gen".into()).unwrap();
         assert_eq!(fixture.all_diagnostics(), "", "{release}");
         let component = &unit.spec.components[1];
         let ty = component.ports[0].ty;
-        assert_eq!(
-            unit.spec.full_name(ty).as_deref(),
-            Some(expected),
-            "{release}"
-        );
+        assert_eq!(unit.spec.full_name(ty).as_deref(), Some(expected), "{release}");
         assert_eq!(unit.spec.release, release);
     }
 }
@@ -152,30 +127,16 @@ component c { uses far; };
 component d { extends far; };
 ";
     let read = |release: Release| {
-        let config = Config {
-            release: given(release),
-            ..Config::default()
-        };
+        let config = Config { release: given(release), ..Config::default() };
         let fixture = Fixture::with_config(text, config);
         let spec = fixture.analysis().unit("/main.gen".into()).unwrap().spec;
         let of = |name: &str| {
-            let component = spec
-                .components
-                .iter()
-                .find(|component| component.name == name)
-                .unwrap();
-            (
-                component.lang.clone(),
-                component.requires.len(),
-                component.throws.len(),
-            )
+            let component =
+                spec.components.iter().find(|component| component.name == name).unwrap();
+            (component.lang.clone(), component.requires.len(), component.throws.len())
         };
         assert_eq!(of("d"), (Some("c++".to_owned()), 1, 1));
-        let used = spec
-            .components
-            .iter()
-            .find(|component| component.name == "c")
-            .unwrap();
+        let used = spec.components.iter().find(|component| component.name == "c").unwrap();
         assert_eq!(used.remotes[0].throws.len(), 1, "the service throws it");
         of("c")
     };

@@ -22,11 +22,8 @@ fn check(fixture: &Fixture, expected: &str) {
             format!("{}:{line} {}", diagnostic.path, diagnostic.code)
         })
         .collect();
-    let wanted: Vec<&str> = expected
-        .lines()
-        .map(str::trim)
-        .filter(|line| !line.is_empty())
-        .collect();
+    let wanted: Vec<&str> =
+        expected.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     assert_eq!(codes, wanted, "{}", fixture.all_diagnostics());
 }
 
@@ -57,10 +54,8 @@ fn angled_include_searches_the_path_only() {
 //- /inc/x.idl
 "#;
     check(&Fixture::new(text), "/main.gen:1 pp-include-not-found");
-    let config = Config {
-        include_dirs: vec!["/nowhere".into(), "/inc".into()],
-        ..Config::default()
-    };
+    let config =
+        Config { include_dirs: vec!["/nowhere".into(), "/inc".into()], ..Config::default() };
     let fixture = Fixture::with_config(text, config);
     check(&fixture, "");
     let unit = fixture.analysis().unit("/main.gen".into()).unwrap();
@@ -114,10 +109,7 @@ fn macros_flow_through_includes() {
 "#,
     );
     // The header is served by the unit that includes it, where `A` is defined.
-    check(
-        &fixture,
-        "/main.gen:4 inactive-code\n/x.idl:4 inactive-code",
-    );
+    check(&fixture, "/main.gen:4 inactive-code\n/x.idl:4 inactive-code");
 }
 
 #[test]
@@ -139,16 +131,8 @@ fn packages_add_directories_and_definitions() {
         defines: vec![("FROM_P".into(), "1".into())],
         ..PackageFlags::default()
     };
-    fixture
-        .loader
-        .packages
-        .lock()
-        .unwrap()
-        .insert("p".into(), flags);
-    check(
-        &fixture,
-        "/main.gen:1 pp-include-not-found\n/main.gen:5 inactive-code",
-    );
+    fixture.loader.packages.lock().unwrap().insert("p".into(), flags);
+    check(&fixture, "/main.gen:1 pp-include-not-found\n/main.gen:5 inactive-code");
 }
 
 #[test]
@@ -165,10 +149,8 @@ NEED_P
 //- /p/x.idl
 "#,
     );
-    let flags = |dir: &str| PackageFlags {
-        include_dirs: vec![dir.into()],
-        ..PackageFlags::default()
-    };
+    let flags =
+        |dir: &str| PackageFlags { include_dirs: vec![dir.into()], ..PackageFlags::default() };
     fixture
         .loader
         .packages
@@ -220,11 +202,7 @@ module m {
     let all = fixture.all_diagnostics();
     assert!(all.contains("syntax-eof"), "{all}");
     let eof = fixture.analysis().diagnostics("/open.idl".into()).unwrap();
-    let related: Vec<_> = eof[0]
-        .related
-        .iter()
-        .map(|related| related.path.as_str())
-        .collect();
+    let related: Vec<_> = eof[0].related.iter().map(|related| related.path.as_str()).collect();
     assert_eq!(related, ["/open.idl", "/main.gen"]);
 }
 
@@ -270,19 +248,13 @@ fn the_active_root_serves_its_headers() {
     let root = |fixture: &Fixture| fixture.analysis().root_of("/x.idl".into()).unwrap();
     assert_eq!(root(&fixture), "/a.gen");
     let show = |fixture: &mut Fixture, path: &str| {
-        fixture.host.apply(crate::host::Change {
-            active: Some(path.into()),
-            ..Default::default()
-        });
+        fixture.host.apply(crate::host::Change { active: Some(path.into()), ..Default::default() });
     };
     show(&mut fixture, "/b.gen");
     assert_eq!(root(&fixture), "/b.gen");
     show(&mut fixture, "/x.idl");
     assert_eq!(root(&fixture), "/b.gen");
-    assert_eq!(
-        fixture.analysis().root_of("/new.idl".into()).unwrap(),
-        "/new.idl"
-    );
+    assert_eq!(fixture.analysis().root_of("/new.idl".into()).unwrap(), "/new.idl");
 }
 
 #[test]
@@ -291,11 +263,8 @@ fn includes_that_double_are_cut_off() {
     let mut text = String::from("//- /f0.gen\n#include \"f1.idl\"\n");
     for i in 1..30 {
         let next = i + 1;
-        write!(
-            text,
-            "//- /f{i}.idl\n#include \"f{next}.idl\"\n#include \"f{next}.idl\"\n"
-        )
-        .unwrap();
+        write!(text, "//- /f{i}.idl\n#include \"f{next}.idl\"\n#include \"f{next}.idl\"\n")
+            .unwrap();
     }
     text += "//- /f30.idl\n";
     let fixture = Fixture::new(&text);
@@ -341,20 +310,12 @@ fn names_are_found_and_changed_in_very_many_units() {
     let (analysis, at) = (fixture.analysis(), fixture.at());
     let found = analysis.references(&at, true).unwrap().unwrap();
     assert_eq!(found.len(), 41);
-    let edits = analysis
-        .rename(&at, "renamed", &Progress::default())
-        .unwrap()
-        .unwrap();
+    let edits = analysis.rename(&at, "renamed", &Progress::default()).unwrap().unwrap();
     let places: Vec<_> = edits.iter().map(|edit| (&edit.path, &edit.range)).collect();
-    let wanted: Vec<_> = found
-        .iter()
-        .map(|reference| (&reference.place.path, &reference.place.range))
-        .collect();
+    let wanted: Vec<_> =
+        found.iter().map(|reference| (&reference.place.path, &reference.place.range)).collect();
     assert_eq!(places, wanted);
-    let refused = analysis
-        .rename(&at, "other", &Progress::default())
-        .unwrap()
-        .unwrap_err();
+    let refused = analysis.rename(&at, "other", &Progress::default()).unwrap().unwrap_err();
     assert!(refused.0.contains("other"), "{refused}");
 }
 
@@ -375,10 +336,7 @@ fn what_was_forgotten_is_made_again() {
 
 #[test]
 fn a_file_that_is_too_large_is_not_read() {
-    let config = Config {
-        max_file_bytes: Some(40),
-        ..Config::default()
-    };
+    let config = Config { max_file_bytes: Some(40), ..Config::default() };
     let text = "
 //- /a.gen
 #include \"b.idl\"
@@ -403,14 +361,8 @@ fn a_file_that_becomes_too_large_is_forgotten() {
         found.iter().map(|diagnostic| diagnostic.code).collect()
     };
     assert_eq!(codes(&fixture), ["missing-semicolon"]);
-    let config = Config {
-        max_file_bytes: Some(10),
-        ..Config::default()
-    };
-    fixture.host.apply(Change {
-        config: Some(config),
-        ..Change::default()
-    });
+    let config = Config { max_file_bytes: Some(10), ..Config::default() };
+    fixture.host.apply(Change { config: Some(config), ..Change::default() });
     assert_eq!(codes(&fixture), ["pp-input"]);
 }
 
@@ -424,10 +376,7 @@ fn the_first_answer_about_a_root_looks_at_no_other_root() {
     let mut fixture = Fixture::new(&text);
     let part = Utf8Path::new("/part.gen");
     let indexed = |fixture: &mut Fixture, indexed| {
-        fixture.host.apply(Change {
-            indexed: Some(indexed),
-            ..Change::default()
-        });
+        fixture.host.apply(Change { indexed: Some(indexed), ..Change::default() });
     };
     indexed(&mut fixture, false);
     fixture.take_log();

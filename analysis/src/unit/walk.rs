@@ -26,8 +26,7 @@ pub(crate) const STANDINS: &str = ".dotgen/standins";
 
 /// Returns true if a file is in the folder of stand-ins.
 pub(crate) fn is_standin(path: &Utf8Path) -> bool {
-    path.ancestors()
-        .any(|ancestor| ancestor.ends_with(STANDINS))
+    path.ancestors().any(|ancestor| ancestor.ends_with(STANDINS))
 }
 
 /// Maximum number of visits of a unit; far beyond any real specification.
@@ -73,9 +72,7 @@ fn places<'a>(
         return vec![Utf8Path::new("/")];
     }
     let own = from.path(db).parent().filter(|_| !request.angled);
-    own.into_iter()
-        .chain(search.iter().map(Utf8PathBuf::as_path))
-        .collect()
+    own.into_iter().chain(search.iter().map(Utf8PathBuf::as_path)).collect()
 }
 
 /// One inclusion of one file.
@@ -144,10 +141,7 @@ fn walk<'db>(db: &'db dyn Db, unit: UnitKey<'db>, whole_texts: bool) -> Result<W
     if walker.pragmas_in_macros && !whole_texts {
         return Err(());
     }
-    Ok(Walk {
-        visits: walker.visits,
-        search: walker.search,
-    })
+    Ok(Walk { visits: walker.visits, search: walker.search })
 }
 
 /// The state of a walk.
@@ -199,11 +193,7 @@ impl<'db> Walker<'db> {
         self.pragmas_in_macros |= defines_pragma(text);
         let whole_text = self.whole_texts;
         let db = self.db;
-        let mut host = VisitHost {
-            walker: self,
-            visit,
-            file,
-        };
+        let mut host = VisitHost { walker: self, visit, file };
         let exit = if whole_text {
             let raw = &lexed(db, file).raw;
             preprocess(&name, file.text(db), raw, entry, &mut host).exit_env
@@ -225,13 +215,8 @@ impl<'db> Walker<'db> {
         let name = Utf8Path::new(request.path.as_str());
         let dirs = places(self.db, &self.search, request, from);
         // The stand-in for a file that is not found elsewhere.
-        let root = self
-            .visits
-            .first()
-            .map(|walk_visit| walk_visit.file.path(self.db));
-        let standins = root
-            .and_then(|root| root.parent())
-            .map(|parent| parent.join(STANDINS));
+        let root = self.visits.first().map(|walk_visit| walk_visit.file.path(self.db));
+        let standins = root.and_then(|root| root.parent()).map(|parent| parent.join(STANDINS));
         let last = standins.as_deref().filter(|_| !name.is_absolute());
         let mut obstacle = None;
         for dir in dirs.iter().copied().chain(last) {
@@ -298,9 +283,7 @@ impl Host for VisitHost<'_, '_> {
                 exit
             })
         };
-        walker.visits[self.visit]
-            .outcomes
-            .push(DirectiveEffect::Include(result.clone()));
+        walker.visits[self.visit].outcomes.push(DirectiveEffect::Include(result.clone()));
         result
     }
 
@@ -310,30 +293,22 @@ impl Host for VisitHost<'_, '_> {
         env: &MacroEnv,
     ) -> Result<RequiredPackages, String> {
         let walker = &mut *self.walker;
-        let arguments: Vec<String> = arguments
-            .iter()
-            .map(|argument| argument.to_string())
-            .collect();
+        let arguments: Vec<String> =
+            arguments.iter().map(|argument| argument.to_string()).collect();
         let packages = walker.db.packages(&arguments);
-        let result = packages
-            .flags(walker.db)
-            .as_ref()
-            .map_err(Clone::clone)
-            .map(|flags| {
-                for dir in &flags.include_dirs {
-                    push_unique(&mut walker.search, dir);
-                }
-                let mut env = env.clone();
-                for (name, value) in &flags.defines {
-                    define_in(&mut env, name, value);
-                }
-                let own = flags.own.iter().map(SmolStr::from).collect();
-                RequiredPackages { env, own }
-            });
+        let result = packages.flags(walker.db).as_ref().map_err(Clone::clone).map(|flags| {
+            for dir in &flags.include_dirs {
+                push_unique(&mut walker.search, dir);
+            }
+            let mut env = env.clone();
+            for (name, value) in &flags.defines {
+                define_in(&mut env, name, value);
+            }
+            let own = flags.own.iter().map(SmolStr::from).collect();
+            RequiredPackages { env, own }
+        });
         walker.packages_missing |= result.is_err();
-        walker.visits[self.visit]
-            .outcomes
-            .push(DirectiveEffect::Requires(result.clone()));
+        walker.visits[self.visit].outcomes.push(DirectiveEffect::Requires(result.clone()));
         result
     }
 }
@@ -353,9 +328,7 @@ fn push_unique(search: &mut Vec<Utf8PathBuf>, dir: &Utf8Path) {
 /// Returns true if a directive line defines a macro that holds a pragma.
 fn defines_pragma(skeleton: &str) -> bool {
     skeleton.contains(PRAGMA)
-        && skeleton
-            .lines()
-            .any(|line| line.contains("define") && line.contains(PRAGMA))
+        && skeleton.lines().any(|line| line.contains("define") && line.contains(PRAGMA))
 }
 
 fn directive_lines(text: &str, raw: &RawTokens) -> String {

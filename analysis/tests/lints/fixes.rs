@@ -102,10 +102,7 @@ fn fixes_write_as_the_author_does() {
 #[test]
 fn slips_have_a_fix() {
     let all = fixed_all(&[
-        (
-            "missing-semicolon",
-            "const long a = 1 // one\nconst long b = 2;\n",
-        ),
+        ("missing-semicolon", "const long a = 1 // one\nconst long b = 2;\n"),
         (
             "glued-unit",
             "component c {\n  task t { period 500us; codel<start> f() yield ether; };\n};\n",
@@ -154,26 +151,14 @@ fn slips_have_a_fix() {
 #[test]
 fn duplicates_and_gaps_have_a_fix() {
     let all = fixed_all(&[
-        (
-            "throw-duplicate",
-            "component c {\n  exception e;\n  throws e, ::c::e;\n};\n",
-        ),
-        (
-            "list-duplicate-string",
-            "component c {\n  requires \"a\",\n    \"a\";\n};\n",
-        ),
-        (
-            "missing-yield",
-            "component c {\n  task t { codel<start> f(); };\n};\n",
-        ),
+        ("throw-duplicate", "component c {\n  exception e;\n  throws e, ::c::e;\n};\n"),
+        ("list-duplicate-string", "component c {\n  requires \"a\",\n    \"a\";\n};\n"),
+        ("missing-yield", "component c {\n  task t { codel<start> f(); };\n};\n"),
         (
             "activity-task",
             "component c {\n  task t;\n  activity a() { codel<start> f() yield ether; };\n};\n",
         ),
-        (
-            "activity-start",
-            "component c {\n  task t;\n  activity a() {\n    task t;\n  };\n};\n",
-        ),
+        ("activity-start", "component c {\n  task t;\n  activity a() {\n    task t;\n  };\n};\n"),
     ]);
     expect![[r#"
         === throw-duplicate
@@ -218,9 +203,7 @@ fn the_first_fix_is_what_the_message_advises() {
     let round = found.iter().find(|check| check.code == "fsm/busy-loop");
     let round = round.expect("it is reported");
     assert!(
-        round
-            .message
-            .ends_with("yield `pause::step` if each round may wait"),
+        round.message.ends_with("yield `pause::step` if each round may wait"),
         "{}",
         round.message
     );
@@ -230,9 +213,7 @@ fn the_first_fix_is_what_the_message_advises() {
 /// The text after the first fix of the first finding with a code.
 fn first_fix(source: &str, code: &str) -> String {
     let found = check(text(source), strict());
-    let check = found
-        .iter()
-        .find(|check| check.code == code && !check.fixes.is_empty());
+    let check = found.iter().find(|check| check.code == code && !check.fixes.is_empty());
     let diagnostic = check.unwrap_or_else(|| panic!("{code} has no fix: {found:#?}"));
     let mut after = source.to_owned();
     let mut edits: Vec<_> = diagnostic.fixes[0].edits.iter().collect();

@@ -42,17 +42,10 @@ impl<'a> Bench<'a> {
         let mut host = AnalysisHost::new(Arc::new(loader));
         host.apply(Change {
             roots: Some(vec![component.path.clone()]),
-            config: Some(Config {
-                include_dirs: component.includes.clone(),
-                ..Config::default()
-            }),
+            config: Some(Config { include_dirs: component.includes.clone(), ..Config::default() }),
             ..Change::default()
         });
-        let mut bench = Bench {
-            component,
-            host,
-            right: Errors::new(),
-        };
+        let mut bench = Bench { component, host, right: Errors::new() };
         bench.right = bench.errors(&component.text);
         bench
     }
@@ -69,10 +62,7 @@ impl<'a> Bench<'a> {
         let path = self.component.path.clone();
         let all = self.with(text).root_diagnostics(&path).unwrap();
         let mut out = Errors::new();
-        for diagnostic in all
-            .iter()
-            .filter(|diagnostic| diagnostic.severity == Severity::Error)
-        {
+        for diagnostic in all.iter().filter(|diagnostic| diagnostic.severity == Severity::Error) {
             *out.entry(diagnostic.code.to_string()).or_default() += 1;
         }
         out
@@ -111,10 +101,7 @@ fn taken(before: &str, item: &CompletionItem) -> String {
 
 /// Ends of text that may be left out after a place: nothing, some tokens, the statement.
 fn ends(tokens: &[(std::ops::Range<usize>, String)], from: usize) -> Vec<usize> {
-    let after: Vec<_> = tokens
-        .iter()
-        .filter(|token| token.0.start >= from)
-        .collect();
+    let after: Vec<_> = tokens.iter().filter(|token| token.0.start >= from).collect();
     let mut out = vec![from];
     let mut depth = 0_i32;
     for (i, (range, text)) in after.iter().enumerate() {
@@ -220,11 +207,8 @@ fn faults(
 ) -> Vec<String> {
     let right = bench.component.text.clone();
     // Errors that any text being typed here has.
-    let hole = format!(
-        "{}{}",
-        &place.before[..place.before.len() - place.typed],
-        &right[place.rest..]
-    );
+    let hole =
+        format!("{}{}", &place.before[..place.before.len() - place.typed], &right[place.rest..]);
     let mut allowed = bench.errors(&hole);
     for (code, count) in &bench.right {
         let known = allowed.entry(code.clone()).or_default();
@@ -241,15 +225,7 @@ fn faults(
         let begun = format!("{text}{joint}");
         let next = bench.items(&format!("{begun}{}", &right[place.rest..]), begun.len());
         for completion_item in next.iter().take(8) {
-            if goes_on(
-                bench,
-                place,
-                &taken(&begun, completion_item),
-                &rest,
-                &allowed,
-            )
-            .is_empty()
-            {
+            if goes_on(bench, place, &taken(&begun, completion_item), &rest, &allowed).is_empty() {
                 return Vec::new();
             }
         }
@@ -292,14 +268,10 @@ fn places(text: &str, tokens: &[(std::ops::Range<usize>, String)]) -> Vec<Place>
 
 fn tokens(text: &str) -> Vec<(std::ops::Range<usize>, String)> {
     let root = dotgen_syntax::parse_text(text).syntax();
-    let all = root
-        .descendants_with_tokens()
-        .filter_map(|element| element.into_token());
+    let all = root.descendants_with_tokens().filter_map(|element| element.into_token());
     let live = all.filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty());
     let ranges = live.map(|token| std::ops::Range::<usize>::from(token.text_range()));
-    ranges
-        .map(|range| (range.clone(), text[range].to_owned()))
-        .collect()
+    ranges.map(|range| (range.clone(), text[range].to_owned())).collect()
 }
 
 /// The results for a component's completions: places, items, and the number of illegal ones with an example.
@@ -318,9 +290,7 @@ fn tried(component: &Component, count: usize, random: &mut fastrand::Rng) -> Tri
     let all = places(text, &tokens);
     let chosen: Vec<usize> = match count >= all.len() {
         true => (0..all.len()).collect(),
-        false => (0..count)
-            .map(|_| random.usize(..all.len().max(1)))
-            .collect(),
+        false => (0..count).map(|_| random.usize(..all.len().max(1))).collect(),
     };
     let mut tried = Tried::default();
     for place in chosen.into_iter().map(|place| &all[place]) {
@@ -340,10 +310,7 @@ fn tried(component: &Component, count: usize, random: &mut fastrand::Rng) -> Tri
             let (before, after) = (before.unwrap_or_default(), after.unwrap_or_default());
             let name = component.path.file_name().unwrap_or_default();
             let text = &item.insert;
-            let example = format!(
-                "{name}: {} | {after} {faults:?} {text:?}",
-                before.trim_start()
-            );
+            let example = format!("{name}: {} | {after} {faults:?} {text:?}", before.trim_start());
             let what = format!("{:?}: `{}`", item.kind, item.label);
             tried.illegal.entry(what).or_insert((0, example)).0 += 1;
         }
@@ -360,10 +327,7 @@ fn what_is_offered_is_legal() {
         None => PLACES,
     };
     let mut components = examples();
-    components.extend(super::components(
-        &root().join("analysis/tests/data/model"),
-        &[],
-    ));
+    components.extend(super::components(&root().join("analysis/tests/data/model"), &[]));
     components.extend(published());
     let share = (count / components.len()).max(1);
     // Each component is tried separately, with its own analysis and random numbers, on all cores.
@@ -382,23 +346,15 @@ fn what_is_offered_is_legal() {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let all: Vec<Tried> = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
-        let results = workers
-            .into_iter()
-            .flat_map(|worker| worker.join().unwrap());
+        let results = workers.into_iter().flat_map(|worker| worker.join().unwrap());
         results.collect()
     });
     let places: usize = all.iter().map(|scope| scope.places).sum();
     let items: usize = all.iter().map(|scope| scope.items).sum();
     println!("{items} items at {places} places");
     let illegal = all.iter().flat_map(|scope| &scope.illegal);
-    let lines: Vec<String> = illegal
-        .map(|(what, (times, example))| format!("{times} x {what} in {example}"))
-        .collect();
-    assert!(
-        lines.is_empty(),
-        "{} of {items} items:\n{}",
-        lines.len(),
-        lines.join("\n")
-    );
+    let lines: Vec<String> =
+        illegal.map(|(what, (times, example))| format!("{times} x {what} in {example}")).collect();
+    assert!(lines.is_empty(), "{} of {items} items:\n{}", lines.len(), lines.join("\n"));
     assert!(items > places, "only {items} items at {places} places");
 }

@@ -38,9 +38,7 @@ fn mutated(text: &str, random: &mut fastrand::Rng) -> String {
 
 #[test]
 fn no_fix_makes_it_worse_and_fixing_ends() {
-    let count = std::env::var("MUTATIONS")
-        .ok()
-        .and_then(|variable| variable.parse().ok());
+    let count = std::env::var("MUTATIONS").ok().and_then(|variable| variable.parse().ok());
     let count: usize = count.unwrap_or(150);
     let components = examples();
     let mut random = fastrand::Rng::with_seed(0x9e37_79b9_7f4a_7c15);
@@ -102,8 +100,5 @@ fn no_fix_makes_it_worse_and_fixing_ends() {
 /// The lines that differ.
 fn difference(a: &str, b: &str) -> String {
     let lines = a.lines().zip(b.lines()).filter(|(a, b)| a != b);
-    lines
-        .take(2)
-        .map(|(a, b)| format!("  - {a}\n  + {b}"))
-        .collect()
+    lines.take(2).map(|(a, b)| format!("  - {a}\n  + {b}")).collect()
 }

@@ -77,10 +77,7 @@ fn fits<'t>(text: &'t str, pattern: &str) -> Option<(usize, Vec<&'t str>)> {
     let (mut at, mut words) = (0, Vec::new());
     for part in pattern.split_inclusive('$') {
         let literal = part.strip_suffix('$').unwrap_or(part);
-        at += text
-            .get(at..)?
-            .strip_prefix(literal)
-            .map(|_| literal.len())?;
+        at += text.get(at..)?.strip_prefix(literal).map(|_| literal.len())?;
         if part.ends_with('$') {
             let rest = &text[at..];
             let end = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
@@ -182,12 +179,7 @@ fn the_first_fix_restores_what_was_meant() {
             }
         }
     }
-    let Score {
-        all,
-        restored,
-        on_line,
-        alone,
-    } = score;
+    let Score { all, restored, on_line, alone } = score;
     if print {
         notes.iter().for_each(|note| println!("{note}"));
         println!(
@@ -208,11 +200,7 @@ fn a_misspelt_path_of_an_include_is_restored() {
     let folder = root().join("examples/outdoor").canonicalize().unwrap();
     let folder = Utf8PathBuf::from_path_buf(folder).unwrap();
     let path = folder.join("misspelt.gen");
-    let component = Component {
-        text: String::new(),
-        includes: vec![folder.join("idl")],
-        path,
-    };
+    let component = Component { text: String::new(), includes: vec![folder.join("idl")], path };
     for (right, wrong) in [("rob.gen", "rbo.gen"), ("idl/rob.gen", "ild/rob.gen")] {
         let text = |text: &str| format!("#include \"{text}\"\n");
         assert!(component.errors(&text(right)).is_empty(), "{right}");
@@ -220,10 +208,6 @@ fn a_misspelt_path_of_an_include_is_restored() {
         let errors = component.errors(&broken);
         assert_eq!(errors.len(), 1, "{errors:#?}");
         let fix = errors[0].fixes.first().expect("it has a fix");
-        assert_eq!(
-            apply(&component.path, &broken, fix),
-            Some(text(right)),
-            "{wrong}"
-        );
+        assert_eq!(apply(&component.path, &broken, fix), Some(text(right)), "{wrong}");
     }
 }

@@ -62,18 +62,15 @@ pub(super) fn apply_fixes(
         let first = first.filter(|(fix, finding)| {
             which.includes(fix, finding.severity) && is_within_arguments(session, fix)
         });
-        let edits: Vec<(Edit, &Diagnostic)> = first
-            .map(|pair| (Edit::of(&pair.0.edits), pair.1))
-            .collect();
+        let edits: Vec<(Edit, &Diagnostic)> =
+            first.map(|pair| (Edit::of(&pair.0.edits), pair.1)).collect();
         let mut project = project(session, changed);
         let mut made = Vec::new();
         for (roots, edits) in by_roots(&project, edits) {
             let mut judge = Judge::new(&mut project, &roots);
             judge.room = room;
-            let of_codes: Vec<(Edit, &str)> = edits
-                .iter()
-                .map(|edit| (edit.0.clone(), edit.1.code))
-                .collect();
+            let of_codes: Vec<(Edit, &str)> =
+                edits.iter().map(|edit| (edit.0.clone(), edit.1.code)).collect();
             let (edit, chosen) = judge.together(&of_codes, false);
             room = judge.room;
             for edit in chosen.into_iter().filter_map(|index| edits.get(index)) {
@@ -92,10 +89,7 @@ pub(super) fn apply_fixes(
         }
         for change in made {
             let before = change.before.unwrap_or_default();
-            changed
-                .entry(change.path)
-                .or_insert((before, String::new()))
-                .1 = change.after;
+            changed.entry(change.path).or_insert((before, String::new())).1 = change.after;
         }
     }
     Ok(())
@@ -114,11 +108,7 @@ pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [
     let mut at = 0;
     while at < found.len() {
         let path = found[at].path.clone();
-        let end = at
-            + found[at..]
-                .iter()
-                .take_while(|diagnostic| diagnostic.path == path)
-                .count();
+        let end = at + found[at..].iter().take_while(|diagnostic| diagnostic.path == path).count();
         let roots = project.roots_of(&path);
         let size = project.text(&path).map_or(0, |text| text.len());
         let mut judge = Judge::new(&mut project, &roots);
@@ -179,10 +169,7 @@ fn verdicts(judge: &mut Judge<'_, '_>, found: &[Diagnostic]) -> Vec<Verdict> {
 
 /// Removes findings that the sources of codels contradict.
 pub(super) fn retain_unrefuted(session: &mut Session, found: &mut Vec<Diagnostic>) {
-    if found
-        .iter()
-        .any(|diagnostic| diagnostic.code == NEVER_THROWN)
-    {
+    if found.iter().any(|diagnostic| diagnostic.code == NEVER_THROWN) {
         let project = codels::project(session);
         found.retain(|diagnostic| !project.refutes(diagnostic));
     }
@@ -226,9 +213,7 @@ pub(super) fn print(changed: &ChangedTexts) -> anyhow::Result<Outcome> {
 /// Writes the new texts: all of them, or none.
 pub(super) fn write(changed: &ChangedTexts, made: &AppliedFixes) -> anyhow::Result<()> {
     let files = changed.iter();
-    let files: Vec<_> = files
-        .map(|(path, (_, new))| report::new_content(path, new))
-        .collect();
+    let files: Vec<_> = files.map(|(path, (_, new))| report::new_content(path, new)).collect();
     report::write_files(&files)?;
     for (path, titles) in made {
         let title = |(title, count): (&String, &usize)| match count {

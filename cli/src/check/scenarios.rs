@@ -51,11 +51,8 @@ fn corrected(
     which: Applied,
     text: String,
 ) -> anyhow::Result<Corrected> {
-    let mut now = Corrected {
-        found: scenario_with(session, file, &text)?,
-        text,
-        titles: Vec::new(),
-    };
+    let mut now =
+        Corrected { found: scenario_with(session, file, &text)?, text, titles: Vec::new() };
     for _ in 0..MAX_ROUNDS {
         let Some(next) = next(session, file, which, &now)? else {
             break;
@@ -83,11 +80,7 @@ fn next(
         let found = scenario_with(session, file, &text)?;
         if errors(&found, finding.code) < errors(&now.found, finding.code) {
             let titles = now.titles.iter().cloned().chain([fix.title.clone()]);
-            return Ok(Some(Corrected {
-                titles: titles.collect(),
-                text,
-                found,
-            }));
+            return Ok(Some(Corrected { titles: titles.collect(), text, found }));
         }
     }
     Ok(None)
@@ -95,8 +88,6 @@ fn next(
 
 /// Returns the number of errors of a kind. Others may appear: names are looked up when the syntax is right.
 fn errors(found: &[Diagnostic], code: &str) -> usize {
-    let errors = found
-        .iter()
-        .filter(|finding| finding.severity == Severity::Error);
+    let errors = found.iter().filter(|finding| finding.severity == Severity::Error);
     errors.filter(|finding| finding.code == code).count()
 }

@@ -121,20 +121,14 @@ fn text(path: &Utf8Path) -> std::sync::Arc<str> {
 
 fn tools(optimization: Optimization) -> anyhow::Result<Tools> {
     let tool = |variable: &str, usual: &str| -> anyhow::Result<Vec<String>> {
-        let named = std::env::var(variable)
-            .ok()
-            .filter(|variable| !variable.trim().is_empty());
+        let named = std::env::var(variable).ok().filter(|variable| !variable.trim().is_empty());
         let named = named.unwrap_or_else(|| usual.to_owned());
         match shlex::split(&named) {
             Some(words) if !words.is_empty() => Ok(words),
             _ => bail!("${variable} is no command: `{named}`"),
         }
     };
-    Ok(Tools {
-        c: tool("CC", "cc")?,
-        cxx: tool("CXX", "c++")?,
-        optimization,
-    })
+    Ok(Tools { c: tool("CC", "cc")?, cxx: tool("CXX", "c++")?, optimization })
 }
 
 /// Returns the steps whose outputs are missing or out of date.
@@ -223,13 +217,7 @@ pub(crate) fn hosts(
     optimization: Optimization,
     interrupt: &Interrupt,
 ) -> anyhow::Result<BuiltObjects> {
-    let builder = Builder {
-        folder,
-        tools: &tools(optimization)?,
-        packages,
-        jobs: None,
-        interrupt,
-    };
+    let builder = Builder { folder, tools: &tools(optimization)?, packages, jobs: None, interrupt };
     builder.hosts()
 }
 
@@ -242,11 +230,7 @@ struct FolderPlan {
 
 impl Builder<'_> {
     fn hosts(&self) -> anyhow::Result<BuiltObjects> {
-        let FolderPlan {
-            plan,
-            packages,
-            place,
-        } = self.plan()?;
+        let FolderPlan { plan, packages, place } = self.plan()?;
         let shown = session::display(&self.folder.specification);
         let hosted = hosted(self.folder, &plan, &place, self.tools, &packages);
         let hosted = hosted
@@ -255,14 +239,9 @@ impl Builder<'_> {
         let glue = hosted.iter().map(|shared_object| &shared_object.glue);
         let glue = glue.map(|glue| report::new_content(&glue.path, &glue.text));
         write_changed(glue.collect())?;
-        let compile = plan
-            .compile
-            .iter()
-            .chain(hosted.iter().map(|shared_object| &shared_object.compile));
-        let links: Vec<&Step> = hosted
-            .iter()
-            .map(|shared_object| &shared_object.link)
-            .collect();
+        let compile =
+            plan.compile.iter().chain(hosted.iter().map(|shared_object| &shared_object.compile));
+        let links: Vec<&Step> = hosted.iter().map(|shared_object| &shared_object.link).collect();
         let compile: Vec<&Step> = compile.collect();
         let stale = stale(&compile).len();
         if stale > 0 {
@@ -286,14 +265,9 @@ impl Builder<'_> {
         let wanted = self.packages(&shown)?;
         let words = |question| {
             let words = vfs::words(self.packages, question, &wanted);
-            words
-                .map_err(anyhow::Error::msg)
-                .with_context(|| format!("`{shown}` is not compiled"))
+            words.map_err(anyhow::Error::msg).with_context(|| format!("`{shown}` is not compiled"))
         };
-        let packages = Packages {
-            compile: words("--cflags")?,
-            link: words("--libs")?,
-        };
+        let packages = Packages { compile: words("--cflags")?, link: words("--libs")? };
         let beside = specification.parent().unwrap_or(Utf8Path::new("."));
         let stem = specification.file_stem().unwrap_or_default();
         let place = beside.join(FOLDER).join(RUN).join(stem);
@@ -302,11 +276,7 @@ impl Builder<'_> {
             .map_err(anyhow::Error::msg)
             .with_context(|| format!("`{shown}` is not compiled"))?;
         write_headers(&plan, &beside.join(FOLDER))?;
-        Ok(FolderPlan {
-            plan,
-            packages,
-            place,
-        })
+        Ok(FolderPlan { plan, packages, place })
     }
 
     /// Returns the packages that are installed. Packages that only the specification requires may be missing.
@@ -368,10 +338,7 @@ impl Builder<'_> {
                 "`{shown}` has no sources in `{}`; `dotgen codels stub {shown}` writes them",
                 session::display(codels)
             ));
-            return Ok(Built {
-                diagnostics: Vec::new(),
-                whole: false,
-            });
+            return Ok(Built { diagnostics: Vec::new(), whole: false });
         }
         let plan = self.plan()?.plan;
         if !plan.missing.is_empty() {
@@ -388,11 +355,7 @@ impl Builder<'_> {
             report::note(text);
         }
         let failed = |diagnostic: &Diagnostic| diagnostic.severity == Severity::Error;
-        let made = plan
-            .compile
-            .iter()
-            .chain([&plan.link])
-            .all(|link| link.is_fresh(&SystemDisk));
+        let made = plan.compile.iter().chain([&plan.link]).all(|link| link.is_fresh(&SystemDisk));
         if made {
             let library = session::display(&plan.link.output);
             report::note(&match (stale, linked) {
@@ -403,10 +366,7 @@ impl Builder<'_> {
         } else if !diagnostics.iter().any(failed) && other.is_empty() {
             bail!("`{shown}` does not compile, and the compiler does not say why");
         }
-        Ok(Built {
-            whole: made && plan.missing.is_empty(),
-            diagnostics,
-        })
+        Ok(Built { whole: made && plan.missing.is_empty(), diagnostics })
     }
 
     /// Runs the necessary steps. Returns the messages with places, and other errors.
@@ -442,9 +402,7 @@ impl Builder<'_> {
             }
         });
         drop(counter);
-        let mut results = results
-            .into_inner()
-            .unwrap_or_else(|error| error.into_inner());
+        let mut results = results.into_inner().unwrap_or_else(|error| error.into_inner());
         results.sort_by_key(|mutex| mutex.0);
         let (mut said, mut other) = (Vec::new(), Vec::new());
         let mut failed = false;
@@ -480,31 +438,24 @@ impl Builder<'_> {
                 MessageLevel::Warning => Severity::Warning,
                 MessageLevel::Note => {
                     if let Some(before) = out.last_mut() {
-                        before.related.push(Related {
-                            message: message.what.clone(),
-                            path,
-                            range,
-                        });
+                        before.related.push(Related { message: message.what.clone(), path, range });
                     }
                     continue;
                 }
             };
             let functions = codel_functions(&expected, &self.folder.sources, &path);
-            let mut around = functions
-                .iter()
-                .filter(|function| function.range.contains(&range.start));
+            let mut around =
+                functions.iter().filter(|function| function.range.contains(&range.start));
             let codel = around.next().and_then(|function| function.codels.first());
             let mut diagnostic = Diagnostic::new(CODE, severity, message.what.clone(), path, range);
             if let Some(&(component, codel)) = codel {
                 let unit = &self.folder.unit;
                 let codel = unit.spec.components[component as usize].codel(codel);
-                diagnostic
-                    .related
-                    .extend(unit.locations.locate(codel.src).map(|at| Related {
-                        path: at.path,
-                        range: at.range,
-                        message: format!("the codel `{}` is declared here", codel.name),
-                    }));
+                diagnostic.related.extend(unit.locations.locate(codel.src).map(|at| Related {
+                    path: at.path,
+                    range: at.range,
+                    message: format!("the codel `{}` is declared here", codel.name),
+                }));
             }
             if !out.contains(&diagnostic) {
                 out.push(diagnostic);
@@ -534,16 +485,11 @@ fn write_changed(mut files: Vec<NewContent>) -> anyhow::Result<()> {
 fn perform(step: &Step, temporary: &Path, interrupt: &Interrupt) -> anyhow::Result<(bool, String)> {
     // Until the output is complete, the record is empty.
     report::write_files(&[report::new_content(&step.record(), "")])?;
-    let (program, arguments) = step
-        .command
-        .split_first()
-        .context("a step runs a program")?;
+    let (program, arguments) = step.command.split_first().context("a step runs a program")?;
     let arguments: Vec<OsString> = arguments.iter().map(Into::into).collect();
     // Messages are parsed, so their language is fixed.
-    let environment = [
-        ("LC_ALL", "C".to_owned()),
-        ("TMPDIR", temporary.to_string_lossy().into_owned()),
-    ];
+    let environment =
+        [("LC_ALL", "C".to_owned()), ("TMPDIR", temporary.to_string_lossy().into_owned())];
     let process = process::ask(program, arguments, &environment);
     let mut process = process.map_err(|error| match error.kind() {
         ErrorKind::NotFound => anyhow::anyhow!(
@@ -566,15 +512,11 @@ fn place(text: &str, line: usize, column: usize) -> std::ops::Range<usize> {
     for line in lines.by_ref().take(line.saturating_sub(1)) {
         start += line.len();
     }
-    let line = lines
-        .next()
-        .unwrap_or_default()
-        .trim_end_matches(['\r', '\n']);
+    let line = lines.next().unwrap_or_default().trim_end_matches(['\r', '\n']);
     let at = line.char_indices().nth(column.saturating_sub(1));
     let at = at.map_or(line.len(), |pair| pair.0);
-    let word = line[at..]
-        .chars()
-        .take_while(|character| character.is_alphanumeric() || *character == '_');
+    let word =
+        line[at..].chars().take_while(|character| character.is_alphanumeric() || *character == '_');
     let length: usize = word.map(char::len_utf8).sum();
     let length = length.max(line[at..].chars().next().map_or(0, char::len_utf8));
     start + at..start + at + length

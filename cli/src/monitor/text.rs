@@ -24,11 +24,7 @@ pub(super) fn print(title: &str, reports: &[(Utf8PathBuf, MonitorReport)]) -> an
             writeln!(out)?;
         }
         let (title, log) = (terminal::text(title), terminal::name(log.as_str()));
-        writeln!(
-            out,
-            "{TITLE}{title}{TITLE:#}: {} runs of codels in {log}",
-            report.runs
-        )?;
+        writeln!(out, "{TITLE}{title}{TITLE:#}: {} runs of codels in {log}", report.runs)?;
         one(&mut out, report)?;
     }
     Ok(())
@@ -63,10 +59,7 @@ fn one(out: &mut impl Write, report: &MonitorReport) -> anyhow::Result<()> {
     table(out, &rows)?;
     let never = report.never_taken.iter();
     let never = never.map(|transition| {
-        format!(
-            "{}: {} -> {}",
-            transition.machine, transition.from, transition.to
-        )
+        format!("{}: {} -> {}", transition.machine, transition.from, transition.to)
     });
     list(out, "transitions never taken", &never.collect::<Vec<_>>())?;
     list(out, "codels never executed", &report.never_executed)?;
@@ -86,29 +79,16 @@ fn one(out: &mut impl Write, report: &MonitorReport) -> anyhow::Result<()> {
         return Ok(());
     }
     let deviations: Vec<String> = report.deviations.iter().map(deviation).collect();
-    let many = if report.deviation_count == 1 {
-        "deviation"
-    } else {
-        "deviations"
-    };
+    let many = if report.deviation_count == 1 { "deviation" } else { "deviations" };
     writeln!(out, "\n{BAD}{} {many}{BAD:#}", report.deviation_count)?;
     for found in deviations.iter().take(MAX_LISTED) {
         writeln!(out, "  {found}")?;
     }
-    let more = report
-        .deviation_count
-        .saturating_sub(deviations.len().min(MAX_LISTED) as u64);
+    let more = report.deviation_count.saturating_sub(deviations.len().min(MAX_LISTED) as u64);
     if more > 0 {
-        let counts = report
-            .counts
-            .iter()
-            .map(|(kind, count)| format!("{count} {kind}"));
+        let counts = report.counts.iter().map(|(kind, count)| format!("{count} {kind}"));
         let counts: Vec<String> = counts.collect();
-        writeln!(
-            out,
-            "  and {more} more; all together: {}",
-            counts.join(", ")
-        )?;
+        writeln!(out, "  and {more} more; all together: {}", counts.join(", "))?;
     }
     Ok(())
 }
@@ -144,23 +124,14 @@ fn deviation(deviation: &Deviation) -> String {
     let line = deviation.line;
     let what = words(&deviation.what);
     let rule = deviation.what.rule();
-    let text = format!(
-        "line {line}, at {}: {} {what} (rule: {rule})",
-        nanos(deviation.at),
-        deviation.of
-    );
+    let text =
+        format!("line {line}, at {}: {} {what} (rule: {rule})", nanos(deviation.at), deviation.of);
     terminal::text(&text).into_owned()
 }
 
 fn words(what: &DeviationKind) -> String {
     match what {
-        DeviationKind::Unknown {
-            task,
-            service,
-            function,
-            from,
-            why,
-        } => {
+        DeviationKind::Unknown { task, service, function, from, why } => {
             let why = match why {
                 Mismatch::Component => "has no such component",
                 Mismatch::Task => "has no such task",
@@ -179,18 +150,10 @@ fn words(what: &DeviationKind) -> String {
             None => format!("was executed in {state}, to which nothing had led"),
         },
         DeviationKind::Longer { took, limit } => {
-            format!(
-                "took {}, more than the declared {}",
-                nanos(*took),
-                nanos(*limit)
-            )
+            format!("took {}, more than the declared {}", nanos(*took), nanos(*limit))
         }
         DeviationKind::Shorter { took, limit } => {
-            format!(
-                "took {}, less than the declared {}",
-                nanos(*took),
-                nanos(*limit)
-            )
+            format!("took {}, less than the declared {}", nanos(*took), nanos(*limit))
         }
         DeviationKind::Together { other } => format!("was executed together with {other}"),
         DeviationKind::Overtaken { other } => {
@@ -216,11 +179,7 @@ fn words(what: &DeviationKind) -> String {
             nanos(*period)
         ),
         DeviationKind::Response { response, bound } => {
-            format!(
-                "took {} for a job, more than the proved {}",
-                nanos(*response),
-                nanos(*bound)
-            )
+            format!("took {} for a job, more than the proved {}", nanos(*response), nanos(*bound))
         }
     }
 }

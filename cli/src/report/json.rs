@@ -57,10 +57,7 @@ pub(crate) struct Entry {
 /// How bad a finding is.
 #[derive(JsonSchema)]
 #[schemars(rename_all = "lowercase")]
-#[allow(
-    dead_code,
-    reason = "stands for the severity of the analysis in the schema"
-)]
+#[allow(dead_code, reason = "stands for the severity of the analysis in the schema")]
 enum Level {
     Error,
     Warning,
@@ -70,10 +67,7 @@ enum Level {
 
 /// A part of a file.
 #[derive(JsonSchema)]
-#[allow(
-    dead_code,
-    reason = "stands for the range of the protocol in the schema"
-)]
+#[allow(dead_code, reason = "stands for the range of the protocol in the schema")]
 struct Span {
     /// Its beginning.
     #[schemars(with = "Place")]
@@ -85,10 +79,7 @@ struct Span {
 
 /// A place in a file.
 #[derive(JsonSchema)]
-#[allow(
-    dead_code,
-    reason = "stands for the position of the protocol in the schema"
-)]
+#[allow(dead_code, reason = "stands for the position of the protocol in the schema")]
 struct Place {
     /// The line, from 0.
     line: u32,
@@ -134,10 +125,7 @@ struct Edit {
 
 /// How much of the codels of a component was compared.
 #[derive(JsonSchema)]
-#[allow(
-    dead_code,
-    reason = "stands for the report of code generation in the schema"
-)]
+#[allow(dead_code, reason = "stands for the report of code generation in the schema")]
 struct Compared {
     /// The specification, relative to the current directory if it is below it.
     file: String,
@@ -159,10 +147,7 @@ struct Compared {
 
 /// Codels that wait for something.
 #[derive(JsonSchema)]
-#[allow(
-    dead_code,
-    reason = "stands for the report of code generation in the schema"
-)]
+#[allow(dead_code, reason = "stands for the report of code generation in the schema")]
 struct Waiting {
     /// An interface that is not known.
     #[schemars(rename = "for")]
@@ -188,11 +173,7 @@ pub(crate) fn entries(diagnostics: &[Diagnostic], texts: &Texts) -> Vec<Entry> {
                 message: related.message.clone(),
             })
             .collect(),
-        fixes: diagnostic
-            .fixes
-            .iter()
-            .map(|fix| mending(fix, texts))
-            .collect(),
+        fixes: diagnostic.fixes.iter().map(|fix| mending(fix, texts)).collect(),
     });
     entries.collect()
 }
@@ -203,11 +184,7 @@ fn mending(fix: &Fix, texts: &Texts) -> Mending {
         range: range(texts, &edit.path, &edit.range),
         new_text: edit.new_text.clone(),
     });
-    Mending {
-        title: fix.title.clone(),
-        safe: fix.kind == FixKind::Plain,
-        edits: edits.collect(),
-    }
+    Mending { title: fix.title.clone(), safe: fix.kind == FixKind::Plain, edits: edits.collect() }
 }
 
 pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
@@ -224,10 +201,7 @@ pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
 
 /// Returns a range with lines from 0 and characters in UTF-16 units.
 pub(super) fn range(texts: &Texts, path: &Utf8Path, range: &std::ops::Range<usize>) -> Range {
-    texts
-        .get(path)
-        .map(|text| text.range(range))
-        .unwrap_or_default()
+    texts.get(path).map(|text| text.range(range)).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -19,16 +19,10 @@ pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
 }
 
 fn document(report: &FileReports) -> Value {
-    let codes: BTreeSet<&str> = report
-        .diagnostics
-        .iter()
-        .map(|diagnostic| diagnostic.code)
-        .collect();
+    let codes: BTreeSet<&str> =
+        report.diagnostics.iter().map(|diagnostic| diagnostic.code).collect();
     let rules = codes.iter().map(|code| rule(code));
-    let results = report
-        .diagnostics
-        .iter()
-        .map(|diagnostic| result(report, diagnostic));
+    let results = report.diagnostics.iter().map(|diagnostic| result(report, diagnostic));
     json!({
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
         "version": "2.1.0",
@@ -84,11 +78,7 @@ fn result(report: &FileReports, diagnostic: &Diagnostic) -> Value {
         result["relatedLocations"] = related.collect();
     }
     if !diagnostic.fixes.is_empty() {
-        result["fixes"] = diagnostic
-            .fixes
-            .iter()
-            .map(|context| fix(report, context))
-            .collect();
+        result["fixes"] = diagnostic.fixes.iter().map(|context| fix(report, context)).collect();
     }
     result
 }

@@ -39,10 +39,8 @@ pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
     }
     let in_part = |comparison: &&Compared| !comparison.coverage.is_complete();
     for comparison in report.compared.iter().filter(in_part) {
-        let (file, component) = (
-            terminal::name(&comparison.file),
-            terminal::text(&comparison.component),
-        );
+        let (file, component) =
+            (terminal::name(&comparison.file), terminal::text(&comparison.component));
         writeln!(out, "{file}: {component}: {}", comparison.coverage)?;
     }
     // If nothing could be checked, the errors give the reason.
@@ -54,9 +52,7 @@ pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
 
 /// Prints the errors, on standard error.
 pub(crate) fn print_errors(diagnostics: &[Diagnostic], texts: &Texts) -> anyhow::Result<()> {
-    let errors = diagnostics
-        .iter()
-        .filter(|diagnostic| diagnostic.severity == Severity::Error);
+    let errors = diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
     print_to_stderr(errors, texts)
 }
 
@@ -108,12 +104,7 @@ fn summary(report: &FileReports) -> String {
 fn render(diagnostic: &Diagnostic, texts: &Texts) -> String {
     let render = || {
         let mut groups = vec![main_group(diagnostic, texts)];
-        groups.extend(
-            diagnostic
-                .fixes
-                .first()
-                .and_then(|fix| fix_group(fix, texts)),
-        );
+        groups.extend(diagnostic.fixes.first().and_then(|fix| fix_group(fix, texts)));
         Renderer::styled().render(&groups)
     };
     // The snippet library may panic on a text. The diagnostic is then printed without a snippet.
@@ -164,30 +155,20 @@ struct Excerpt<'d> {
 }
 
 fn main_group<'d>(diagnostic: &'d Diagnostic, texts: &'d Texts) -> Group<'d> {
-    let mut excerpts = vec![Excerpt {
-        path: &diagnostic.path,
-        marks: vec![(diagnostic.range.clone(), None)],
-    }];
+    let mut excerpts =
+        vec![Excerpt { path: &diagnostic.path, marks: vec![(diagnostic.range.clone(), None)] }];
     let line = |path: &Utf8Path, offset| texts.get(path).map(|text| text.position(offset).line);
     for related in &diagnostic.related {
         let at = line(&related.path, related.range.start);
         let near = |excerpt: &&mut Excerpt<'_>| {
-            let first = excerpt
-                .marks
-                .first()
-                .and_then(|mark| line(excerpt.path, mark.0.start));
+            let first = excerpt.marks.first().and_then(|mark| line(excerpt.path, mark.0.start));
             excerpt.path == &related.path
-                && first
-                    .zip(at)
-                    .is_some_and(|(a, b)| a.abs_diff(b) <= MAX_SNIPPET_LINES)
+                && first.zip(at).is_some_and(|(a, b)| a.abs_diff(b) <= MAX_SNIPPET_LINES)
         };
         let mark = (related.range.clone(), Some(related.message.as_str()));
         match excerpts.iter_mut().find(near) {
             Some(excerpt) => excerpt.marks.push(mark),
-            None => excerpts.push(Excerpt {
-                path: &related.path,
-                marks: vec![mark],
-            }),
+            None => excerpts.push(Excerpt { path: &related.path, marks: vec![mark] }),
         }
     }
     let mut group = level(diagnostic.severity)
@@ -214,9 +195,8 @@ fn add_excerpt<'d>(
     let Some(window) = Window::around(lines, ranges) else {
         let start = excerpt.marks.first().map_or(0, |mark| mark.0.start);
         let at = lines.position(start);
-        let origin = Origin::path(path)
-            .line(at.line as usize + 1)
-            .char_column(at.character as usize + 1);
+        let origin =
+            Origin::path(path).line(at.line as usize + 1).char_column(at.character as usize + 1);
         return group.element(origin);
     };
     let marks = excerpt.marks.iter().enumerate();

@@ -120,10 +120,7 @@ impl BoundVerification {
         };
         let options = Options {
             checks: vec![check],
-            limits: Limits {
-                states,
-                ..options.limits
-            },
+            limits: Limits { states, ..options.limits },
             ..options.clone()
         };
         let report = problem.verify(&options, cancel, &|_| {});
@@ -144,9 +141,7 @@ impl BoundVerification {
 
     /// Returns true if every response time was answered.
     fn is_done(&self) -> bool {
-        self.proved()
-            .as_ref()
-            .is_some_and(|answers| !answers.given_up)
+        self.proved().as_ref().is_some_and(|answers| !answers.given_up)
     }
 
     /// Starts again: earlier results are dropped.
@@ -188,11 +183,9 @@ pub(crate) fn without_times(
     let all = system.codels.iter().filter(|codel| codel.site.is_some());
     let none_has = all.clone().next().is_some() && all.clone().all(|codel| codel.upper == 0);
     let names = || match codels_without_time.len() {
-        n if n > NAMED => format!(
-            "{} and {} more",
-            codels_without_time[..NAMED].join(", "),
-            n - NAMED
-        ),
+        n if n > NAMED => {
+            format!("{} and {} more", codels_without_time[..NAMED].join(", "), n - NAMED)
+        }
         _ => codels_without_time.join(", "),
     };
     match (measured, none_has) {

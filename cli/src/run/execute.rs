@@ -97,9 +97,7 @@ impl Context<'_, '_> {
     /// Returns the bounds that are known at the end of a run, and a note if some may be missing.
     fn final_bounds(&self, prepared: &Prepared) -> (Vec<Option<Ticks>>, Option<String>) {
         let mut bounds = self.bounds.clone();
-        let proved = self
-            .proving
-            .is_none_or(|verification| verification.add_to(&mut bounds));
+        let proved = self.proving.is_none_or(|verification| verification.add_to(&mut bounds));
         bounds::without_times(&prepared.built.system, &mut bounds, self.measured);
         (bounds, (!proved).then(|| NOT_PROVED.to_owned()))
     }
@@ -139,9 +137,7 @@ impl Context<'_, '_> {
             bounds,
             &plan,
             profile.as_mut(),
-            recording
-                .as_mut()
-                .map(|recording| recording as &mut dyn Record),
+            recording.as_mut().map(|recording| recording as &mut dyn Record),
             None,
             &interrupted,
         );
@@ -179,10 +175,7 @@ impl Context<'_, '_> {
             let simulated = simulated.map(|(_, codel)| &*codel.path);
             recorder.say(&origins(measured.is_some(), simulated))?;
         }
-        let runs = Runs {
-            recorder,
-            followers,
-        };
+        let runs = Runs { recorder, followers };
         let functions = functions(system, self.names);
         Ok(Some(Profile::new(system, functions, runs)))
     }
@@ -206,13 +199,8 @@ impl Context<'_, '_> {
 
     fn told(&self, prepared: &Prepared, outcome: &SimulationResult<'_>) -> Option<RunEvents> {
         let run = outcome.recorded.as_ref()?;
-        let input = SystemInput {
-            specs: self.problem.specs(),
-        };
-        Some(RunEvents {
-            events: prepared.told(&input, run),
-            left_out: run.left_out,
-        })
+        let input = SystemInput { specs: self.problem.specs() };
+        Some(RunEvents { events: prepared.told(&input, run), left_out: run.left_out })
     }
 
     /// Builds the executed components. Returns `None` if that fails, which is printed, or is interrupted.
@@ -306,9 +294,7 @@ impl Context<'_, '_> {
         let mut children = self.children(arguments, libraries, system, real);
         let mut notes = hosted.notes.clone();
         notes.extend(parts.unlike.iter().cloned());
-        let pace = real.then(|| Pace {
-            nanos: hosted::nanos(&opened),
-        });
+        let pace = real.then(|| Pace { nanos: hosted::nanos(&opened) });
         if real {
             match real_time() {
                 true => children.raise_priorities(),
@@ -360,9 +346,7 @@ impl Context<'_, '_> {
             bounds,
             &plan,
             profile.as_mut(),
-            recording
-                .as_mut()
-                .map(|recording| recording as &mut dyn Record),
+            recording.as_mut().map(|recording| recording as &mut dyn Record),
             Some(execution),
             &interrupted,
         );
@@ -384,13 +368,7 @@ impl Context<'_, '_> {
         let denied = children.denied().iter();
         notes.extend(denied.map(|text| format!("the system does not grant {text}")));
         report.notes.extend(notes);
-        Ok(Some(Run {
-            lines,
-            messages,
-            executed: parts.counts(system),
-            told,
-            report,
-        }))
+        Ok(Some(Run { lines, messages, executed: parts.counts(system), told, report }))
     }
 }
 

@@ -72,10 +72,8 @@ pub(super) fn build<'s>(
                 let Some(found) = found else { continue };
                 out.libraries[found] = Some(shared_object.link.output);
                 let missing: HashSet<_> = shared_object.missing.into_iter().collect();
-                out.parts[found] = Some(HostedComponent {
-                    member: names.components[found],
-                    missing,
-                });
+                out.parts[found] =
+                    Some(HostedComponent { member: names.components[found], missing });
             }
         }
     }
@@ -163,9 +161,7 @@ impl<'s> Hosted<'s> {
         inputs: &HashMap<String, Vec<u8>>,
     ) -> HostedComponents<'s> {
         let parts = self.parts.clone();
-        HostedComponents::new(prepared, names, settings, parts, &|text| {
-            inputs.get(text).cloned()
-        })
+        HostedComponents::new(prepared, names, settings, parts, &|text| inputs.get(text).cloned())
     }
 }
 
@@ -205,18 +201,11 @@ pub(super) fn inputs(
             .with_context(|| format!("`--input {text}`: write COMPONENT.SERVICE={{…}}"))?;
         let (path, json) = (path.trim(), json.trim());
         let (component, service) = path.split_once('.').unwrap_or((path, ""));
-        let member = names
-            .components
-            .iter()
-            .find(|member| member.component.name == component);
+        let member = names.components.iter().find(|member| member.component.name == component);
         let Some(member) = member else {
             bail!("`--input {path}`: there is no component `{component}`");
         };
-        let found = member
-            .component
-            .services
-            .iter()
-            .find(|candidate| candidate.name == service);
+        let found = member.component.services.iter().find(|candidate| candidate.name == service);
         let Some(found) = found else {
             bail!("`--input {path}`: `{component}` has no service `{service}`");
         };

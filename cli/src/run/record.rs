@@ -147,10 +147,7 @@ impl Record for Recording<'_, '_> {
     }
 
     fn moment(&mut self) {
-        if self
-            .begun
-            .is_some_and(|instant| instant.elapsed() >= FLUSH_INTERVAL)
-        {
+        if self.begun.is_some_and(|instant| instant.elapsed() >= FLUSH_INTERVAL) {
             self.begun = None;
             let result = self.out.flush();
             self.keep(result);

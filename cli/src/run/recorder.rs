@@ -55,10 +55,7 @@ impl<'a> Files<'a> {
             trace: trace.map(|trace| (trace, Trace::new(Some(names)))),
             lines: Lines::default(),
         };
-        Ok(Files {
-            runs: wanted.then_some(runs),
-            recording: recording.map(open).transpose()?,
-        })
+        Ok(Files { runs: wanted.then_some(runs), recording: recording.map(open).transpose()? })
     }
 }
 
@@ -81,10 +78,8 @@ impl Recorder<'_> {
     /// Ends the files.
     pub(super) fn finish(mut self) -> io::Result<CompleteFiles> {
         self.say(&log::end())?;
-        let mut whole = CompleteFiles {
-            log: self.log.is_none_or(AppendedFile::finish),
-            trace: true,
-        };
+        let mut whole =
+            CompleteFiles { log: self.log.is_none_or(AppendedFile::finish), trace: true };
         if let Some((mut file, trace)) = self.trace {
             file.write_all(&trace.finish())?;
             whole.trace = file.finish();

@@ -42,9 +42,7 @@ pub(super) fn one(
         checks: parsed(checks, &problem)?,
         ..Options::default()
     };
-    let input = SystemInput {
-        specs: problem.specs(),
-    };
+    let input = SystemInput { specs: problem.specs() };
     let prepared = prepare(&input, &problem.scenario, &options);
     let has_errors = prepared.report.has_errors();
     if matches!(arguments.format, Format::Text) || has_errors {

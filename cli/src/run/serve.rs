@@ -97,14 +97,10 @@ pub(super) fn start(
             true => Clients::Anyone,
             false => Clients::OfThisUser,
         };
-        let (address, token) = server
-            .listen_on_loopback(port, clients)
-            .map_err(anyhow::Error::msg)?;
+        let (address, token) =
+            server.listen_on_loopback(port, clients).map_err(anyhow::Error::msg)?;
         report::note(&match token {
-            Some(file) => format!(
-                "listening at {address}, with the token in `{}`",
-                file.display()
-            ),
+            Some(file) => format!("listening at {address}, with the token in `{}`", file.display()),
             None => format!("listening at {address}, for all users of this machine"),
         });
     }
@@ -185,10 +181,7 @@ fn conversions(
         }
     }
     for component in session.ros2.keys() {
-        if known
-            .values()
-            .all(|entry| entry.component().name != component.as_str())
-        {
+        if known.values().all(|entry| entry.component().name != component.as_str()) {
             report::note(&format!(
                 "`ros2.messages.{component}` is not used: no component `{component}` runs"
             ));

@@ -65,10 +65,7 @@ fn quoted(word: &str) -> String {
     if !word.is_empty() && word.chars().all(plain) {
         return word.to_owned();
     }
-    let word = escaped(word)
-        .replace('\\', "\\\\")
-        .replace('"', "\\\"")
-        .replace('$', "$$");
+    let word = escaped(word).replace('\\', "\\\\").replace('"', "\\\"").replace('$', "$$");
     format!("\"{word}\"")
 }
 
@@ -83,10 +80,7 @@ mod tests {
     #[test]
     fn words_stay_whole() {
         assert_eq!(quoted("pump.scn"), "pump.scn");
-        assert_eq!(
-            quoted("pump.fill={\"height\": 2}"),
-            "\"pump.fill={\\\"height\\\": 2}\""
-        );
+        assert_eq!(quoted("pump.fill={\"height\": 2}"), "\"pump.fill={\\\"height\\\": 2}\"");
         assert_eq!(quoted("a $b 5%"), "\"a $$b 5%%\"");
         assert_eq!(quoted(""), "\"\"");
     }

@@ -84,10 +84,7 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
             Contents::Messages(steps) => format!(" and {steps} steps"),
             _ => String::new(),
         };
-        writeln!(
-            out,
-            "{TITLE}note{TITLE:#}: wrote {count} {what}{steps} to {path}"
-        )?;
+        writeln!(out, "{TITLE}note{TITLE:#}: wrote {count} {what}{steps} to {path}")?;
     }
     let (style, what) = match report.violation_count {
         0 => (GOOD, "nothing violated".to_owned()),
@@ -141,11 +138,7 @@ fn value(value: Option<Value>, unit: TimeUnit) -> String {
 
 fn tasks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::Result<()> {
     let rows = report.tasks.iter().map(|task| {
-        let missed = if task.period.is_some() {
-            task.missed.to_string()
-        } else {
-            String::new()
-        };
+        let missed = if task.period.is_some() { task.missed.to_string() } else { String::new() };
         vec![
             task.task.clone(),
             value(task.period, unit),
@@ -156,17 +149,12 @@ fn tasks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::R
             missed,
         ]
     });
-    let head = [
-        "task", "period", "jobs", "mean", "greatest", "bound", "missed",
-    ];
+    let head = ["task", "period", "jobs", "mean", "greatest", "bound", "missed"];
     table(out, &head, &rows.collect::<Vec<_>>())
 }
 
 fn services(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
-    let rows = report
-        .services
-        .iter()
-        .filter(|service| service.requests > 0);
+    let rows = report.services.iter().filter(|service| service.requests > 0);
     let rows = rows.map(|row| {
         vec![
             row.service.clone(),
@@ -187,10 +175,7 @@ fn transitions(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> 
     let (mut taken, mut never) = (0, Vec::new());
     for (machine, transition) in all {
         match transition.taken {
-            0 => never.push(format!(
-                "{machine}: {} → {}",
-                transition.from, transition.to
-            )),
+            0 => never.push(format!("{machine}: {} → {}", transition.from, transition.to)),
             _ => taken += 1,
         }
     }
@@ -204,10 +189,7 @@ fn transitions(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> 
     }
     if never.len() > NEVER {
         let more = never.len() - NEVER;
-        writeln!(
-            out,
-            "  {FAINT}… and {more} more; `--format json` has all{FAINT:#}"
-        )?;
+        writeln!(out, "  {FAINT}… and {more} more; `--format json` has all{FAINT:#}")?;
     }
     Ok(())
 }
@@ -237,10 +219,7 @@ fn checks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::
 }
 
 fn title(outcome: &CheckOutcome) -> String {
-    let named = outcome
-        .name
-        .as_ref()
-        .map_or(String::new(), |name| format!("{name}: "));
+    let named = outcome.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
     let of = match outcome.of.is_empty() {
         true => String::new(),
         false => format!(" {}", outcome.of),
@@ -256,11 +235,7 @@ fn violations(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::
                 let check = &report.checks[*check];
                 (title(check), times(check.violations))
             }
-            Violated::BeyondBound {
-                task,
-                response,
-                bound,
-            } => {
+            Violated::BeyondBound { task, response, bound } => {
                 let what = format!(
                     "the proved bound of {task}: {} is more than {}",
                     unit.show_value(*response),
@@ -268,11 +243,7 @@ fn violations(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::
                 );
                 (what, String::new())
             }
-            Violated::Undeclared {
-                codel,
-                function,
-                event,
-            } => {
+            Violated::Undeclared { codel, function, event } => {
                 let what = match event.is_empty() {
                     true => "something that is no event of its component".to_owned(),
                     false => format!("`{event}`, which its specification does not declare"),
@@ -280,12 +251,7 @@ fn violations(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::
                 let what = format!("the transitions of {codel}: `{function}` returned {what}");
                 (what, String::new())
             }
-            Violated::Lost {
-                component,
-                codel,
-                function,
-                why,
-            } => {
+            Violated::Lost { component, codel, function, why } => {
                 let of = match (codel, function) {
                     (Some(codel), Some(function)) => format!(" in `{function}` ({codel})"),
                     _ => String::new(),
@@ -293,12 +259,7 @@ fn violations(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::
                 let what = format!("that components run: `{component}` {why}{of}");
                 (what, String::new())
             }
-            Violated::Overrun {
-                codel,
-                function,
-                took,
-                limit,
-            } => {
+            Violated::Overrun { codel, function, took, limit } => {
                 let what = format!(
                     "the execution time of {codel}: `{function}` took {}, more than {}",
                     unit.show_value(*took),
@@ -340,11 +301,7 @@ fn table(out: &mut impl Write, head: &[&str], rows: &[Vec<String>]) -> std::io::
             let cells = rows.iter().map(|row| row[column].chars().count());
             let most = cells.max().unwrap_or(0);
             // Empty columns are left out.
-            if most == 0 {
-                0
-            } else {
-                most.max(head[column].len())
-            }
+            if most == 0 { 0 } else { most.max(head[column].len()) }
         })
         .collect();
     let line = |cells: &mut dyn Iterator<Item = &str>| {

@@ -10,10 +10,7 @@ const TITLE: Style = Style::new().bold();
 pub(super) fn print(out: &mut impl Write, reduction: &ReductionUse) -> anyhow::Result<()> {
     let lines = reduction.lines();
     if lines.is_empty() {
-        writeln!(
-            out,
-            "\n{TITLE}reductions{TITLE:#}\n  none: nothing had to be explored"
-        )?;
+        writeln!(out, "\n{TITLE}reductions{TITLE:#}\n  none: nothing had to be explored")?;
         return Ok(());
     }
     writeln!(out, "\n{TITLE}reductions{TITLE:#}")?;

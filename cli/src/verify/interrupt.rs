@@ -77,9 +77,7 @@ impl Signals {
 
 fn watched() -> Interrupt {
     let interrupt = Interrupt::default();
-    let runtime = tokio::runtime::Builder::new_current_thread()
-        .enable_all()
-        .build();
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let Ok(runtime) = runtime else {
         return interrupt;
     };

@@ -66,16 +66,10 @@ pub(super) fn found(
         print(&|out| lines.ending(out, sensitivity));
     }
     let edit = |repair: &Repair| {
-        session.ask(&problem.path, |analysis| {
-            changes::edit(analysis, problem, &repair.change)
-        })
+        session.ask(&problem.path, |analysis| changes::edit(analysis, problem, &repair.change))
     };
     Ok(Slacks {
-        edits: repairs
-            .all
-            .iter()
-            .map(edit)
-            .collect::<anyhow::Result<_>>()?,
+        edits: repairs.all.iter().map(edit).collect::<anyhow::Result<_>>()?,
         repairs,
         sensitivity,
     })

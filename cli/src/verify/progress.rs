@@ -33,10 +33,7 @@ pub(super) fn during<R>(
         return work(&|_| {});
     }
     let shared = Shared {
-        doing: Mutex::new(Activity {
-            what: doing.to_owned(),
-            ..Activity::default()
-        }),
+        doing: Mutex::new(Activity { what: doing.to_owned(), ..Activity::default() }),
         over: Mutex::new(false),
         ended: Condvar::new(),
     };
@@ -92,11 +89,7 @@ fn words(Activity { what, how_far }: &Activity, effort: Effort, elapsed: Duratio
         true => String::new(),
         false => format!("{how_far}, "),
     };
-    let so_far = format!(
-        ": {how_far}{states} states, {} s, {} MB",
-        elapsed.as_secs(),
-        bytes >> 20
-    );
+    let so_far = format!(": {how_far}{states} states, {} s, {} MB", elapsed.as_secs(), bytes >> 20);
     let left = WIDTH.saturating_sub(so_far.len());
     match what.char_indices().nth(left) {
         None => format!("{what}{so_far}"),
@@ -138,19 +131,13 @@ mod tests {
 
     #[test]
     fn a_line_says_how_far_it_is_and_fits() {
-        let effort = Effort {
-            states: 1_203_456,
-            bytes: 340 << 20,
-        };
+        let effort = Effort { states: 1_203_456, bytes: 340 << 20 };
         let after = Duration::from_millis(12_700);
         let words = |what: &str, how_far: &str| {
             let (what, how_far) = (what.to_owned(), how_far.to_owned());
             words(&Activity { what, how_far }, effort, after)
         };
-        assert_eq!(
-            words("verifying hover", ""),
-            "verifying hover: 1203456 states, 12 s, 340 MB"
-        );
+        assert_eq!(words("verifying hover", ""), "verifying hover: 1203456 states, 12 s, 340 MB");
         assert_eq!(
             words("verifying hover", "5 of 7 checks answered"),
             "verifying hover: 5 of 7 checks answered, 1203456 states, 12 s, 340 MB"
@@ -158,10 +145,7 @@ mod tests {
         let long = format!("looking for the WCET of {}", "é".repeat(100));
         let line = words(&long, "2 of 9");
         assert!(line.chars().count() <= WIDTH, "{line}");
-        assert!(
-            line.ends_with("é …: 2 of 9, 1203456 states, 12 s, 340 MB"),
-            "{line}"
-        );
+        assert!(line.ends_with("é …: 2 of 9, 1203456 states, 12 s, 340 MB"), "{line}");
     }
 
     #[test]
@@ -178,11 +162,8 @@ mod tests {
 
     #[test]
     fn what_is_soon_over_is_not_shown() {
-        let shared = Shared {
-            doing: Mutex::default(),
-            over: Mutex::new(true),
-            ended: Condvar::new(),
-        };
+        let shared =
+            Shared { doing: Mutex::default(), over: Mutex::new(true), ended: Condvar::new() };
         let mut out = Vec::new();
         shared.paint(&Cancel::default(), &mut Line::new(&mut out));
         assert_eq!(out, b"");

@@ -47,11 +47,7 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
     table(out, &rows)?;
     for (number, remark) in (1..).zip(shared) {
         let remark = wrapped(&remark, 6, 6);
-        writeln!(
-            out,
-            "{}  [{number}] {remark}",
-            if number == 1 { "\n" } else { "" }
-        )?;
+        writeln!(out, "{}  [{number}] {remark}", if number == 1 { "\n" } else { "" })?;
     }
     for seen in &view.checks {
         shown_run(out, seen, unit, explained)?;
@@ -84,10 +80,7 @@ fn shown_run(
 ) -> anyhow::Result<()> {
     let check = seen.report;
     let (events, remark) = match check.counterexample.is_empty() {
-        true => (
-            &check.possible_run,
-            ", with rounded durations; it may not be possible",
-        ),
+        true => (&check.possible_run, ", with rounded durations; it may not be possible"),
         false => (&check.counterexample, ""),
     };
     if events.is_empty() {
@@ -97,9 +90,7 @@ fn shown_run(
     let word = seen.outcome.word();
     writeln!(out, "\n{style}{word}{style:#} {}{remark}", seen.title())?;
     run(out, events, check.cycle, unit, explained)?;
-    let requests = events
-        .iter()
-        .filter(|event| event.kind == MomentKind::Request);
+    let requests = events.iter().filter(|event| event.kind == MomentKind::Request);
     let requests: Vec<&str> = requests.map(|request| request.what.as_str()).collect();
     if !requests.is_empty() {
         labelled(out, "requests", &requests.join(", then "))?;
@@ -138,12 +129,7 @@ pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
     if let Some(report) = advice::of_report(report, &answer.problem, advice::Names::Options) {
         writeln!(out, "\n{TITLE}help{TITLE:#}: {report}")?;
     }
-    let count = |outcome| {
-        view.checks
-            .iter()
-            .filter(|check| check.outcome == outcome)
-            .count()
-    };
+    let count = |outcome| view.checks.iter().filter(|check| check.outcome == outcome).count();
     let counts: Vec<String> = Outcome::ALL
         .into_iter()
         .filter(|&outcome| count(outcome) > 0)
@@ -180,10 +166,7 @@ impl Limits {
     pub(super) fn of(answer: &Answer) -> Limits {
         let table = blocking::table(&answer.problem, &answer.options);
         let width = table.iter().map(|row| row.codel.path.len()).max();
-        Limits {
-            unit: TimeUnit::of(&answer.settings()),
-            width: width.unwrap_or_default(),
-        }
+        Limits { unit: TimeUnit::of(&answer.settings()), width: width.unwrap_or_default() }
     }
 
     /// Prints a change that repairs the system.
@@ -227,10 +210,7 @@ impl Limits {
             remark => format!(", {remark}"),
         };
         let (of, width) = (&limit.of, self.width);
-        writeln!(
-            out,
-            "  {what:<15} {of:<width$}  {extreme} {FAINT}(now {now}{remark}){FAINT:#}"
-        )
+        writeln!(out, "  {what:<15} {of:<width$}  {extreme} {FAINT}(now {now}{remark}){FAINT:#}")
     }
 
     /// Prints the most critical value, and a note if something is missing.
@@ -244,10 +224,9 @@ impl Limits {
             writeln!(out, "  next to break: {next}")?;
         }
         match sensitivity.incomplete {
-            true => writeln!(
-                out,
-                "  {FAINT}given up here: time is up, or it was interrupted{FAINT:#}"
-            ),
+            true => {
+                writeln!(out, "  {FAINT}given up here: time is up, or it was interrupted{FAINT:#}")
+            }
             false => Ok(()),
         }
     }
@@ -303,10 +282,7 @@ fn shared_remarks(rows: &mut [Row]) -> Vec<String> {
         }
     }
     for row in rows {
-        row.shared = shared
-            .iter()
-            .position(|remark| *remark == row.remark)
-            .map(|index| index + 1);
+        row.shared = shared.iter().position(|remark| *remark == row.remark).map(|index| index + 1);
     }
     shared
 }
@@ -325,15 +301,10 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
     }
     let width = |head: &str, cell: fn(&Row) -> &String| {
         let cells = rows.iter().map(|row| cell(row).chars().count());
-        cells
-            .max()
-            .map_or(0, |cell| if cell == 0 { 0 } else { cell.max(head.len()) })
+        cells.max().map_or(0, |cell| if cell == 0 { 0 } else { cell.max(head.len()) })
     };
     let (check, of) = (width("check", |row| &row.check), width("of", |row| &row.of));
-    let (value, limit) = (
-        width("value", |row| &row.value),
-        width("limit", |row| &row.limit),
-    );
+    let (value, limit) = (width("value", |row| &row.value), width("limit", |row| &row.limit));
     let slack = width("slack", |row| &row.slack);
     // Empty columns are left out.
     let right = |text: &str, width: usize| match width {
@@ -366,12 +337,7 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
             (None, "") => {}
             (None, remark) => rest.push_str(&format!("  ({remark})")),
         }
-        writeln!(
-            out,
-            "  {style}{:<8}{style:#}{}",
-            row.verdict,
-            rest.trim_end()
-        )?;
+        writeln!(out, "  {style}{:<8}{style:#}{}", row.verdict, rest.trim_end())?;
     }
     Ok(())
 }
@@ -419,10 +385,7 @@ fn run(
         true => HEAD_LINES..lines.len() - TAIL_LINES,
         false => 0..0,
     };
-    let shown = lines
-        .iter()
-        .enumerate()
-        .filter(|pair| !left_out.contains(&pair.0));
+    let shown = lines.iter().enumerate().filter(|pair| !left_out.contains(&pair.0));
     let steps = shown.filter_map(|pair| match pair.1 {
         Line::Step(step) => Some(*step),
         Line::Again(..) => None,
@@ -460,11 +423,7 @@ fn run(
         if cycle == Some(step) {
             writeln!(out, "  {FAINT}from here on for ever:{FAINT:#}")?;
         }
-        let at = if before == Some(event.time) {
-            String::new()
-        } else {
-            time(step)
-        };
+        let at = if before == Some(event.time) { String::new() } else { time(step) };
         before = Some(event.time);
         let style = match event.kind {
             MomentKind::Wait => AnsiColor::Yellow.on_default(),

@@ -147,9 +147,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     if !arguments.diff {
         let files = answer.changed.iter();
-        let files: Vec<_> = files
-            .map(|(path, (_, new))| report::new_content(path, new))
-            .collect();
+        let files: Vec<_> = files.map(|(path, (_, new))| report::new_content(path, new)).collect();
         report::write_files(&files)?;
     }
     Ok(match answer.refused.is_empty() {
@@ -214,9 +212,8 @@ fn answer(
         FormName::Pragma => WcetForm::Pragma,
         FormName::Clause => WcetForm::Clause,
     };
-    let mut of_units: Vec<Vec<NewWcet>> = (0..problem.units.len())
-        .map(|index| of_unit(problem, &names, index, &wanted))
-        .collect();
+    let mut of_units: Vec<Vec<NewWcet>> =
+        (0..problem.units.len()).map(|index| of_unit(problem, &names, index, &wanted)).collect();
     unify_declarations(&problem.units, &mut of_units);
     edit_specifications(&mut answer, problem, &of_units, form)?;
     for (unit, of_unit) in problem.units.iter().zip(&of_units) {
@@ -250,9 +247,7 @@ fn rows(
             false => greatest.get(&(site.component, site.codel)).copied(),
         };
         let path = path(names, &site);
-        let of_scenario = sidecar
-            .then(|| declared_bound(&problem.scenario, &path))
-            .flatten();
+        let of_scenario = sidecar.then(|| declared_bound(&problem.scenario, &path)).flatten();
         let declared = match of_scenario {
             Some(upper) => upper,
             None => codel.wcet.as_ref().map(|wcet| wcet.value),
@@ -288,9 +283,7 @@ fn edit_scenario(
     names: &Names<'_>,
     wanted: &[(Site, u64)],
 ) -> anyhow::Result<()> {
-    let times = wanted
-        .iter()
-        .map(|(site, micros)| (path(names, site), *micros));
+    let times = wanted.iter().map(|(site, micros)| (path(names, site), *micros));
     let times: Vec<(String, u64)> = times.collect();
     let text = text(&problem.path).unwrap_or_default();
     let edits = edits::scenario(&problem.path, &text, &problem.scenario, &times);
@@ -313,11 +306,7 @@ fn of_unit(
         let mut components = problem.units[index].spec.components.iter();
         let place = components.position(|component| std::ptr::eq(component, member.component));
         if let (true, Some(place)) = (member.spec_index == index, place) {
-            out.push(NewWcet {
-                component: place as u32,
-                codel: site.codel,
-                micros: *micros,
-            });
+            out.push(NewWcet { component: place as u32, codel: site.codel, micros: *micros });
         }
     }
     out.dedup();
@@ -380,9 +369,7 @@ fn unify_declarations(units: &[UnitResult], wanted: &mut [Vec<NewWcet>]) {
     let mut of_places: BTreeMap<Place, (BTreeSet<usize>, String)> = BTreeMap::new();
     for (number, (unit, wanted)) in units.iter().zip(&*wanted).enumerate() {
         for (function, place) in wanted.iter().filter_map(|wcet| place(unit, wcet)) {
-            let entry = of_places
-                .entry(place)
-                .or_insert((BTreeSet::new(), function));
+            let entry = of_places.entry(place).or_insert((BTreeSet::new(), function));
             entry.0.insert(number);
         }
     }
@@ -449,15 +436,11 @@ fn check_unit(
     };
     let files = answer.changed.iter();
     let files = files.map(|(path, (_, new))| (path.clone(), Some(new.clone())));
-    session.host_mut().apply(Change {
-        files: files.collect(),
-        ..Change::default()
-    });
+    session.host_mut().apply(Change { files: files.collect(), ..Change::default() });
     let new = session.ask(root, |analysis| analysis.root_unit(root))?;
     let errors = |unit: &UnitResult| {
         let all = unit.diagnostics.iter();
-        all.filter(|diagnostic| diagnostic.severity == Severity::Error)
-            .count()
+        all.filter(|diagnostic| diagnostic.severity == Severity::Error).count()
     };
     let refused = |name: &str| answer.refused.iter().any(|entry| entry.0 == name);
     for wcet in wanted {

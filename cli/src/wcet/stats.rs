@@ -70,11 +70,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             }
         }
         Format::Json => {
-            let document = Document {
-                format: 1,
-                groups: &groups,
-                left: &collector.left,
-            };
+            let document = Document { format: 1, groups: &groups, left: &collector.left };
             serde_json::to_string_pretty(&document)? + "\n"
         }
         Format::Text => return print(&groups, &collector.left),
@@ -96,10 +92,7 @@ fn print(groups: &[Group], left: &SkippedLines) -> anyhow::Result<Outcome> {
             true => "(missing)".to_owned(),
             false => name,
         };
-        let function = group
-            .function
-            .as_ref()
-            .filter(|function| !function.is_empty());
+        let function = group.function.as_ref().filter(|function| !function.is_empty());
         let function = function.map_or(String::new(), |function| format!(" ({function})"));
         let indent = "  ".repeat(depth.saturating_sub(2));
         let name = terminal::text(&format!("{name}{function}")).into_owned();
@@ -118,14 +111,7 @@ fn print(groups: &[Group], left: &SkippedLines) -> anyhow::Result<Outcome> {
 fn row(name: String, times: &Times) -> [String; 6] {
     let [least, greatest, mean, deviation] =
         [times.least, times.greatest, times.mean, times.deviation].map(nanos);
-    [
-        name,
-        times.count.to_string(),
-        least,
-        greatest,
-        mean,
-        deviation,
-    ]
+    [name, times.count.to_string(), least, greatest, mean, deviation]
 }
 
 /// Prints a table. The first column is left-aligned, the others are right-aligned.
@@ -175,14 +161,8 @@ pub(crate) fn told(left: &SkippedLines) -> Vec<String> {
     };
     let all = [
         one(left.recorder, "of the recorder about itself"),
-        one(
-            left.overloads,
-            "of threads that waited for the recorder: times near them may be late",
-        ),
-        one(
-            left.clock_steps,
-            "with times that go backwards: the clock was set meanwhile",
-        ),
+        one(left.overloads, "of threads that waited for the recorder: times near them may be late"),
+        one(left.clock_steps, "with times that go backwards: the clock was set meanwhile"),
         one(left.cut, "cut: columns or their end are missing"),
         one(left.garbage, "not of a log"),
     ];

@@ -135,10 +135,7 @@ genom_event takes_go(int32_t *last, double *left, const takes_heard *heard, cons
         script.env("PYTHONPATH", here.join("../clients/python"));
         script.env("PYTHONDONTWRITEBYTECODE", "1");
         script.env("XDG_RUNTIME_DIR", &runtime);
-        let mut script = script
-            .stderr(std::process::Stdio::piped())
-            .spawn()
-            .expect("it runs");
+        let mut script = script.stderr(std::process::Stdio::piped()).spawn().expect("it runs");
         let status = ended(&mut script);
         let mut said = String::new();
         let mut errors = script.stderr.take().expect("a pipe");

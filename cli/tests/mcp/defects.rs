@@ -33,9 +33,7 @@ fn tokens(text: &str) -> Vec<(usize, String)> {
     let all = root.descendants_with_tokens();
     let tokens = all.filter_map(|element| element.into_token());
     let tokens = tokens.filter(|token| !token.kind().is_trivia());
-    tokens
-        .map(|token| (token.text_range().start().into(), token.text().to_owned()))
-        .collect()
+    tokens.map(|token| (token.text_range().start().into(), token.text().to_owned())).collect()
 }
 
 /// A random word of at least three letters: its byte range. A word that occurs once may be any name, so
@@ -45,10 +43,8 @@ fn word(text: &str, random: &mut fastrand::Rng) -> std::ops::Range<usize> {
     let is_word =
         |token: &str| token.len() > 2 && token.bytes().all(|byte| byte.is_ascii_lowercase());
     let occurs_again = |word: &str| tokens.iter().filter(|token| token.1 == word).count() > 1;
-    let words: Vec<_> = tokens
-        .iter()
-        .filter(|(_, token)| is_word(token) && occurs_again(token))
-        .collect();
+    let words: Vec<_> =
+        tokens.iter().filter(|(_, token)| is_word(token) && occurs_again(token)).collect();
     let (start, word) = words[random.usize(..words.len())];
     *start..start + word.len()
 }
@@ -66,9 +62,7 @@ fn exchanged(text: &str, random: &mut fastrand::Rng) -> Option<String> {
     let at = random.usize(word.start..word.end - 1);
     let mut bytes = text.as_bytes().to_vec();
     bytes.swap(at, at + 1);
-    String::from_utf8(bytes)
-        .ok()
-        .filter(|changed| changed != text)
+    String::from_utf8(bytes).ok().filter(|changed| changed != text)
 }
 
 fn left_out(text: &str, random: &mut fastrand::Rng) -> Option<String> {
@@ -126,11 +120,7 @@ fn seeded_defects_are_found_and_mended_with_the_tools_alone() {
         } else {
             println!(
                 "{kind}: not mended{}: {}",
-                if told.contains("error[") {
-                    ""
-                } else {
-                    ", not found"
-                },
+                if told.contains("error[") { "" } else { ", not found" },
                 difference(right, &wrong)
             );
         }
@@ -143,7 +133,5 @@ fn seeded_defects_are_found_and_mended_with_the_tools_alone() {
 /// The first line in which two texts differ.
 fn difference<'t>(right: &str, wrong: &'t str) -> &'t str {
     let mut lines = right.lines().zip(wrong.lines());
-    lines
-        .find(|(right, wrong)| right != wrong)
-        .map_or("", |(_, wrong)| wrong)
+    lines.find(|(right, wrong)| right != wrong).map_or("", |(_, wrong)| wrong)
 }

@@ -9,37 +9,13 @@ use crate::directory::{Directory, stderr, stdout};
 
 /// Runs a Tcl script as `dotgen` confines tclsh, without the checks that the engine adds.
 fn confined(directory: &Directory, script: &str) -> Output {
-    let shell = [
-        "/usr/bin/tclsh8.6",
-        "/usr/bin/tclsh",
-        "/usr/local/bin/tclsh8.6",
-    ];
-    let shell = shell
-        .iter()
-        .find(|shell| Path::new(shell).exists())
-        .expect("tclsh");
+    let shell = ["/usr/bin/tclsh8.6", "/usr/bin/tclsh", "/usr/local/bin/tclsh8.6"];
+    let shell = shell.iter().find(|shell| Path::new(shell).exists()).expect("tclsh");
     let path = |name: &str| directory.path().join(name).display().to_string();
     directory.write("read/script.tcl", script.as_bytes());
     let (read, write, script) = (path("read"), path("write"), path("read/script.tcl"));
-    let options = [
-        "confined",
-        "--memory",
-        "268435456",
-        "--time",
-        "20",
-        "--file",
-        "100000",
-    ];
-    let paths = [
-        "--confine",
-        "--read",
-        &read,
-        "--write",
-        &write,
-        "--",
-        shell,
-        &script,
-    ];
+    let options = ["confined", "--memory", "268435456", "--time", "20", "--file", "100000"];
+    let paths = ["--confine", "--read", &read, "--write", &write, "--", shell, &script];
     directory.run(&[&options[..], &paths[..]].concat())
 }
 
@@ -69,10 +45,7 @@ fn the_system_keeps_a_template_from_the_rest() {
     ";
     let output = confined(&directory, fine);
     let expected = "1970\nin\ncopy.txt moved.txt\nok\n";
-    assert_eq!(
-        (stdout(&output).as_str(), stderr(&output).as_str()),
-        (expected, "")
-    );
+    assert_eq!((stdout(&output).as_str(), stderr(&output).as_str()), (expected, ""));
     let tried = [
         "open $root/other/x.txt",
         "open $root/other/x.txt a",
@@ -102,29 +75,17 @@ fn the_system_keeps_a_template_from_the_rest() {
     }
     // What Tcl takes for done has changed nothing.
     script += "file attributes $root/other/x.txt -permissions 0777\nfile mtime $root/other/x.txt 5\nputs end\n";
-    let before = File::open(other.join("x.txt"))
-        .and_then(|file| file.metadata())
-        .expect("a file");
+    let before = File::open(other.join("x.txt")).and_then(|file| file.metadata()).expect("a file");
     let output = confined(&directory, &script);
     let results: Vec<String> = stdout(&output).lines().map(str::to_owned).collect();
-    assert_eq!(
-        results.last().map(String::as_str),
-        Some("end"),
-        "{}",
-        stderr(&output)
-    );
+    assert_eq!(results.last().map(String::as_str), Some("end"), "{}", stderr(&output));
     for (one, result) in tried.iter().zip(&results) {
         assert_eq!(result, "1", "{one}");
     }
     assert_eq!(entries(&other), 1);
-    let after = File::open(other.join("x.txt"))
-        .and_then(|file| file.metadata())
-        .expect("a file");
+    let after = File::open(other.join("x.txt")).and_then(|file| file.metadata()).expect("a file");
     assert_eq!(before.permissions(), after.permissions());
-    assert_eq!(
-        before.modified().expect("a date"),
-        after.modified().expect("a date")
-    );
+    assert_eq!(before.modified().expect("a date"), after.modified().expect("a date"));
     assert!(!directory.path().join("write/stolen.txt").exists());
 }
 
@@ -136,10 +97,9 @@ fn memory_and_time_end() {
     let directory = Directory::new(&[("write/x", "")]);
     let write = "set f [open [file dirname [file dirname [info script]]]/write/big w]; fconfigure $f \
         -buffering none;";
-    for script in [
-        "set x y; while 1 { append x $x }",
-        &format!("{write} puts $f [string repeat x 200000]"),
-    ] {
+    for script in
+        ["set x y; while 1 { append x $x }", &format!("{write} puts $f [string repeat x 200000]")]
+    {
         let output = confined(&directory, &format!("{script}\nputs end"));
         assert!(!output.status.success(), "{script}");
         assert!(output.stdout.is_empty(), "{script}");

@@ -68,9 +68,7 @@ pub(crate) fn json_of(output: &Output) -> Value {
 pub(crate) fn processes(directory: &Directory) -> Vec<String> {
     let hosts = hosts(directory).into_iter();
     let words = hosts.filter_map(|host| std::fs::read(format!("/proc/{host}/cmdline")).ok());
-    words
-        .map(|word| String::from_utf8_lossy(&word).replace('\0', " "))
-        .collect()
+    words.map(|word| String::from_utf8_lossy(&word).replace('\0', " ")).collect()
 }
 
 /// Process numbers of the hosts of a run of something in a directory.

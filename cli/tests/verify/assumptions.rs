@@ -22,13 +22,7 @@ fn what_is_assumed_is_told_once_where_it_stands() {
     ]);
     directory.write("zero.gen", VAGUE.replace("20 ms", "0 ms").as_bytes());
     let mut told = String::new();
-    for file in [
-        "vague.gen",
-        "vague.scn",
-        "stuck.scn",
-        "long.scn",
-        "zero.gen",
-    ] {
+    for file in ["vague.gen", "vague.scn", "stuck.scn", "long.scn", "zero.gen"] {
         let output = directory.run(&["verify", "--max-states", "10", file]);
         told.push_str(&format!("$ dotgen verify {file}\n{}\n", stderr(&output)));
     }
@@ -38,14 +32,7 @@ fn what_is_assumed_is_told_once_where_it_stands() {
 #[test]
 fn programs_are_told_everything_in_the_document() {
     let directory = Directory::new(&[("vague.gen", VAGUE)]);
-    let output = directory.run(&[
-        "verify",
-        "--max-states",
-        "10",
-        "--format",
-        "json",
-        "vague.gen",
-    ]);
+    let output = directory.run(&["verify", "--max-states", "10", "--format", "json", "vague.gen"]);
     assert_eq!(stderr(&output), "");
     let document = json_of(&output);
     let all = document["diagnostics"].as_array().expect("a list");
@@ -77,9 +64,8 @@ fn what_is_assumed_has_the_severity_that_is_set() {
     let output = directory.run(&[&run[..], &["--format", "json"]].concat());
     let document = json_of(&output);
     let all = document["diagnostics"].as_array().expect("a list").iter();
-    let all: Vec<_> = all
-        .map(|diagnostic| (&diagnostic["code"], &diagnostic["severity"]))
-        .collect();
+    let all: Vec<_> =
+        all.map(|diagnostic| (&diagnostic["code"], &diagnostic["severity"])).collect();
     assert!(!all.is_empty());
     for pair in all {
         assert_eq!(pair, (&"timing-state-cycle".into(), &"hint".into()));

@@ -16,10 +16,7 @@ fn a_certificate_has_the_checks_that_invariants_prove() {
     ]);
     let output = directory.run(&["verify", "--certificate", "c.json", "c.scn"]);
     assert_eq!(status(&output), 0, "{}", stderr(&output));
-    assert_eq!(
-        stderr(&output),
-        "`c.json`: 1 of 2 checks certified, 1 not\n"
-    );
+    assert_eq!(stderr(&output), "`c.json`: 1 of 2 checks certified, 1 not\n");
     let certificate = std::fs::read(directory.path().join("c.json")).expect("it is written");
     let answers = dotgen_check::check(&certificate).expect("it is a certificate");
     let told: Vec<String> = answers.iter().map(|one| one.outcome.to_string()).collect();

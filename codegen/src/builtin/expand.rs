@@ -48,12 +48,9 @@ impl Expand for Local {
             }
         };
         let diagram = function("diagram");
-        jinja.add_function(
-            "diagram",
-            move |component: String, owner: String, form: String| {
-                diagram(&[component, owner, form])
-            },
-        );
+        jinja.add_function("diagram", move |component: String, owner: String, form: String| {
+            diagram(&[component, owner, form])
+        });
         let schema = function("json_schema");
         jinja.add_function("json_schema", move |component: String| schema(&[component]));
         let stub = function("python_stub");
@@ -65,10 +62,7 @@ impl Expand for Local {
         jinja.set_fuel(Some(FUEL));
         jinja.set_auto_escape_callback(|_| minijinja::AutoEscape::None);
         let explain = |error: Error| {
-            let line = error
-                .line()
-                .map(|index| format!(":{index}"))
-                .unwrap_or_default();
+            let line = error.line().map(|index| format!(":{index}")).unwrap_or_default();
             format!("{name}{line}: {error:#}")
         };
         let template = jinja.template_from_named_str(name, text).map_err(explain)?;
@@ -150,11 +144,7 @@ impl Remote {
             _watch: watch,
             memory,
             // A character may become six characters in JSON.
-            line_limit: limits
-                .output
-                .unwrap_or(MEMORY)
-                .saturating_mul(6)
-                .saturating_add(1 << 20),
+            line_limit: limits.output.unwrap_or(MEMORY).saturating_mul(6).saturating_add(1 << 20),
         };
         remote.send(shared)?;
         Ok(Some(remote))
@@ -169,9 +159,7 @@ impl Remote {
 
     fn receive(&mut self) -> Result<WorkerMessage, String> {
         let mut line = Vec::new();
-        let read = (&mut self.from)
-            .take(self.line_limit)
-            .read_until(b'\n', &mut line);
+        let read = (&mut self.from).take(self.line_limit).read_until(b'\n', &mut line);
         if read.is_err() || !line.ends_with(b"\n") {
             return Err(self.why_ended());
         }
@@ -185,9 +173,7 @@ impl Remote {
         }
         let mut process = self.process.lock().unwrap_or_else(PoisonError::into_inner);
         process.kill();
-        let status = process
-            .wait()
-            .map_or_else(|error| error.to_string(), |wait| wait.to_string());
+        let status = process.wait().map_or_else(|error| error.to_string(), |wait| wait.to_string());
         format!(
             "stopped: rendering took more than {} MiB of memory, or failed in a way that it could not tell \
              ({status})",
@@ -199,12 +185,8 @@ impl Remote {
 impl Expand for Remote {
     fn expand(&mut self, name: &str, text: &str, own: &Value) -> Result<String, String> {
         let own = serde_json::to_value(own).map_err(|error| error.to_string())?;
-        self.send(&Job {
-            name: name.to_owned(),
-            text: text.to_owned(),
-            own,
-        })
-        .map_err(|error| format!("{name}: {error}"))?;
+        self.send(&Job { name: name.to_owned(), text: text.to_owned(), own })
+            .map_err(|error| format!("{name}: {error}"))?;
         loop {
             match self.receive().map_err(|error| format!("{name}: {error}"))? {
                 WorkerMessage::Done(text) => return Ok(text),
@@ -228,16 +210,11 @@ impl Channel {
     /// The next line; `None` at the end.
     fn receive<T: for<'de> Deserialize<'de>>(&mut self) -> Result<Option<T>, String> {
         let mut line = Vec::new();
-        let read = self
-            .from
-            .read_until(b'\n', &mut line)
-            .map_err(|error| error.to_string())?;
+        let read = self.from.read_until(b'\n', &mut line).map_err(|error| error.to_string())?;
         if read == 0 {
             return Ok(None);
         }
-        serde_json::from_slice(&line)
-            .map(Some)
-            .map_err(|error| error.to_string())
+        serde_json::from_slice(&line).map(Some).map_err(|error| error.to_string())
     }
 
     fn send(&mut self, message: &impl Serialize) -> Result<(), String> {
@@ -257,10 +234,7 @@ pub fn serve(
     from: impl BufRead + Send + 'static,
     to: impl Write + Send + 'static,
 ) -> Result<(), String> {
-    let channel = Arc::new(Mutex::new(Channel {
-        from: Box::new(from),
-        to: Box::new(to),
-    }));
+    let channel = Arc::new(Mutex::new(Channel { from: Box::new(from), to: Box::new(to) }));
     fn lock(channel: &Mutex<Channel>) -> std::sync::MutexGuard<'_, Channel> {
         channel.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -274,10 +248,7 @@ pub fn serve(
         let answer: Option<Result<String, String>> = channel.receive()?;
         answer.unwrap_or_else(|| Err("nobody answers".to_owned()))
     };
-    let mut local = Local {
-        shared: Value::from_serialize(&shared),
-        ask: Arc::new(ask),
-    };
+    let mut local = Local { shared: Value::from_serialize(&shared), ask: Arc::new(ask) };
     loop {
         let Some(job) = lock(&channel).receive::<Job>()? else {
             return Ok(());

@@ -10,26 +10,10 @@ use crate::disk::{Disk, Entry};
 /// Name, release, and the digest of the installed files: for each file, in order of names, its name, a zero,
 /// its text and a zero.
 const KNOWN: &[(&str, Release, &str)] = &[
-    (
-        "mappings",
-        Release::V2_99_39,
-        "17b35f65014b0ee83bf04d5d87db8c81",
-    ),
-    (
-        "mappings",
-        Release::V2_99_41,
-        "3cb4154a274e20d5d7c0f5bbe9dee8e7",
-    ),
-    (
-        "skeleton",
-        Release::V2_99_39,
-        "afa3ee302fe9efe0fb2fd9ffe5cb7933",
-    ),
-    (
-        "skeleton",
-        Release::V2_99_41,
-        "a31c58e10c829415f0838bc2eecef611",
-    ),
+    ("mappings", Release::V2_99_39, "17b35f65014b0ee83bf04d5d87db8c81"),
+    ("mappings", Release::V2_99_41, "3cb4154a274e20d5d7c0f5bbe9dee8e7"),
+    ("skeleton", Release::V2_99_39, "afa3ee302fe9efe0fb2fd9ffe5cb7933"),
+    ("skeleton", Release::V2_99_41, "a31c58e10c829415f0838bc2eecef611"),
 ];
 
 /// The file that installs the folder of a source tree. It is not installed itself.
@@ -59,11 +43,7 @@ pub(super) fn template(disk: &dyn Disk, dir: &Path) -> Option<(&'static str, Rel
         digest.update(disk.read(&path).ok()?);
         digest.update([0]);
     }
-    let digest: String = digest
-        .finalize()
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
+    let digest: String = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
     let known = KNOWN.iter().find(|triple| triple.2 == digest);
     known.map(|triple| (triple.0, triple.1))
 }

@@ -12,18 +12,13 @@ use serde_json::{Map, Value, json};
 
 /// The schema of one component.
 pub(super) fn schema(spec: &Spec, component: &Component) -> Value {
-    let mut types = Types {
-        spec,
-        definitions: BTreeMap::new(),
-    };
+    let mut types = Types { spec, definitions: BTreeMap::new() };
     let mut services = Map::new();
     for service in &component.services {
         let params = |wanted: [ParamDir; 2], needed: bool| -> Vec<&Param> {
             let params = service.params.iter();
             let params = params.filter(|param| wanted.contains(&param.dir));
-            params
-                .filter(|param| !needed || param.init.is_none())
-                .collect()
+            params.filter(|param| !needed || param.init.is_none()).collect()
         };
         let input = params([ParamDir::In, ParamDir::Inout], false);
         let needed = params([ParamDir::In, ParamDir::Inout], true);
@@ -181,12 +176,9 @@ impl Types<'_> {
             }
             TypeKind::Enum { enumerators } => {
                 let mut names: Vec<String> = Vec::new();
-                let full = enumerators
-                    .iter()
-                    .filter_map(|enumerator| spec.full_name(*enumerator));
-                let short = enumerators
-                    .iter()
-                    .filter_map(|enumerator| spec.ty(*enumerator).name.as_ref());
+                let full = enumerators.iter().filter_map(|enumerator| spec.full_name(*enumerator));
+                let short =
+                    enumerators.iter().filter_map(|enumerator| spec.ty(*enumerator).name.as_ref());
                 for name in full.chain(short.map(ToString::to_string)) {
                     if !names.contains(&name) {
                         names.push(name);

@@ -107,9 +107,7 @@ pub(super) fn run(
     if options.signatures {
         objects.extend(codels(spec));
     }
-    let mapping = mapper
-        .mapping(&objects, true)
-        .map_err(|error| error.message)?;
+    let mapping = mapper.mapping(&objects, true).map_err(|error| error.message)?;
     // The Tcl template expands its text through an 8-bit channel.
     let mapping = match for_template {
         true => tcl::low_bytes(&mapping),
@@ -139,10 +137,8 @@ fn write_dependencies(
     env: &mut Environment<'_>,
 ) -> Result<(), String> {
     let target = target.unwrap_or_else(|| "out".into());
-    let rules: String = deps
-        .iter()
-        .map(|dependency| format!("{target}: {dependency}\n{dependency}:\n"))
-        .collect();
+    let rules: String =
+        deps.iter().map(|dependency| format!("{target}: {dependency}\n{dependency}:\n")).collect();
     let file = file.unwrap_or_else(|| "out.d".into());
     let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
     let mut files = StagedFiles::new(sink);

@@ -37,10 +37,8 @@ const RESERVED_NAMES: &[&str] = &[
 /// The stub of one component.
 pub(super) fn stub(spec: &Spec, component: &Component) -> String {
     let class = class_name(&component.name);
-    let taken = RESERVED_NAMES
-        .iter()
-        .chain(KEYWORDS)
-        .map(|reserved_name| (*reserved_name).to_owned());
+    let taken =
+        RESERVED_NAMES.iter().chain(KEYWORDS).map(|reserved_name| (*reserved_name).to_owned());
     let mut types = Types {
         taken: taken.chain([class.clone()]).collect(),
         names: HashMap::new(),
@@ -54,11 +52,8 @@ pub(super) fn stub(spec: &Spec, component: &Component) -> String {
             types.service(service, &mut members);
         }
     }
-    let services: HashSet<&str> = component
-        .services
-        .iter()
-        .map(|service| service.name.as_str())
-        .collect();
+    let services: HashSet<&str> =
+        component.services.iter().map(|service| service.name.as_str()).collect();
     for port in &component.ports {
         let class = match port.dir {
             PortDir::In => "InputPort",
@@ -121,23 +116,13 @@ struct Types<'s> {
 impl Types<'_> {
     fn service(&mut self, service: &Service, out: &mut String) {
         let name = &service.name;
-        let inputs: Vec<&Param> = service
-            .params
-            .iter()
-            .filter(|param| is_input(param))
-            .collect();
-        let outputs: Vec<&Param> = service
-            .params
-            .iter()
-            .filter(|param| is_output(param))
-            .collect();
+        let inputs: Vec<&Param> = service.params.iter().filter(|param| is_input(param)).collect();
+        let outputs: Vec<&Param> = service.params.iter().filter(|param| is_output(param)).collect();
         let result = match outputs.as_slice() {
             [] => "None".to_owned(),
             [one] => self.of(one.ty),
             several => {
-                let members = several
-                    .iter()
-                    .map(|param| (param.name.to_string(), param.ty));
+                let members = several.iter().map(|param| (param.name.to_string(), param.ty));
                 let wanted = self.free(&format!("{name}_outputs"));
                 self.dictionary(&wanted, members.collect());
                 wanted
@@ -206,11 +191,8 @@ impl Types<'_> {
             .map(|(name, ty)| format!("{}: {}", quoted(&name), self.of(ty)))
             .collect();
         // In this form a member may have any name.
-        self.text += &format!(
-            "{name} = TypedDict({}, {{{}}})\n\n",
-            quoted(name),
-            members.join(", ")
-        );
+        self.text +=
+            &format!("{name} = TypedDict({}, {{{}}})\n\n", quoted(name), members.join(", "));
     }
 
     /// The Python type of a type. Types with members get a definition.
@@ -241,9 +223,8 @@ impl Types<'_> {
             }
             TypeKind::Optional { element } => format!("Optional[{}]", self.of(*element)),
             TypeKind::Enum { enumerators } => {
-                let names = enumerators
-                    .iter()
-                    .filter_map(|enumerator| spec.ty(*enumerator).name.as_ref());
+                let names =
+                    enumerators.iter().filter_map(|enumerator| spec.ty(*enumerator).name.as_ref());
                 let names: Vec<String> = names.map(|name| quoted(name.as_str())).collect();
                 match names.is_empty() {
                     true => "str".to_owned(),
@@ -272,10 +253,7 @@ impl Types<'_> {
         if let Some(name) = self.names.get(&id) {
             return name.clone();
         }
-        let full = self
-            .spec
-            .full_name(id)
-            .unwrap_or_else(|| "::anonymous".to_owned());
+        let full = self.spec.full_name(id).unwrap_or_else(|| "::anonymous".to_owned());
         let name = self.free(&full.trim_start_matches("::").replace("::", "_"));
         self.names.insert(id, name.clone());
         define(self, &name);

@@ -52,16 +52,7 @@ pub(super) fn run(
         Texts::Folder(_) => env.confined.clone(),
         _ => env.confined.clone().map(super::of_dotgen),
     };
-    let result = write(
-        name,
-        &manifest,
-        texts,
-        args,
-        general,
-        compiler,
-        env,
-        &mut output,
-    );
+    let result = write(name, &manifest, texts, args, general, compiler, env, &mut output);
     let (sink, written) = output.finish(!matches!(result, Ok(0)));
     env.sink = sink;
     written.map_err(|error| error.to_string()).and(result)
@@ -95,14 +86,7 @@ fn write(
     };
     let folder = env.base.join(&general.directory);
     let notice = notice_of(&*env.disk, &folder, &options.inputs).unwrap_or_default();
-    let run = Data::new(
-        &*env.disk,
-        compiler,
-        &options,
-        notice,
-        &output.dir,
-        &output.base,
-    )?;
+    let run = Data::new(&*env.disk, compiler, &options, notice, &output.dir, &output.base)?;
     let tmpdir = env
         .processes
         .folder(None)
@@ -166,36 +150,25 @@ fn ask(
         ("json_schema", [component]) => {
             let schema =
                 named(spec, component).map(|component| super::json_schema::schema(spec, component));
-            Ok(schema
-                .map(|schema| format!("{schema:#}"))
-                .unwrap_or_default())
+            Ok(schema.map(|schema| format!("{schema:#}")).unwrap_or_default())
         }
         ("python_stub", [component]) => {
             let stub = named(spec, component).map(|component| super::python::stub(spec, component));
             Ok(stub.unwrap_or_default())
         }
-        _ => Err(format!(
-            "there is no function {function} of {} arguments",
-            arguments.len()
-        )),
+        _ => Err(format!("there is no function {function} of {} arguments", arguments.len())),
     }
 }
 
 fn named<'s>(spec: &'s Spec, component: &str) -> Option<&'s dotgen_analysis::model::Component> {
-    spec.components
-        .iter()
-        .find(|candidate| candidate.name == component)
+    spec.components.iter().find(|candidate| candidate.name == component)
 }
 
 /// Checks that a result is below the output directory, because the template may not be trusted.
 fn check_result(path: &str, texts: &Texts, output: &Output) -> Result<(), String> {
     let inside = |component| matches!(component, Component::Normal(_) | Component::CurDir);
     let plain = !path.is_empty() && Path::new(path).components().all(inside);
-    let folder = output.base.join(if output.dir.is_empty() {
-        "."
-    } else {
-        &output.dir
-    });
+    let folder = output.base.join(if output.dir.is_empty() { "." } else { &output.dir });
     let linked = matches!(texts, Texts::Folder(_))
         && !readable_files::is_below(
             &*output.disk,
@@ -211,12 +184,8 @@ fn check_result(path: &str, texts: &Texts, output: &Output) -> Result<(), String
 }
 
 fn parent(path: &str) -> String {
-    let parent = Path::new(path)
-        .parent()
-        .map(|parent| parent.display().to_string());
-    parent
-        .filter(|parent| !parent.is_empty())
-        .unwrap_or_else(|| ".".into())
+    let parent = Path::new(path).parent().map(|parent| parent.display().to_string());
+    parent.filter(|parent| !parent.is_empty()).unwrap_or_else(|| ".".into())
 }
 
 fn usage(name: &str, manifest: &Manifest) -> String {
@@ -245,12 +214,7 @@ fn options(
     output: &mut Output,
     console: &mut dyn Console,
 ) -> Result<Option<Options>, String> {
-    let mut options = Options {
-        directory: None,
-        language: None,
-        terse: false,
-        inputs: Vec::new(),
-    };
+    let mut options = Options { directory: None, language: None, terse: false, inputs: Vec::new() };
     let merge = |output: &mut Output, tool: &str| {
         output.set_merge_tool(tool).map_err(Failure::into_text)?;
         let _ = output.modes.set("merge-if-change");
@@ -297,11 +261,7 @@ fn unique<'t>(all: impl Iterator<Item = &'t String>) -> Vec<String> {
 
 /// The packages that components require, GenoM3 among them.
 fn requirements(regular: &[(u32, &Regular)]) -> Vec<String> {
-    let mut requires = unique(
-        regular
-            .iter()
-            .flat_map(|(_, component)| &component.requires),
-    );
+    let mut requires = unique(regular.iter().flat_map(|(_, component)| &component.requires));
     let is_genom = |requirement: &String| requirement.starts_with("genom3 ");
     if !requires.iter().any(is_genom) {
         requires.insert(0, LEAST_GENOM.to_owned());
@@ -326,13 +286,10 @@ fn codel_files(
     let mut names = serde_json::Map::new();
     for ((index, component), value) in std::iter::zip(regular, values) {
         let expected = Expected::new(spec, *index);
-        let files = Stubs::new(&expected, &stub_options)
-            .all_files()
-            .map_err(|error| error.message)?;
-        let own: Vec<Json> = files
-            .iter()
-            .filter_map(|file| file.path.file_name().map(Json::from))
-            .collect();
+        let files =
+            Stubs::new(&expected, &stub_options).all_files().map_err(|error| error.message)?;
+        let own: Vec<Json> =
+            files.iter().filter_map(|file| file.path.file_name().map(Json::from)).collect();
         names.insert(component.name.to_string(), own.into());
         for file in files {
             codel_files.push(context! {
@@ -382,12 +339,8 @@ impl Data {
             .collect();
         let (codel_files, names) = codel_files(spec, &regular, &values, options, &notice)?;
         let first = regular.first().map(|(_, component)| *component);
-        let input = Path::new(&options.inputs[0])
-            .file_name()
-            .unwrap_or_default();
-        let below = disk
-            .canonical(&base.join(dir))
-            .unwrap_or_else(|_| dir.into());
+        let input = Path::new(&options.inputs[0]).file_name().unwrap_or_default();
+        let below = disk.canonical(&base.join(dir)).unwrap_or_else(|_| dir.into());
         let inputs: Vec<String> = compiled
             .deps
             .iter()
@@ -410,9 +363,7 @@ impl Data {
             package_variables => spec.release.has(Change::PackageVariables),
             codel_files => Value::from_serialize(&names),
         };
-        let components = values
-            .iter()
-            .map(|value| context! { component => value.clone() });
+        let components = values.iter().map(|value| context! { component => value.clone() });
         let machines = std::iter::zip(&regular, &values).flat_map(|((_, component), value)| {
             component.machines().map(move |owner| {
                 context! {
@@ -461,13 +412,7 @@ impl<'a> Files<'a> {
         verbose: Option<String>,
         processes: &'a dyn Processes,
     ) -> Files<'a> {
-        Files {
-            console,
-            tmpdir,
-            count: 0,
-            verbose,
-            processes,
-        }
+        Files { console, tmpdir, count: 0, verbose, processes }
     }
 }
 
@@ -482,10 +427,7 @@ impl Surroundings for Files<'_> {
     }
 
     fn format_time(&mut self, time: SystemTime) -> String {
-        let seconds = time
-            .duration_since(UNIX_EPOCH)
-            .unwrap_or_default()
-            .as_secs();
+        let seconds = time.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
         format!("@{seconds}")
     }
 

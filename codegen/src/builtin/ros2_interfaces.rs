@@ -76,9 +76,7 @@ fn write(
     let packages = (env.ros2)(&compiled.spec)?;
     for (src, refusal) in &packages.refused {
         let place = compiled.places.place(*src, Anchor::First);
-        let place = place.map_or(String::new(), |place| {
-            format!("{}:{}: ", place.file, place.line)
-        });
+        let place = place.map_or(String::new(), |place| format!("{}:{}: ", place.file, place.line));
         env.console.err(&format!("{place}{refusal}"));
     }
     output.dir = directory;

@@ -45,9 +45,7 @@ struct Call {
 fn is_plain_path(path: &str) -> bool {
     let mut parts = path.split('/').enumerate();
     !path.is_empty()
-        && !path.contains([
-            '*', '?', '[', ']', '\\', '{', '}', '$', '"', ' ', '\t', '\n',
-        ])
+        && !path.contains(['*', '?', '[', ']', '\\', '{', '}', '$', '"', ' ', '\t', '\n'])
         && !path.starts_with('~')
         && parts.all(|(at, part)| at == 0 || !matches!(part, "" | "."))
 }
@@ -61,18 +59,16 @@ impl Call {
         while let Some(word) = words.next() {
             match word.as_str() {
                 "-l" | "--language" => {
-                    let language = words
-                        .next()
-                        .filter(|word| matches!(word.as_str(), "c" | "c++"))?;
+                    let language =
+                        words.next().filter(|word| matches!(word.as_str(), "c" | "c++"))?;
                     call.language = Some(language.clone());
                 }
                 "-C" | "--directory" => {
                     call.directory = Some(words.next().filter(|word| is_plain_path(word))?.clone());
                 }
                 "-m" | "--merge" => {
-                    let tool = words
-                        .next()
-                        .filter(|word| *word != "interactive" && !word.is_empty())?;
+                    let tool =
+                        words.next().filter(|word| *word != "interactive" && !word.is_empty())?;
                     call.merge = Some(tool.clone());
                 }
                 "-u" => call.merge = Some("auto".into()),
@@ -115,9 +111,7 @@ pub(super) fn run(
     let call = Call::read(args, is_file)?;
     let name = dir.file_name()?.to_str()?;
     let mut lines = Vec::new();
-    compiler
-        .parse_files(&call.inputs, &mut |line| lines.push(line.to_owned()))
-        .ok()?;
+    compiler.parse_files(&call.inputs, &mut |line| lines.push(line.to_owned())).ok()?;
     let made = make(name, dir, &call, release, general, &compiler, env)?;
     if let Some(limit) = env.limits.output
         && made.iter().map(|file| file.text.len() as u64).sum::<u64>() > limit
@@ -138,19 +132,9 @@ pub(super) fn run(
         env.console.err(&line);
     }
     output.dir = call.output_dir();
-    let mut files = Files::new(
-        &mut *env.console,
-        tmpdir.path().to_owned(),
-        None,
-        &*env.processes,
-    );
+    let mut files = Files::new(&mut *env.console, tmpdir.path().to_owned(), None, &*env.processes);
     let mut result = Ok(0);
-    for ResultFile {
-        path,
-        permissions,
-        text,
-    } in made
-    {
+    for ResultFile { path, permissions, text } in made {
         match output.commit(&path, permissions, &text, &mut files) {
             Ok(()) => {}
             Err(failure) => {
@@ -205,9 +189,7 @@ fn make(
     let components = generated(&facts, call, release, &*env.disk, &env.base, &folder)?;
     let interface = language(&facts, &components, release)?;
     let notice = notice_of(&*env.disk, &folder, &call.inputs);
-    let expected = components
-        .iter()
-        .map(|component| Expected::new(&compiled.spec, *component));
+    let expected = components.iter().map(|component| Expected::new(&compiled.spec, *component));
     let expected: Vec<Expected<'_>> = expected.collect();
     let job = build::Job {
         facts: &facts,
@@ -229,10 +211,7 @@ fn make(
     };
     add_component_files(&job, &options, &walk, &mut made)?;
     if !call.terse {
-        made.push(plain(
-            "README.adoc",
-            readme::write(&job, walk("readme.adoc")?)?,
-        ));
+        made.push(plain("README.adoc", readme::write(&job, walk("readme.adoc")?)?));
     }
     made.push(ResultFile {
         path: "bootstrap.sh".into(),
@@ -241,17 +220,11 @@ fn make(
     });
     let mut add = |path: &str, text: String| made.push(plain(path, text));
     if !job.newer || job.has_component() {
-        add(
-            "autoconf/ag_templates.m4",
-            walk("ag_templates.m4")?.whole()?,
-        );
+        add("autoconf/ag_templates.m4", walk("ag_templates.m4")?.whole()?);
     }
     add("configure.ac", job.configure(walk("top.configure.ac")?)?);
     let idls = idls(&compiled.deps, call, &*env.disk, &env.base)?;
-    add(
-        "Makefile.am",
-        job.makefile(walk("top.Makefile.am")?, &idls)?,
-    );
+    add("Makefile.am", job.makefile(walk("top.Makefile.am")?, &idls)?);
     let makefile = job.makefile_of_codels(walk("codels.Makefile.am")?)?;
     add("codels/Makefile.am", makefile);
     Some(made)
@@ -288,11 +261,7 @@ fn add_component_files(
 
 /// A file with the usual permissions.
 fn plain(path: impl Into<String>, text: String) -> ResultFile {
-    ResultFile {
-        path: path.into(),
-        permissions: "",
-        text,
-    }
+    ResultFile { path: path.into(), permissions: "", text }
 }
 
 /// The components for which files are written: all, or those that the inputs themselves define, with
@@ -307,17 +276,13 @@ fn generated(
 ) -> Option<Vec<u32>> {
     let of_kind = |kind: ComponentKind| {
         let all = (0..).zip(&facts.spec().components);
-        all.filter(move |(_, component)| component.kind == kind)
-            .map(|(number, _)| number)
+        all.filter(move |(_, component)| component.kind == kind).map(|(number, _)| number)
     };
     let components = of_kind(ComponentKind::Component);
     let found: Vec<u32> = if release.has(Change::PerComponentSkeletons) {
         let same = |path: &Path| disk.canonical(path).ok();
-        let inputs: Vec<_> = call
-            .inputs
-            .iter()
-            .filter_map(|input| same(&folder.join(input)))
-            .collect();
+        let inputs: Vec<_> =
+            call.inputs.iter().filter_map(|input| same(&folder.join(input))).collect();
         let defined = |number: &u32| {
             let file = facts.component(*number, &["loc", "file"]);
             let file = file.and_then(|file| same(&base.join(file)));
@@ -350,10 +315,7 @@ fn language(facts: &Facts<'_>, components: &[u32], release: Release) -> Option<S
 fn lacks_yields(expected: &Expected<'_>) -> bool {
     let component = expected.component();
     let of_tasks = component.tasks.iter().flat_map(|task| &task.codels);
-    let of_services = component
-        .services
-        .iter()
-        .flat_map(|service| &service.codels);
+    let of_services = component.services.iter().flat_map(|service| &service.codels);
     let machines = of_services.filter(|service| service.kind == CodelKind::Fsm);
     of_tasks.chain(machines).any(|task| task.yields.is_empty())
 }

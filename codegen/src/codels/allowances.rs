@@ -55,9 +55,7 @@ pub(super) fn allowances(file: &IndexedFile) -> Vec<Allowance<'_>> {
 /// True if a comment of a source allows a code at an offset.
 pub(super) fn is_allowed(file: &IndexedFile, offset: usize, code: &str) -> bool {
     let all = allowances(file);
-    let mut here = all
-        .iter()
-        .filter(|allowance| allowance.scope.contains(&offset));
+    let mut here = all.iter().filter(|allowance| allowance.scope.contains(&offset));
     here.any(|allowance| allowance.code == code)
 }
 

@@ -90,11 +90,7 @@ pub struct Required {
 impl Required {
     /// All of them.
     pub fn all(&self) -> Vec<String> {
-        self.specification
-            .iter()
-            .chain(&self.codels)
-            .cloned()
-            .collect()
+        self.specification.iter().chain(&self.codels).cloned().collect()
     }
 }
 
@@ -107,10 +103,7 @@ pub fn package_name(requirement: &str) -> &str {
 /// Packages that a folder of codels requires. `genom3` is omitted: codels are compiled without GenoM3.
 pub fn packages(folder: &Folder) -> Required {
     let spec = &folder.unit.spec;
-    let mut out = Required {
-        specification: spec.pragma_requires.clone(),
-        codels: Vec::new(),
-    };
+    let mut out = Required { specification: spec.pragma_requires.clone(), codels: Vec::new() };
     for &component in &folder.components {
         let component = &spec.components[component as usize];
         out.specification.extend(component.requires.iter().cloned());
@@ -141,10 +134,8 @@ pub fn plan(
     for expected in folder.expected() {
         let files =
             headers::headers(&expected, place, codels, &[]).map_err(|error| error.message)?;
-        headers.extend(files.into_iter().map(|file| NewFile {
-            path: place.join(file.path),
-            ..file
-        }));
+        headers
+            .extend(files.into_iter().map(|file| NewFile { path: place.join(file.path), ..file }));
         let functions = expected.functions.iter();
         let absent = functions
             .filter(|function| implementations(&folder.sources, &function.name).is_empty());
@@ -157,11 +148,7 @@ pub fn plan(
     let own: Vec<&str> = {
         let components = folder.components.iter();
         components
-            .map(|&component| {
-                folder.unit.spec.components[component as usize]
-                    .name
-                    .as_str()
-            })
+            .map(|&component| folder.unit.spec.components[component as usize].name.as_str())
             .collect()
     };
     let sources = || folder.sources.of_components(&own);
@@ -180,17 +167,7 @@ pub fn plan(
     command.extend(inputs.iter().map(|input| input.to_string()));
     command.extend(packages.link.iter().cloned());
     command.push("-lm".to_owned());
-    Ok(Plan {
-        link: Step {
-            source: None,
-            output,
-            command,
-            inputs,
-        },
-        headers,
-        compile,
-        missing,
-    })
+    Ok(Plan { link: Step { source: None, output, command, inputs }, headers, compile, missing })
 }
 
 fn compile_step(
@@ -215,28 +192,14 @@ fn compile_step(
     }
     // Columns are counted in characters.
     command.extend(
-        [
-            "-c",
-            "-fPIC",
-            "-g",
-            tools.optimization.flag(),
-            "-Wall",
-            "-ftabstop=1",
-            "-MMD",
-            "-MF",
-        ]
-        .map(str::to_owned),
+        ["-c", "-fPIC", "-g", tools.optimization.flag(), "-Wall", "-ftabstop=1", "-MMD", "-MF"]
+            .map(str::to_owned),
     );
     command.push(dependencies_of(&output).to_string());
     command.extend(headers::include_flags(place, codels));
     command.extend(packages.compile.iter().cloned());
     command.extend(["-o".to_owned(), output.to_string(), source.path.to_string()]);
-    Step {
-        inputs: vec![source.path.clone()],
-        source: Some(source.path.clone()),
-        output,
-        command,
-    }
+    Step { inputs: vec![source.path.clone()], source: Some(source.path.clone()), output, command }
 }
 
 fn dependencies_of(output: &Utf8Path) -> Utf8PathBuf {
@@ -357,9 +320,8 @@ fn one(line: &str) -> Option<CompilerMessage> {
         (": warning: ", MessageLevel::Warning),
         (": note: ", MessageLevel::Note),
     ];
-    let found = kinds
-        .into_iter()
-        .filter_map(|(word, weight)| Some((line.find(word)?, word, weight)));
+    let found =
+        kinds.into_iter().filter_map(|(word, weight)| Some((line.find(word)?, word, weight)));
     // The first one counts: the text of a message may contain such words.
     let (at, word, weight) = found.min_by_key(|triple| triple.0)?;
     let (place, what) = (&line[..at], &line[at + word.len()..]);
@@ -373,13 +335,7 @@ fn one(line: &str) -> Option<CompilerMessage> {
         Some((path, line)) => (path, line, last),
         None => (before, last, 1),
     };
-    Some(CompilerMessage {
-        path: path.into(),
-        what: what.to_owned(),
-        weight,
-        line,
-        column,
-    })
+    Some(CompilerMessage { path: path.into(), what: what.to_owned(), weight, line, column })
 }
 
 #[cfg(test)]
@@ -407,40 +363,19 @@ ld: a.o: undefined reference to `f'
 ";
         let (about, other) = said(printed);
         let short = about.iter().map(|message| {
-            (
-                message.path.as_str(),
-                message.line,
-                message.column,
-                message.weight,
-                &*message.what,
-            )
+            (message.path.as_str(), message.line, message.column, message.weight, &*message.what)
         });
         assert_eq!(
             short.collect::<Vec<_>>(),
             [
-                (
-                    "/x/a.c",
-                    12,
-                    3,
-                    MessageLevel::Error,
-                    "'x' undeclared: note: no"
-                ),
+                ("/x/a.c", 12, 3, MessageLevel::Error, "'x' undeclared: note: no"),
                 ("C:\\b.c", 7, 1, MessageLevel::Warning, "odd"),
-                (
-                    "/x/a.c",
-                    13,
-                    1,
-                    MessageLevel::Error,
-                    "no.h: No such file or directory"
-                ),
+                ("/x/a.c", 13, 1, MessageLevel::Error, "no.h: No such file or directory"),
             ]
         );
         assert_eq!(
             other,
-            [
-                "cc1: fatal error: cannot go on",
-                "ld: a.o: undefined reference to `f'"
-            ]
+            ["cc1: fatal error: cannot go on", "ld: a.o: undefined reference to `f'"]
         );
     }
 }

@@ -128,10 +128,7 @@ pub struct CdrWriter {
 impl CdrWriter {
     /// A stream without values.
     pub fn new(unions: Unions) -> Self {
-        CdrWriter {
-            bytes: HEADER.to_vec(),
-            unions,
-        }
+        CdrWriter { bytes: HEADER.to_vec(), unions }
     }
 
     /// Writes the next value of the glue.
@@ -150,8 +147,7 @@ impl CdrWriter {
     /// Writes a number, from bytes in the order of this machine.
     pub fn number<const N: usize>(&mut self, mut bytes: [u8; N]) {
         let length = self.bytes.len() - HEADER.len();
-        self.bytes
-            .resize(HEADER.len() + length.next_multiple_of(N), 0);
+        self.bytes.resize(HEADER.len() + length.next_multiple_of(N), 0);
         if cfg!(target_endian = "big") {
             bytes.reverse();
         }
@@ -222,13 +218,7 @@ impl<'b> CdrReader<'b> {
             [0, 7, _, _, ..] => (false, 4),
             _ => return wrong("", "plain CDR"),
         };
-        Ok(CdrReader {
-            bytes: &bytes[4..],
-            at: 0,
-            big,
-            widest,
-            unions,
-        })
+        Ok(CdrReader { bytes: &bytes[4..], at: 0, big, widest, unions })
     }
 
     /// Reads the next value, and appends it to bytes of the glue.
@@ -303,10 +293,7 @@ impl ValueReader for CdrReader<'_> {
 
     fn branch(&mut self, is_selected: bool) -> Result<(), ValueError> {
         if self.unions == Unions::Branches && self.presence()? != is_selected {
-            return wrong(
-                "",
-                "a union with the branch that its discriminator selects only",
-            );
+            return wrong("", "a union with the branch that its discriminator selects only");
         }
         Ok(())
     }

@@ -249,9 +249,7 @@ fn round(
         let mut stubs: BTreeMap<u32, Vec<_>> = BTreeMap::new();
         for drift in &findings {
             let wanted = options.only.is_empty() || options.only.contains(&drift.code);
-            let Some(expected) = all
-                .iter()
-                .find(|expected| expected.component == drift.component)
+            let Some(expected) = all.iter().find(|expected| expected.component == drift.component)
             else {
                 continue;
             };
@@ -286,12 +284,7 @@ fn round(
                     }
                     _ => Vec::new(),
                 };
-                out.push(Candidate {
-                    edit: one,
-                    code: drift.code,
-                    titles: vec![title],
-                    notes,
-                });
+                out.push(Candidate { edit: one, code: drift.code, titles: vec![title], notes });
             }
         }
         for expected in &all {

@@ -53,16 +53,9 @@ impl Coverage {
                 }
             }
             for name in &function.awaits.interfaces {
-                match self
-                    .waiting
-                    .iter_mut()
-                    .find(|codels| codels.missing == *name)
-                {
+                match self.waiting.iter_mut().find(|codels| codels.missing == *name) {
                     Some(known) => known.codels += 1,
-                    None => self.waiting.push(UncheckedCodels {
-                        missing: name.clone(),
-                        codels: 1,
-                    }),
+                    None => self.waiting.push(UncheckedCodels { missing: name.clone(), codels: 1 }),
                 }
             }
         }
@@ -83,11 +76,7 @@ impl fmt::Display for Coverage {
             write!(f, "; {} {verb} for {}", codels.codels, codels.missing)?;
         }
         for (number, name) in self.assumed.iter().enumerate() {
-            f.write_str(if number == 0 {
-                "; unknown and taken for any type: "
-            } else {
-                ", "
-            })?;
+            f.write_str(if number == 0 { "; unknown and taken for any type: " } else { ", " })?;
             f.write_str(name)?;
         }
         match self.faulty {

@@ -152,9 +152,7 @@ pub struct Drift {
 impl Drift {
     /// The repair that adapts the sources to the specification, if it is the best one.
     pub fn following(&self) -> Option<&Repair> {
-        self.repairs
-            .first()
-            .filter(|repair| repair.follows_specification())
+        self.repairs.first().filter(|repair| repair.follows_specification())
     }
 
     /// A description of the difference and of the correct form.
@@ -325,12 +323,7 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
             if options.trust.is_faulty(expected, function) {
                 continue;
             }
-            let check = Check {
-                expected,
-                function,
-                sources,
-                options,
-            };
+            let check = Check { expected, function, sources, options };
             let definitions = check.definitions();
             if definitions.is_empty() {
                 let mut uses = function.uses.iter();
@@ -387,10 +380,7 @@ pub(super) fn unwritten(
     Some(Drift {
         code: DriftCode::MissingDefinition,
         severity: usual,
-        kind: Difference::Unwritten {
-            component: component.1.name.clone(),
-            count: count as u64,
-        },
+        kind: Difference::Unwritten { component: component.1.name.clone(), count: count as u64 },
         component: component.0,
         spec: vec![component.1.src],
         source: None,
@@ -407,10 +397,7 @@ pub fn unnamed<'a>(
     options: &DriftOptions,
 ) -> Vec<(&'a IndexedFile, &'a Function)> {
     let found = orphan::find(all, sources, options);
-    found
-        .into_iter()
-        .map(|input| (input.file, input.function))
-        .collect()
+    found.into_iter().map(|input| (input.file, input.function)).collect()
 }
 
 /// True if these sources contain a part of the component. Otherwise its codels are in other sources.
@@ -426,10 +413,7 @@ fn are_here(expected: &Expected<'_>, sources: &Sources) -> bool {
         let mut names = expected.functions.iter();
         names.any(|name| file.index.definitions(&name.name).next().is_some())
     };
-    sources
-        .sources
-        .iter()
-        .any(|source| named(source) || defined(source))
+    sources.sources.iter().any(|source| named(source) || defined(source))
 }
 
 /// A function that the specification requires, and the sources to search.
@@ -453,10 +437,7 @@ impl FunctionIn<'_> {
     }
 
     fn at(&self, range: Range<usize>) -> SourcePlace {
-        SourcePlace {
-            path: self.file.path.clone(),
-            range,
-        }
+        SourcePlace { path: self.file.path.clone(), range }
     }
 }
 
@@ -500,26 +481,19 @@ impl<'a> Check<'a> {
         let hidden = self.sources.incomplete
             || files.any(|file| {
                 let mut macros = file.index.macros.iter();
-                let bodies = file
-                    .index
-                    .functions
-                    .iter()
-                    .filter_map(|function| function.body.as_ref());
+                let bodies =
+                    file.index.functions.iter().filter_map(|function| function.body.as_ref());
                 file.index.loose.contains(name)
                     || macros.any(|definition| definition.name == *name)
-                    || bodies
-                        .filter(|body| body.broken)
-                        .any(|body| body.mentions.contains(name))
+                    || bodies.filter(|body| body.broken).any(|body| body.mentions.contains(name))
             })
             || self.pasted();
         if hidden {
             return None;
         }
         let folder = self.sources.folder.file_name().unwrap_or_default();
-        let mut drift = self.drift(Difference::Missing {
-            folder: folder.into(),
-            codel: name.clone(),
-        });
+        let mut drift =
+            self.drift(Difference::Missing { folder: folder.into(), codel: name.clone() });
         drift.expected = self.function.signature.clone().ok();
         if let Some(&at) = self.function.uses.first() {
             drift.repairs.push(Repair::Stub { at });
@@ -530,15 +504,9 @@ impl<'a> Check<'a> {
     /// True if macros outside functions build names.
     fn pasted(&self) -> bool {
         let paste = |file: &IndexedFile| {
-            let mut macros = file
-                .index
-                .macros
-                .iter()
-                .filter(|definition| definition.pastes);
+            let mut macros = file.index.macros.iter().filter(|definition| definition.pastes);
             macros.any(|definition| {
-                self.sources
-                    .all()
-                    .any(|file| file.index.loose.contains(&definition.name))
+                self.sources.all().any(|file| file.index.loose.contains(&definition.name))
             })
         };
         self.sources.all().any(paste)
@@ -546,24 +514,16 @@ impl<'a> Check<'a> {
 
     fn renamed(&self, orphan: FunctionIn<'_>) -> Drift {
         let (from, to) = (&orphan.function.name, &self.function.name);
-        let mut drift = self.drift(Difference::Renamed {
-            function: from.as_str().into(),
-            codel: to.clone(),
-        });
+        let mut drift =
+            self.drift(Difference::Renamed { function: from.as_str().into(), codel: to.clone() });
         // A program with a codel that has no function does not link.
         drift.severity = Severity::Warning;
         drift.source = Some(orphan.at(orphan.function.name_span.clone()));
         drift.expected = Some(to.to_string());
         drift.found = Some(from.to_string());
         drift.repairs = vec![
-            Repair::RenameFunction {
-                from: from.as_str().into(),
-                to: to.clone(),
-            },
-            Repair::RenameCodel {
-                from: to.clone(),
-                to: from.as_str().into(),
-            },
+            Repair::RenameFunction { from: from.as_str().into(), to: to.clone() },
+            Repair::RenameCodel { from: to.clone(), to: from.as_str().into() },
         ];
         if let Some(&at) = self.function.uses.first() {
             drift.repairs.push(Repair::Stub { at });

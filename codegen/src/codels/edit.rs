@@ -34,10 +34,7 @@ impl Edit {
             all.changed
                 .entry(edit.path.clone())
                 .or_default()
-                .push(TextEdit {
-                    range: edit.range.clone(),
-                    text: edit.new_text.clone(),
-                });
+                .push(TextEdit { range: edit.range.clone(), text: edit.new_text.clone() });
         }
         for edits in all.changed.values_mut() {
             edits.sort_by_key(|edit| edit.range.start);
@@ -56,19 +53,14 @@ impl Edit {
             |a: &TextEdit, b: &TextEdit| a.range.end < b.range.start || b.range.end < a.range.start;
         other.changed.iter().any(|(path, edits)| {
             let mine = self.changed.get(path).map_or(&[][..], Vec::as_slice);
-            edits
-                .iter()
-                .any(|edit| !mine.iter().all(|mine| apart(mine, edit)))
+            edits.iter().any(|edit| !mine.iter().all(|mine| apart(mine, edit)))
         })
     }
 
     /// Adds one replacement, unless it is already there.
     pub fn replace(&mut self, path: &Utf8Path, range: Range<usize>, text: impl Into<String>) {
         let edits = self.changed.entry(path.to_owned()).or_default();
-        let edit = TextEdit {
-            range,
-            text: text.into(),
-        };
+        let edit = TextEdit { range, text: text.into() };
         if !edits.contains(&edit) {
             let at = edits.partition_point(|other| other.range.start <= edit.range.start);
             edits.insert(at, edit);
@@ -79,9 +71,7 @@ impl Edit {
     pub fn merge(&mut self, other: Edit) -> bool {
         let clash = other.changed.iter().any(|(path, edits)| {
             let mine = self.changed.get(path).map_or(&[][..], Vec::as_slice);
-            edits
-                .iter()
-                .any(|edit| mine.iter().any(|mine| overlap(mine, edit)))
+            edits.iter().any(|edit| mine.iter().any(|mine| overlap(mine, edit)))
         });
         let created = |path: &Utf8PathBuf| self.created.contains_key(path);
         if clash || other.created.keys().any(created) {
@@ -225,10 +215,7 @@ mod tests {
     #[test]
     fn a_diff_names_both_sides() {
         let diff = unified_diff("x/a.c".into(), Some("a\nb\n"), "a\nc\n");
-        assert_eq!(
-            diff,
-            "--- a/x/a.c\n+++ b/x/a.c\n@@ -1,2 +1,2 @@\n a\n-b\n+c\n"
-        );
+        assert_eq!(diff, "--- a/x/a.c\n+++ b/x/a.c\n@@ -1,2 +1,2 @@\n a\n-b\n+c\n");
         let diff = unified_diff("a.c".into(), None, "a\n");
         assert_eq!(diff, "--- /dev/null\n+++ b/a.c\n@@ -0,0 +1 @@\n+a\n");
     }

@@ -110,10 +110,7 @@ impl<'a> Expected<'a> {
                     out.exceptions.insert(spelling, id);
                 }
                 TypeKind::Event | TypeKind::PauseEvent
-                    if ty
-                        .scope
-                        .first()
-                        .is_some_and(|scope| scope.name == declaration.name) =>
+                    if ty.scope.first().is_some_and(|scope| scope.name == declaration.name) =>
                 {
                     let spelling = out.spelling(id);
                     out.events.entry(spelling).or_insert(id);
@@ -259,20 +256,15 @@ impl<'a> Expected<'a> {
         for at in component.all_codels() {
             let codel = component.codel(at);
             let returns: Vec<SmolStr> = match codel.kind {
-                CodelKind::Fsm => codel
-                    .yields
-                    .iter()
-                    .map(|state| self.spelling(state.event))
-                    .collect(),
+                CodelKind::Fsm => {
+                    codel.yields.iter().map(|state| self.spelling(state.event)).collect()
+                }
                 CodelKind::Simple | CodelKind::Validate => vec![self.ok().into()],
             };
             let throws = self.throws_of(at.owner);
             let awaits = self.spec.unknown_dependencies(self.component, codel);
             let may_throw_more = self.spec.lacks_exceptions(self.component, at.owner);
-            let known = self
-                .functions
-                .iter_mut()
-                .find(|function| function.name == codel.name);
+            let known = self.functions.iter_mut().find(|function| function.name == codel.name);
             let function = match known {
                 Some(known) => known,
                 None => {
@@ -306,10 +298,7 @@ impl<'a> Expected<'a> {
                 }
             }
         }
-        let signatures = self
-            .functions
-            .iter()
-            .map(|function| function.signature.as_deref());
+        let signatures = self.functions.iter().map(|function| function.signature.as_deref());
         let shapes = read_prototypes(signatures.map(Result::ok), self.language);
         for (function, shape) in self.functions.iter_mut().zip(shapes) {
             function.shape = shape;
@@ -368,12 +357,7 @@ impl<'a> Expected<'a> {
         let texts: Vec<String> = texts.iter().map(|text| format!("void f({text})")).collect();
         let shapes = read_prototypes(texts.iter().map(|text| Some(text.as_str())), self.language);
         for shape in shapes.into_iter().flatten() {
-            self.opaque.extend(
-                shape
-                    .parameters
-                    .into_iter()
-                    .map(|parameter| parameter.ty.base),
-            );
+            self.opaque.extend(shape.parameters.into_iter().map(|parameter| parameter.ty.base));
         }
     }
 
@@ -452,10 +436,7 @@ pub(crate) fn cut_tag<'n>(name: &'n str, component: &str) -> (bool, &'n str) {
     let name = rest
         .and_then(|rest| rest.strip_prefix("::").or_else(|| rest.strip_prefix('_')))
         .unwrap_or(name);
-    match name
-        .strip_prefix("pause::")
-        .or_else(|| name.strip_prefix("pause_"))
-    {
+    match name.strip_prefix("pause::").or_else(|| name.strip_prefix("pause_")) {
         Some(name) => (true, name),
         None => (false, name),
     }

@@ -37,10 +37,7 @@ impl Default for FilesConfig {
 impl FilesConfig {
     /// Folder of the codels of a `.gen`.
     pub fn folder_of(&self, specification: &Utf8Path) -> Utf8PathBuf {
-        let mut folder = specification
-            .parent()
-            .unwrap_or(Utf8Path::new(""))
-            .to_owned();
+        let mut folder = specification.parent().unwrap_or(Utf8Path::new("")).to_owned();
         // `..` is resolved in the text of the path, without links, as in other paths of files.
         for part in self.folder.components() {
             match part {
@@ -81,19 +78,13 @@ pub fn select(listing: &[Utf8PathBuf], makefile: Option<&str>, config: &FilesCon
     all.sort();
     all.dedup();
     let headers = all.iter().filter(|path| is_header(path));
-    let mut out = CodelFiles {
-        headers: headers.cloned().collect(),
-        ..CodelFiles::default()
-    };
+    let mut out = CodelFiles { headers: headers.cloned().collect(), ..CodelFiles::default() };
     let listed = makefile.filter(|_| config.makefile).map(makefile_sources);
     let listed = listed.unwrap_or_default();
     let listed = listed.into_iter().filter(|source| config.is_source(source));
     let (present, absent): (Vec<_>, Vec<_>) = listed.partition(|source| all.contains(source));
     if present.is_empty() {
-        out.sources = all
-            .into_iter()
-            .filter(|listing| config.is_source(listing))
-            .collect();
+        out.sources = all.into_iter().filter(|listing| config.is_source(listing)).collect();
     } else {
         out.sources = present;
         out.absent = absent;
@@ -276,10 +267,7 @@ impl Sources {
         let makefile_path = folder.join("Makefile.am");
         let makefile = files.read(&makefile_path);
         let selected = select(&listing.unwrap_or_default(), makefile.as_deref(), config);
-        let cxx = selected
-            .sources
-            .iter()
-            .any(|source| source.extension() != Some("c"));
+        let cxx = selected.sources.iter().any(|source| source.extension() != Some("c"));
         let mut incomplete = !selected.absent.is_empty();
         let mut load = |paths: Vec<Utf8PathBuf>| {
             let mut out = Vec::new();
@@ -308,10 +296,7 @@ impl Sources {
 
     /// True if a function returns an event in the spelling of C++.
     pub fn uses_cxx(&self) -> bool {
-        let mut functions = self
-            .sources
-            .iter()
-            .flat_map(|source| &source.index.functions);
+        let mut functions = self.sources.iter().flat_map(|source| &source.index.functions);
         functions.any(|function| function.result.base == "genom::event")
     }
 
@@ -340,10 +325,7 @@ mod tests {
             liba_la_SOURCES  =\ta_c_types.h a.c # b.c\n\
             liba_la_SOURCES += \\\n\tc.cc \\\n\t$(srcdir)/sub/d.cpp ${X}/e.c\n\
             BUILT_SOURCES= f.c\n";
-        assert_eq!(
-            makefile_sources(text),
-            paths(&["a_c_types.h", "a.c", "c.cc", "sub/d.cpp"])
-        );
+        assert_eq!(makefile_sources(text), paths(&["a_c_types.h", "a.c", "c.cc", "sub/d.cpp"]));
     }
 
     #[test]

@@ -45,8 +45,7 @@ impl Folder {
     /// Keeps the components whose name is wanted.
     pub fn retain(&mut self, mut wanted: impl FnMut(&Name) -> bool) {
         let components = &self.unit.spec.components;
-        self.components
-            .retain(|component| wanted(&components[*component as usize].name));
+        self.components.retain(|component| wanted(&components[*component as usize].name));
     }
 
     /// The functions that the components require.
@@ -68,8 +67,7 @@ impl Folder {
     /// The part of the codels that can be compared.
     pub fn coverage(&self, all: &[Expected<'_>]) -> Coverage {
         let mut out = Coverage::default();
-        all.iter()
-            .for_each(|expected| out.add(expected, &self.trust));
+        all.iter().for_each(|expected| out.add(expected, &self.trust));
         out
     }
 
@@ -128,11 +126,7 @@ impl Folder {
     /// The severity of a finding by the configuration; `None` if it is switched off, or a comment of the
     /// specification allows it.
     fn severity(&self, drift: &Drift, analysis: &Analysis) -> Cancellable<Option<Severity>> {
-        let one = diagnostics(
-            std::slice::from_ref(drift),
-            &*self.unit.locations,
-            Side::First,
-        );
+        let one = diagnostics(std::slice::from_ref(drift), &*self.unit.locations, Side::First);
         let adjusted = analysis.adjusted(one)?;
         Ok(adjusted.first().map(|diagnostic| diagnostic.severity))
     }

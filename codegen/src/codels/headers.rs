@@ -17,30 +17,12 @@ use crate::lang::{LangError, Language, MapObject, text};
 /// The `genom3` headers, by path below an include directory.
 pub const RUNTIME: [(&str, &str); 7] = [
     ("genom3/c/event.h", include_str!("headers/genom3/c/event.h")),
-    (
-        "genom3/c/context.h",
-        include_str!("headers/genom3/c/context.h"),
-    ),
-    (
-        "genom3/c/exception.h",
-        include_str!("headers/genom3/c/exception.h"),
-    ),
-    (
-        "genom3/c/idlsequence.h",
-        include_str!("headers/genom3/c/idlsequence.h"),
-    ),
-    (
-        "genom3/c++/event.h",
-        include_str!("headers/genom3/c++/event.h"),
-    ),
-    (
-        "genom3/c++/idlsequence.h",
-        include_str!("headers/genom3/c++/idlsequence.h"),
-    ),
-    (
-        "genom3/c++/idloptional.h",
-        include_str!("headers/genom3/c++/idloptional.h"),
-    ),
+    ("genom3/c/context.h", include_str!("headers/genom3/c/context.h")),
+    ("genom3/c/exception.h", include_str!("headers/genom3/c/exception.h")),
+    ("genom3/c/idlsequence.h", include_str!("headers/genom3/c/idlsequence.h")),
+    ("genom3/c++/event.h", include_str!("headers/genom3/c++/event.h")),
+    ("genom3/c++/idlsequence.h", include_str!("headers/genom3/c++/idlsequence.h")),
+    ("genom3/c++/idloptional.h", include_str!("headers/genom3/c++/idloptional.h")),
 ];
 
 /// The flag with which C++ compilers accept `and`, `or` and similar words as names. Modules of GenoM3 may
@@ -48,9 +30,8 @@ pub const RUNTIME: [(&str, &str); 7] = [
 const CXX_NAMES: &str = "-fno-operator-names";
 
 /// Words that are operators in C++.
-const OPERATORS: [&str; 11] = [
-    "and", "and_eq", "bitand", "bitor", "compl", "not", "not_eq", "or", "or_eq", "xor", "xor_eq",
-];
+const OPERATORS: [&str; 11] =
+    ["and", "and_eq", "bitand", "bitor", "compl", "not", "not_eq", "or", "or_eq", "xor", "xor_eq"];
 
 /// Flags for compilers of C++, if a type of the component has a name that is an operator there.
 pub(super) fn flags_of_names(expected: &Expected<'_>) -> Option<String> {
@@ -80,10 +61,7 @@ pub fn headers(
             text: (*text).to_owned(),
         })
         .collect();
-    out.push(NewFile {
-        path: types_header(expected).into(),
-        text: types(expected)?,
-    });
+    out.push(NewFile { path: types_header(expected).into(), text: types(expected)? });
     out.push(NewFile {
         path: format!("ac{}.h", component.name).into(),
         text: configuration(expected),
@@ -91,20 +69,14 @@ pub fn headers(
     let mut lines = include_flags(folder, codels);
     lines.extend(flags_of_names(expected));
     lines.extend(flags.iter().cloned());
-    out.push(NewFile {
-        path: "compile_flags.txt".into(),
-        text: lines.join("\n") + "\n",
-    });
+    out.push(NewFile { path: "compile_flags.txt".into(), text: lines.join("\n") + "\n" });
     Ok(out)
 }
 
 /// The flags by which compilers find the headers of a folder, and those next to the codels.
 pub(super) fn include_flags(folder: &Utf8Path, codels: &Utf8Path) -> Vec<String> {
-    let mut out = vec![
-        format!("-I{}", folder.join(INCLUDE)),
-        format!("-I{folder}"),
-        format!("-I{codels}"),
-    ];
+    let mut out =
+        vec![format!("-I{}", folder.join(INCLUDE)), format!("-I{folder}"), format!("-I{codels}")];
     out.extend(codels.parent().map(|root| format!("-I{root}")));
     out
 }
@@ -126,12 +98,7 @@ pub fn types(expected: &Expected<'_>) -> Result<String, LangError> {
             "\"genom3/c++/idlsequence.h\"",
             "\"genom3/c++/idloptional.h\"",
         ],
-        _ => &[
-            "<errno.h>",
-            "<stdbool.h>",
-            "<stdint.h>",
-            "\"genom3/c/exception.h\"",
-        ],
+        _ => &["<errno.h>", "<stdbool.h>", "<stdint.h>", "\"genom3/c/exception.h\""],
     };
     out.push('\n');
     for header in runtime {
@@ -182,10 +149,8 @@ fn opaque_types(expected: &Expected<'_>) -> String {
             Language::Cxx => {
                 let modules = ty.scope.iter().filter(|_| ty.name.is_some());
                 let modules: Vec<&str> = modules.map(|module| module.name.as_str()).collect();
-                let open: String = modules
-                    .iter()
-                    .map(|module| format!("namespace {module} {{ "))
-                    .collect();
+                let open: String =
+                    modules.iter().map(|module| format!("namespace {module} {{ ")).collect();
                 let close = " }".repeat(modules.len());
                 let own = ty.name.as_deref().unwrap_or(&name);
                 format!("{open}struct {own} {{ char opaque; }};{close}")
@@ -213,10 +178,7 @@ fn configuration(expected: &Expected<'_>) -> String {
         ("VERSION", version),
     ];
     for (define, value) in defines {
-        out += &format!(
-            "#ifndef {define}\n# define {define} {}\n#endif\n",
-            quoted(value)
-        );
+        out += &format!("#ifndef {define}\n# define {define} {}\n#endif\n", quoted(value));
     }
     out
 }

@@ -32,10 +32,7 @@ pub fn references(sources: &Sources, codel: &str) -> Vec<SourcePlace> {
     files
         .flat_map(|file| {
             let found = mentions(&file.text, file.index.grammar, codel);
-            found.into_iter().map(|range| SourcePlace {
-                path: file.path.clone(),
-                range,
-            })
+            found.into_iter().map(|range| SourcePlace { path: file.path.clone(), range })
         })
         .collect()
 }

@@ -38,30 +38,19 @@ pub fn origin(
     let file = sources.file(path)?;
     let tree = parse(&file.text, file.index.grammar)?;
     let root = tree.root_node();
-    let ends_before = offset
-        .checked_sub(1)
-        .into_iter()
-        .map(|before| (before, offset));
+    let ends_before = offset.checked_sub(1).into_iter().map(|before| (before, offset));
     let mut nodes = std::iter::once((offset, offset + 1))
         .chain(ends_before)
         .filter_map(|(start, end)| root.descendant_for_byte_range(start, end));
     let node = nodes.find(|node| node.kind().ends_with("identifier"))?;
     let name = file.text.get(node.byte_range())?;
-    let lookup = Lookup {
-        expected,
-        file,
-        node,
-        name,
-    };
+    let lookup = Lookup { expected, file, node, name };
     let mut declared = match node.kind() {
         "field_identifier" => lookup.member(sources).into_iter().collect(),
         _ => lookup.identifier(root),
     };
     declared.dedup();
-    (!declared.is_empty()).then(|| Origin {
-        range: node.byte_range(),
-        declared,
-    })
+    (!declared.is_empty()).then(|| Origin { range: node.byte_range(), declared })
 }
 
 /// The lookup of one name.
@@ -193,9 +182,7 @@ impl<'a> Lookup<'a> {
         let around = scopes(self.node, &self.file.text);
         let outwards = (0..=around.len()).rev().map(|scope| full(&around[..scope]));
         let opened = opened(root, &self.file.text);
-        outwards
-            .chain(opened.iter().map(|snapshot| full(snapshot)))
-            .collect()
+        outwards.chain(opened.iter().map(|snapshot| full(snapshot))).collect()
     }
 
     /// The declarations of a full name.
@@ -215,10 +202,8 @@ impl<'a> Lookup<'a> {
         }
         let types = (0u32..).map(TypeId).zip(&expected.spec.types);
         let mut named = types.filter(|(id, ty)| {
-            let member = matches!(
-                ty.kind,
-                TypeKind::StructMember { .. } | TypeKind::UnionMember { .. }
-            );
+            let member =
+                matches!(ty.kind, TypeKind::StructMember { .. } | TypeKind::UnionMember { .. });
             ty.name.is_some() && !member && expected.spelling(*id) == spelling
         });
         named.next().map(|ty| ty.1.src).into_iter().collect()
@@ -228,22 +213,14 @@ impl<'a> Lookup<'a> {
     /// function around the name.
     fn state(&self, event: TypeId) -> Option<Src> {
         let component = self.expected.component();
-        let codels = || {
-            component
-                .all_codels()
-                .map(|at| (at.owner, component.codel(at)))
-        };
+        let codels = || component.all_codels().map(|at| (at.owner, component.codel(at)));
         let mut states = codels().flat_map(|(_, codel)| codel.triggers.iter().chain(&codel.yields));
         let state = states.find(|state| state.event == event)?;
-        let here = self
-            .codels()
-            .map(|codel| codel.0.uses.iter().map(|at| at.owner));
+        let here = self.codels().map(|codel| codel.0.uses.iter().map(|at| at.owner));
         let here: Vec<_> = here.into_iter().flatten().collect();
         let triggers = |near: bool| {
             let codels = codels().filter(move |codel| !near || here.contains(&codel.0));
-            codels
-                .flat_map(|(_, codel)| &codel.triggers)
-                .find(|trigger| trigger.name == state.name)
+            codels.flat_map(|(_, codel)| &codel.triggers).find(|trigger| trigger.name == state.name)
         };
         let found = triggers.clone()(true).or_else(|| triggers(false));
         Some(found.unwrap_or(state).src)

@@ -51,10 +51,7 @@ impl Fault<'_> {
 impl Reliability {
     /// The reliable part of a unit.
     pub fn of(unit: &UnitResult) -> Reliability {
-        let mut trust = Reliability {
-            lacks_files: unit.lacks_files(),
-            ..Reliability::default()
-        };
+        let mut trust = Reliability { lacks_files: unit.lacks_files(), ..Reliability::default() };
         let errors = unit.diagnostics.iter();
         let errors =
             errors.filter(|error| error.severity == Severity::Error && !is_environment(error.code));
@@ -76,20 +73,14 @@ impl Reliability {
         let codels: Vec<(u32, CodelRef, Location)> = (0u32..)
             .zip(&unit.spec.components)
             .flat_map(|(index, component)| {
-                component
-                    .all_codels()
-                    .map(move |at| (index, at, component.codel(at).node))
+                component.all_codels().map(move |at| (index, at, component.codel(at).node))
             })
             .filter_map(|(index, at, node)| Some((index, at, unit.locations.locate(node)?)))
             .collect();
         let bodies = unit.spec.owner_bodies.iter();
         let bodies: Vec<(u32, Owner, Location)> = bodies
             .filter_map(|body| {
-                Some((
-                    body.component,
-                    body.owner,
-                    unit.locations.locate(body.node)?,
-                ))
+                Some((body.component, body.owner, unit.locations.locate(body.node)?))
             })
             .collect();
         for fault in &faults {

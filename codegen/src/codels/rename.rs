@@ -145,13 +145,7 @@ pub fn rename(
             types.read(&file.text, file.index.grammar);
         }
         for file in folder.sources.all() {
-            File {
-                file,
-                names: &names,
-                types: &types,
-                out: &mut out,
-            }
-            .rename();
+            File { file, names: &names, types: &types, out: &mut out }.rename();
         }
         build::rename(folder, &before, &names, texts, &mut out);
     }
@@ -165,21 +159,14 @@ fn check_free(folder: &Folder, names: &Names) -> Result<(), RenameRefusal> {
     for ((scopes, _), to) in &names.globals {
         let free = |file: &&IndexedFile| {
             !file.index.names.contains(to)
-                && !file
-                    .index
-                    .macros
-                    .iter()
-                    .any(|definition| definition.name == *to)
+                && !file.index.macros.iter().any(|definition| definition.name == *to)
         };
         let given_up = names.globals.contains_key(&(Vec::new(), to.clone()));
         if scopes.is_empty()
             && !given_up
             && let Some(file) = folder.sources.all().find(|file| !free(file))
         {
-            return Err(RenameRefusal::Taken {
-                name: to.clone(),
-                path: file.path.clone(),
-            });
+            return Err(RenameRefusal::Taken { name: to.clone(), path: file.path.clone() });
         }
     }
     Ok(())
@@ -254,12 +241,8 @@ impl<'a> File<'a> {
                 return false;
             }
             "comment" => {
-                let mut all = self
-                    .file
-                    .index
-                    .functions
-                    .iter()
-                    .flat_map(|function| &function.comments);
+                let mut all =
+                    self.file.index.functions.iter().flat_map(|function| &function.comments);
                 let generated = |comment: &&super::source::Comment| comment.generated.is_some();
                 let inside = |comment: &super::source::Comment| comment.span.contains(&span.start);
                 if !all.by_ref().filter(generated).any(inside) {
@@ -378,10 +361,8 @@ impl<'a> File<'a> {
             return;
         };
         let wanted = self.names.parameters.iter();
-        let wanted: Vec<_> = wanted
-            .filter(|parameter| parameter.0 == found.name)
-            .cloned()
-            .collect();
+        let wanted: Vec<_> =
+            wanted.filter(|parameter| parameter.0 == found.name).cloned().collect();
         for (_, position, from, to) in wanted {
             let named = found.parameters.get(position);
             if named.is_none_or(|parameter| parameter.name.as_ref() != Some(&from)) {
@@ -507,9 +488,7 @@ impl<'a> File<'a> {
 /// Words of prose with their places; a word includes its scopes.
 fn spelled(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let part = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
-    let words = text
-        .split(move |c| !part(c))
-        .filter(|part| !part.is_empty());
+    let words = text.split(move |c| !part(c)).filter(|part| !part.is_empty());
     // Each word is a part of `text`, so the distance is its place.
     words.map(move |word| {
         let name = word.trim_end_matches(':');
@@ -520,18 +499,11 @@ fn spelled(text: &str) -> impl Iterator<Item = (usize, &str)> {
 /// The lines that list the unchanged places, at most `most` of them.
 pub fn listed(left: &[UnchangedPlace], most: usize, root: &Utf8Path) -> String {
     let short = |place: &UnchangedPlace| UnchangedPlace {
-        path: place
-            .path
-            .strip_prefix(root)
-            .unwrap_or(&place.path)
-            .to_owned(),
+        path: place.path.strip_prefix(root).unwrap_or(&place.path).to_owned(),
         ..place.clone()
     };
-    let mut out: Vec<String> = left
-        .iter()
-        .take(most)
-        .map(|place| short(place).to_string())
-        .collect();
+    let mut out: Vec<String> =
+        left.iter().take(most).map(|place| short(place).to_string()).collect();
     if left.len() > most {
         out.push(format!("and {} more", left.len() - most));
     }

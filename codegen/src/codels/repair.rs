@@ -58,10 +58,7 @@ impl Repairs<'_> {
                 format!("Refresh the comment of `{}`", component.codel(*at).name)
             }
             Repair::AddYield { at, state } => {
-                format!(
-                    "Add `yield {state}` to codel `{}`",
-                    component.codel(*at).name
-                )
+                format!("Add `yield {state}` to codel `{}`", component.codel(*at).name)
             }
             Repair::RemoveYield { at, index } => {
                 let codel = component.codel(*at);
@@ -74,29 +71,22 @@ impl Repairs<'_> {
             }
             Repair::AddThrow { owner, exception } => {
                 let (kind, name) = owner_words(component, *owner);
-                format!(
-                    "Add `throw {}` to {kind} `{name}`",
-                    self.exception_name(*exception)
-                )
+                format!("Add `throw {}` to {kind} `{name}`", self.exception_name(*exception))
             }
             Repair::AddPausedYield { at, state, returns } => format!(
                 "Add `yield pause::{state}` to codel `{}`, and return `{}`",
                 component.codel(*at).name,
                 returns.to
             ),
-            Repair::ReturnDeclared(replacement) => format!(
-                "Return `{}` from `{}`",
-                replacement.to, replacement.function
-            ),
+            Repair::ReturnDeclared(replacement) => {
+                format!("Return `{}` from `{}`", replacement.to, replacement.function)
+            }
             Repair::RaiseDeclared(replacement) => {
                 format!("Raise `{}` in `{}`", replacement.to, replacement.function)
             }
-            Repair::FollowMember {
-                structure,
-                from,
-                to,
-                ..
-            } => format!("Rename member `{from}` of `{structure}` to `{to}` in the codels"),
+            Repair::FollowMember { structure, from, to, .. } => {
+                format!("Rename member `{from}` of `{structure}` to `{to}` in the codels")
+            }
             Repair::RenameFunction { from, to } => {
                 format!("Rename the function `{from}` to `{to}`")
             }
@@ -153,16 +143,10 @@ impl Repairs<'_> {
 
     /// True if the specification was changed later than the source.
     fn specification_is_newer(&self, drift: &Drift) -> bool {
-        let specification = drift
-            .spec
-            .first()
-            .and_then(|spec| self.locations.locate(*spec));
+        let specification = drift.spec.first().and_then(|spec| self.locations.locate(*spec));
         let changed = |path: &Utf8Path| self.text.changed(path);
         let specification = specification.and_then(|specification| changed(&specification.path));
-        let source = drift
-            .source
-            .as_ref()
-            .and_then(|source| changed(&source.path));
+        let source = drift.source.as_ref().and_then(|source| changed(&source.path));
         specification.zip(source).is_some_and(|(a, b)| a > b)
     }
 
@@ -179,9 +163,7 @@ impl Repairs<'_> {
             let mut files = self.sources.all();
             !files.any(|file| file.index.definitions(&function.name).next().is_some())
         });
-        missing
-            .filter_map(|function| function.uses.first().copied())
-            .collect()
+        missing.filter_map(|function| function.uses.first().copied()).collect()
     }
 
     /// Codels of one task or service without a function.
@@ -200,9 +182,7 @@ impl Repairs<'_> {
         }
         // The file with the other codels of its task.
         let component = self.expected.component();
-        let others = component
-            .all_codels()
-            .filter(|codel| self.skeleton_file(*codel) == wanted);
+        let others = component.all_codels().filter(|codel| self.skeleton_file(*codel) == wanted);
         for other in others {
             let name = &component.codel(other).name;
             let mut files = self.sources.sources.iter();
@@ -216,9 +196,7 @@ impl Repairs<'_> {
     fn skeleton_file(&self, at: CodelRef) -> Utf8PathBuf {
         let options = self.stub_options();
         let path = Stubs::new(self.expected, &options).file_of(at);
-        self.sources
-            .folder
-            .join(path.file_name().unwrap_or_default())
+        self.sources.folder.join(path.file_name().unwrap_or_default())
     }
 
     /// The options, with the language of the other sources.
@@ -234,9 +212,6 @@ impl Repairs<'_> {
     fn function(&self, path: &Utf8Path, start: usize) -> Option<(&IndexedFile, &Function)> {
         let file = self.sources.file(path)?;
         let mut functions = file.index.functions.iter();
-        Some((
-            file,
-            functions.find(|function| function.span.start == start)?,
-        ))
+        Some((file, functions.find(|function| function.span.start == start)?))
     }
 }

@@ -63,9 +63,7 @@ fn with_unit(doc: &str) -> (&str, Option<&str>) {
         Some(']') => '[',
         _ => return (doc, None),
     };
-    let split = doc
-        .rfind(close)
-        .map(|at| (&doc[..at], &doc[at + 1..doc.len() - 1]));
+    let split = doc.rfind(close).map(|at| (&doc[..at], &doc[at + 1..doc.len() - 1]));
     match split {
         Some((text, unit)) if !unit.is_empty() && !unit.contains(char::is_whitespace) => {
             (text.trim_end(), Some(unit))
@@ -105,10 +103,8 @@ fn of_kind(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
         // A float that is NaN or infinite is `null`.
         TypeKind::Float | TypeKind::Double => json!({"type": ["number", "null"]}),
         TypeKind::Enum { enumerators } => {
-            let names: Vec<String> = enumerators
-                .iter()
-                .map(|&enumerator| name(enumerator))
-                .collect();
+            let names: Vec<String> =
+                enumerators.iter().map(|&enumerator| name(enumerator)).collect();
             // A number that is not an enumerator remains a number.
             json!({"anyOf": [{"type": "string", "enum": names}, whole(0, u32::MAX.into())]})
         }
@@ -129,9 +125,7 @@ fn of_kind(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
         }
         TypeKind::Struct { members } | TypeKind::Exception { members } => {
             let names: Vec<String> = members.iter().map(|&member| name(member)).collect();
-            let all = members
-                .iter()
-                .map(|&member| (name(member), schema(spec, member, around)));
+            let all = members.iter().map(|&member| (name(member), schema(spec, member, around)));
             let all: Map<String, Value> = all.collect();
             json!({
                 "type": "object",
@@ -143,9 +137,7 @@ fn of_kind(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
         TypeKind::Union { switch, members } => {
             // `_d` selects the other member.
             let switch = ("_d".to_owned(), schema(spec, *switch, around));
-            let all = members
-                .iter()
-                .map(|&member| (name(member), schema(spec, member, around)));
+            let all = members.iter().map(|&member| (name(member), schema(spec, member, around)));
             let all: Map<String, Value> = std::iter::once(switch).chain(all).collect();
             json!({
                 "type": "object",

@@ -76,10 +76,7 @@ pub fn hosted(
             // The linker of the plan depends on C++ sources in the folder.
             false => {
                 let words = plan.link.command.iter();
-                words
-                    .take_while(|word| *word != "-shared")
-                    .cloned()
-                    .collect()
+                words.take_while(|word| *word != "-shared").cloned().collect()
             }
         };
         let mut command: Vec<String> = linker;
@@ -90,12 +87,7 @@ pub fn hosted(
         Ok(SharedObject {
             component: expected.component,
             glue: NewFile { path, text },
-            link: Step {
-                source: None,
-                output,
-                command,
-                inputs,
-            },
+            link: Step { source: None, output, command, inputs },
             compile,
             missing,
         })

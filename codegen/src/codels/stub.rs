@@ -60,9 +60,7 @@ impl<'a> Stubs<'a> {
             // Services without a task belong to the control task, whatever their codels.
             Owner::Service(service) => {
                 let validation = component.codel(at).kind == CodelKind::Validate;
-                component.services[service as usize]
-                    .task
-                    .filter(|_| !validation)
+                component.services[service as usize].task.filter(|_| !validation)
             }
         };
         self.file(task)
@@ -97,10 +95,7 @@ impl<'a> Stubs<'a> {
         let tasks = tasks.map(Some).chain([None]);
         tasks
             .map(|task| {
-                Ok(NewFile {
-                    path: self.file(task),
-                    text: self.whole_file(task, written)?,
-                })
+                Ok(NewFile { path: self.file(task), text: self.whole_file(task, written)? })
             })
             .collect()
     }
@@ -130,11 +125,8 @@ impl<'a> Stubs<'a> {
     ) -> Result<String, LangError> {
         let component = self.expected.component();
         let mut out = self.preamble();
-        let services = || {
-            (0u32..)
-                .zip(&component.services)
-                .filter(|pair| self.expected.is_own(pair.1.src))
-        };
+        let services =
+            || (0u32..).zip(&component.services).filter(|pair| self.expected.is_own(pair.1.src));
         let refs = |owner: Owner, kinds: &[CodelKind]| -> Vec<CodelRef> {
             let codels = (0u32..).zip(component.codels_of(owner));
             codels
@@ -167,11 +159,7 @@ impl<'a> Stubs<'a> {
             }
             out += &self.heading(group);
             for at in codels {
-                let gap = if matches!(group, Group::Task(_)) {
-                    "\n\n"
-                } else {
-                    "\n"
-                };
+                let gap = if matches!(group, Group::Task(_)) { "\n\n" } else { "\n" };
                 out += gap;
                 let name = component.codel(at).name.to_string();
                 let place = match group {
@@ -224,10 +212,7 @@ impl<'a> Stubs<'a> {
     pub fn comment(&self, at: CodelRef) -> String {
         let header = self.comment_header(at);
         let sentences = self.comment_sentences(at);
-        format!(
-            "/** {header}.\n *\n * {}\n */\n",
-            sentences.replace('\n', "\n * ")
-        )
+        format!("/** {header}.\n *\n * {}\n */\n", sentences.replace('\n', "\n * "))
     }
 
     /// `Codel f of task t`
@@ -246,24 +231,19 @@ impl<'a> Stubs<'a> {
     pub fn comment_sentences(&self, at: CodelRef) -> String {
         let codel = self.expected.component().codel(at);
         let events = |all: &[State]| {
-            let names = all
-                .iter()
-                .map(|state| self.expected.spelling(state.event).to_string());
+            let names = all.iter().map(|state| self.expected.spelling(state.event).to_string());
             names.collect::<Vec<_>>().join(", ")
         };
         let throws = self.expected.throws_of(at.owner);
-        let throws = throws
-            .iter()
-            .map(|&exception| self.expected.spelling(exception).to_string());
+        let throws = throws.iter().map(|&exception| self.expected.spelling(exception).to_string());
         let throws = throws.collect::<Vec<_>>().join(", ");
         let mut lines = Vec::new();
         // Wrapped as in the comment, with its mark included.
         let mut line = |text: String, indent: usize| {
             let prefix = format!(" * {}", " ".repeat(indent));
             let wrapped = text::wrap(&format!(" * {text}"), &prefix, " ", 70);
-            let cut = wrapped
-                .lines()
-                .map(|line| line.strip_prefix(" * ").unwrap_or(line).to_owned());
+            let cut =
+                wrapped.lines().map(|line| line.strip_prefix(" * ").unwrap_or(line).to_owned());
             lines.extend(cut);
         };
         if !codel.triggers.is_empty() {
@@ -293,10 +273,7 @@ impl<'a> Stubs<'a> {
             }
         }
         let event = match codel.kind {
-            CodelKind::Fsm => codel
-                .yields
-                .first()
-                .map(|state| self.expected.spelling(state.event)),
+            CodelKind::Fsm => codel.yields.first().map(|state| self.expected.spelling(state.event)),
             CodelKind::Simple | CodelKind::Validate => None,
         };
         let event = event.unwrap_or_else(|| self.expected.ok().into());

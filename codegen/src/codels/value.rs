@@ -44,18 +44,12 @@ impl std::fmt::Display for ValueError {
 impl std::error::Error for ValueError {}
 
 pub(super) fn wrong<T>(at: &str, wanted: impl Into<String>) -> Result<T, ValueError> {
-    Err(ValueError {
-        at: at.to_owned(),
-        what: format!("has to be {}", wanted.into()),
-    })
+    Err(ValueError { at: at.to_owned(), what: format!("has to be {}", wanted.into()) })
 }
 
 /// The error for an unknown name, with the most similar known name, or else all known names.
 fn unknown<T>(at: &str, what: &str, name: &str, known: &[&str]) -> Result<T, ValueError> {
-    Err(ValueError {
-        at: at.to_owned(),
-        what: format!("is not {what}; {}", advice(name, known)),
-    })
+    Err(ValueError { at: at.to_owned(), what: format!("is not {what}; {}", advice(name, known)) })
 }
 
 /// Values of one specification.
@@ -81,9 +75,8 @@ impl<'s> Values<'s> {
         given: &Map<String, Value>,
     ) -> Result<Vec<u8>, ValueError> {
         let inputs = || service.params.iter().filter(|param| is_input(param));
-        if let Some(unknown) = given
-            .keys()
-            .find(|key| !inputs().any(|input| input.name == key.as_str()))
+        if let Some(unknown) =
+            given.keys().find(|key| !inputs().any(|input| input.name == key.as_str()))
         {
             let known: Vec<&str> = inputs().map(|input| input.name.as_str()).collect();
             return self::unknown(unknown, "an input of the service", unknown, &known);
@@ -286,9 +279,7 @@ impl<'s> Values<'s> {
         match (self.kind(switch), value) {
             (TypeKind::Enum { enumerators }, Value::String(name)) => {
                 let name = name.rsplit("::").next().unwrap_or(name);
-                let at = enumerators
-                    .iter()
-                    .position(|&enumerator| self.name(enumerator) == name);
+                let at = enumerators.iter().position(|&enumerator| self.name(enumerator) == name);
                 at.map_or(0, |index| i64::try_from(index).unwrap_or(0))
             }
             (_, Value::Bool(flag)) => i64::from(*flag),

@@ -50,10 +50,7 @@ impl Preprocessor {
         };
         self.open.push(path.to_owned());
         let raw = lex(&text);
-        let mut inside = FileHost {
-            outer: self,
-            texts: Vec::new(),
-        };
+        let mut inside = FileHost { outer: self, texts: Vec::new() };
         let env = inside.outer.env.clone();
         let name = SmolStr::new(path.as_str());
         let result = preprocess(&name, &text, &raw, env, &mut inside);
@@ -61,18 +58,13 @@ impl Preprocessor {
         self.open.pop();
         self.env = result.exit_env.clone();
         for error in &result.errors {
-            let before = text
-                .get(..usize::from(error.range.start()))
-                .unwrap_or(&text);
+            let before = text.get(..usize::from(error.range.start())).unwrap_or(&text);
             let line = 1 + before.matches('\n').count();
             let warning = match error.severity {
                 preproc::Severity::Error => "error",
                 _ => "warning",
             };
-            self.errors.push(format!(
-                "{path}:{line}: {warning}: {}",
-                error.kind.wording()
-            ));
+            self.errors.push(format!("{path}:{line}: {warning}: {}", error.kind.wording()));
         }
         Ok(show(path, &text, &raw, &result, &texts))
     }
@@ -149,9 +141,7 @@ fn show(
 ) -> String {
     let mut out = format!("# 1 \"{path}\"\n");
     let lines = |first: u32, end: u32| -> usize {
-        (first..end)
-            .map(|index| raw.text(text, index as usize).matches('\n').count())
-            .sum()
+        (first..end).map(|index| raw.text(text, index as usize).matches('\n').count()).sum()
     };
     let mut line = 1;
     for element in &result.elements {

@@ -64,10 +64,7 @@ mod tests {
 
     #[test]
     fn what_is_given_comes_first_and_wins() {
-        check(
-            "skeleton -I own x.gen",
-            "-I /p/idl -D A=1 -t /p/templates skeleton -I own x.gen",
-        );
+        check("skeleton -I own x.gen", "-I /p/idl -D A=1 -t /p/templates skeleton -I own x.gen");
         check(
             "-I inc -DA=2 -t t -- skeleton x.gen",
             "-I inc -DA=2 -t t -I /p/idl -- skeleton x.gen",

@@ -35,9 +35,9 @@ impl Places for UnitPlaces {
                 let range = text.get(start..location.range.end).unwrap_or_default();
                 start + path_start(range).unwrap_or_else(|| first_token(range))
             }
-            Anchor::Keyword(word) => keyword_before(text, start, word)
-                .unwrap_or(location.range.end)
-                .min(text.len()),
+            Anchor::Keyword(word) => {
+                keyword_before(text, start, word).unwrap_or(location.range.end).min(text.len())
+            }
         };
         let before = text.as_bytes().get(..end).unwrap_or_default();
         let lines = before.iter().filter(|byte| **byte == b'\n').count();
@@ -129,12 +129,7 @@ fn first_token(text: &str) -> usize {
         0 => text.chars().next().map_or(0, char::len_utf8),
         word => {
             // The only words with a dash (language reference, lexical elements).
-            let dashed = [
-                "clock-rate",
-                "codels-requires",
-                "codels-require",
-                "real-time",
-            ];
+            let dashed = ["clock-rate", "codels-requires", "codels-require", "real-time"];
             let dashed = dashed.iter().find(|option| text.starts_with(**option));
             dashed.map_or(word, |text| text.len())
         }
@@ -147,8 +142,7 @@ fn number(text: &str) -> usize {
     let is = |at: usize, set: &[u8]| bytes.get(at).is_some_and(|byte| set.contains(byte));
     let digits = |from: usize, radix: u32| {
         let rest = bytes.iter().skip(from);
-        rest.take_while(|byte| char::from(**byte).is_digit(radix))
-            .count()
+        rest.take_while(|byte| char::from(**byte).is_digit(radix)).count()
     };
     let hex = match bytes {
         [b'0', b'x' | b'X', ..] => digits(2, 16),

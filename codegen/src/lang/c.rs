@@ -24,10 +24,7 @@ fn is_aggregate(kind: &TypeKind) -> bool {
 
 /// Returns true for kinds that are already addresses in C: arrays and bounded strings.
 fn is_array_like(kind: &TypeKind) -> bool {
-    matches!(
-        kind,
-        TypeKind::Array { .. } | TypeKind::String { bound: Some(_) }
-    )
+    matches!(kind, TypeKind::Array { .. } | TypeKind::String { bound: Some(_) })
 }
 
 pub(super) fn declarator(m: &Mapper<'_>, ty: TypeId, var: &str) -> LangResult {
@@ -133,11 +130,7 @@ pub(super) fn dereference(m: &Mapper<'_>, ty: TypeId, passing: PassingMode, var:
         PassingMode::Value => is_aggregate(kind),
         PassingMode::Reference => !is_array_like(kind),
     };
-    if pointer {
-        format!("*({var})")
-    } else {
-        var.to_owned()
-    }
+    if pointer { format!("*({var})") } else { var.to_owned() }
 }
 
 pub(super) fn argument(m: &Mapper<'_>, ty: TypeId, passing: PassingMode, var: &str) -> LangResult {

@@ -36,9 +36,7 @@ pub(super) fn mapping(m: &Mapper<'_>, objects: &[MapObject], locations: bool) ->
 }
 
 pub(super) fn mentions_sized_integer(text: &str) -> bool {
-    ["int8_t", "int16_t", "int32_t", "int64_t"]
-        .iter()
-        .any(|word| text.contains(word))
+    ["int8_t", "int16_t", "int32_t", "int64_t"].iter().any(|word| text.contains(word))
 }
 
 /// Text of a constant in C and C++.
@@ -168,10 +166,7 @@ impl Writer<'_, '_> {
                 );
                 // C++ does not assign arrays, and a bounded string is one.
                 match self.m.kind(element) {
-                    TypeKind::Array { length, .. }
-                    | TypeKind::String {
-                        bound: Some(length),
-                    } => {
+                    TypeKind::Array { length, .. } | TypeKind::String { bound: Some(length) } => {
                         body += &format!(
                             "\n      for(unsigned j=0; j<{length}; j++)\
                              \n        _buffer[i][j] = x._buffer[i][j];"
@@ -225,11 +220,7 @@ impl Writer<'_, '_> {
     fn typedef(&self, ty: TypeId, of: TypeId) -> LangResult {
         let n = self.m.type_cname(ty)?;
         let needed = self.anonymous(of)?;
-        let body = format!(
-            "{}\ntypedef {};",
-            self.mark(ty),
-            declarator(self.m, of, &n)?
-        );
+        let body = format!("{}\ntypedef {};", self.mark(ty), declarator(self.m, of, &n)?);
         Ok(needed + &guard(&body, &n))
     }
 
@@ -279,11 +270,8 @@ impl Writer<'_, '_> {
             _ => String::new(),
         };
         let data = self.m.return_value(port.data, PassingMode::Reference, "")?;
-        let arguments = if port.multiple {
-            "const char *id, genom_context self"
-        } else {
-            "genom_context self"
-        };
+        let arguments =
+            if port.multiple { "const char *id, genom_context self" } else { "genom_context self" };
         let mut body = format!(
             "\n#include \"genom3/c/exception.h\"{}\ntypedef struct {n} {{\n  {data} (*data)({arguments});",
             self.mark(ty)

@@ -38,17 +38,12 @@ pub(super) fn declarator(m: &Mapper<'_>, ty: TypeId, var: &str) -> LangResult {
         TypeKind::Array { element, length } => {
             with_dimension(&declarator(m, *element, "")?, *length)
         }
-        TypeKind::Sequence {
-            element,
-            bound: None,
-        } => format!("std::vector< {} >", declarator(m, *element, "")?),
-        TypeKind::Sequence {
-            element,
-            bound: Some(n),
-        } => format!(
-            "genom::bounded_sequence< {},{n} >",
-            declarator(m, *element, "")?
-        ),
+        TypeKind::Sequence { element, bound: None } => {
+            format!("std::vector< {} >", declarator(m, *element, "")?)
+        }
+        TypeKind::Sequence { element, bound: Some(n) } => {
+            format!("genom::bounded_sequence< {},{n} >", declarator(m, *element, "")?)
+        }
         TypeKind::Optional { element } => {
             format!("genom::optional< {} >", declarator(m, *element, "")?)
         }

@@ -33,14 +33,8 @@ pub(super) fn mapping(m: &Mapper<'_>, objects: &[MapObject], locations: bool) ->
         (mentions_sized_integer(&body), "<cstdint>"),
         (body.contains("std::string"), "<string>"),
         (body.contains("std::vector<"), "<vector>"),
-        (
-            body.contains("genom::bounded_sequence<"),
-            "<genom3/c++/idlsequence.h>",
-        ),
-        (
-            body.contains("genom::optional<"),
-            "<genom3/c++/idloptional.h>",
-        ),
+        (body.contains("genom::bounded_sequence<"), "<genom3/c++/idlsequence.h>"),
+        (body.contains("genom::optional<"), "<genom3/c++/idloptional.h>"),
     ] {
         if needed {
             out += &format!("\n#include {include}");
@@ -63,11 +57,8 @@ impl Writer<'_, '_> {
             }
             TypeKind::Typedef { ty: of } => {
                 let name = self.name(ty)?;
-                let body = format!(
-                    "{}\ntypedef {};",
-                    self.mark(ty),
-                    declarator(self.m, *of, &name)?
-                );
+                let body =
+                    format!("{}\ntypedef {};", self.mark(ty), declarator(self.m, *of, &name)?);
                 self.wrapped(&body, ty)
             }
             TypeKind::Exception { members } => self.exception(ty, members),
@@ -110,10 +101,7 @@ impl Writer<'_, '_> {
 
     /// The namespaces and the guard around a definition.
     fn wrapped(&self, body: &str, ty: TypeId) -> LangResult {
-        Ok(guard(
-            &self.in_namespaces(body, ty),
-            &self.m.type_cname(ty)?,
-        ))
+        Ok(guard(&self.in_namespaces(body, ty), &self.m.type_cname(ty)?))
     }
 
     /// A type nested in another one is in the scope of that one and needs no namespace.
@@ -122,10 +110,8 @@ impl Writer<'_, '_> {
         if scope.iter().any(|scope| scope.kind != ScopeKind::Module) {
             return body.to_owned();
         }
-        let open: String = scope
-            .iter()
-            .map(|scope| format!("\nnamespace {} {{", scope.name))
-            .collect();
+        let open: String =
+            scope.iter().map(|scope| format!("\nnamespace {} {{", scope.name)).collect();
         open + body + &"\n}".repeat(scope.len())
     }
 
@@ -149,10 +135,7 @@ impl Writer<'_, '_> {
             body += &format!("\n  {} =\t{number},", self.name(*enumerator)?);
         }
         // Makes the enum as wide as the integer of the C mapping.
-        body += &format!(
-            "\n  genom_max_{} =\t0xffffffff\n}};",
-            self.m.short_name(ty)?
-        );
+        body += &format!("\n  genom_max_{} =\t0xffffffff\n}};", self.m.short_name(ty)?);
         self.wrapped(&body, ty)
     }
 
@@ -166,11 +149,7 @@ impl Writer<'_, '_> {
 
     fn member(&self, member: TypeId, indent: &str) -> LangResult {
         let name = self.m.short_name(member)?;
-        Ok(format!(
-            "{}\n{indent}{};",
-            self.mark(member),
-            declarator(self.m, member, name)?
-        ))
+        Ok(format!("{}\n{indent}{};", self.mark(member), declarator(self.m, member, name)?))
     }
 
     fn structure(&self, ty: TypeId, members: &[TypeId]) -> LangResult {
@@ -259,11 +238,7 @@ impl Writer<'_, '_> {
     fn port(&self, ty: TypeId, component: u32, port: u32) -> LangResult {
         let port = &self.m.spec.components[component as usize].ports[port as usize];
         let data = self.m.return_value(port.data, PassingMode::Reference, "")?;
-        let arguments = if port.multiple {
-            "const char *id"
-        } else {
-            "void"
-        };
+        let arguments = if port.multiple { "const char *id" } else { "void" };
         let constant = match port.dir {
             PortDir::In => "const ",
             PortDir::Out => "",

@@ -24,11 +24,7 @@ pub fn cxx_comment(text: &str) -> String {
     // Words are joined as by Tcl's `concat`: trimmed.
     let joined = lines.join("// ");
     let joined = joined.trim_matches(|c: char| c.is_ascii_whitespace() || c == '\u{b}');
-    if joined.is_empty() {
-        "//".to_owned()
-    } else {
-        format!("// {joined}")
-    }
+    if joined.is_empty() { "//".to_owned() } else { format!("// {joined}") }
 }
 
 /// Puts `mark` before every line.
@@ -41,11 +37,7 @@ pub fn marked_comment(mark: &str, text: &str) -> String {
 pub fn rule(text: &str, filler: Option<char>, column: i64) -> String {
     let filler = filler.map(String::from).unwrap_or_default();
     let count = column - 5 - text.chars().count() as i64;
-    format!(
-        "{} {text} {}",
-        filler.repeat(3),
-        filler.repeat(usize::try_from(count).unwrap_or(0))
-    )
+    format!("{} {text} {}", filler.repeat(3), filler.repeat(usize::try_from(count).unwrap_or(0)))
 }
 
 /// Cuts a text into lines of at most `column` characters at `separator`, each line after the first starting
@@ -94,8 +86,7 @@ fn find_last(text: &[char], wanted: &[char]) -> Option<usize> {
     if wanted.is_empty() {
         return None;
     }
-    text.windows(wanted.len())
-        .rposition(|window| window == wanted)
+    text.windows(wanted.len()).rposition(|window| window == wanted)
 }
 
 fn find_first(text: &[char], wanted: &[char], from: usize) -> Option<usize> {
@@ -103,21 +94,14 @@ fn find_first(text: &[char], wanted: &[char], from: usize) -> Option<usize> {
         return None;
     }
     let text = text.get(from..)?;
-    let at = text
-        .windows(wanted.len())
-        .position(|window| window == wanted)?;
+    let at = text.windows(wanted.len()).position(|window| window == wanted)?;
     Some(at + from)
 }
 
 /// A number as C `%g` prints it: six significant digits, no trailing zeros.
 pub fn format_g(value: f64) -> String {
     if value.is_nan() {
-        return if value.is_sign_negative() {
-            "-nan"
-        } else {
-            "nan"
-        }
-        .into();
+        return if value.is_sign_negative() { "-nan" } else { "nan" }.into();
     }
     if value.is_infinite() {
         return if value < 0.0 { "-inf" } else { "inf" }.into();
@@ -137,11 +121,7 @@ pub fn format_g(value: f64) -> String {
 }
 
 fn trim_zeros(digits: &str) -> &str {
-    if digits.contains('.') {
-        digits.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        digits
-    }
+    if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits }
 }
 
 #[cfg(test)]

@@ -49,11 +49,7 @@ type AnswerResult = Result<Answer, Failure>;
 
 impl From<LangError> for Failure {
     fn from(error: LangError) -> Failure {
-        if error.fatal {
-            Failure::Fatal(error.message)
-        } else {
-            Failure::Error(error.message)
-        }
+        if error.fatal { Failure::Fatal(error.message) } else { Failure::Error(error.message) }
     }
 }
 
@@ -134,20 +130,14 @@ impl Model<'_> {
         let [file, line, column] = elements(&place);
         let all = [file, line, column, context.unwrap_or_default()];
         let Some(wanted) = arguments.first() else {
-            let count = if self.spec.release.has(Change::ContextsOfPlaces) {
-                4
-            } else {
-                3
-            };
+            let count = if self.spec.release.has(Change::ContextsOfPlaces) { 4 } else { 3 };
             return Ok(Some(Answer::pure(tcl::list(&all[..count]))));
         };
         let words = ["file", "line", "column", "context"];
         let found = words.iter().position(|word| word == wanted);
         let found = found.or_else(|| {
             let mut starting = (0..4).filter(|number| words[*number].starts_with(wanted.as_str()));
-            starting
-                .next()
-                .filter(|_| !wanted.is_empty() && starting.next().is_none())
+            starting.next().filter(|_| !wanted.is_empty() && starting.next().is_none())
         });
         match found {
             Some(found) => Ok(Some(Answer::pure(all[found].clone()))),
@@ -172,11 +162,7 @@ impl Model<'_> {
         anchor: Anchor<'_>,
         arguments: &[String],
     ) -> Result<Option<Answer>, Failure> {
-        self.place(
-            self.places.place(src, anchor),
-            self.spec.body_of(src),
-            arguments,
-        )
+        self.place(self.places.place(src, anchor), self.spec.body_of(src), arguments)
     }
 
     /// Parameters that pass a filter on their properties.
@@ -211,15 +197,8 @@ impl Model<'_> {
         let declaration = self.spec.component(component);
         let mut states: Vec<(&str, TypeId, CodelRef)> = Vec::new();
         for (index, codel) in declaration.codels_of(owner).iter().enumerate() {
-            let at = CodelRef {
-                owner,
-                index: index as u32,
-            };
-            for trigger in codel
-                .triggers
-                .iter()
-                .filter(|_| codel.kind == CodelKind::Fsm)
-            {
+            let at = CodelRef { owner, index: index as u32 };
+            for trigger in codel.triggers.iter().filter(|_| codel.kind == CodelKind::Fsm) {
                 if !states.iter().any(|(name, ..)| *name == trigger.name) {
                     states.push((&trigger.name, trigger.event, at));
                 }
@@ -241,11 +220,7 @@ impl Model<'_> {
     fn services(&self, component: u32, list: &ServiceList) -> Answer {
         let all: Vec<u32> = (0..self.spec.component(component).services.len() as u32).collect();
         let services = if list.all { &all } else { &list.services };
-        self.list(
-            services
-                .iter()
-                .map(|service| Object::Service(component, *service)),
-        )
+        self.list(services.iter().map(|service| Object::Service(component, *service)))
     }
 }
 
@@ -354,11 +329,7 @@ fn undefined(method: &str) -> Failure {
 
 /// File, line and column.
 fn elements(place: &Place) -> [String; 3] {
-    [
-        place.file.clone(),
-        place.line.to_string(),
-        place.column.to_string(),
-    ]
+    [place.file.clone(), place.line.to_string(), place.column.to_string()]
 }
 
 fn text(value: &Option<String>) -> Option<Answer> {

@@ -98,9 +98,7 @@ pub fn source(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
 pub fn script(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
     let places = Places { path, text };
     let flaws = script::flaws(text).into_iter();
-    flaws
-        .map(|flaw| places.at(flaw.range, flaw.kind, "before the end of the file"))
-        .collect()
+    flaws.map(|flaw| places.at(flaw.range, flaw.kind, "before the end of the file")).collect()
 }
 
 /// Returns true if a text begins with a whole marker, after optional text.
@@ -132,9 +130,7 @@ impl Program {
     /// The range in the source of a range of the program, in characters. Text that the translation added is
     /// at the end of the source text before it.
     fn source(&self, range: &Range<usize>) -> Range<usize> {
-        let after = self
-            .pieces
-            .partition_point(|piece| piece.program <= range.start);
+        let after = self.pieces.partition_point(|piece| piece.program <= range.start);
         let Some(piece) = after.checked_sub(1).map(|index| &self.pieces[index]) else {
             return 0..0;
         };
@@ -170,20 +166,14 @@ impl Places<'_> {
     }
 
     fn diagnostic(&self, code: &'static str, range: Range<usize>, message: String) -> Diagnostic {
-        let severity = CODES
-            .iter()
-            .find(|candidate| candidate.id == code)
-            .map(|code| code.severity);
+        let severity =
+            CODES.iter().find(|candidate| candidate.id == code).map(|code| code.severity);
         let severity = severity.unwrap_or(Severity::Error);
         Diagnostic::new(code, severity, message, self.path.to_owned(), range)
     }
 
     fn related(&self, range: Range<usize>, message: &str) -> Related {
-        Related {
-            path: self.path.to_owned(),
-            range,
-            message: message.to_owned(),
-        }
+        Related { path: self.path.to_owned(), range, message: message.to_owned() }
     }
 
     fn tag(&self, tag: Tag) -> Range<usize> {
@@ -220,9 +210,7 @@ impl Places<'_> {
                         `{open}>`"
                 );
                 let mut diagnostic = self.diagnostic(MARKER, last, message);
-                diagnostic
-                    .related
-                    .push(self.related(first, "the marker begins here"));
+                diagnostic.related.push(self.related(first, "the marker begins here"));
                 diagnostic
             }
         }
@@ -300,17 +288,10 @@ mod tests {
         let one = |diagnostic: &Diagnostic| {
             let before = &text[..diagnostic.range.start];
             let line = before.matches('\n').count() + 1;
-            let column = before
-                .chars()
-                .rev()
-                .take_while(|character| *character != '\n')
-                .count()
-                + 1;
+            let column =
+                before.chars().rev().take_while(|character| *character != '\n').count() + 1;
             let what = &text[diagnostic.range.clone()];
-            format!(
-                "{line}:{column} {what:?} {}: {}",
-                diagnostic.code, diagnostic.message
-            )
+            format!("{line}:{column} {what:?} {}: {}", diagnostic.code, diagnostic.message)
         };
         found.iter().map(one).collect()
     }

@@ -78,11 +78,7 @@ pub(crate) fn types_of_component(
     for (at, service) in component.services.iter().enumerate() {
         let local = |dir| dir == dotgen_analysis::model::ParamDir::Local;
         let params = service.params.iter();
-        wanted.extend(
-            params
-                .filter(|param| private || !local(param.dir))
-                .map(|param| param.ty),
-        );
+        wanted.extend(params.filter(|param| private || !local(param.dir)).map(|param| param.ty));
         wanted.extend(service_throws(component, at as u32));
     }
     if visibility != Visibility::Public {
@@ -133,10 +129,7 @@ fn add_type(
                 add_type(model, *member, filter, types, depth)?;
             }
         }
-        TypeKind::Union {
-            switch,
-            ref members,
-        } => {
+        TypeKind::Union { switch, ref members } => {
             add_type(model, switch, filter, types, depth)?;
             for member in members {
                 add_type(model, *member, filter, types, depth)?;
@@ -192,9 +185,7 @@ fn wanted(filter: &mut Filter<'_>, object: &Object) -> Result<(), Failure> {
     if filter(object)? {
         Ok(())
     } else {
-        Err(Failure::Error(
-            "invoked \"continue\" outside of a loop".into(),
-        ))
+        Err(Failure::Error("invoked \"continue\" outside of a loop".into()))
     }
 }
 
@@ -309,12 +300,10 @@ impl Chunks {
             TypeKind::Const { ty: inner, .. }
             | TypeKind::Typedef { ty: inner }
             | TypeKind::StructMember { ty: inner }
-            | TypeKind::ForwardStruct {
-                definition: Some(inner),
+            | TypeKind::ForwardStruct { definition: Some(inner) }
+            | TypeKind::ForwardUnion { definition: Some(inner) } => {
+                self.type_(spec, *inner, filter, depth)?
             }
-            | TypeKind::ForwardUnion {
-                definition: Some(inner),
-            } => self.type_(spec, *inner, filter, depth)?,
             TypeKind::Array { element, .. }
             | TypeKind::Sequence { element, .. }
             | TypeKind::Optional { element } => {
@@ -324,9 +313,7 @@ impl Chunks {
                 }
                 self.type_(spec, *element, filter, depth)?;
             }
-            TypeKind::Enum {
-                enumerators: members,
-            }
+            TypeKind::Enum { enumerators: members }
             | TypeKind::Struct { members }
             | TypeKind::Union { members, .. }
             | TypeKind::Exception { members } => {

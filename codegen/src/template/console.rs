@@ -35,9 +35,7 @@ pub struct StdConsole {
 impl Default for StdConsole {
     fn default() -> StdConsole {
         let terminal = std::io::stdout().is_terminal();
-        StdConsole {
-            shown: terminal.then(TerminalFilter::default),
-        }
+        StdConsole { shown: terminal.then(TerminalFilter::default) }
     }
 }
 
@@ -160,10 +158,7 @@ mod tests {
     #[test]
     fn a_terminal_gets_no_control_characters() {
         let mut shown = TerminalFilter::default();
-        assert_eq!(
-            shown.text(b"a\x1b]0;x\x07\tb\r\n"),
-            "a\\u{1b}]0;x\\u{7}\tb\\u{d}\n"
-        );
+        assert_eq!(shown.text(b"a\x1b]0;x\x07\tb\r\n"), "a\\u{1b}]0;x\\u{7}\tb\\u{d}\n");
         // A character that comes in two parts.
         assert_eq!(shown.text(b"\xe2\x82"), "");
         assert_eq!(shown.text(b"\xac \xc2"), "\u{20ac} ");

@@ -50,10 +50,7 @@ impl std::error::Error for FindError {}
 impl SearchPath {
     /// Splits a colon separated list; empty elements are ignored.
     pub fn parse(list: &str) -> Vec<PathBuf> {
-        list.split(':')
-            .filter(|dir| !dir.is_empty())
-            .map(PathBuf::from)
-            .collect()
+        list.split(':').filter(|dir| !dir.is_empty()).map(PathBuf::from).collect()
     }
 
     fn all(&self) -> impl Iterator<Item = &PathBuf> {
@@ -160,11 +157,7 @@ fn list_below(
         if !is_dir {
             continue;
         }
-        let name = if prefix.is_empty() {
-            name.to_owned()
-        } else {
-            format!("{prefix}/{name}")
-        };
+        let name = if prefix.is_empty() { name.to_owned() } else { format!("{prefix}/{name}") };
         list_below(disk, &path, &name, names, depth);
         if entry(disk, &path).is_some() {
             names.insert(name);

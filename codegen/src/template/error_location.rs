@@ -49,11 +49,8 @@ pub(crate) fn innermost(message: &str, trace: &str) -> Option<Innermost> {
     let start = found.into_iter().flatten().min()?;
     let rest = &rest[start..];
     let ends = ["\"\n    (", "\"\n    invoked from within"];
-    let end = ends
-        .iter()
-        .filter_map(|end| rest.find(end))
-        .min()
-        .unwrap_or(rest.len().saturating_sub(1));
+    let end =
+        ends.iter().filter_map(|end| rest.find(end)).min().unwrap_or(rest.len().saturating_sub(1));
     let command = rest[..end].to_owned();
     let after = rest[end..].strip_prefix("\"\n    (").unwrap_or_default();
     let context = after.lines().next().unwrap_or_default();
@@ -108,11 +105,8 @@ pub(crate) fn explain(
         };
         places.extend(place.map(|(file, line)| (file, line, found.command)));
     }
-    places.extend(
-        frames
-            .iter()
-            .map(|frame| (shown(&frame.file), frame.line, frame.command.clone())),
-    );
+    places
+        .extend(frames.iter().map(|frame| (shown(&frame.file), frame.line, frame.command.clone())));
     let (file, line) = match places.first() {
         Some((file, line, _)) => (file.clone(), *line),
         None => (source.to_owned(), 1),
@@ -146,21 +140,13 @@ pub(crate) fn place(
             && disk.is_file(&file)
         {
             let message = rest[digits..].trim_start_matches([':', ' ']).to_owned();
-            return Some(TemplatePlace {
-                file,
-                line,
-                message,
-            });
+            return Some(TemplatePlace { file, line, message });
         }
     }
     let (_, rest) = trace.split_once("(file \"")?;
     let (file, rest) = rest.split_once("\" line ")?;
     let (line, _) = rest.split_once(')')?;
-    Some(TemplatePlace {
-        file: file.into(),
-        line: line.parse().ok()?,
-        message: first.to_owned(),
-    })
+    Some(TemplatePlace { file: file.into(), line: line.parse().ok()?, message: first.to_owned() })
 }
 
 fn newlines(text: &str) -> usize {
@@ -183,11 +169,7 @@ mod tests {
     #[test]
     fn procedures_count_from_their_source() {
         let trace = "no 1\n    while executing\n\"error \"no $x\"\"\n    (procedure \"inner\" line 2)\n    invoked from within\n\"inner $v\"";
-        let frames = [Frame {
-            file: "/tmp/p1".into(),
-            line: 6,
-            command: "inner $v".into(),
-        }];
+        let frames = [Frame { file: "/tmp/p1".into(), line: 6, command: "inner $v".into() }];
         let text = explain("t.txt", "no 1", trace, &frames, &scripts(), |_| {
             Some("\n  error \"no $x\"\n".into())
         });
@@ -213,10 +195,7 @@ mod tests {
             command: "foreach v {1 2} {\n\n  boom\n}".into(),
         }];
         let text = explain("t.txt", "bad", trace, &frames, &scripts(), |_| None);
-        assert!(
-            text.starts_with("t.txt:7: bad\n called by: t.txt:7: boom\n"),
-            "{text}"
-        );
+        assert!(text.starts_with("t.txt:7: bad\n called by: t.txt:7: boom\n"), "{text}");
     }
 
     #[test]
@@ -228,10 +207,7 @@ mod tests {
             command: "foreach co {1} {\n  $co bad\n}".into(),
         }];
         let text = explain("t.txt", "no", trace, &frames, &scripts(), |_| None);
-        assert!(
-            text.starts_with("t.txt:6: no\n called by: t.txt:6: $co bad\n"),
-            "{text}"
-        );
+        assert!(text.starts_with("t.txt:6: no\n called by: t.txt:6: $co bad\n"), "{text}");
     }
 
     #[test]

@@ -35,11 +35,7 @@ pub struct Limits {
 impl Limits {
     /// The limits that the operating system enforces.
     pub(crate) fn resources(&self) -> Resources {
-        Resources {
-            memory: self.memory,
-            time: self.time,
-            file: self.output,
-        }
+        Resources { memory: self.memory, time: self.time, file: self.output }
     }
 
     /// Limits for running a template from an editor: 60 s, 1 GiB, 64 MiB.
@@ -63,10 +59,7 @@ pub fn find_tclsh() -> Result<PathBuf, String> {
         if given.is_file() {
             return Ok(given);
         }
-        return Err(format!(
-            "DOTGEN_TCLSH names {}, which is not a file",
-            given.display()
-        ));
+        return Err(format!("DOTGEN_TCLSH names {}, which is not a file", given.display()));
     }
     let path = std::env::var_os("PATH").unwrap_or_default();
     for name in ["tclsh8.6", "tclsh86", "tclsh"] {
@@ -77,12 +70,10 @@ pub fn find_tclsh() -> Result<PathBuf, String> {
             }
         }
     }
-    Err(
-        "this template needs Tcl 8.6, and no tclsh was found: install it \
+    Err("this template needs Tcl 8.6, and no tclsh was found: install it \
          (Debian and Ubuntu: `apt install tcl`; Fedora: `dnf install tcl`; macOS: \
          `brew install tcl-tk@8`; robotpkg: lang/tcl), or set DOTGEN_TCLSH to its path"
-            .into(),
-    )
+        .into())
 }
 
 const RUNNING: u8 = 0;
@@ -120,10 +111,8 @@ impl Host {
         let tclsh = find_tclsh()?;
         // If a template writes files itself, the system limits the size of each file, not their number.
         let folders = access.as_ref().map(|access| access.write.clone());
-        let space = (limits.output.zip(folders)).map(|(most, folders)| DiskQuota {
-            most,
-            used: processes.meter(folders),
-        });
+        let space = (limits.output.zip(folders))
+            .map(|(most, folders)| DiskQuota { most, used: processes.meter(folders) });
         let mut process = processes
             .start(&Program {
                 path: tclsh.clone(),
@@ -157,14 +146,7 @@ impl Host {
         let child = Arc::new(Mutex::new(process));
         let ended = Arc::new(AtomicU8::new(RUNNING));
         let watch = watch(limits, space, &child, &ended);
-        Ok(Host {
-            child,
-            to,
-            from: BufReader::with_capacity(1 << 16, from),
-            errors,
-            ended,
-            watch,
-        })
+        Ok(Host { child, to, from: BufReader::with_capacity(1 << 16, from), errors, ended, watch })
     }
 
     /// Receives the next message.
@@ -204,10 +186,7 @@ impl Host {
         for word in words {
             message.extend_from_slice(word);
         }
-        self.to
-            .write_all(&message)
-            .and_then(|()| self.to.flush())
-            .map_err(|_| self.why_ended())
+        self.to.write_all(&message).and_then(|()| self.to.flush()).map_err(|_| self.why_ended())
     }
 
     fn why_ended(&mut self) -> String {
@@ -227,9 +206,7 @@ impl Host {
     pub(crate) fn take_errors(&mut self) -> Vec<u8> {
         self.kill();
         let errors = self.errors.take();
-        errors
-            .and_then(|error| error.join().ok())
-            .unwrap_or_default()
+        errors.and_then(|error| error.join().ok()).unwrap_or_default()
     }
 
     fn kill(&mut self) {
@@ -298,19 +275,13 @@ pub(crate) fn watch(
                 Err(RecvTimeoutError::Timeout) => {}
                 _ => return,
             }
-            if cancel
-                .as_ref()
-                .is_some_and(|cancel| cancel.load(Ordering::Acquire))
-            {
+            if cancel.as_ref().is_some_and(|cancel| cancel.load(Ordering::Acquire)) {
                 break CANCELLED;
             }
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 break TIMED_OUT;
             }
-            if space
-                .as_ref()
-                .is_some_and(|space| (space.used)() > space.most)
-            {
+            if space.as_ref().is_some_and(|space| (space.used)() > space.most) {
                 break TOO_LARGE;
             }
         };

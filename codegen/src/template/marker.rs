@@ -47,11 +47,7 @@ impl std::fmt::Display for Fault {
             Fault::Unopened { .. } => f.write_str("missing opening tag"),
             Fault::Unclosed { .. } => f.write_str("missing closing tag"),
             Fault::Unbalanced { open, close } => {
-                write!(
-                    f,
-                    "unbalanced tags '<{}' and '{}>'",
-                    open.quote, close.quote
-                )
+                write!(f, "unbalanced tags '<{}' and '{}>'", open.quote, close.quote)
             }
         }
     }
@@ -149,10 +145,7 @@ impl Translator {
             let open = self.tag(at, at + 1);
             return Err(self.error(Fault::Unclosed { open }));
         }
-        Ok(Program {
-            text: self.program,
-            pieces: self.pieces,
-        })
+        Ok(Program { text: self.program, pieces: self.pieces })
     }
 
     fn read_more(&mut self, count: usize) {
@@ -179,11 +172,7 @@ impl Translator {
         let text = &self.source[..self.read];
         let open = self.find_open(self.start, self.read)?;
         let close = self.find_close(open + 2, self.read)?;
-        Some(Marker {
-            open,
-            close,
-            quotes: (text[open + 1], text[close]),
-        })
+        Some(Marker { open, close, quotes: (text[open + 1], text[close]) })
     }
 
     fn find_close(&self, from: usize, until: usize) -> Option<usize> {
@@ -197,10 +186,7 @@ impl Translator {
     }
 
     fn tag(&self, at: usize, quote: usize) -> Tag {
-        Tag {
-            quote: self.source[quote],
-            at,
-        }
+        Tag { quote: self.source[quote], at }
     }
 
     fn translate_marker(&mut self, found: &Marker) -> Result<(), MarkerError> {
@@ -256,18 +242,11 @@ impl Translator {
     }
 
     fn piece(&mut self, source: Range<usize>, kind: PieceKind) {
-        self.pieces.push(Piece {
-            program: self.program.len(),
-            source,
-            kind,
-        });
+        self.pieces.push(Piece { program: self.program.len(), source, kind });
     }
 
     fn error(&self, fault: Fault) -> MarkerError {
-        MarkerError {
-            line: self.line,
-            fault,
-        }
+        MarkerError { line: self.line, fault }
     }
 }
 
@@ -362,9 +341,6 @@ mod tests {
     #[test]
     fn commands_are_shown_as_written() {
         let program = translate("<\"$nosuch\">").unwrap();
-        assert_eq!(
-            restore(program.text.split('\n').next().unwrap()),
-            "<\"$nosuch\">'><'"
-        );
+        assert_eq!(restore(program.text.split('\n').next().unwrap()), "<\"$nosuch\">'><'");
     }
 }

@@ -66,10 +66,7 @@ pub fn merge(new: &str, old: &str, settle: &mut dyn FnMut(&Conflict<'_>) -> Choi
     if unfinished && let Some(last) = old.last_mut() {
         last.push_str(line_end.as_str().trim_end_matches('\n'));
     }
-    let mut out = Output {
-        line_end,
-        ..Output::default()
-    };
+    let mut out = Output { line_end, ..Output::default() };
     let (mut at_new, mut at_old) = (0, 0);
     for (next_new, next_old) in common_lines(&bare(&new), &bare(&old)) {
         let only_new = &new[at_new.min(next_new)..next_new];
@@ -95,10 +92,7 @@ pub fn merge(new: &str, old: &str, settle: &mut dyn FnMut(&Conflict<'_>) -> Choi
                         out.conflicts += 1;
                     }
                     Choice::Leave => {
-                        return Merged {
-                            text: None,
-                            conflicts: out.conflicts,
-                        };
+                        return Merged { text: None, conflicts: out.conflicts };
                     }
                 }
             }
@@ -120,10 +114,7 @@ pub fn merge(new: &str, old: &str, settle: &mut dyn FnMut(&Conflict<'_>) -> Choi
     if unfinished && old.last().is_some_and(ends_so) {
         out.text.truncate(out.text.len() - line_end.as_str().len());
     }
-    Merged {
-        text: Some(out.text),
-        conflicts: out.conflicts,
-    }
+    Merged { text: Some(out.text), conflicts: out.conflicts }
 }
 
 #[derive(Default)]
@@ -159,16 +150,11 @@ fn lines(text: &str) -> Vec<String> {
 
 /// The lines without their remaining `\r`: it does not make lines differ.
 fn bare(lines: &[String]) -> Vec<&str> {
-    lines
-        .iter()
-        .map(|line| line.strip_suffix('\r').unwrap_or(line))
-        .collect()
+    lines.iter().map(|line| line.strip_suffix('\r').unwrap_or(line)).collect()
 }
 
 fn counts(block: &[String]) -> bool {
-    block
-        .iter()
-        .any(|line| !line.trim().is_empty() && !line.contains("skeleton sample"))
+    block.iter().any(|line| !line.trim().is_empty() && !line.contains("skeleton sample"))
 }
 
 /// A common subsequence: its last pair and the candidate before it.
@@ -207,21 +193,14 @@ fn common_lines(new: &[&str], old: &[&str]) -> Vec<(usize, usize)> {
             }
             let length = least
                 + best[least..].partition_point(|candidate| candidates[*candidate].old < at_old);
-            if best
-                .get(length)
-                .is_some_and(|candidate| candidates[*candidate].old == at_old)
-            {
+            if best.get(length).is_some_and(|candidate| candidates[*candidate].old == at_old) {
                 continue;
             }
             let before = match length {
                 0 => None,
                 _ => Some(best[length - 1]),
             };
-            candidates.push(Candidate {
-                new: at_new,
-                old: at_old,
-                before,
-            });
+            candidates.push(Candidate { new: at_new, old: at_old, before });
             if let Some((place, candidate)) = pending.take() {
                 put(&mut best, place, candidate);
             }
@@ -272,10 +251,7 @@ mod tests {
 
     #[test]
     fn bytes_and_line_ends_of_the_file_stay() {
-        assert_eq!(
-            auto("a\nnew\nb\n", "a\r\nb\r\nmine\r\n"),
-            "a\r\nnew\r\nb\r\nmine\r\n"
-        );
+        assert_eq!(auto("a\nnew\nb\n", "a\r\nb\r\nmine\r\n"), "a\r\nnew\r\nb\r\nmine\r\n");
         assert_eq!(auto("a\nb\n", "a\r\nb\nc\r\nd\r\n"), "a\r\nb\nc\r\nd\r\n");
         assert_eq!(
             auto("a\nnew\nb\n", "a\r\nold\r\nb"),
@@ -294,14 +270,8 @@ mod tests {
 
     #[test]
     fn sample_code_and_blank_lines_count_for_nothing() {
-        assert_eq!(
-            auto("a\n /* skeleton sample */\nb\n", "a\nmine\nb\n"),
-            "a\nmine\nb\n"
-        );
-        assert_eq!(
-            auto("a\nnew\nb\n", "a\n /* skeleton sample */\nb\n"),
-            "a\nnew\nb\n"
-        );
+        assert_eq!(auto("a\n /* skeleton sample */\nb\n", "a\nmine\nb\n"), "a\nmine\nb\n");
+        assert_eq!(auto("a\nnew\nb\n", "a\n /* skeleton sample */\nb\n"), "a\nnew\nb\n");
         assert_eq!(auto("a\n\nb\n", "a\nb\n"), "a\nb\n");
     }
 

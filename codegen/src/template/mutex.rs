@@ -81,19 +81,12 @@ struct SeenCodels<'a> {
 
 impl<'a> SeenCodels<'a> {
     fn new(component: &'a Component) -> SeenCodels<'a> {
-        SeenCodels {
-            component,
-            codels: Vec::new(),
-            seen: FxHashSet::default(),
-        }
+        SeenCodels { component, codels: Vec::new(), seen: FxHashSet::default() }
     }
 
     fn add(&mut self, owner: Owner, wanted: impl Fn(&Codel) -> bool) {
         for (index, codel) in self.component.codels_of(owner).iter().enumerate() {
-            let at = CodelRef {
-                owner,
-                index: index as u32,
-            };
+            let at = CodelRef { owner, index: index as u32 };
             let service = match owner {
                 Owner::Service(service) => Some(service),
                 Owner::Task(_) => None,
@@ -114,8 +107,7 @@ impl<'a> SeenCodels<'a> {
 }
 
 fn conflicts(spec: &Spec, left: &[Param], right: &[Param], against: MutexOperand) -> bool {
-    left.iter()
-        .any(|p| right.iter().any(|q| conflict(spec, p, q, against)))
+    left.iter().any(|p| right.iter().any(|q| conflict(spec, p, q, against)))
 }
 
 fn conflict(spec: &Spec, p: &Param, q: &Param, against: MutexOperand) -> bool {

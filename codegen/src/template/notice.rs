@@ -7,12 +7,8 @@ use crate::disk::Disk;
 
 /// The notices of inputs, one after the other; `None` if they have none.
 pub(crate) fn notice_of(disk: &dyn Disk, folder: &Path, inputs: &[String]) -> Option<String> {
-    let texts = inputs
-        .iter()
-        .filter_map(|input| disk.read(&folder.join(input)).ok());
-    let notices: Vec<String> = texts
-        .filter_map(|text| notice(&tcl::decode(&text)))
-        .collect();
+    let texts = inputs.iter().filter_map(|input| disk.read(&folder.join(input)).ok());
+    let notices: Vec<String> = texts.filter_map(|text| notice(&tcl::decode(&text))).collect();
     (!notices.is_empty()).then(|| notices.concat())
 }
 
@@ -30,11 +26,7 @@ pub fn notice(text: &str) -> Option<String> {
             inside = true;
             let after = &line[at + 3..];
             // A blank replaces the last character of the mark, to keep columns aligned.
-            rest = if after.starts_with('\n') {
-                after.to_owned()
-            } else {
-                format!(" {after}")
-            };
+            rest = if after.starts_with('\n') { after.to_owned() } else { format!(" {after}") };
         }
         if let Some(end) = rest.find("*/") {
             rest.truncate(end);

@@ -140,10 +140,7 @@ impl Registry {
 
     /// Handles of several objects.
     pub(crate) fn handles(&self, objects: impl IntoIterator<Item = Object>) -> Vec<String> {
-        objects
-            .into_iter()
-            .map(|object| self.handle(&object))
-            .collect()
+        objects.into_iter().map(|object| self.handle(&object)).collect()
     }
 
     /// Takes the objects of a new model; returns the handles that did not exist before.
@@ -165,12 +162,8 @@ impl Registry {
         for index in 0..spec.components.len() as u32 {
             self.add_component(spec, index);
         }
-        let mut created: Vec<String> = self
-            .objects
-            .keys()
-            .filter(|handle| !known.contains(*handle))
-            .cloned()
-            .collect();
+        let mut created: Vec<String> =
+            self.objects.keys().filter(|handle| !known.contains(*handle)).cloned().collect();
         created.sort_unstable();
         created
     }
@@ -191,11 +184,7 @@ impl Registry {
         let component = spec.component(index);
         let name = component.name.to_string();
         let member = |kind, member: &str| Identity::Member(name.clone(), kind, member.to_owned());
-        self.add(
-            "component",
-            Object::Component(index),
-            Identity::Component(name.clone()),
-        );
+        self.add("component", Object::Component(index), Identity::Component(name.clone()));
         for (at, task) in component.tasks.iter().enumerate() {
             let object = Object::Task(index, at as u32);
             self.add("task", object, member("task", &task.name));
@@ -230,10 +219,7 @@ impl Registry {
             }
             let owner_name = format!("{word} {owner_name}");
             for (codel_index, codel) in component.codels_of(owner).iter().enumerate() {
-                let at = CodelRef {
-                    owner,
-                    index: codel_index as u32,
-                };
+                let at = CodelRef { owner, index: codel_index as u32 };
                 let count = alike.entry((owner_name.clone(), codel.src)).or_default();
                 let identity = Identity::Codel(name.clone(), owner_name.clone(), codel.src, *count);
                 *count += 1;

@@ -252,11 +252,8 @@ impl Output {
                 _ => Ok(()),
             };
         }
-        let folders: Vec<String> = confined
-            .results
-            .iter()
-            .map(|path| path.display().to_string())
-            .collect();
+        let folders: Vec<String> =
+            confined.results.iter().map(|path| path.display().to_string()).collect();
         Err(Failure::Error(format!(
             "{shown} is outside of {}: a preview or a confined template writes nothing there",
             folders.join(" and ")
@@ -306,10 +303,7 @@ impl Output {
             Failure::Error(format!("couldn't open \"{shown}\": {}", posix(error)))
         };
         if exists && self.modes.is_on("move-if-change") {
-            let old = self
-                .files
-                .read(&*self.disk, path)
-                .map_err(|error| opening(&error))?;
+            let old = self.files.read(&*self.disk, path).map_err(|error| opening(&error))?;
             if old.as_deref() == Some(text.as_bytes()) {
                 if !permissions.is_empty() {
                     self.files.set_permissions(&*self.disk, path, permissions)?;
@@ -321,9 +315,7 @@ impl Output {
         if exists && self.modes.is_on("merge-if-change") {
             say(env, format!("merging {shown}"));
             if !self.merge(shown, path, text, env)? {
-                return Err(Failure::Error(format!(
-                    "stop: could not merge changes in {shown}"
-                )));
+                return Err(Failure::Error(format!("stop: could not merge changes in {shown}")));
             }
             if !permissions.is_empty() {
                 self.files.set_permissions(&*self.disk, path, permissions)?;
@@ -365,12 +357,7 @@ impl Output {
         if !interactive && tool != "auto" {
             return self.merge_with(&tool, shown, path, text, env);
         }
-        let old = self
-            .files
-            .read(&*self.disk, path)
-            .ok()
-            .flatten()
-            .unwrap_or_default();
+        let old = self.files.read(&*self.disk, path).ok().flatten().unwrap_or_default();
         // Text that only the file has is passed through unchanged, for any encoding.
         let old_text = encoding::decode(old.clone());
         let new_text = encoding::escape(text);
@@ -384,11 +371,7 @@ impl Output {
         };
         let mut action = String::new();
         let merged = merge::merge(&new_text, &old_text, &mut |conflict| {
-            if interactive {
-                ask(&header, conflict, &mut action, env)
-            } else {
-                Choice::Markers
-            }
+            if interactive { ask(&header, conflict, &mut action, env) } else { Choice::Markers }
         });
         if merged.conflicts > 0 && merged.text.is_some() {
             env.message(&format!("CONFLICTS during merge of {shown}"));
@@ -417,11 +400,7 @@ impl Output {
         env: &mut dyn Environment,
     ) -> Result<bool, Failure> {
         let failed = |error: io::Error| Failure::Error(format!("{shown}: {}", posix(&error)));
-        let before = self
-            .files
-            .read(&*self.disk, path)
-            .map_err(failed)?
-            .unwrap_or_default();
+        let before = self.files.read(&*self.disk, path).map_err(failed)?.unwrap_or_default();
         let (new, old) = (env.temporary(), env.temporary());
         self.disk.put(&new, text.as_bytes()).map_err(failed)?;
         self.disk.put(&old, &before).map_err(failed)?;
@@ -548,10 +527,7 @@ mod tests {
         );
         assert_eq!(modes.set("+overwrite"), Ok(Some(("overwrite", true))));
         assert_eq!(modes.set("overwrite"), Ok(None));
-        assert_eq!(
-            modes.set("-move-if-change"),
-            Ok(Some(("move-if-change", false)))
-        );
+        assert_eq!(modes.set("-move-if-change"), Ok(Some(("move-if-change", false))));
         assert!(matches!(modes.set("verbose"), Err(Failure::Fatal(_))));
     }
 }

@@ -30,25 +30,17 @@ impl ReadableFiles {
     ) -> ReadableFiles {
         let folders = search.dirs.iter().chain(&search.builtin);
         let folders = folders.map(PathBuf::as_path).chain([dir, tmpdir]);
-        let files = words
-            .iter()
-            .map(|word| base.join(word))
-            .filter(|path| disk.is_file(path));
+        let files = words.iter().map(|word| base.join(word)).filter(|path| disk.is_file(path));
         let read = folders.map(Path::to_owned).chain(files);
         ReadableFiles {
-            read: read
-                .filter_map(|folder| disk.canonical(&folder).ok())
-                .collect(),
+            read: read.filter_map(|folder| disk.canonical(&folder).ok()).collect(),
             tmpdir: tmpdir.to_owned(),
         }
     }
 
     /// The same rights in the form that the operating system enforces.
     pub(crate) fn access(&self) -> Access {
-        Access {
-            read: self.read.clone(),
-            write: vec![self.tmpdir.clone()],
-        }
+        Access { read: self.read.clone(), write: vec![self.tmpdir.clone()] }
     }
 
     /// Refuses to read a file elsewhere. Missing files are reported by the reader.
@@ -74,9 +66,7 @@ pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> boo
     let Some(path) = resolve(disk, path) else {
         return false;
     };
-    folders
-        .iter()
-        .any(|folder| resolve(disk, folder).is_some_and(|other| path.starts_with(other)))
+    folders.iter().any(|folder| resolve(disk, folder).is_some_and(|other| path.starts_with(other)))
 }
 
 /// Returns true if a path, with all links resolved, has a part that begins with a dot below all of the
@@ -84,9 +74,7 @@ pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> boo
 /// `.profile`.
 pub(crate) fn is_hidden(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
     let parts = |path: &Path, folders: &[PathBuf]| {
-        let below = folders
-            .iter()
-            .filter_map(|folder| path.strip_prefix(folder).ok());
+        let below = folders.iter().filter_map(|folder| path.strip_prefix(folder).ok());
         below
             .map(|rest| {
                 let mut parts = rest.components();
@@ -95,10 +83,7 @@ pub(crate) fn is_hidden(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bo
             .reduce(|one, other| one && other)
     };
     let named: Vec<PathBuf> = folders.iter().map(|folder| plain(disk, folder)).collect();
-    let real: Vec<PathBuf> = folders
-        .iter()
-        .filter_map(|folder| resolve(disk, folder))
-        .collect();
+    let real: Vec<PathBuf> = folders.iter().filter_map(|folder| resolve(disk, folder)).collect();
     let by_links = resolve(disk, path).and_then(|path| parts(&path, &real));
     by_links.unwrap_or(true) || parts(&plain(disk, path), &named).unwrap_or(false)
 }
@@ -158,35 +143,17 @@ mod tests {
         for path in ["a", "a/b/c", "x/../a", "inner/a", "sub/new/a"] {
             assert!(below(path), "{path}");
         }
-        for path in [
-            "../a",
-            "x/../../a",
-            "out/a",
-            "out/../a/../../b",
-            "nowhere",
-            "nowhere/a",
-            "/a",
-        ] {
+        for path in ["../a", "x/../../a", "out/a", "out/../a/../../b", "nowhere", "nowhere/a", "/a"]
+        {
             assert!(!below(path), "{path}");
         }
         // A folder that does not exist yet has the place where it will be created.
-        assert!(is_below(
-            &Files,
-            &root.join("out/new/a"),
-            &[root.join("out/new")]
-        ));
+        assert!(is_below(&Files, &root.join("out/new/a"), &[root.join("out/new")]));
         let hidden = |path: &str| is_hidden(&Files, &root.join(path), std::slice::from_ref(&root));
         std::fs::create_dir(root.join(".git")).unwrap();
         symlink(".git", root.join("plain")).unwrap();
         symlink("sub", root.join(".link")).unwrap();
-        for path in [
-            ".a",
-            ".git/hooks/x",
-            "sub/.b/c",
-            "plain/hooks/x",
-            "inner/.d",
-            ".link/e",
-        ] {
+        for path in [".a", ".git/hooks/x", "sub/.b/c", "plain/hooks/x", "inner/.d", ".link/e"] {
             assert!(hidden(path), "{path}");
         }
         for path in ["a", "inner/a", ".git/../a", "sub/b.c/d"] {

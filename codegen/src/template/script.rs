@@ -78,13 +78,7 @@ struct Word {
 
 impl<'a> Reader<'a> {
     fn new(text: &'a [u8], range: Range<usize>) -> Reader<'a> {
-        Reader {
-            text,
-            at: range.start,
-            end: range.end,
-            depth: 0,
-            flaws: Vec::new(),
-        }
+        Reader { text, at: range.start, end: range.end, depth: 0, flaws: Vec::new() }
     }
 
     fn peek(&self) -> Option<u8> {
@@ -140,10 +134,7 @@ impl<'a> Reader<'a> {
             }
         }
         let marks = [LITERAL.0, SUBSTITUTE.0].map(|text| text.as_bytes()[0]);
-        if self.text[start..self.at]
-            .iter()
-            .any(|byte| marks.contains(byte))
-        {
+        if self.text[start..self.at].iter().any(|byte| marks.contains(byte)) {
             // Half of the swallowed text is behind it.
             return Err(self.open(start, 1, FlawKind::Comment));
         }
@@ -212,10 +203,7 @@ impl<'a> Reader<'a> {
             self.note(at - 1..at, FlawKind::Extra(close));
             self.substituted(|reader| reader.at_end_of_word(nested))?;
         }
-        Ok(Word {
-            range: start..self.at,
-            braced: quoted == Some(b'{'),
-        })
+        Ok(Word { range: start..self.at, braced: quoted == Some(b'{') })
     }
 
     fn braces(&mut self) -> Result<(), UnclosedError> {
@@ -276,9 +264,7 @@ impl<'a> Reader<'a> {
             }
             return Err(self.open(start, 2, FlawKind::Name));
         }
-        while self
-            .peek()
-            .is_some_and(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+        while self.peek().is_some_and(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
             || self.text[self.at..self.end].starts_with(b"::")
         {
             self.at += if self.text[self.at] == b':' { 2 } else { 1 };
@@ -348,12 +334,7 @@ mod tests {
 
     fn shown(script: &str, flaws: Vec<Flaw>) -> Vec<String> {
         let one = |flaw: Flaw| {
-            format!(
-                "{} {:?} {}",
-                flaw.range.start,
-                flaw.kind,
-                &script[flaw.range.clone()]
-            )
+            format!("{} {:?} {}", flaw.range.start, flaw.kind, &script[flaw.range.clone()])
         };
         flaws.into_iter().map(one).collect()
     }
@@ -391,10 +372,7 @@ mod tests {
     fn what_is_inside_the_bodies_of_commands_counts() {
         assert_eq!(check("foreach x $l { puts [f $x }"), ["20 Bracket ["]);
         assert_eq!(check("if {1} {a} else {puts \"b}"), ["22 Quote \""]);
-        assert_eq!(
-            check("proc f {} { while {1} { puts $a( } }"),
-            ["29 Index $a("]
-        );
+        assert_eq!(check("proc f {} { while {1} { puts $a( } }"), ["29 Index $a("]);
         // It is not known that this text is evaluated.
         assert_eq!(check("set a { puts [f }"), [""; 0]);
     }
@@ -405,10 +383,7 @@ mod tests {
             check("if {1} {\n}\nelse {\n}\n}\n}"),
             ["11 Detached else", "20 Stray }", "22 Stray }"]
         );
-        assert_eq!(
-            check("set a {b}c; set d \"e\"f"),
-            ["8 Extra('}') }", "20 Extra('\"') \""]
-        );
+        assert_eq!(check("set a {b}c; set d \"e\"f"), ["8 Extra('}') }", "20 Extra('\"') \""]);
     }
 
     #[test]

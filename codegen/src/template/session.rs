@@ -62,9 +62,7 @@ pub(super) fn run(
 ) -> Outcome {
     let name = run.name();
     let reach = run.confined.map(|_| {
-        ReadableFiles::new(
-            &*run.disk, &run.dir, run.search, &run.base, &run.args, &tmpdir,
-        )
+        ReadableFiles::new(&*run.disk, &run.dir, run.search, &run.base, &run.args, &tmpdir)
     });
     if reach.is_some() {
         let gaps = run.processes.gaps();
@@ -139,11 +137,7 @@ impl Session<'_> {
                         &done.trace,
                     );
                 }
-                let shown = if self.run.verbose {
-                    &done.trace
-                } else {
-                    &done.message
-                };
+                let shown = if self.run.verbose { &done.trace } else { &done.message };
                 let error = done.failed.then(|| shown.clone());
                 (done.status, error)
             }
@@ -158,12 +152,7 @@ impl Session<'_> {
         }
         let unwritten = self.output.files.changed();
         let (sink, written) = self.output.finish(ended_by_us);
-        let mut outcome = Outcome {
-            status,
-            sink,
-            error,
-            place,
-        };
+        let mut outcome = Outcome { status, sink, error, place };
         if let Err(problem) = written {
             let message = problem.to_string();
             self.console.err(&format!("{name}: {message}"));
@@ -251,10 +240,9 @@ impl Session<'_> {
 
     fn check_output(&self, size: u64) -> Result<(), String> {
         match self.run.limits.output {
-            Some(limit) if size > limit => Err(format!(
-                "stopped: the template printed or wrote more than {} MiB",
-                limit >> 20
-            )),
+            Some(limit) if size > limit => {
+                Err(format!("stopped: the template printed or wrote more than {} MiB", limit >> 20))
+            }
             _ => Ok(()),
         }
     }
@@ -272,11 +260,7 @@ impl Session<'_> {
             "parse" => self.parse(word(1), rest(2)),
             "marker" => self.translate(word(1), word(2)),
             "done_source" => {
-                let name = self
-                    .scripts
-                    .iter()
-                    .rev()
-                    .find(|script| script.path == word(1));
+                let name = self.scripts.iter().rev().find(|script| script.path == word(1));
                 let name = name.map(|name| name.name.clone()).unwrap_or_default();
                 // GenoM3 searches for the path as given and adds it normalized: one with `..` is added each
                 // time.
@@ -323,10 +307,9 @@ impl Session<'_> {
                 self.commit(word(1), word(2), &tcl::decode(&text))?;
                 nothing()
             }
-            "too_much" => Err(Failure::Stop(format!(
-                "stopped: a file grew beyond {} characters",
-                word(1)
-            ))),
+            "too_much" => {
+                Err(Failure::Stop(format!("stopped: a file grew beyond {} characters", word(1))))
+            }
             "engine" => self.engine(word(1), rest(2)),
             other => Err(Failure::Error(format!("unknown request {other}"))),
         }
@@ -388,8 +371,7 @@ impl Environment for Session<'_> {
         let seconds = time.duration_since(UNIX_EPOCH).unwrap_or_default();
         let seconds = seconds.as_secs().to_string();
         // Tcl provides the time zone and its names.
-        self.evaluate(&format!("clock format {seconds}"))
-            .unwrap_or(seconds)
+        self.evaluate(&format!("clock format {seconds}")).unwrap_or(seconds)
     }
 
     fn processes(&self) -> &dyn Processes {

@@ -183,11 +183,7 @@ fn trailing(what: &str, rest: &[char]) -> String {
 /// Appends the characters of a backslash sequence; returns its length.
 fn escape(text: &[char], out: &mut String) -> usize {
     let number = |digits: &[char], radix: u32, max: usize| {
-        let taken: String = digits
-            .iter()
-            .take(max)
-            .take_while(|c| c.is_digit(radix))
-            .collect();
+        let taken: String = digits.iter().take(max).take_while(|c| c.is_digit(radix)).collect();
         let value = u32::from_str_radix(&taken, radix).ok();
         (taken.len(), value.and_then(char::from_u32))
     };
@@ -293,19 +289,13 @@ pub(crate) fn find_word(words: &[&str], wanted: &str, what: &str) -> Result<usiz
     if let Some(exact) = words.iter().position(|word| *word == wanted) {
         return Ok(exact);
     }
-    let mut matches = words
-        .iter()
-        .enumerate()
-        .filter(|(_, word)| word.starts_with(wanted));
+    let mut matches = words.iter().enumerate().filter(|(_, word)| word.starts_with(wanted));
     match (matches.next(), matches.next()) {
         (Some((index, _)), None) if !wanted.is_empty() => Ok(index),
         (first, second) => {
             let many = first.is_some() && second.is_some();
             let adjective = if many { "ambiguous" } else { "bad" };
-            Err(format!(
-                "{adjective} {what} \"{wanted}\": must be {}",
-                alternatives(words)
-            ))
+            Err(format!("{adjective} {what} \"{wanted}\": must be {}", alternatives(words)))
         }
     }
 }
@@ -375,10 +365,7 @@ mod tests {
     #[test]
     fn lists_are_read_as_tcl_does() {
         let read = |text: &str| parse_list(text).unwrap().join("|");
-        assert_eq!(
-            read("a {b c} \"d e\"  f\\ g\n\\x41\\u00e9"),
-            "a|b c|d e|f g|Aé"
-        );
+        assert_eq!(read("a {b c} \"d e\"  f\\ g\n\\x41\\u00e9"), "a|b c|d e|f g|Aé");
         assert_eq!(read("{a {b c}} {\\}}"), "a {b c}|\\}");
         assert!(parse_list("{a").is_err());
         assert!(parse_list("{a}b").is_err());

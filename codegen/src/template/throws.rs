@@ -16,12 +16,7 @@ fn unique(lists: &[&[TypeId]]) -> Vec<TypeId> {
 pub(crate) fn component_throws(component: &Component) -> Vec<TypeId> {
     let mut lists: Vec<&[TypeId]> = vec![&component.throws];
     lists.extend(component.tasks.iter().map(|task| task.throws.as_slice()));
-    lists.extend(
-        component
-            .services
-            .iter()
-            .map(|service| service.throws.as_slice()),
-    );
+    lists.extend(component.services.iter().map(|service| service.throws.as_slice()));
     unique(&lists)
 }
 

@@ -65,10 +65,7 @@ fn unit(analysis: &Analysis, path: &Utf8Path) -> UnitResult {
 fn clone_of(path: &Utf8Path, written: BTreeMap<Utf8PathBuf, String>) -> AnalysisHost {
     let folder = path.parent().expect("a file is in a folder").to_owned();
     let mut host = AnalysisHost::new(Arc::new(Clone { folder, written }));
-    host.apply(Change {
-        config: Some(Config::default()),
-        ..Change::default()
-    });
+    host.apply(Change { config: Some(Config::default()), ..Change::default() });
     host
 }
 
@@ -79,10 +76,7 @@ fn skeleton(unit: &UnitResult, path: &Utf8Path) -> BTreeMap<Utf8PathBuf, String>
     for component in components(&unit.spec) {
         let expected = Expected::new(&unit.spec, component);
         let stubs = StubOptions::default();
-        for file in Stubs::new(&expected, &stubs)
-            .all_files()
-            .expect("types have a mapping")
-        {
+        for file in Stubs::new(&expected, &stubs).all_files().expect("types have a mapping") {
             out.insert(beside.join(file.path), file.text);
         }
     }
@@ -101,10 +95,8 @@ fn findings(unit: &UnitResult, files: &Memory) -> Vec<(Key, Drift)> {
     let mut out = Vec::new();
     for folder in folder_of(unit, files) {
         for check in folder.check(&folder.expected()) {
-            let place = check
-                .source
-                .as_ref()
-                .map(|source| (source.path.clone(), source.range.start));
+            let place =
+                check.source.as_ref().map(|source| (source.path.clone(), source.range.start));
             let component = &unit.spec.components[check.component as usize];
             out.push(((check.code.as_str(), place, component.name.clone()), check));
         }
@@ -129,9 +121,7 @@ fn with_faults(clean: &BTreeMap<Utf8PathBuf, String>) -> Memory {
                     1,
                 ),
                 2 => part.replacen("return ", "return maneuver_nowhere; return ", 1),
-                3 => part
-                    .replacen("double ", "float ", 1)
-                    .replacen("int32_t ", "int64_t ", 1),
+                3 => part.replacen("double ", "float ", 1).replacen("int32_t ", "int64_t ", 1),
                 4 => part.replacen("/* skeleton", "if (self) return 0; /* skeleton", 1),
                 _ => part.to_owned(),
             };
@@ -173,14 +163,8 @@ fn a_fresh_clone_is_compared_and_told_nothing_that_is_not_so() {
             }
         }
     }
-    assert!(
-        codels > 100 && told > 50,
-        "{codels} codels, {told} findings"
-    );
-    assert!(
-        judged * 100 >= codels * 95,
-        "{judged} of {codels} codels judged"
-    );
+    assert!(codels > 100 && told > 50, "{codels} codels, {told} findings");
+    assert!(judged * 100 >= codels * 95, "{judged} of {codels} codels judged");
 }
 
 #[test]
@@ -202,30 +186,19 @@ fn stand_ins_declare_what_a_specification_uses() {
     let Some(shared) = shared() else { return };
     for path in corpus(&shared) {
         let clone = clone_of(&path, BTreeMap::new());
-        let stand_ins = clone
-            .analysis()
-            .stand_ins(&path)
-            .expect("nothing is cancelled");
+        let stand_ins = clone.analysis().stand_ins(&path).expect("nothing is cancelled");
         assert!(!stand_ins.is_empty(), "{path}");
-        let written = stand_ins
-            .into_iter()
-            .map(|stand_in| (stand_in.path, stand_in.text))
-            .collect();
+        let written =
+            stand_ins.into_iter().map(|stand_in| (stand_in.path, stand_in.text)).collect();
         let clone = clone_of(&path, written);
-        let needs = clone
-            .analysis()
-            .dependencies(&path)
-            .expect("nothing is cancelled");
+        let needs = clone.analysis().dependencies(&path).expect("nothing is cancelled");
         assert!(
             needs.includes.iter().all(|include| include.found.is_some()),
             "{path}: {:?}",
             needs.includes
         );
         assert!(
-            needs
-                .interfaces
-                .iter()
-                .all(|interface| interface.found.is_some()),
+            needs.interfaces.iter().all(|interface| interface.found.is_some()),
             "{path}: {:?}",
             needs.interfaces
         );
@@ -233,14 +206,9 @@ fn stand_ins_declare_what_a_specification_uses() {
         let unit = unit(&clone.analysis(), &path);
         let gaps = &unit.spec.gaps;
         assert!(gaps.is_empty(), "{path}: {gaps:?}");
-        let errors = unit
-            .diagnostics
-            .iter()
-            .filter(|diagnostic| diagnostic.severity == Severity::Error);
+        let errors =
+            unit.diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
         let codes: Vec<_> = errors.map(|error| error.code).collect();
-        assert!(
-            codes.iter().all(|code| *code == "pp-requires-unresolved"),
-            "{path}: {codes:?}"
-        );
+        assert!(codes.iter().all(|code| *code == "pp-requires-unresolved"), "{path}: {codes:?}");
     }
 }

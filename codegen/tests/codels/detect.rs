@@ -68,31 +68,15 @@ fn equal_types_have_many_spellings() {
 fn other_types_are_told() {
     for (param, spelling, wanted) in [
         ("in v", "c_s *v", "expected `const c_s *v`, found `c_s *v`"),
-        (
-            "inout v",
-            "const c_s *v",
-            "expected `c_s *v`, found `const c_s *v`",
-        ),
+        ("inout v", "const c_s *v", "expected `c_s *v`, found `const c_s *v`"),
         ("in v", "c_s v", "expected `const c_s *v`, found `c_s v`"),
         ("in v", "const c_gone *v", "found `const c_gone *v`"),
         ("in n", "long n", "expected `int32_t n`, found `long n`"),
         ("in w", "float w", "expected `double w`, found `float w`"),
         ("in p", "const double p[4]", "found `const double p[4]`"),
-        (
-            "in v, in w",
-            "const c_s *v",
-            "found 2 (missing: `double w`)",
-        ),
-        (
-            "in v",
-            "const c_s *v, double w",
-            "expected 2 parameters, found 3 (too many: `double w`)",
-        ),
-        (
-            "in w, in n",
-            "int32_t n, double w",
-            "order: expected (w, n, self), found (n, w, self)",
-        ),
+        ("in v, in w", "const c_s *v", "found 2 (missing: `double w`)"),
+        ("in v", "const c_s *v, double w", "expected 2 parameters, found 3 (too many: `double w`)"),
+        ("in w, in n", "int32_t n, double w", "order: expected (w, n, self), found (n, w, self)"),
     ] {
         let f = format!("genom_event f({spelling}, const genom_context self) {{ return c_main; }}");
         one(IDS, param, "main", &f, wanted);
@@ -153,12 +137,7 @@ fn missing_functions() {
     // A macro may define it.
     silent("", "", "main", "CODEL(f)\n");
     silent("", "", "main", "#define f other\n");
-    silent(
-        "",
-        "",
-        "main",
-        "#define CODEL(x) genom_event x##_(void)\nCODEL(ff);\n",
-    );
+    silent("", "", "main", "#define CODEL(x) genom_event x##_(void)\nCODEL(ff);\n");
     // A prototype is no definition.
     let f = "genom_event f(const genom_context self);";
     one("", "", "main", f, "missing-definition");
@@ -167,9 +146,7 @@ fn missing_functions() {
     assert!(Fixture::new(&spec, &[]).report().is_empty());
     // Sources of something else.
     assert!(
-        Fixture::new(&spec, &[("other.c", "int main(void) { return 0; }")])
-            .report()
-            .is_empty()
+        Fixture::new(&spec, &[("other.c", "int main(void) { return 0; }")]).report().is_empty()
     );
     // The build file names a source that is made by the build.
     let makefile = "l_SOURCES = c_t_codels.c made.c\n";
@@ -196,36 +173,16 @@ fn returned_events() {
         &f("if (g) return c_ether; return c_main;"),
         "returns `c_ether`, which its codel does not yield",
     );
-    finds(
-        "main",
-        &f("if (g) return c_pause_main; return c_main;"),
-        "`c_pause_main`",
-    );
-    finds(
-        "main",
-        &f("if (g) return c_sleep; return c_main;"),
-        "`c_sleep`",
-    );
+    finds("main", &f("if (g) return c_pause_main; return c_main;"), "`c_pause_main`");
+    finds("main", &f("if (g) return c_sleep; return c_main;"), "`c_sleep`");
     finds(
         "main",
         &f("if (g) return genom_ok; return c_main;"),
         "returns `genom_ok`, but its codel has states",
     );
-    finds(
-        "main",
-        &f("genom_event e = c_sleep; if (g) e = c_main; return e;"),
-        "`c_sleep`",
-    );
-    finds(
-        "main, ether",
-        &f("return c_main;"),
-        "never-yielded: codel `f` may yield `ether`",
-    );
-    finds(
-        "pause::main, main",
-        &f("return c_main;"),
-        "never returns `c_pause_main`",
-    );
+    finds("main", &f("genom_event e = c_sleep; if (g) e = c_main; return e;"), "`c_sleep`");
+    finds("main, ether", &f("return c_main;"), "never-yielded: codel `f` may yield `ether`");
+    finds("pause::main, main", &f("return c_main;"), "never returns `c_pause_main`");
     // Silent where it cannot know.
     for body in [
         "return helper(self);",
@@ -240,10 +197,7 @@ fn returned_events() {
         finds_nothing("main, ether", &f(body));
     }
     // A variable is often set to it before it gets its value.
-    finds_nothing(
-        "main",
-        &f("genom_event e = genom_ok; e = c_main; return e;"),
-    );
+    finds_nothing("main", &f("genom_event e = genom_ok; e = c_main; return e;"));
     // Helpers of the sources are followed.
     let helper = "static genom_event h(const genom_context self) { return c_e_one(self); }\n";
     finds(
@@ -252,17 +206,11 @@ fn returned_events() {
         "never-yielded",
     );
     let helper = "static genom_event h(void) { return c_ether; }\n";
-    finds_nothing(
-        "main, ether",
-        &(helper.to_owned() + &f("if (g) return h(); return c_main;")),
-    );
+    finds_nothing("main, ether", &(helper.to_owned() + &f("if (g) return h(); return c_main;")));
     // A name that the sources declare is their own business.
     finds_nothing(
         "main",
-        &format!(
-            "static genom_event c_last;\n{}",
-            f("if (g) return c_last; return c_main;")
-        ),
+        &format!("static genom_event c_last;\n{}", f("if (g) return c_last; return c_main;")),
     );
 }
 
@@ -278,13 +226,7 @@ fn raised_exceptions() {
         &f("if (g) return c_e_two(&d, self);"),
         "raises `c_e_two`, which neither its task `t` nor the component throws",
     );
-    one(
-        "",
-        "",
-        "main",
-        &f("if (g) return c_e_gone(self);"),
-        "has no exception of that name",
-    );
+    one("", "", "main", &f("if (g) return c_e_gone(self);"), "has no exception of that name");
     silent("", "", "main", &f("if (g) return genom_syserr(&d, self);"));
     silent(
         "",
@@ -301,13 +243,7 @@ fn raised_exceptions() {
 fn orphans() {
     let f = "genom_event f(const genom_context self) { return c_main; }\n";
     let orphan = "genom_event lost(int a, const genom_context self) { return c_main; }\n";
-    one(
-        "",
-        "",
-        "main",
-        &format!("{f}{orphan}"),
-        "orphan: function `lost` looks like a codel",
-    );
+    one("", "", "main", &format!("{f}{orphan}"), "orphan: function `lost` looks like a codel");
     // Helpers are no orphans.
     silent("", "", "main", &format!("{f}static {orphan}"));
     silent(
@@ -316,20 +252,12 @@ fn orphans() {
         "main",
         &format!("genom_event lost(int a, const genom_context self);\n{f}{orphan}"),
     );
-    silent(
-        "",
-        "",
-        "main",
-        &format!("{f}{orphan}genom_event x(int a) {{ return lost(a, 0); }}\n"),
-    );
+    silent("", "", "main", &format!("{f}{orphan}genom_event x(int a) {{ return lost(a, 0); }}\n"));
     // A near name is a rename.
     let spec = task("", "", "main").replace(" f(", " move_arm(");
     let source = format!("{G}{}", f.replace(" f(", " move_arms("));
     let found = Fixture::new(&spec, &[("c_t_codels.c", &source)]).report();
-    assert!(
-        found.len() == 1 && found[0].contains("was one of them renamed?"),
-        "{found:?}"
-    );
+    assert!(found.len() == 1 && found[0].contains("was one of them renamed?"), "{found:?}");
 }
 
 #[test]
@@ -346,17 +274,10 @@ fn comments_of_shared_codels() {
         comment("a", ""),
         comment("b", "")
     );
-    assert!(
-        Fixture::new(spec, &[("c_codels.c", &text)])
-            .report()
-            .is_empty()
-    );
+    assert!(Fixture::new(spec, &[("c_codels.c", &text)]).report().is_empty());
     let text = format!("{}{function}", comment("a", "c_e_old"));
     let found = Fixture::new(spec, &[("c_codels.c", &text)]).report();
-    assert_eq!(
-        found,
-        ["codel/stale-comment: comment of codel `v`: it now throws nothing"]
-    );
+    assert_eq!(found, ["codel/stale-comment: comment of codel `v`: it now throws nothing"]);
     let text = format!("{}{function}", comment("gone", ""));
     let found = Fixture::new(spec, &[("c_codels.c", &text)]).report();
     assert_eq!(
@@ -382,15 +303,8 @@ fn cxx_codels() {
     let using = "using namespace c;\nusing namespace std;\n\
         genom::event f(const s &v, vector<c::s> &many) { return g() ? c::ether : c::main; }\n";
     assert_eq!(report(using), Vec::<String>::new());
-    let found = report(
-        &good
-            .replace("const c::s &v", "const c::s v")
-            .replace("e_one", "e_two"),
-    );
-    assert!(
-        found[0].contains("expected `const c::s &v`, found `const c::s v`"),
-        "{found:?}"
-    );
+    let found = report(&good.replace("const c::s &v", "const c::s v").replace("e_one", "e_two"));
+    assert!(found[0].contains("expected `const c::s &v`, found `const c::s v`"), "{found:?}");
     assert!(found[1].contains("raises `c::e_two`"), "{found:?}");
 }
 
@@ -413,10 +327,7 @@ fn repaired(spec: &str, file: &str, text: &str) -> (String, String) {
         let edits = edit.changed.get(camino::Utf8Path::new(path));
         apply(text, edits.map_or(&[], Vec::as_slice))
     };
-    (
-        after("/c.gen", spec),
-        after(&format!("/codels/{file}"), text),
-    )
+    (after("/c.gen", spec), after(&format!("/codels/{file}"), text))
 }
 
 #[test]
@@ -439,28 +350,19 @@ fn states_and_exceptions_go_where_they_belong() {
     let f = "genom_event f(const genom_context self) { if (g) return c_ether; return c_main; }\n";
     let spec = task("", "", "main /* x */").replace("  task t", "  /* yield { ; */ task t");
     let (changed, _) = repaired(&spec, "c_t_codels.c", &format!("{G}{f}"));
-    assert!(
-        changed.contains("codel<start> f() yield main /* x */, ether;"),
-        "{changed}"
-    );
+    assert!(changed.contains("codel<start> f() yield main /* x */, ether;"), "{changed}");
     let f = "genom_event f(const genom_context self) { if (g) return c_e_two(0, self); return c_main; }\n";
     let (changed, _) = repaired(&spec, "c_t_codels.c", &format!("{G}{f}"));
     assert!(changed.contains("throw e_one, e_two;"), "{changed}");
     let spec = spec.replace("    throw e_one;\n", "");
     let (changed, _) = repaired(&spec, "c_t_codels.c", &format!("{G}{f}"));
-    assert!(
-        changed.contains("yield ether;\n    throw e_two;\n  };"),
-        "{changed}"
-    );
+    assert!(changed.contains("yield ether;\n    throw e_two;\n  };"), "{changed}");
 }
 
 #[test]
 fn an_orphan_becomes_a_codel() {
     let spec = task(IDS, "", "main").replace("yield ether", "yield wait, ether");
-    let spec = spec.replace(
-        "codel<main>",
-        "codel<wait> h() yield ether;\n    codel<main>",
-    );
+    let spec = spec.replace("codel<main>", "codel<wait> h() yield ether;\n    codel<main>");
     let sources = "genom_event f(const genom_context self) { return c_main; }\n\
         genom_event h(const genom_context self) { return c_ether; }\n\
         genom_event g(const genom_context self) { return self ? c_wait : c_ether; }\n\

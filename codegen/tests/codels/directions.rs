@@ -33,26 +33,17 @@ impl Files for Dated<'_> {
 
     fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {
         let seconds = if path == self.last { 2 } else { 1 };
-        Some(ModificationTime::At(
-            SystemTime::UNIX_EPOCH + Duration::from_secs(seconds),
-        ))
+        Some(ModificationTime::At(SystemTime::UNIX_EPOCH + Duration::from_secs(seconds)))
     }
 }
 
 /// The ways to mend each finding in their order, and what the first file that one touches becomes.
 fn ways(specification: &str, source: &str, last: &str) -> Vec<Vec<(String, String)>> {
-    let name = if specification.contains("lang") {
-        "c_t_codels.cc"
-    } else {
-        "c_t_codels.c"
-    };
+    let name = if specification.contains("lang") { "c_t_codels.cc" } else { "c_t_codels.c" };
     let fixture = Fixture::new(specification, &[(name, source)]);
     let expected = fixture.expected();
     let stubs = StubOptions::default();
-    let files = Dated {
-        files: &fixture.files,
-        last,
-    };
+    let files = Dated { files: &fixture.files, last };
     let repairs = Repairs {
         expected: &expected,
         sources: &fixture.sources,
@@ -100,14 +91,8 @@ fn what_was_changed_last_is_meant() {
     let comply = "Return `c_main` from `f`";
     let drop = "Remove `main` from the yields of codel `f`";
     let code = machine("c_stop");
-    assert_eq!(
-        titles(MACHINE, &code, SOURCE),
-        [[declare, comply], [drop, comply]]
-    );
-    assert_eq!(
-        titles(MACHINE, &code, SPECIFICATION),
-        [[comply, declare], [comply, drop]]
-    );
+    assert_eq!(titles(MACHINE, &code, SOURCE), [[declare, comply], [drop, comply]]);
+    assert_eq!(titles(MACHINE, &code, SPECIFICATION), [[comply, declare], [comply, drop]]);
     // Nobody knows.
     assert_eq!(titles(MACHINE, &code, "")[0], [declare, comply]);
     let after = &ways(MACHINE, &code, SPECIFICATION)[0][0].1;
@@ -176,16 +161,10 @@ fn exceptions_go_both_ways() {
     let all = ways(THROWING, code, SPECIFICATION);
     assert_eq!(all[0][0].0, comply);
     assert_eq!(all[0][0].1, code.replace("c_e_two", "c_e_one"));
-    assert_eq!(
-        all[0][1].1,
-        THROWING.replace("throw e_one", "throw e_one, e_two")
-    );
+    assert_eq!(all[0][1].1, THROWING.replace("throw e_one", "throw e_one, e_two"));
     // With details, another exception has another type of them.
     let code = "genom_event f(const genom_context self) { c_e_more_detail d; if (1) return c_e_more(&d, self); return c_ether; }\n";
-    assert_eq!(
-        titles(THROWING, code, SOURCE),
-        [["Add `throw e_more` to task `t`"]]
-    );
+    assert_eq!(titles(THROWING, code, SOURCE), [["Add `throw e_more` to task `t`"]]);
     // What is not declared at all.
     let code =
         "genom_event f(const genom_context self) { if (1) return c_e_on(self); return c_ether; }\n";
@@ -195,27 +174,13 @@ fn exceptions_go_both_ways() {
 /// What `sync` makes of a specification and a source.
 fn synced(specification: &str, source: &str, last: &str) -> (String, String) {
     let fixture = Fixture::new(specification, &[("c_t_codels.c", source)]);
-    let files = Dated {
-        files: &fixture.files,
-        last,
-    };
-    let mut over = crate::codels::project::Overlay {
-        disk: false,
-        ..Default::default()
-    };
+    let files = Dated { files: &fixture.files, last };
+    let mut over = crate::codels::project::Overlay { disk: false, ..Default::default() };
     over.texts.extend(fixture.files.0.clone());
     let mut host = host_over(Arc::new(over), Vec::new());
-    let mut project = Project::new(
-        &mut host,
-        &files,
-        FilesConfig::default(),
-        StubOptions::default(),
-    );
-    sync(
-        &mut project,
-        &[SPECIFICATION.into()],
-        &SyncOptions::default(),
-    );
+    let mut project =
+        Project::new(&mut host, &files, FilesConfig::default(), StubOptions::default());
+    sync(&mut project, &[SPECIFICATION.into()], &SyncOptions::default());
     let text = |path: &str| project.text(path.into()).unwrap_or_default().to_string();
     (text(SPECIFICATION), text(SOURCE))
 }
@@ -234,10 +199,7 @@ fn sync_takes_nothing_back_that_was_changed_last() {
 fn sync_makes_no_cycle_without_pause() {
     let specification = MACHINE.replace("yield pause::main, stop", "yield stop");
     let code = machine("c_main").replace("c_pause_main", "c_main");
-    assert_eq!(
-        synced(&specification, &code, SOURCE),
-        (specification, code.clone())
-    );
+    assert_eq!(synced(&specification, &code, SOURCE), (specification, code.clone()));
 }
 
 #[test]
@@ -249,10 +211,7 @@ fn lists_are_extended_as_they_are_laid_out() {
         let declared = &declared.expect("it can be declared").1;
         assert_eq!(*declared, MACHINE.replace("yield main, ether;", wanted));
     };
-    check(
-        "yield main,\n          ether;",
-        "yield main,\n          ether,\n          stop;",
-    );
+    check("yield main,\n          ether;", "yield main,\n          ether,\n          stop;");
     check("yield main,ether;", "yield main,ether,stop;");
     check(
         "yield main\n    , ether // the end\n    ;",

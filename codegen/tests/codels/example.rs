@@ -15,10 +15,7 @@ fn root() -> Utf8PathBuf {
 }
 
 fn stubs() -> StubOptions {
-    StubOptions {
-        use_parameters: true,
-        ..StubOptions::default()
-    }
+    StubOptions { use_parameters: true, ..StubOptions::default() }
 }
 
 #[test]
@@ -41,28 +38,18 @@ fn fix_all_leaves_nothing_to_report_and_the_code_compiles() {
         ..SyncOptions::default()
     };
     let report = sync(&mut project, &[root()], &options);
-    assert!(
-        report.left.findings.is_empty(),
-        "{}",
-        report.left.to_text(&workspace())
-    );
+    assert!(report.left.findings.is_empty(), "{}", report.left.to_text(&workspace()));
     assert_eq!(report.left.exit_code(), 0);
     let mut diff = String::new();
     for change in &report.changes {
-        let path = change
-            .path
-            .strip_prefix(workspace())
-            .expect("inside the workspace");
+        let path = change.path.strip_prefix(workspace()).expect("inside the workspace");
         diff += &unified_diff(path, change.before.as_deref(), &change.after);
     }
     insta::assert_snapshot!(diff);
 
     let Some(cc) = compiler("cc") else { return };
     let (_guard, folder) = temporary();
-    write(
-        &folder,
-        &headers(&mut project, &root(), &folder, &[]).expect("types have a mapping"),
-    );
+    write(&folder, &headers(&mut project, &root(), &folder, &[]).expect("types have a mapping"));
     for name in ["tank_codels.c", "tank_control_codels.c"] {
         let path = root().with_file_name("codels").join(name);
         let text = project.text(&path).expect("a source");
@@ -81,10 +68,7 @@ fn a_text_that_breaks_off_makes_no_orphans() {
     let mut orphans = |text: &str| -> BTreeSet<String> {
         project.overlay(root(), text.to_owned());
         let report = check(&mut project, &[root()]);
-        let orphans = report
-            .findings
-            .into_iter()
-            .filter(|finding| finding.code == "codel/orphan");
+        let orphans = report.findings.into_iter().filter(|finding| finding.code == "codel/orphan");
         orphans.map(|orphan| orphan.message).collect()
     };
     let real = orphans(&text);
@@ -96,11 +80,7 @@ fn a_text_that_breaks_off_makes_no_orphans() {
     for end in ends.map(|end| end.0).step_by(3) {
         let found = orphans(&text[..end]);
         let made_up: Vec<_> = found.difference(&real).collect();
-        assert!(
-            made_up.is_empty(),
-            "{made_up:?} behind {:?}",
-            &text[end.saturating_sub(60)..end]
-        );
+        assert!(made_up.is_empty(), "{made_up:?} behind {:?}", &text[end.saturating_sub(60)..end]);
     }
 }
 
@@ -112,10 +92,7 @@ fn sources_of_another_component_in_the_folder_are_not_judged() {
         let root = workspace().join(format!("examples/quadcopter/{component}.gen"));
         let report = check(&mut project, &[root]);
         let counts = report.counts();
-        assert!(
-            !counts.contains_key("codel/orphan"),
-            "{component}: {counts:?}"
-        );
+        assert!(!counts.contains_key("codel/orphan"), "{component}: {counts:?}");
     }
 }
 

@@ -26,11 +26,8 @@ pub(crate) fn components(spec: &Spec) -> Vec<u32> {
 }
 
 fn sha256(text: &str) -> Option<String> {
-    let mut child = Command::new("sha256sum")
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .ok()?;
+    let mut child =
+        Command::new("sha256sum").stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
     child.stdin.take()?.write_all(text.as_bytes()).ok()?;
     let output = child.wait_with_output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
@@ -56,12 +53,8 @@ fn run(golden: &Utf8Path, entry: &Value) -> Option<Run> {
     if step["status"] != 0 || !words.contains(&"skeleton") {
         return None;
     }
-    let mut out = Run {
-        input: BatchInput::default(),
-        notice: None,
-        cxx: false,
-        output: ".".into(),
-    };
+    let mut out =
+        Run { input: BatchInput::default(), notice: None, cxx: false, output: ".".into() };
     let folder = |text: &str| match text {
         "@STANDINS@" => golden.join("standins"),
         text => golden.join("inputs").join(text),
@@ -88,10 +81,7 @@ fn run(golden: &Utf8Path, entry: &Value) -> Option<Run> {
             _ if word.starts_with('-') => return None,
             // The name of a component.
             _ if !word.ends_with(".gen") => return None,
-            _ => out
-                .input
-                .inputs
-                .push(Input::File(source(golden, entry, word)?)),
+            _ => out.input.inputs.push(Input::File(source(golden, entry, word)?)),
         }
     }
     for input in &out.input.inputs {
@@ -146,17 +136,11 @@ fn stubs_are_those_of_the_skeleton(release: Release, manifest: &str) {
             .batch(&run.input)
             .expect("nothing is cancelled");
         assert!(unit.accepted(), "{id}: {:?}", unit.diagnostics);
-        let options = StubOptions {
-            compile_as_cxx: run.cxx,
-            notice: run.notice,
-            ..StubOptions::default()
-        };
+        let options =
+            StubOptions { compile_as_cxx: run.cxx, notice: run.notice, ..StubOptions::default() };
         for component in components(&unit.spec) {
             let expected = Expected::new(&unit.spec, component);
-            for file in Stubs::new(&expected, &options)
-                .all_files()
-                .expect("types have a mapping")
-            {
+            for file in Stubs::new(&expected, &options).all_files().expect("types have a mapping") {
                 let path = match run.output.as_str() {
                     "." => file.path.to_string(),
                     folder => format!("{folder}/{}", file.path),
@@ -178,21 +162,13 @@ fn compiles(name: &str, spec: &Spec, failures: &mut Vec<String>) -> usize {
         let mut cxx = spec.clone();
         cxx.components[component as usize].lang = Some("c++".into());
         // C codels as C and as C++, and C++ codels.
-        let runs = [
-            (spec, false, "cc"),
-            (spec, true, "c++"),
-            (&cxx, true, "c++"),
-        ];
+        let runs = [(spec, false, "cc"), (spec, true, "c++"), (&cxx, true, "c++")];
         for (spec, compile_as_cxx, command) in runs {
             let Some(command) = compiler(command) else {
                 continue;
             };
             let expected = Expected::new(spec, component);
-            let options = StubOptions {
-                use_parameters: true,
-                compile_as_cxx,
-                notice: None,
-            };
+            let options = StubOptions { use_parameters: true, compile_as_cxx, notice: None };
             let (_guard, folder) = temporary();
             let headers = headers(&expected, &folder, &folder.join("codels"), &[]);
             let stubs = Stubs::new(&expected, &options).all_files();
@@ -220,11 +196,8 @@ fn compiles(name: &str, spec: &Spec, failures: &mut Vec<String>) -> usize {
             write(&folder, std::slice::from_ref(&alone));
             for stub in stubs.iter().chain([&alone]) {
                 // Modules may be called `or`.
-                let extra: &[&str] = if stub.path.extension() != Some("c") {
-                    &["-fno-operator-names"]
-                } else {
-                    &[]
-                };
+                let extra: &[&str] =
+                    if stub.path.extension() != Some("c") { &["-fno-operator-names"] } else { &[] };
                 count += 1;
                 if let Err(error) = compile(command, &folder, &folder.join(&stub.path), extra) {
                     failures.push(format!("{name} {command}: {error}"));
@@ -247,15 +220,9 @@ fn headers_and_stubs_of_the_examples_compile() {
         let Ok(files) = example.path().read_dir_utf8() else {
             continue;
         };
-        for file in files
-            .flatten()
-            .filter(|file| file.path().extension() == Some("gen"))
-        {
+        for file in files.flatten().filter(|file| file.path().extension() == Some("gen")) {
             let host = host(interfaces.clone());
-            let unit = host
-                .analysis()
-                .root_unit(file.path())
-                .expect("nothing is cancelled");
+            let unit = host.analysis().root_unit(file.path()).expect("nothing is cancelled");
             assert!(unit.accepted(), "{}: {:?}", file.path(), unit.diagnostics);
             count += compiles(file.path().as_str(), &unit.spec, &mut failures);
         }
@@ -304,12 +271,7 @@ fn headers_and_stubs_of_the_golden_inputs_compile() {
     let golden = shared.join("golden");
     let mut failures = Vec::new();
     let mut count = 0;
-    for file in golden
-        .join("inputs")
-        .read_dir_utf8()
-        .expect("inputs")
-        .flatten()
-    {
+    for file in golden.join("inputs").read_dir_utf8().expect("inputs").flatten() {
         if file.path().extension() != Some("gen") {
             continue;
         }
@@ -323,10 +285,7 @@ fn headers_and_stubs_of_the_golden_inputs_compile() {
                 ..Change::default()
             });
         }
-        let unit = host
-            .analysis()
-            .root_unit(file.path())
-            .expect("nothing is cancelled");
+        let unit = host.analysis().root_unit(file.path()).expect("nothing is cancelled");
         if unit.accepted() {
             count += compiles(file.file_name(), &unit.spec, &mut failures);
         }

@@ -14,13 +14,8 @@ fn synced(specification: &str, code: &str) -> (String, SyncReport) {
         true => "/codels/c_t_codels.cc",
         false => "/codels/c_t_codels.c",
     };
-    let mut files = Overlay {
-        disk: false,
-        ..Overlay::default()
-    };
-    files
-        .texts
-        .insert("/c.gen".into(), specification.to_owned());
+    let mut files = Overlay { disk: false, ..Overlay::default() };
+    files.texts.insert("/c.gen".into(), specification.to_owned());
     files.texts.insert(name.into(), code.to_owned());
     let files = Arc::new(files);
     let mut host = host_over(files.clone(), Vec::new());
@@ -38,11 +33,7 @@ fn synced(specification: &str, code: &str) -> (String, SyncReport) {
 fn check(specification: &str, code: &str, wanted: &str) {
     let (text, report) = synced(specification, code);
     assert_eq!(text, wanted, "{:?}", report.left.findings);
-    assert!(
-        report.left.findings.is_empty(),
-        "{:?}",
-        report.left.findings
-    );
+    assert!(report.left.findings.is_empty(), "{:?}", report.left.findings);
 }
 
 /// A component whose `ids` and codel are given.
@@ -75,23 +66,14 @@ fn one_member_left_on_either_side_is_no_evidence() {
     let code = "genom_event f(c_ids *ids, const genom_context self)\n{\n  ids->speed = 1.;\n  return c_ether;\n}\n";
     let (text, report) = synced(&component("point velocity;", "inout ::ids"), code);
     assert_eq!(text, code);
-    let left: Vec<_> = report
-        .left
-        .findings
-        .iter()
-        .map(|finding| finding.code)
-        .collect();
+    let left: Vec<_> = report.left.findings.iter().map(|finding| finding.code).collect();
     assert_eq!(left, ["codel/unknown-member"]);
 }
 
 #[test]
 fn members_of_a_nested_designator_are_those_of_the_member() {
     let code = "genom_event f(c_ids *ids, const genom_context self)\n{\n  *ids = (c_ids){ .goal.x = 1., .way[1].y = 2. };\n  return c_ether;\n}\n";
-    check(
-        &component("point goal; point way[3];", "inout ::ids"),
-        code,
-        code,
-    );
+    check(&component("point goal; point way[3];", "inout ::ids"), code, code);
 }
 
 #[test]

@@ -23,10 +23,7 @@ pub(crate) struct Overlay {
 
 impl Default for Overlay {
     fn default() -> Overlay {
-        Overlay {
-            texts: BTreeMap::new(),
-            disk: true,
-        }
+        Overlay { texts: BTreeMap::new(), disk: true }
     }
 }
 
@@ -40,19 +37,12 @@ impl Files for Overlay {
     }
 
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
-        let below = self
-            .texts
-            .keys()
-            .filter_map(|key| key.strip_prefix(folder).ok());
+        let below = self.texts.keys().filter_map(|key| key.strip_prefix(folder).ok());
         let mut out: Vec<Utf8PathBuf> = below.map(Utf8Path::to_owned).collect();
         if self.disk
             && let Ok(entries) = folder.read_dir_utf8()
         {
-            out.extend(
-                entries
-                    .flatten()
-                    .map(|entry| Utf8PathBuf::from(entry.file_name())),
-            );
+            out.extend(entries.flatten().map(|entry| Utf8PathBuf::from(entry.file_name())));
             return Some(out);
         }
         (!out.is_empty()).then_some(out)
@@ -62,14 +52,8 @@ impl Files for Overlay {
 /// A host over some texts.
 pub(crate) fn host_over(files: Arc<Overlay>, include_dirs: Vec<Utf8PathBuf>) -> AnalysisHost {
     let mut host = AnalysisHost::new(files);
-    let config = Config {
-        include_dirs,
-        ..Config::default()
-    };
-    host.apply(Change {
-        config: Some(config),
-        ..Change::default()
-    });
+    let config = Config { include_dirs, ..Config::default() };
+    host.apply(Change { config: Some(config), ..Change::default() });
     host
 }
 
@@ -84,11 +68,7 @@ fn specifications(folder: &Utf8Path, more: &[Utf8PathBuf]) -> Vec<(Utf8PathBuf, 
         if path.extension() == Some("gen") {
             let around: Vec<&Utf8Path> = path.ancestors().skip(1).take(2).collect();
             let own = around.iter().flat_map(|ancestor| {
-                [
-                    ancestor.to_path_buf(),
-                    ancestor.join("idl"),
-                    ancestor.join("include"),
-                ]
+                [ancestor.to_path_buf(), ancestor.join("idl"), ancestor.join("include")]
             });
             let includes = own.chain(more.iter().cloned()).collect();
             out.push((path, includes));
@@ -223,11 +203,7 @@ fn members(expected: &Expected<'_>, ty: TypeId) -> Vec<String> {
     };
     let mut out = Vec::new();
     for (path, ty) in names(ty) {
-        out.extend(
-            names(ty)
-                .into_iter()
-                .map(|name| format!("{path}{}", name.0)),
-        );
+        out.extend(names(ty).into_iter().map(|name| format!("{path}{}", name.0)));
         out.push(path);
     }
     out

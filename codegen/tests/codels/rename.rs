@@ -50,27 +50,16 @@ impl Before {
     }
 
     fn folders(&self, host: &AnalysisHost) -> Vec<Folder> {
-        let unit = host
-            .analysis()
-            .root_unit(&self.root)
-            .expect("not cancelled");
-        folders(&unit, &mut |path| {
-            Sources::load(path, &FilesConfig::default(), &*self.files)
-        })
+        let unit = host.analysis().root_unit(&self.root).expect("not cancelled");
+        folders(&unit, &mut |path| Sources::load(path, &FilesConfig::default(), &*self.files))
     }
 
     /// `code: message` of everything, with the number of each.
     fn diagnostics(&self) -> BTreeMap<String, usize> {
         let host = self.host();
-        let unit = host
-            .analysis()
-            .root_unit(&self.root)
-            .expect("not cancelled");
+        let unit = host.analysis().root_unit(&self.root).expect("not cancelled");
         let mut out = BTreeMap::new();
-        let codes = unit
-            .diagnostics
-            .iter()
-            .map(|diagnostic| diagnostic.code.to_string());
+        let codes = unit.diagnostics.iter().map(|diagnostic| diagnostic.code.to_string());
         let mut all: Vec<String> = codes.collect();
         if unit.accepted() {
             for folder in self.folders(&host) {
@@ -88,22 +77,11 @@ impl Before {
     fn rename(&self, offset: usize, to: &str) -> Option<Result<After, RenameRefusal>> {
         let host = self.host();
         let analysis = host.analysis();
-        let at = FilePosition {
-            path: self.root.clone(),
-            offset,
-        };
-        let edits = analysis
-            .rename(&at, to, &Progress::default())
-            .expect("not cancelled")
-            .ok()?;
-        let unit = analysis
-            .edited_root_unit(&self.root, &edits)
-            .expect("not cancelled");
+        let at = FilePosition { path: self.root.clone(), offset };
+        let edits = analysis.rename(&at, to, &Progress::default()).expect("not cancelled").ok()?;
+        let unit = analysis.edited_root_unit(&self.root, &edits).expect("not cancelled");
         assert!(unit.accepted(), "{:?}", unit.diagnostics);
-        let mut after = After {
-            files: (*self.files).clone(),
-            renaming: Renaming::default(),
-        };
+        let mut after = After { files: (*self.files).clone(), renaming: Renaming::default() };
         for folder in self.folders(&host) {
             match rename(&folder, &unit, &*self.files) {
                 Ok(one) => {
@@ -154,10 +132,7 @@ fn renamed(at: &str, to: &str) -> (Vec<String>, Vec<String>) {
     let changed = CODELS.lines().zip(text.lines()).filter(|(a, b)| a != b);
     let changed = changed.map(|pair| pair.1.trim().to_owned()).collect();
     let left = after.renaming.left.iter().map(ToString::to_string);
-    let found = Before {
-        files: Arc::new(after.files),
-        ..before
-    };
+    let found = Before { files: Arc::new(after.files), ..before };
     let _ = found.diagnostics();
     (changed, left.collect())
 }
@@ -224,11 +199,7 @@ fn ids_types_ports_and_exceptions_are_followed() {
     let (changed, _) = renamed("bad {", "e_bad");
     assert_eq!(
         changed,
-        [
-            "* Throws c_e_bad.",
-            "c_e_bad_detail d = { 1 };",
-            "return c_e_bad(&d, self);",
-        ]
+        ["* Throws c_e_bad.", "c_e_bad_detail d = { 1 };", "return c_e_bad(&d, self);",]
     );
     let (changed, _) = renamed("t {\n    period", "control");
     assert_eq!(changed, ["/** Codel go of task control."]);
@@ -248,10 +219,7 @@ fn a_component_is_followed_into_includes_and_build_files() {
         "lib_LTLIBRARIES = libc_codels.la\nlibc_codels_la_SOURCES = c_t_codels.c c_c_types.h\n";
     let before = Before::memory(
         &spec(),
-        &[
-            ("codels/c_t_codels.c", CODELS),
-            ("codels/Makefile.am", makefile),
-        ],
+        &[("codels/c_t_codels.c", CODELS), ("codels/Makefile.am", makefile)],
     );
     let offset = spec().find("c {").expect("it is there");
     let after = before.rename(offset, "robot").expect("it can be renamed");
@@ -261,22 +229,9 @@ fn a_component_is_followed_into_includes_and_build_files() {
     assert!(text.contains("\ngo(robot_point *here, const robot_other *there"));
     let text = &after.files.texts[Utf8Path::new("/codels/Makefile.am")];
     assert!(text.ends_with("= c_t_codels.c robot_c_types.h\n"), "{text}");
-    let build = after
-        .renaming
-        .left
-        .iter()
-        .filter(|place| place.path == "/codels/Makefile.am");
-    let build: Vec<_> = build
-        .map(|place| (place.line, place.name.as_str()))
-        .collect();
-    assert_eq!(
-        build,
-        [
-            (1, "libc_codels"),
-            (2, "c_t_codels"),
-            (2, "libc_codels_la_SOURCES"),
-        ]
-    );
+    let build = after.renaming.left.iter().filter(|place| place.path == "/codels/Makefile.am");
+    let build: Vec<_> = build.map(|place| (place.line, place.name.as_str())).collect();
+    assert_eq!(build, [(1, "libc_codels"), (2, "c_t_codels"), (2, "libc_codels_la_SOURCES"),]);
 }
 
 #[test]
@@ -285,10 +240,7 @@ fn what_the_sources_declare_is_not_taken() {
     let before = Before::memory(&spec(), &[("codels/c_t_codels.c", &codels)]);
     let offset = spec().find("wait;").expect("it is there");
     let refused = before.rename(offset, "hold").expect("analysis allows it");
-    let why = refused
-        .map(|_| ())
-        .expect_err("the sources declare it")
-        .to_string();
+    let why = refused.map(|_| ()).expect_err("the sources declare it").to_string();
     assert!(why.contains("`c_hold` exists already"), "{why}");
 }
 
@@ -310,10 +262,7 @@ fn scopes_tell_names_apart_in_cxx() {
     };
     assert_eq!(
         lines("wait;", "hold"),
-        [
-            "return c::hold;",
-            "genom::event stay() { return pause::hold; }",
-        ]
+        ["return c::hold;", "genom::event stay() { return pause::hold; }",]
     );
     assert_eq!(
         lines("x; };", "east"),
@@ -336,9 +285,8 @@ fn projects() -> Vec<Before> {
             continue;
         }
         let mut files = Overlay::default();
-        let found = folders(&unit, &mut |path| {
-            Sources::load(path, &FilesConfig::default(), &files)
-        });
+        let found =
+            folders(&unit, &mut |path| Sources::load(path, &FilesConfig::default(), &files));
         for folder in found {
             let own = folder.specification == root && folder.sources.sources.is_empty();
             for expected in folder.expected().iter().filter(|_| own) {
@@ -347,20 +295,14 @@ fn projects() -> Vec<Before> {
                 }
             }
         }
-        all.push(Before {
-            files: Arc::new(files),
-            root,
-            includes,
-        });
+        all.push(Before { files: Arc::new(files), root, includes });
     }
     all
 }
 
 #[test]
 fn random_renames_leave_nothing_worse() {
-    let count = std::env::var("RENAMES")
-        .ok()
-        .and_then(|variable| variable.parse().ok());
+    let count = std::env::var("RENAMES").ok().and_then(|variable| variable.parse().ok());
     let count: usize = count.unwrap_or(120);
     let all = projects();
     assert!(all.len() > 5, "{} components", all.len());
@@ -384,10 +326,7 @@ fn random_renames_leave_nothing_worse() {
             continue;
         };
         done += 1;
-        let word: String = text[offset..]
-            .chars()
-            .take_while(|c| part(*c as u8))
-            .collect();
+        let word: String = text[offset..].chars().take_while(|c| part(*c as u8)).collect();
         let title = format!("{}: `{word}` at {offset}", entry.root);
         let after = match after {
             Ok(after) => after,
@@ -396,19 +335,9 @@ fn random_renames_leave_nothing_worse() {
                 continue;
             }
         };
-        let left: Vec<_> = after
-            .renaming
-            .left
-            .iter()
-            .map(ToString::to_string)
-            .collect();
+        let left: Vec<_> = after.renaming.left.iter().map(ToString::to_string).collect();
         edited += usize::from(
-            after
-                .renaming
-                .edit
-                .changed
-                .keys()
-                .any(|key| key.extension() != Some("gen")),
+            after.renaming.edit.changed.keys().any(|key| key.extension() != Some("gen")),
         );
         let after = Before {
             files: Arc::new(after.files),
@@ -417,10 +346,7 @@ fn random_renames_leave_nothing_worse() {
         };
         let now = after.diagnostics();
         if now != before[index] {
-            bad.push(format!(
-                "{title}: {:?} -> {now:?}, left {left:?}",
-                before[index]
-            ));
+            bad.push(format!("{title}: {:?} -> {now:?}, left {left:?}", before[index]));
         }
         if compiled[index] {
             bad.extend(broken(&after).map(|text| format!("{title}: {text}, left {left:?}")));
@@ -428,12 +354,7 @@ fn random_renames_leave_nothing_worse() {
     }
     assert!(done == count, "{done} renames");
     println!("{done} renames, {edited} of them in sources too");
-    assert!(
-        bad.is_empty(),
-        "{} of {done}:\n{}",
-        bad.len(),
-        bad[..bad.len().min(12)].join("\n")
-    );
+    assert!(bad.is_empty(), "{} of {done}:\n{}", bad.len(), bad[..bad.len().min(12)].join("\n"));
 }
 
 /// What a compiler says against the first codels that it does not take.

@@ -9,10 +9,7 @@ use dotgen_codegen::codels::stub::StubOptions;
 use crate::codels::project::{Overlay, host_over};
 
 fn stubs() -> StubOptions {
-    StubOptions {
-        use_parameters: true,
-        ..StubOptions::default()
-    }
+    StubOptions { use_parameters: true, ..StubOptions::default() }
 }
 
 /// The source after `sync`, and what it says.
@@ -21,14 +18,9 @@ fn synced(params: &str, code: &str) -> (String, SyncReport) {
         "component c {{\n  struct s {{ double x; }};\n  ids {{ s a; double v; double w; long n; }};\n  \
          task t {{\n    codel<start> f({params}) yield ether;\n  }};\n}};\n"
     );
-    let mut files = Overlay {
-        disk: false,
-        ..Overlay::default()
-    };
+    let mut files = Overlay { disk: false, ..Overlay::default() };
     files.texts.insert("/c.gen".into(), specification);
-    files
-        .texts
-        .insert("/codels/c_t_codels.c".into(), code.to_owned());
+    files.texts.insert("/codels/c_t_codels.c".into(), code.to_owned());
     let files = Arc::new(files);
     let mut host = host_over(files.clone(), Vec::new());
     let mut project = Project::new(&mut host, &*files, FilesConfig::default(), stubs());
@@ -41,11 +33,7 @@ fn synced(params: &str, code: &str) -> (String, SyncReport) {
 fn check(params: &str, code: &str, wanted: &str) {
     let (text, report) = synced(params, code);
     assert_eq!(text, wanted);
-    assert!(
-        report.left.findings.is_empty(),
-        "{:?}",
-        report.left.findings
-    );
+    assert!(report.left.findings.is_empty(), "{:?}", report.left.findings);
 }
 
 #[test]
@@ -106,11 +94,7 @@ fn calls_that_cannot_follow_stay_and_are_named() {
         "genom_event f(double v, double w, const genom_context self)\n{\n  return f(w, v, self);\n}\n\
          static void g(double v, genom_context self) {\n  f(v, v, self);\n  f(/* far */ v, v, self);\n}\n",
     );
-    for call in [
-        "f(w, v, self);",
-        "  f(v, v, self);",
-        "f(/* far */ v, v, self);",
-    ] {
+    for call in ["f(w, v, self);", "  f(v, v, self);", "f(/* far */ v, v, self);"] {
         assert!(text.contains(call), "{text}");
     }
     let notes: Vec<String> = report.notes.iter().map(ToString::to_string).collect();
@@ -165,10 +149,7 @@ fn a_parameter_that_is_gone_and_used_is_named() {
         "in n",
         "genom_event f(double v, int n, const genom_context self)\n{\n  use(v);\n  return c_ether;\n}\n",
     );
-    assert!(
-        text.contains("f(int n, const genom_context self)"),
-        "{text}"
-    );
+    assert!(text.contains("f(int n, const genom_context self)"), "{text}");
     assert!(text.contains("use(v)"), "{text}");
     let notes: Vec<String> = report.notes.iter().map(ToString::to_string).collect();
     assert_eq!(notes.len(), 1, "{notes:?}");

@@ -68,24 +68,15 @@ fn releases() -> Vec<Release> {
 /// What is found in unchanged stubs of a component, and how many functions they have.
 fn findings(spec: &Spec, component: u32, compile_as_cxx: bool) -> Option<(Vec<String>, usize)> {
     let expected = Expected::new(spec, component);
-    let options = StubOptions {
-        compile_as_cxx,
-        ..StubOptions::default()
-    };
+    let options = StubOptions { compile_as_cxx, ..StubOptions::default() };
     let stubs = Stubs::new(&expected, &options).all_files().ok()?;
     let mut files = BTreeMap::from([(Utf8PathBuf::from("/c.gen"), String::new())]);
-    files.extend(
-        stubs
-            .into_iter()
-            .map(|stub| (Utf8PathBuf::from("/").join(stub.path), stub.text)),
-    );
+    files.extend(stubs.into_iter().map(|stub| (Utf8PathBuf::from("/").join(stub.path), stub.text)));
     let files = Memory(files);
     let sources = Sources::load("/c.gen".into(), &FilesConfig::default(), &files);
     let count = expected.functions.len();
     let found = drift::check(&[expected], &sources, &DriftOptions::default());
-    let found = found
-        .iter()
-        .map(|check| format!("{}: {}", check.code.as_str(), check.message()));
+    let found = found.iter().map(|check| format!("{}: {}", check.code.as_str(), check.message()));
     Some((found.collect(), count))
 }
 
@@ -96,9 +87,7 @@ fn read(release: Release, file: Utf8PathBuf, include_dirs: Vec<Utf8PathBuf>) -> 
         include_dirs: include_dirs.clone(),
         ..BatchInput::default()
     };
-    let unit = host_of(Some(release), include_dirs)
-        .analysis()
-        .batch(&input);
+    let unit = host_of(Some(release), include_dirs).analysis().batch(&input);
     let unit = unit.expect("nothing is cancelled");
     unit.accepted().then_some(unit.spec)
 }
@@ -130,15 +119,8 @@ fn skeletons_of_each_release_have_no_finding() {
 #[test]
 fn skeletons_of_published_specifications_have_no_finding() {
     let Some(shared) = shared() else { return };
-    let includes = [
-        "corpus/quadcopter",
-        "corpus/components/standins",
-        "golden/standins",
-    ];
-    let includes: Vec<Utf8PathBuf> = includes
-        .iter()
-        .map(|include| shared.join(include))
-        .collect();
+    let includes = ["corpus/quadcopter", "corpus/components/standins", "golden/standins"];
+    let includes: Vec<Utf8PathBuf> = includes.iter().map(|include| shared.join(include)).collect();
     let mut count = 0;
     for folder in ["corpus", "golden/inputs"] {
         for entry in walkdir::WalkDir::new(shared.join(folder)) {
@@ -147,12 +129,7 @@ fn skeletons_of_published_specifications_have_no_finding() {
             if path.extension() != Some("gen") {
                 continue;
             }
-            for release in [
-                Release::V2_99_39,
-                Release::V2_99_41,
-                Release::V2_99_42,
-                Release::V3,
-            ] {
+            for release in [Release::V2_99_39, Release::V2_99_41, Release::V2_99_42, Release::V3] {
                 let Some(spec) = read(release, path.clone(), includes.clone()) else {
                     continue;
                 };

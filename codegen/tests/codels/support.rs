@@ -46,9 +46,7 @@ impl Files for Disk {
 /// The root of the workspace.
 pub(crate) fn workspace() -> Utf8PathBuf {
     let here = Utf8Path::new(env!("CARGO_MANIFEST_DIR"));
-    here.parent()
-        .expect("the crate is in a workspace")
-        .to_owned()
+    here.parent().expect("the crate is in a workspace").to_owned()
 }
 
 /// The shared test data with its recorded runs, if it is there.
@@ -67,16 +65,11 @@ pub(crate) fn host_of(release: Option<Release>, include_dirs: Vec<Utf8PathBuf>) 
     let mut host = AnalysisHost::new(Arc::new(Disk));
     let config = Config {
         include_dirs,
-        release: release.map(|release| ReleaseChoice {
-            release,
-            origin: ReleaseOrigin::CommandLine,
-        }),
+        release: release
+            .map(|release| ReleaseChoice { release, origin: ReleaseOrigin::CommandLine }),
         ..Config::default()
     };
-    host.apply(Change {
-        config: Some(config),
-        ..Change::default()
-    });
+    host.apply(Change { config: Some(config), ..Change::default() });
     host
 }
 
@@ -102,10 +95,7 @@ impl Files for Memory {
     }
 
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
-        let below = self
-            .0
-            .keys()
-            .filter_map(|key| key.strip_prefix(folder).ok());
+        let below = self.0.keys().filter_map(|key| key.strip_prefix(folder).ok());
         let below: Vec<Utf8PathBuf> = below.map(Utf8Path::to_owned).collect();
         (!below.is_empty()).then_some(below)
     }
@@ -126,17 +116,10 @@ impl Fixture {
         }
         let files = Arc::new(Memory(files));
         let host = AnalysisHost::new(files.clone());
-        let unit = host
-            .analysis()
-            .root_unit("/c.gen".into())
-            .expect("nothing is cancelled");
+        let unit = host.analysis().root_unit("/c.gen".into()).expect("nothing is cancelled");
         assert!(unit.accepted(), "{:?}", unit.diagnostics);
         let sources = Sources::load("/c.gen".into(), &FilesConfig::default(), &*files);
-        Fixture {
-            files,
-            unit,
-            sources,
-        }
+        Fixture { files, unit, sources }
     }
 
     pub(crate) fn expected(&self) -> Expected<'_> {
@@ -150,9 +133,7 @@ impl Fixture {
     /// `code: message` of every finding.
     pub(crate) fn report(&self) -> Vec<String> {
         let all = self.check();
-        all.iter()
-            .map(|check| format!("{}: {}", check.code.as_str(), check.message()))
-            .collect()
+        all.iter().map(|check| format!("{}: {}", check.code.as_str(), check.message())).collect()
     }
 }
 
@@ -194,10 +175,7 @@ pub(crate) fn compile(
     if output.status.success() {
         Ok(())
     } else {
-        Err(format!(
-            "{source}:\n{}",
-            String::from_utf8_lossy(&output.stderr)
-        ))
+        Err(format!("{source}:\n{}", String::from_utf8_lossy(&output.stderr)))
     }
 }
 

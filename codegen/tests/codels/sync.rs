@@ -50,12 +50,7 @@ impl Subject {
             component.kind == ComponentKind::Component
                 && place.is_some_and(|place| place.path == self.root)
         })?;
-        let edit = Edit {
-            subject: self,
-            analysis: &analysis,
-            unit: &unit,
-            component,
-        };
+        let edit = Edit { subject: self, analysis: &analysis, unit: &unit, component };
         match kind {
             "direction" => edit.direction(random),
             "parameter added" => edit.parameter_added(random),
@@ -71,11 +66,7 @@ impl Subject {
     }
 
     fn with(&self, range: std::ops::Range<usize>, text: &str) -> String {
-        format!(
-            "{}{text}{}",
-            &self.text[..range.start],
-            &self.text[range.end..]
-        )
+        format!("{}{text}{}", &self.text[..range.start], &self.text[range.end..])
     }
 }
 
@@ -102,9 +93,7 @@ impl Edit<'_> {
 
     fn codel(&self, random: &mut fastrand::Rng) -> Option<std::ops::Range<usize>> {
         let all: Vec<_> = self.component.all_codels().collect();
-        let codel = self
-            .component
-            .codel(*all.get(random.usize(..all.len().max(1)))?);
+        let codel = self.component.codel(*all.get(random.usize(..all.len().max(1)))?);
         self.place(codel.src, &codel.name)
     }
 
@@ -112,9 +101,7 @@ impl Edit<'_> {
     fn parameters(&self, random: &mut fastrand::Rng) -> Option<std::ops::Range<usize>> {
         let codel = self.codel(random)?;
         let rest = &self.text()[codel.end..];
-        let open = rest
-            .find('(')
-            .filter(|index| rest[..*index].trim().is_empty())?;
+        let open = rest.find('(').filter(|index| rest[..*index].trim().is_empty())?;
         let close = rest.find(')')?;
         Some(codel.end + open + 1..codel.end + close)
     }
@@ -127,22 +114,14 @@ impl Edit<'_> {
                 let found = self.text()[list.clone()]
                     .match_indices(&format!("{word} "))
                     .collect::<Vec<_>>();
-                found
-                    .into_iter()
-                    .map(|pair| (list.start + pair.0, *word))
-                    .collect::<Vec<_>>()
+                found.into_iter().map(|pair| (list.start + pair.0, *word)).collect::<Vec<_>>()
             })
             .filter(|pair| !self.text()[..pair.0].ends_with(char::is_alphanumeric))
             .collect();
         let &(at, word) = words.get(random.usize(..words.len().max(1)))?;
-        let others: Vec<&str> = ["in", "out", "inout"]
-            .into_iter()
-            .filter(|name| *name != word)
-            .collect();
-        Some(
-            self.subject
-                .with(at..at + word.len(), others[random.usize(..2)]),
-        )
+        let others: Vec<&str> =
+            ["in", "out", "inout"].into_iter().filter(|name| *name != word).collect();
+        Some(self.subject.with(at..at + word.len(), others[random.usize(..2)]))
     }
 
     fn members(&self) -> Vec<(Src, String)> {
@@ -172,12 +151,12 @@ impl Edit<'_> {
         let old = self.text()[list.clone()].trim();
         Some(match (old.is_empty(), random.usize(..2)) {
             (true, _) => self.subject.with(list, &format!("ids {direction} {name}")),
-            (false, 0) => self
-                .subject
-                .with(list.start..list.start, &format!("ids {direction} {name}, ")),
-            (false, _) => self
-                .subject
-                .with(list.end..list.end, &format!(", ids {direction} {name}")),
+            (false, 0) => {
+                self.subject.with(list.start..list.start, &format!("ids {direction} {name}, "))
+            }
+            (false, _) => {
+                self.subject.with(list.end..list.end, &format!(", ids {direction} {name}"))
+            }
         })
     }
 
@@ -185,22 +164,15 @@ impl Edit<'_> {
         let list = self.parameters(random)?;
         let all: Vec<&str> = self.text()[list.clone()].split(',').collect();
         let gone = random.usize(..all.len().max(1));
-        let left: Vec<&str> = (0..)
-            .zip(&all)
-            .filter(|pair| pair.0 != gone)
-            .map(|pair| *pair.1)
-            .collect();
+        let left: Vec<&str> =
+            (0..).zip(&all).filter(|pair| pair.0 != gone).map(|pair| *pair.1).collect();
         Some(self.subject.with(list, left.join(",").trim_start()))
     }
 
     fn states(&self) -> Vec<String> {
-        let codels = self
-            .component
-            .all_codels()
-            .map(|codel| self.component.codel(codel));
-        let names = codels
-            .flat_map(|codel| &codel.triggers)
-            .map(|trigger| trigger.name.to_string());
+        let codels = self.component.all_codels().map(|codel| self.component.codel(codel));
+        let names =
+            codels.flat_map(|codel| &codel.triggers).map(|trigger| trigger.name.to_string());
         let mut out: BTreeSet<String> = names.collect();
         out.insert("ether".to_owned());
         out.into_iter().collect()
@@ -238,44 +210,30 @@ impl Edit<'_> {
         let items: Vec<&str> = text[list.clone()].split(',').collect();
         if random.usize(..2) == 0 {
             let name = names.get(random.usize(..names.len().max(1)))?;
-            return Some(
-                self.subject
-                    .with(list.start..list.start, &format!(" {name},")),
-            );
+            return Some(self.subject.with(list.start..list.start, &format!(" {name},")));
         }
         if items.len() < 2 {
             return None;
         }
         let gone = random.usize(..items.len().max(1));
-        let left: Vec<&str> = (0..)
-            .zip(&items)
-            .filter(|pair| pair.0 != gone)
-            .map(|pair| *pair.1)
-            .collect();
-        Some(
-            self.subject
-                .with(list, &format!(" {}", left.join(",").trim_start())),
-        )
+        let left: Vec<&str> =
+            (0..).zip(&items).filter(|pair| pair.0 != gone).map(|pair| *pair.1).collect();
+        Some(self.subject.with(list, &format!(" {}", left.join(",").trim_start())))
     }
 
     /// A member with another name, wherever the specification speaks of it.
     fn member(&self, random: &mut fastrand::Rng) -> Option<String> {
         let members = self.members();
         let (src, name) = members.get(random.usize(..members.len().max(1)))?;
-        let at = FilePosition {
-            path: self.subject.root.clone(),
-            offset: self.place(*src, name)?.start,
-        };
+        let at =
+            FilePosition { path: self.subject.root.clone(), offset: self.place(*src, name)?.start };
         // As it might be misspelt, or be something else.
         let to = match random.usize(..2) {
             0 => format!("{name}_s"),
             _ => format!("other{}", random.usize(..9)),
         };
-        let edits = self
-            .analysis
-            .rename(&at, &to, &Progress::default())
-            .expect("not cancelled")
-            .ok()?;
+        let edits =
+            self.analysis.rename(&at, &to, &Progress::default()).expect("not cancelled").ok()?;
         if edits.iter().any(|edit| edit.path != self.subject.root) {
             return None;
         }
@@ -296,9 +254,8 @@ fn subjects() -> Vec<Subject> {
         let mut files = Overlay::default();
         let host = host_over(Arc::new(files.clone()), includes.clone());
         let unit = host.analysis().root_unit(&root).expect("not cancelled");
-        let found = folders(&unit, &mut |path| {
-            Sources::load(path, &FilesConfig::default(), &files)
-        });
+        let found =
+            folders(&unit, &mut |path| Sources::load(path, &FilesConfig::default(), &files));
         let mut texts = BTreeMap::new();
         for folder in found {
             let own = folder.specification == root && folder.sources.sources.is_empty();
@@ -310,12 +267,7 @@ fn subjects() -> Vec<Subject> {
         if !texts.is_empty() {
             files.texts.extend(texts);
             let text = std::fs::read_to_string(&root).expect("a specification");
-            all.push(Subject {
-                root,
-                includes,
-                files,
-                text,
-            });
+            all.push(Subject { root, includes, files, text });
         }
     }
     all
@@ -323,9 +275,7 @@ fn subjects() -> Vec<Subject> {
 
 #[test]
 fn random_edits_compile_after_one_sync() {
-    let count = std::env::var("EDITS")
-        .ok()
-        .and_then(|variable| variable.parse().ok());
+    let count = std::env::var("EDITS").ok().and_then(|variable| variable.parse().ok());
     let count: usize = count.unwrap_or(100);
     let all = subjects();
     assert!(all.len() > 5, "{} components", all.len());
@@ -353,10 +303,7 @@ fn random_edits_compile_after_one_sync() {
         tried += 1;
         let numbers = done.entry(kind).or_default();
         numbers[0] += 1;
-        let stubs = StubOptions {
-            use_parameters: true,
-            ..StubOptions::default()
-        };
+        let stubs = StubOptions { use_parameters: true, ..StubOptions::default() };
         let mut project = Project::new(&mut host, &*files, FilesConfig::default(), stubs);
         let roots = std::slice::from_ref(&subject.root);
         let report = sync(&mut project, roots, &SyncOptions::default());
@@ -370,10 +317,7 @@ fn random_edits_compile_after_one_sync() {
             numbers[1] += 1;
         } else {
             let named = named(&report);
-            let unnamed: Vec<_> = said
-                .iter()
-                .filter(|pair| !named.contains(&pair.0))
-                .collect();
+            let unnamed: Vec<_> = said.iter().filter(|pair| !named.contains(&pair.0)).collect();
             match unnamed.is_empty() {
                 true => numbers[2] += 1,
                 false => bad.push(format!("{}: {unnamed:?} not among {named:?}", what())),
@@ -385,29 +329,15 @@ fn random_edits_compile_after_one_sync() {
         println!("{kind}: {edits}, {compile}, {named}");
     }
     assert_eq!(tried, count);
-    assert!(
-        bad.is_empty(),
-        "{} of {tried}:\n{}",
-        bad.len(),
-        bad[..bad.len().min(8)].join("\n")
-    );
+    assert!(bad.is_empty(), "{} of {tried}:\n{}", bad.len(), bad[..bad.len().min(8)].join("\n"));
 }
 
 /// Files, without their folders, with the lines that `sync` names.
 fn named(report: &SyncReport) -> BTreeSet<(String, usize)> {
     let name = |path: &Utf8Path| path.file_name().unwrap_or_default().to_owned();
-    let notes = report
-        .notes
-        .iter()
-        .map(|note| (name(&note.path), note.line));
-    let left = report
-        .left
-        .findings
-        .iter()
-        .filter_map(|finding| finding.at.as_ref());
-    notes
-        .chain(left.map(|finding| (name(&finding.path), finding.line)))
-        .collect()
+    let notes = report.notes.iter().map(|note| (name(&note.path), note.line));
+    let left = report.left.findings.iter().filter_map(|finding| finding.at.as_ref());
+    notes.chain(left.map(|finding| (name(&finding.path), finding.line))).collect()
 }
 
 /// What a compiler says against the sources: file, line and text of each error.
@@ -428,10 +358,7 @@ fn broken(
             let (_guard, temporary) = temporary();
             let written = headers(project, root, &temporary, &[]).expect("headers");
             write(&temporary, &written);
-            let sources = files
-                .texts
-                .keys()
-                .filter(|key| key.starts_with(&folder.sources.folder));
+            let sources = files.texts.keys().filter(|key| key.starts_with(&folder.sources.folder));
             for path in sources {
                 let copy = temporary.join(path.file_name().unwrap_or_default());
                 let text = project.text(path).unwrap_or_default();
@@ -449,15 +376,9 @@ fn broken(
 
 /// File and line of the first error of a compiler.
 fn place(said: &str) -> (String, usize) {
-    let error = said
-        .lines()
-        .find(|line| line.contains(": error: "))
-        .unwrap_or_default();
+    let error = said.lines().find(|line| line.contains(": error: ")).unwrap_or_default();
     let mut parts = error.split(':');
     let file = Utf8Path::new(parts.next().unwrap_or_default()).file_name();
     let line = parts.next().and_then(|part| part.parse().ok());
-    (
-        file.unwrap_or_default().to_owned(),
-        line.unwrap_or_default(),
-    )
+    (file.unwrap_or_default().to_owned(), line.unwrap_or_default())
 }

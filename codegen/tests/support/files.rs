@@ -46,10 +46,7 @@ impl Disk for Files {
         for file in files {
             let written = std::fs::create_dir_all(file.path.parent().unwrap_or(&file.path))
                 .and_then(|()| std::fs::write(&file.path, &file.bytes))
-                .and_then(|()| {
-                    file.mode
-                        .map_or(Ok(()), |mode| self.set_mode(&file.path, mode))
-                });
+                .and_then(|()| file.mode.map_or(Ok(()), |mode| self.set_mode(&file.path, mode)));
             written.map_err(|reason| WriteError {
                 path: file.path.clone(),
                 reason,

@@ -13,15 +13,9 @@ pub(crate) struct ShellProcesses;
 impl Processes for ShellProcesses {
     fn start(&self, program: &Program) -> io::Result<Process> {
         let mut command = Command::new("/bin/sh");
-        let limit = program
-            .resources
-            .memory
-            .map(|memory| format!("ulimit -v {};", memory / 1024));
+        let limit = program.resources.memory.map(|memory| format!("ulimit -v {};", memory / 1024));
         let script = format!("{} exec \"$0\" \"$@\"", limit.unwrap_or_default());
-        command
-            .args(["-c", &script])
-            .arg(&program.path)
-            .args(&program.arguments);
+        command.args(["-c", &script]).arg(&program.path).args(&program.arguments);
         if !program.directory.as_os_str().is_empty() {
             command.current_dir(&program.directory);
         }
@@ -31,10 +25,7 @@ impl Processes for ShellProcesses {
         if program.channels == Channels::Pipes {
             command.stderr(Stdio::piped());
         }
-        Ok(Process {
-            child: command.spawn()?,
-            group: Box::new(SingleProcess),
-        })
+        Ok(Process { child: command.spawn()?, group: Box::new(SingleProcess) })
     }
 
     fn renderer(&self, _: Resources) -> Option<io::Result<Process>> {

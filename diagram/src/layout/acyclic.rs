@@ -48,10 +48,7 @@ fn walk(nodes: usize, edges: &[Option<(usize, usize)>], start: Option<usize>) ->
     }
     let mut mark = vec![Mark::New; nodes];
     let mut back = vec![false; edges.len()];
-    let roots = start
-        .into_iter()
-        .chain((0..nodes).filter(|&n| !has_incoming[n]))
-        .chain(0..nodes);
+    let roots = start.into_iter().chain((0..nodes).filter(|&n| !has_incoming[n])).chain(0..nodes);
     for root in roots {
         if mark[root] != Mark::New {
             continue;

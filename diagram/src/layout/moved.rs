@@ -33,10 +33,7 @@ pub fn moved(graph: &Graph, mut layout: Layout, by: &[Point]) -> Layout {
 
 fn shift(path: &mut EdgePath, by: Point) {
     for point in &mut path.points {
-        *point = Point {
-            x: point.x + by.x,
-            y: point.y + by.y,
-        };
+        *point = Point { x: point.x + by.x, y: point.y + by.y };
     }
     if let Some(label) = &mut path.label {
         (label.x, label.y) = (label.x + by.x, label.y + by.y);
@@ -53,52 +50,22 @@ fn between(from: Rect, to: Rect, label: &str) -> EdgePath {
         let middle = of.center();
         if aside >= above {
             let side = (towards.x - middle.x).signum() * of.width / 2.0;
-            Point {
-                x: middle.x + side,
-                y: middle.y,
-            }
+            Point { x: middle.x + side, y: middle.y }
         } else {
             let side = (towards.y - middle.y).signum() * of.height / 2.0;
-            Point {
-                x: middle.x,
-                y: middle.y + side,
-            }
+            Point { x: middle.x, y: middle.y + side }
         }
     };
     let (first, last) = (end(from, b), end(to, a));
-    let middle = Point {
-        x: (first.x + last.x) / 2.0,
-        y: (first.y + last.y) / 2.0,
-    };
+    let middle = Point { x: (first.x + last.x) / 2.0, y: (first.y + last.y) / 2.0 };
     let (leave, arrive) = if aside >= above {
-        (
-            Point {
-                x: middle.x,
-                y: first.y,
-            },
-            Point {
-                x: middle.x,
-                y: last.y,
-            },
-        )
+        (Point { x: middle.x, y: first.y }, Point { x: middle.x, y: last.y })
     } else {
-        (
-            Point {
-                x: first.x,
-                y: middle.y,
-            },
-            Point {
-                x: last.x,
-                y: middle.y,
-            },
-        )
+        (Point { x: first.x, y: middle.y }, Point { x: last.x, y: middle.y })
     };
     let label = (!label.is_empty()).then(|| {
         let (width, height) = (text::width(label, text::LABEL) + 6.0, text::LABEL.height);
         Rect::centered(middle, width, height)
     });
-    EdgePath {
-        points: vec![first, leave, arrive, last],
-        label,
-    }
+    EdgePath { points: vec![first, leave, arrive, last], label }
 }

@@ -69,16 +69,10 @@ fn sort_by_median(
         })
         .collect();
     // Vertices without neighbours on that side keep their place; the others are sorted around them.
-    let mut movable: Vec<(f64, usize, usize)> = keyed
-        .iter()
-        .filter_map(|&(m, i, v)| m.map(|m| (m, i, v)))
-        .collect();
+    let mut movable: Vec<(f64, usize, usize)> =
+        keyed.iter().filter_map(|&(m, i, v)| m.map(|m| (m, i, v))).collect();
     movable.sort_by(|a, b| {
-        let tie = if later_first {
-            b.1.cmp(&a.1)
-        } else {
-            a.1.cmp(&b.1)
-        };
+        let tie = if later_first { b.1.cmp(&a.1) } else { a.1.cmp(&b.1) };
         a.0.total_cmp(&b.0).then(tie)
     });
     let mut sorted = movable.into_iter().map(|(_, _, v)| v);

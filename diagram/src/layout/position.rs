@@ -142,11 +142,7 @@ fn compaction(
         }
     }
     let distance = |left: usize, right: usize| {
-        let (left, right) = if mirrored {
-            (right, left)
-        } else {
-            (left, right)
-        };
+        let (left, right) = if mirrored { (right, left) } else { (left, right) };
         let space = match (graph.is_dummy(left), graph.is_dummy(right)) {
             (true, true) if graph.columns => EDGE_GAP,
             (true, true) => 14.0,
@@ -172,9 +168,7 @@ fn compaction(
             degree[root[v]] += 1;
         }
     }
-    let mut ready: Vec<usize> = (0..vertices)
-        .filter(|&v| root[v] == v && degree[v] == 0)
-        .collect();
+    let mut ready: Vec<usize> = (0..vertices).filter(|&v| root[v] == v && degree[v] == 0).collect();
     let mut sorted = Vec::new();
     while let Some(block) = ready.pop() {
         sorted.push(block);
@@ -187,16 +181,10 @@ fn compaction(
     }
     let mut x = vec![0.0_f64; vertices];
     for &block in &sorted {
-        x[block] = before_block[block]
-            .iter()
-            .map(|&(b, d)| x[b] + d)
-            .fold(0.0, f64::max);
+        x[block] = before_block[block].iter().map(|&(b, d)| x[b] + d).fold(0.0, f64::max);
     }
     for &block in sorted.iter().rev() {
-        let limit = after_block[block]
-            .iter()
-            .map(|&(b, d)| x[b] - d)
-            .fold(f64::MAX, f64::min);
+        let limit = after_block[block].iter().map(|&(b, d)| x[b] - d).fold(f64::MAX, f64::min);
         if limit < f64::MAX {
             x[block] = x[block].max(limit);
         }
@@ -207,14 +195,9 @@ fn compaction(
 /// Aligns the four candidates with the narrowest and takes the mean of the two middle values.
 fn balance(graph: &RankedGraph, candidates: &mut [Vec<f64>]) -> Vec<f64> {
     let bounds = |x: &[f64]| {
-        x.iter()
-            .enumerate()
-            .fold((f64::MAX, f64::MIN), |(low, high), (v, &at)| {
-                (
-                    low.min(at - graph.extent[v].0),
-                    high.max(at + graph.extent[v].1),
-                )
-            })
+        x.iter().enumerate().fold((f64::MAX, f64::MIN), |(low, high), (v, &at)| {
+            (low.min(at - graph.extent[v].0), high.max(at + graph.extent[v].1))
+        })
     };
     let all: Vec<(f64, f64)> = candidates.iter().map(|x| bounds(x)).collect();
     let Some(narrowest) =
@@ -225,11 +208,7 @@ fn balance(graph: &RankedGraph, candidates: &mut [Vec<f64>]) -> Vec<f64> {
     let (low, high) = all[narrowest];
     for (i, x) in candidates.iter_mut().enumerate() {
         let rightward = i % 2 == 1;
-        let shift = if rightward {
-            high - all[i].1
-        } else {
-            low - all[i].0
-        };
+        let shift = if rightward { high - all[i].1 } else { low - all[i].0 };
         x.iter_mut().for_each(|v| *v += shift);
     }
     (0..graph.rank.len())
@@ -277,13 +256,8 @@ pub(super) fn pack_groups(graph: &RankedGraph, gap: f64, x: &mut [f64]) {
         while start < layer.len() {
             let group = graph.group_of(layer[start]);
             let rest = &layer[start..];
-            let count = rest
-                .iter()
-                .take_while(|&&layer| graph.group_of(layer) == group)
-                .count();
-            let sum: f64 = (start..start + count)
-                .map(|i| x[layer[i]] - offset[i])
-                .sum();
+            let count = rest.iter().take_while(|&&layer| graph.group_of(layer) == group).count();
+            let sum: f64 = (start..start + count).map(|i| x[layer[i]] - offset[i]).sum();
             let mut pool = (sum, count);
             while let Some(&(sum, count)) = pools.last()
                 && sum / count as f64 > pool.0 / pool.1 as f64
@@ -294,9 +268,8 @@ pub(super) fn pack_groups(graph: &RankedGraph, gap: f64, x: &mut [f64]) {
             pools.push(pool);
             start += count;
         }
-        let shifts = pools
-            .iter()
-            .flat_map(|&(sum, count)| std::iter::repeat_n(sum / count as f64, count));
+        let shifts =
+            pools.iter().flat_map(|&(sum, count)| std::iter::repeat_n(sum / count as f64, count));
         for ((&vertex, offset), shift) in layer.iter().zip(offset).zip(shifts) {
             x[vertex] = offset + shift;
         }

@@ -37,14 +37,8 @@ pub(super) fn ranks(nodes: usize, arcs: &[Arc]) -> Vec<usize> {
         for &node in sorted.iter().rev().chain(&sorted) {
             let pull: i64 = out[node].iter().map(|e| e.2).sum::<i64>()
                 - into[node].iter().map(|e| e.2).sum::<i64>();
-            let low = into[node]
-                .iter()
-                .map(|&(from, length, _)| rank[from] + length)
-                .max();
-            let high = out[node]
-                .iter()
-                .map(|&(to, length, _)| rank[to] - length)
-                .min();
+            let low = into[node].iter().map(|&(from, length, _)| rank[from] + length).max();
+            let high = out[node].iter().map(|&(to, length, _)| rank[to] - length).min();
             let target = match (pull.signum(), low, high) {
                 (1, _, Some(high)) => high,
                 (-1, Some(low), _) => low,

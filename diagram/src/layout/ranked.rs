@@ -59,11 +59,8 @@ impl RankedGraph {
             .filter_map(|i| {
                 let (upper, lower) = upper_lower(i)?;
                 // Markers are right above the state they lead to.
-                let weight = if graph.edges[i].classes.iter().any(|c| c == "entry") {
-                    8
-                } else {
-                    1
-                };
+                let weight =
+                    if graph.edges[i].classes.iter().any(|c| c == "entry") { 8 } else { 1 };
                 Some((upper, lower, EDGE_LENGTH, weight))
             })
             .collect();
@@ -73,10 +70,7 @@ impl RankedGraph {
             rank: match columns {
                 // Without labels, no ranks are needed for them.
                 Some(column) if labels.iter().all(|label| label.0 == 0.0) => column,
-                Some(column) => column
-                    .into_iter()
-                    .map(|column| column * EDGE_LENGTH)
-                    .collect(),
+                Some(column) => column.into_iter().map(|column| column * EDGE_LENGTH).collect(),
                 None => {
                     let ranks = ranks(real, &arcs);
                     let shapes = graph.nodes.iter().map(|node| node.shape);
@@ -98,9 +92,7 @@ impl RankedGraph {
         };
         for (i, &(width, height)) in boxes.iter().enumerate() {
             let (left, right) = loops.reach(i);
-            graph
-                .extent
-                .push((width / 2.0 + left, width / 2.0 + right, height));
+            graph.extent.push((width / 2.0 + left, width / 2.0 + right, height));
         }
         for (i, &label) in labels.iter().enumerate() {
             let Some((upper, lower)) = upper_lower(i) else {
@@ -118,19 +110,15 @@ impl RankedGraph {
         let (first, last) = (self.rank[upper], self.rank[lower]);
         // The label is in the middle, on one of the ranks between nodes.
         let middle = first + ((last - first) / 2) / EDGE_LENGTH * EDGE_LENGTH;
-        let label_rank = if (middle - first).is_multiple_of(EDGE_LENGTH) {
-            middle + 1
-        } else {
-            middle
-        };
+        let label_rank =
+            if (middle - first).is_multiple_of(EDGE_LENGTH) { middle + 1 } else { middle };
         let label_rank = label_rank.min(last - 1);
         let mut chain = vec![upper];
         for rank in first + 1..last {
             let vertex = self.rank.len();
             self.rank.push(rank);
             if rank == label_rank && label.0 > 0.0 {
-                self.extent
-                    .push((label.0 / 2.0 + 2.0, label.0 / 2.0 + 2.0, label.1));
+                self.extent.push((label.0 / 2.0 + 2.0, label.0 / 2.0 + 2.0, label.1));
                 self.label_at[i] = Some(vertex);
             } else {
                 self.extent.push((1.0, 1.0, 0.0));
@@ -186,12 +174,7 @@ impl RankedGraph {
             .iter()
             .enumerate()
             .map(|(i, &vertex)| match group_of(group, vertex) {
-                Some(group) => (
-                    sums[group].0 as f64 / sums[group].1 as f64,
-                    group + 1,
-                    i,
-                    vertex,
-                ),
+                Some(group) => (sums[group].0 as f64 / sums[group].1 as f64, group + 1, i, vertex),
                 None => (i as f64, 0, i, vertex),
             })
             .collect();
@@ -220,10 +203,7 @@ fn group_of(group: &[Option<usize>], vertex: usize) -> Option<usize> {
 fn columns(graph: &Graph, ends: &[Option<(usize, usize)>]) -> Option<Vec<usize>> {
     let columns: Option<Vec<usize>> = graph.nodes.iter().map(|node| node.column).collect();
     let columns = columns.filter(|column| !column.is_empty())?;
-    let between = ends
-        .iter()
-        .flatten()
-        .all(|&(from, to)| columns[from] != columns[to]);
+    let between = ends.iter().flatten().all(|&(from, to)| columns[from] != columns[to]);
     between.then_some(columns)
 }
 

@@ -31,10 +31,8 @@ pub(super) fn rank_bands(graph: &RankedGraph, gap: f64) -> Bands {
 /// A smooth curve through points of increasing y that never swings past them: monotone cubic
 /// interpolation (Fritsch and Carlson 1980), vertical at both ends.
 fn smooth(through: &[Point]) -> Vec<Point> {
-    let slopes: Vec<f64> = through
-        .windows(2)
-        .map(|w| (w[1].x - w[0].x) / (w[1].y - w[0].y))
-        .collect();
+    let slopes: Vec<f64> =
+        through.windows(2).map(|w| (w[1].x - w[0].x) / (w[1].y - w[0].y)).collect();
     let tangent = |i: usize| match (i.checked_sub(1).map(|before| slopes[before]), slopes.get(i)) {
         (Some(a), Some(&b)) if a * b > 0.0 => 2.0 * a * b / (a + b),
         _ => 0.0,
@@ -45,14 +43,8 @@ fn smooth(through: &[Point]) -> Vec<Point> {
         // Vertical ends take half of the way, for a rounder bend.
         let reach = |tangent: f64| if tangent == 0.0 { 1.5 * third } else { third };
         let (t0, t1) = (tangent(i), tangent(i + 1));
-        points.push(Point {
-            x: pair[0].x + t0 * reach(t0),
-            y: pair[0].y + reach(t0),
-        });
-        points.push(Point {
-            x: pair[1].x - t1 * reach(t1),
-            y: pair[1].y - reach(t1),
-        });
+        points.push(Point { x: pair[0].x + t0 * reach(t0), y: pair[0].y + reach(t0) });
+        points.push(Point { x: pair[1].x - t1 * reach(t1), y: pair[1].y - reach(t1) });
         points.push(pair[1]);
     }
     points
@@ -84,45 +76,27 @@ pub(super) fn edges(
             let (from_x, to_x) = ports[i];
             // Straight through every rank, nodes' own ranks included; bends between ranks.
             let mut through = vec![
-                Point {
-                    x: from_x,
-                    y: nodes[upper].y + nodes[upper].height,
-                },
-                Point {
-                    x: from_x,
-                    y: bands.bands[graph.rank[upper]].1,
-                },
+                Point { x: from_x, y: nodes[upper].y + nodes[upper].height },
+                Point { x: from_x, y: bands.bands[graph.rank[upper]].1 },
             ];
             for &vertex in &chain[1..chain.len() - 1] {
                 let (top, bottom) = bands.bands[graph.rank[vertex]];
                 // An edge may cross a rank of labels at a slant, since the rank is low.
                 if bottom - top <= LABEL_RANK && graph.label_at[i] != Some(vertex) {
-                    through.push(Point {
-                        x: x[vertex],
-                        y: (top + bottom) / 2.0,
-                    });
+                    through.push(Point { x: x[vertex], y: (top + bottom) / 2.0 });
                 } else {
                     through.extend([top, bottom].map(|y| Point { x: x[vertex], y }));
                 }
             }
-            through.push(Point {
-                x: to_x,
-                y: bands.bands[graph.rank[lower]].0,
-            });
-            through.push(Point {
-                x: to_x,
-                y: nodes[lower].y,
-            });
+            through.push(Point { x: to_x, y: bands.bands[graph.rank[lower]].0 });
+            through.push(Point { x: to_x, y: nodes[lower].y });
             through.dedup_by(|a, b| (a.y - b.y).abs() < 0.5);
             let mut points = smooth(&through);
             if graph.reversed[i] {
                 points.reverse();
             }
             let label = graph.label_at[i].map(|vertex| {
-                let center = Point {
-                    x: x[vertex],
-                    y: bands.middle(graph.rank[vertex]),
-                };
+                let center = Point { x: x[vertex], y: bands.middle(graph.rank[vertex]) };
                 Rect::centered(center, labels[i].0, labels[i].1)
             });
             EdgePath { points, label }
@@ -155,10 +129,8 @@ fn ports(graph: &RankedGraph, x: &[f64], nodes: &[Rect]) -> Vec<(f64, f64)> {
                 0.0
             };
             // As near as possible to straight down, in order and apart.
-            let mut places: Vec<f64> = side
-                .iter()
-                .map(|&(at, _)| at.clamp(center - reach, center + reach))
-                .collect();
+            let mut places: Vec<f64> =
+                side.iter().map(|&(at, _)| at.clamp(center - reach, center + reach)).collect();
             for k in 1..places.len() {
                 places[k] = places[k].max(places[k - 1] + gap);
             }

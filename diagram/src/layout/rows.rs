@@ -30,21 +30,14 @@ pub(super) fn bounded(
     let mut last = None;
     for number in 0.. {
         let is_ready = |node: usize| above[node].iter().all(|&index| row[index].is_some());
-        let ready: Vec<usize> = waiting
-            .iter()
-            .copied()
-            .filter(|&node| is_ready(node))
-            .collect();
+        let ready: Vec<usize> = waiting.iter().copied().filter(|&node| is_ready(node)).collect();
         let shape = |&&node: &&usize| Some(nodes[node].1) != last;
         let Some(&first) = ready.iter().find(shape).or(ready.first()) else {
             break;
         };
         last = Some(nodes[first].1);
         let mut used = 0.0;
-        for node in ready
-            .into_iter()
-            .filter(|&node| Some(nodes[node].1) == last)
-        {
+        for node in ready.into_iter().filter(|&node| Some(nodes[node].1) == last) {
             used += nodes[node].0 + BESIDE;
             if used > width && node != first {
                 break;
@@ -53,9 +46,7 @@ pub(super) fn bounded(
         }
         waiting.retain(|&node| row[node].is_none());
     }
-    (row.into_iter())
-        .map(|row| row.unwrap_or(0) * EDGE_LENGTH)
-        .collect()
+    (row.into_iter()).map(|row| row.unwrap_or(0) * EDGE_LENGTH).collect()
 }
 
 #[cfg(test)]

@@ -53,28 +53,18 @@ fn node_size(node: &Node) -> (f64, f64) {
         Shape::Interrupt => return (14.0, 14.0),
         _ => {}
     }
-    let width = node
-        .lines
-        .iter()
-        .map(|l| text::width(&l.text, l.style.metrics()))
-        .fold(0.0, f64::max);
+    let width =
+        node.lines.iter().map(|l| text::width(&l.text, l.style.metrics())).fold(0.0, f64::max);
     let height: f64 = node.lines.iter().map(|l| l.style.metrics().height).sum();
     let (dx, dy) = LINE_PADDING;
     let extra = match node.shape {
         Shape::Octagon | Shape::Final | Shape::Pill => 10.0,
         _ => 0.0,
     };
-    let header = if node.shape == Shape::Card && node.lines.len() > 1 {
-        CARD_HEADER
-    } else {
-        0.0
-    };
+    let header = if node.shape == Shape::Card && node.lines.len() > 1 { CARD_HEADER } else { 0.0 };
     // Whole, even pixels keep outlines crisp.
     let even = |v: f64| (v / 2.0).ceil() * 2.0;
-    (
-        even((width + 2.0 * dx + extra).max(54.0)),
-        even(height + 2.0 * dy + header),
-    )
+    (even((width + 2.0 * dx + extra).max(54.0)), even(height + 2.0 * dy + header))
 }
 
 /// Width and height of an edge label, in pixels; 0 for an empty one.
@@ -97,10 +87,7 @@ pub(super) struct Loops {
 
 impl Loops {
     pub(super) fn of(ends: &[Option<(usize, usize)>], labels: &[(f64, f64)]) -> Loops {
-        let mut loops = Loops {
-            rank: FxHashMap::default(),
-            reach: FxHashMap::default(),
-        };
+        let mut loops = Loops { rank: FxHashMap::default(), reach: FxHashMap::default() };
         let mut count: FxHashMap<usize, usize> = FxHashMap::default();
         for (i, end) in ends.iter().enumerate() {
             let Some((from, to)) = *end else { continue };
@@ -134,41 +121,20 @@ impl Loops {
         let border = if left { node.x } else { node.x + node.width };
         let spread = node.height * if nth < 2 { 0.22 } else { 0.4 };
         let reach = LOOP_REACH
-            + if nth < 2 {
-                0.0
-            } else {
-                (nth - 1) as f64 * (LOOP_REACH + width + LABEL_GAP)
-            };
+            + if nth < 2 { 0.0 } else { (nth - 1) as f64 * (LOOP_REACH + width + LABEL_GAP) };
         let middle = node.center().y;
         // A cubic reaches three quarters of the way to its control points.
         let control = border + side * reach * 4.0 / 3.0;
         let points = vec![
-            Point {
-                x: border,
-                y: middle - spread,
-            },
-            Point {
-                x: control,
-                y: middle - spread - 4.0,
-            },
-            Point {
-                x: control,
-                y: middle + spread + 4.0,
-            },
-            Point {
-                x: border,
-                y: middle + spread,
-            },
+            Point { x: border, y: middle - spread },
+            Point { x: control, y: middle - spread - 4.0 },
+            Point { x: control, y: middle + spread + 4.0 },
+            Point { x: border, y: middle + spread },
         ];
         let label = (width > 0.0).then(|| {
             let near = border + side * (reach + LABEL_GAP);
             let x = if left { near - width } else { near };
-            Rect {
-                x,
-                y: middle - height / 2.0,
-                width,
-                height,
-            }
+            Rect { x, y: middle - height / 2.0, width, height }
         });
         EdgePath { points, label }
     }

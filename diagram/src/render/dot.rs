@@ -58,12 +58,7 @@ fn write_node(node: &Node, out: &mut String) {
     if has("unreachable") || has("undefined") || has("async") || has("unconnected") {
         style.push("dashed");
     }
-    let _ = write!(
-        out,
-        "  {} [shape={shape} label={}",
-        quote(&node.id),
-        quote(&text.join("\n"))
-    );
+    let _ = write!(out, "  {} [shape={shape} label={}", quote(&node.id), quote(&text.join("\n")));
     if !style.is_empty() {
         let _ = write!(out, " style={}", quote(&style.join(",")));
     }
@@ -84,11 +79,7 @@ fn write_edge(edge: &Edge, out: &mut String) {
     }
     if edge.classes.iter().any(|c| c == "paused") {
         attributes.push("style=dashed".to_owned());
-    } else if edge
-        .classes
-        .iter()
-        .any(|c| c == "interrupt" || c == "throw")
-    {
+    } else if edge.classes.iter().any(|c| c == "interrupt" || c == "throw") {
         attributes.push("style=dotted".to_owned());
     }
     if edge.both_ways {

@@ -20,10 +20,7 @@ const HOSTILE: &[&str] = &[
 fn graph() -> Graph {
     let node = |(index, text): (usize, &&str)| Node {
         id: format!("{index}{text}"),
-        lines: vec![
-            Line::new(LineStyle::Title, *text),
-            Line::new(LineStyle::Detail, *text),
-        ],
+        lines: vec![Line::new(LineStyle::Title, *text), Line::new(LineStyle::Detail, *text)],
         description: (*text).to_owned(),
         names: vec![(*text).to_owned()],
         group: Some((*text).to_owned()),
@@ -64,26 +61,16 @@ fn an_svg_has_its_own_elements_and_attributes_only() {
             );
         }
     }
-    assert!(
-        !document
-            .descendants()
-            .any(|node| node.is_comment() || node.is_pi())
-    );
+    assert!(!document.descendants().any(|node| node.is_comment() || node.is_pi()));
     let mut texts = document.descendants().filter_map(|node| node.text());
-    assert!(
-        texts.any(|text| text.contains("<script>")),
-        "the name is there, as text"
-    );
+    assert!(texts.any(|text| text.contains("<script>")), "the name is there, as text");
 }
 
 #[test]
 fn mermaid_has_no_line_and_no_quote_of_a_name() {
     let text = mermaid(&graph());
     assert!(!text.contains("evil[\""), "{text}");
-    assert!(
-        !text.contains("<script") && !text.contains("<image"),
-        "{text}"
-    );
+    assert!(!text.contains("<script") && !text.contains("<image"), "{text}");
     for line in text.lines() {
         assert_eq!(line.matches('"').count() % 2, 0, "{line}");
         assert!(!line.contains('`') && !line.contains("#lt;"), "{line}");

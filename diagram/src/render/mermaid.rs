@@ -8,11 +8,7 @@ use crate::graph::{Direction, Edge, Graph, LineStyle, Node, Shape};
 
 /// Writes a graph as a Mermaid flow chart.
 pub fn mermaid(graph: &Graph) -> String {
-    let direction = if graph.direction == Direction::Right {
-        "LR"
-    } else {
-        "TD"
-    };
+    let direction = if graph.direction == Direction::Right { "LR" } else { "TD" };
     let mut out = format!("flowchart {direction}\n");
     let ids: FxHashMap<&str, String> = graph
         .nodes
@@ -24,10 +20,7 @@ pub fn mermaid(graph: &Graph) -> String {
     // Nodes of one group are consecutive, in a subgraph.
     nodes.sort_by_key(|node| {
         let group = node.group.as_deref()?;
-        graph
-            .nodes
-            .iter()
-            .position(|node| node.group.as_deref() == Some(group))
+        graph.nodes.iter().position(|node| node.group.as_deref() == Some(group))
     });
     let mut open_group: Option<&str> = None;
     for node in nodes {
@@ -37,12 +30,8 @@ pub fn mermaid(graph: &Graph) -> String {
             }
             open_group = node.group.as_deref();
             if let Some(group) = open_group {
-                let _ = writeln!(
-                    out,
-                    "  subgraph {}_[\"{}\"]",
-                    ids[node.id.as_str()],
-                    escape(group)
-                );
+                let _ =
+                    writeln!(out, "  subgraph {}_[\"{}\"]", ids[node.id.as_str()], escape(group));
             }
         }
         write_node(node, &ids[node.id.as_str()], &mut out);
@@ -77,19 +66,12 @@ fn write_node(node: &Node, id: &str, out: &mut String) {
         Shape::Initial | Shape::Interrupt => ("((", "))"),
         Shape::Octagon => ("{{", "}}"),
     };
-    let text = if text.is_empty() {
-        " ".to_owned()
-    } else {
-        text
-    };
+    let text = if text.is_empty() { " ".to_owned() } else { text };
     let _ = writeln!(out, "  {}{open}\"{text}\"{close}", id);
 }
 
 fn write_edge(edge: &Edge, from: &str, to: &str, out: &mut String) {
-    let dashed = edge
-        .classes
-        .iter()
-        .any(|c| c == "paused" || c == "interrupt" || c == "throw");
+    let dashed = edge.classes.iter().any(|c| c == "paused" || c == "interrupt" || c == "throw");
     let arrow = match (edge.both_ways, dashed) {
         (true, _) => "<-->",
         (false, true) => "-.->",

@@ -24,16 +24,11 @@ pub fn png(graph: &Graph, layout: &Layout, theme: Theme) -> Result<Vec<u8>, Stri
         other => other,
     };
     let text = svg(graph, layout, theme).replace("</style>", theme::RASTER_STYLE);
-    let options = usvg::Options {
-        font_family: SANS.to_owned(),
-        fontdb: fonts(),
-        ..usvg::Options::default()
-    };
+    let options =
+        usvg::Options { font_family: SANS.to_owned(), fontdb: fonts(), ..usvg::Options::default() };
     let tree = usvg::Tree::from_str(&text, &options).map_err(|error| error.to_string())?;
-    let (width, height) = (
-        (layout.width as f32 * SCALE).ceil(),
-        (layout.height as f32 * SCALE).ceil(),
-    );
+    let (width, height) =
+        ((layout.width as f32 * SCALE).ceil(), (layout.height as f32 * SCALE).ceil());
     let mut pixels = tiny_skia::Pixmap::new(width as u32, height as u32).ok_or_else(|| {
         format!("an image of {width} × {height} pixels is too large; ask for SVG")
     })?;

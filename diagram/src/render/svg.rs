@@ -15,11 +15,7 @@ use crate::theme::{self, Theme};
 /// Draws a placed graph.
 pub fn svg(graph: &Graph, layout: &Layout, theme: Theme) -> String {
     let (w, h) = (layout.width, layout.height);
-    let mut out = Svg {
-        text: String::new(),
-        cut: theme.is_clear().then_some((w, h)),
-        cuts: 0,
-    };
+    let mut out = Svg { text: String::new(), cut: theme.is_clear().then_some((w, h)), cuts: 0 };
     out.line(&format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
          role=\"graphics-document\" aria-label=\"{}\">",
@@ -31,9 +27,7 @@ pub fn svg(graph: &Graph, layout: &Layout, theme: Theme) -> String {
         false => String::new(),
     };
     out.line(&format!("<style>\n{}{marks}</style>", theme::style(theme)));
-    out.line(&format!(
-        "<rect class=\"ground\" width=\"{w}\" height=\"{h}\"/>"
-    ));
+    out.line(&format!("<rect class=\"ground\" width=\"{w}\" height=\"{h}\"/>"));
     for frame in &layout.frames {
         out.frame(frame);
     }
@@ -44,15 +38,7 @@ pub fn svg(graph: &Graph, layout: &Layout, theme: Theme) -> String {
         out.node(node, *rect);
     }
     for (note, at) in graph.notes.iter().zip(&layout.notes) {
-        out.text(
-            "note",
-            Point {
-                x: at.x,
-                y: at.y + text::NOTE.size,
-            },
-            "start",
-            note,
-        );
+        out.text("note", Point { x: at.x, y: at.y + text::NOTE.size }, "start", note);
     }
     out.line("</svg>");
     out.text
@@ -75,40 +61,22 @@ impl Svg {
 
     /// The frame round a group of nodes, with its name on top.
     fn frame(&mut self, frame: &Frame) {
-        let Rect {
-            x,
-            y,
-            width,
-            height,
-        } = frame.rect;
+        let Rect { x, y, width, height } = frame.rect;
         self.line(&format!(
             "<rect class=\"frame\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" rx=\"8\"/>"
         ));
-        let at = Point {
-            x: x + width / 2.0,
-            y: y + LABEL_HEIGHT / 2.0 + text::LABEL.size * 0.36 + 1.0,
-        };
+        let at =
+            Point { x: x + width / 2.0, y: y + LABEL_HEIGHT / 2.0 + text::LABEL.size * 0.36 + 1.0 };
         self.text("detail", at, "middle", &frame.name);
     }
 
     fn node(&mut self, node: &Node, rect: Rect) {
-        let mut attributes = format!(
-            "class=\"node {}\" data-id=\"{}\"",
-            node.classes.join(" "),
-            escape(&node.id)
-        );
+        let mut attributes =
+            format!("class=\"node {}\" data-id=\"{}\"", node.classes.join(" "), escape(&node.id));
         if !node.names.is_empty() {
-            let _ = write!(
-                attributes,
-                " data-names=\"{}\"",
-                escape(&node.names.join(" "))
-            );
+            let _ = write!(attributes, " data-names=\"{}\"", escape(&node.names.join(" ")));
         }
-        let label = escape(if node.description.is_empty() {
-            &node.id
-        } else {
-            &node.description
-        });
+        let label = escape(if node.description.is_empty() { &node.id } else { &node.description });
         // A node with lines that can be focused on their own is more than a symbol.
         let parts = node.lines.iter().any(|line| line.origin.is_some());
         let role = match parts {
@@ -124,12 +92,7 @@ impl Svg {
     }
 
     fn outline(&mut self, node: &Node, rect: Rect) {
-        let Rect {
-            x,
-            y,
-            width,
-            height,
-        } = rect;
+        let Rect { x, y, width, height } = rect;
         let heated = node.classes.iter().any(|c| c.starts_with("heat-"));
         match node.shape {
             Shape::Initial => self.disc("mark", rect, width / 2.0 - 1.0),
@@ -146,10 +109,7 @@ impl Svg {
                     .iter()
                     .map(|p| format!("{},{}", number(p.x), number(p.y)))
                     .collect();
-                self.line(&format!(
-                    "<polygon class=\"shape\" points=\"{}\"/>",
-                    corners.join(" ")
-                ));
+                self.line(&format!("<polygon class=\"shape\" points=\"{}\"/>", corners.join(" ")));
             }
             Shape::Final => {
                 let r = height / 2.0;
@@ -185,9 +145,7 @@ impl Svg {
     fn disc(&mut self, class: &str, rect: Rect, radius: f64) {
         let center = rect.center();
         let (cx, cy) = (number(center.x), number(center.y));
-        self.line(&format!(
-            "<circle class=\"{class}\" cx=\"{cx}\" cy=\"{cy}\" r=\"{radius}\"/>"
-        ));
+        self.line(&format!("<circle class=\"{class}\" cx=\"{cx}\" cy=\"{cy}\" r=\"{radius}\"/>"));
     }
 
     fn lines(&mut self, node: &Node, rect: Rect) {
@@ -235,11 +193,8 @@ impl Svg {
     }
 
     fn text_with(&mut self, attributes: &str, at: Point, anchor: &str, text: &str) {
-        let anchor = if anchor == "start" {
-            String::new()
-        } else {
-            format!(" text-anchor=\"{anchor}\"")
-        };
+        let anchor =
+            if anchor == "start" { String::new() } else { format!(" text-anchor=\"{anchor}\"") };
         self.line(&format!(
             "<text {attributes} x=\"{}\" y=\"{}\"{anchor}>{}</text>",
             number(at.x),
@@ -273,10 +228,7 @@ impl Svg {
         }
         self.line(&format!("<path class=\"head\" d=\"{heads}\"/>"));
         if let Some(rect) = path.label {
-            let at = Point {
-                x: rect.center().x,
-                y: rect.center().y + text::LABEL.size * 0.36,
-            };
+            let at = Point { x: rect.center().x, y: rect.center().y + text::LABEL.size * 0.36 };
             self.text("label", at, "middle", &edge.label);
         }
         self.line("</g>");
@@ -327,20 +279,14 @@ fn shorten_for_arrow(tip: Point, behind: Point) -> Point {
     let (dx, dy) = (tip.x - behind.x, tip.y - behind.y);
     let length = dx.hypot(dy).max(1e-9);
     let by = (HEAD.0 - 1.0).min(length * 0.9);
-    Point {
-        x: tip.x - dx / length * by,
-        y: tip.y - dy / length * by,
-    }
+    Point { x: tip.x - dx / length * by, y: tip.y - dy / length * by }
 }
 
 fn head(tip: Point, behind: Point) -> String {
     let (dx, dy) = (tip.x - behind.x, tip.y - behind.y);
     let length = dx.hypot(dy).max(1e-9);
     let (ux, uy) = (dx / length, dy / length);
-    let base = Point {
-        x: tip.x - ux * HEAD.0,
-        y: tip.y - uy * HEAD.0,
-    };
+    let base = Point { x: tip.x - ux * HEAD.0, y: tip.y - uy * HEAD.0 };
     let n = |x: f64, y: f64| format!("{} {}", number(x), number(y));
     format!(
         "M{}L{}L{}Z",
@@ -353,11 +299,7 @@ fn head(tip: Point, behind: Point) -> String {
 /// One decimal, no trailing zero: stable bytes and no noise in diffs.
 pub(crate) fn number(v: f64) -> String {
     let v = (v * 10.0).round() / 10.0;
-    if v == 0.0 {
-        "0".to_owned()
-    } else {
-        format!("{v}")
-    }
+    if v == 0.0 { "0".to_owned() } else { format!("{v}") }
 }
 
 /// Text for XML attributes and content; characters XML cannot hold become U+FFFD.

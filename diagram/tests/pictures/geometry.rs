@@ -7,18 +7,9 @@ use dotgen_diagram::layout::{Layout, Point, Rect};
 /// not end on their nodes.
 pub(crate) fn problems(graph: &Graph, placed: &Layout) -> Vec<String> {
     let mut out = Vec::new();
-    let view = Rect {
-        x: 0.0,
-        y: 0.0,
-        width: placed.width,
-        height: placed.height,
-    };
-    let labels: Vec<(usize, Rect)> = placed
-        .edges
-        .iter()
-        .enumerate()
-        .filter_map(|(i, e)| Some((i, e.label?)))
-        .collect();
+    let view = Rect { x: 0.0, y: 0.0, width: placed.width, height: placed.height };
+    let labels: Vec<(usize, Rect)> =
+        placed.edges.iter().enumerate().filter_map(|(i, e)| Some((i, e.label?))).collect();
     overlaps(graph, placed, &labels, &mut out);
     wrong_frames(graph, placed, &mut out);
     let frames = placed.frames.iter().map(|frame| &frame.rect);
@@ -42,20 +33,14 @@ fn overlaps(graph: &Graph, placed: &Layout, labels: &[(usize, Rect)], out: &mut 
         }
         for (k, node) in placed.nodes.iter().enumerate() {
             if a.overlaps(*node) {
-                out.push(format!(
-                    "label of edge {i} overlaps node {}",
-                    graph.nodes[k].id
-                ));
+                out.push(format!("label of edge {i} overlaps node {}", graph.nodes[k].id));
             }
         }
     }
     for (k, node) in placed.nodes.iter().enumerate() {
         for (m, other) in placed.nodes.iter().enumerate().skip(k + 1) {
             if node.overlaps(*other) {
-                out.push(format!(
-                    "nodes {} and {} overlap",
-                    graph.nodes[k].id, graph.nodes[m].id
-                ));
+                out.push(format!("nodes {} and {} overlap", graph.nodes[k].id, graph.nodes[m].id));
             }
         }
     }
@@ -67,10 +52,7 @@ fn wrong_frames(graph: &Graph, placed: &Layout, out: &mut Vec<String>) {
         for (node, rect) in graph.nodes.iter().zip(&placed.nodes) {
             let member = node.group.as_ref() == Some(&frame.name);
             // A group in several columns has a frame in each.
-            let mut own = placed
-                .frames
-                .iter()
-                .filter(|other| other.name == frame.name);
+            let mut own = placed.frames.iter().filter(|other| other.name == frame.name);
             let framed = own.any(|frame| rect.inside(frame.rect));
             if member && !framed || !member && rect.overlaps(frame.rect) {
                 out.push(format!("{} and the frame {} disagree", node.id, frame.name));
@@ -94,28 +76,17 @@ fn wrong_edges(graph: &Graph, placed: &Layout, out: &mut Vec<String>) {
     };
     for (edge, path) in graph.edges.iter().zip(&placed.edges) {
         let of = |id: &str| {
-            graph
-                .nodes
-                .iter()
-                .position(|n| n.id == id)
-                .map(|i| placed.nodes[i])
-                .unwrap()
+            graph.nodes.iter().position(|n| n.id == id).map(|i| placed.nodes[i]).unwrap()
         };
         if !near(path.points[0], of(&edge.from))
             || !near(*path.points.last().unwrap(), of(&edge.to))
         {
-            out.push(format!(
-                "edge {} -> {} does not end on its nodes",
-                edge.from, edge.to
-            ));
+            out.push(format!("edge {} -> {} does not end on its nodes", edge.from, edge.to));
         }
         for (node, rect) in graph.nodes.iter().zip(&placed.nodes) {
             let other = node.id != edge.from && node.id != edge.to;
             if other && curve(&path.points).any(|p| well_inside(p, *rect)) {
-                out.push(format!(
-                    "edge {} -> {} runs through {}",
-                    edge.from, edge.to, node.id
-                ));
+                out.push(format!("edge {} -> {} runs through {}", edge.from, edge.to, node.id));
             }
         }
     }
@@ -135,10 +106,7 @@ fn curve(points: &[Point]) -> impl Iterator<Item = Point> + '_ {
                     + 3.0 * u * t * t * f(&p[2])
                     + t * t * t * f(&p[3])
             };
-            Point {
-                x: at(|p| p.x),
-                y: at(|p| p.y),
-            }
+            Point { x: at(|p| p.x), y: at(|p| p.y) }
         })
     })
 }

@@ -9,10 +9,7 @@ use crate::geometry::problems;
 
 /// A machine written as `from -> to [label]` lines; `~>` is a paused transition.
 fn machine(text: &str) -> Graph {
-    let mut graph = Graph {
-        title: "test".into(),
-        ..Graph::default()
-    };
+    let mut graph = Graph { title: "test".into(), ..Graph::default() };
     for line in text.lines().map(str::trim).filter(|l| !l.is_empty()) {
         let paused = line.contains("~>");
         let (from, rest) = line.split_once(if paused { "~>" } else { "->" }).unwrap();
@@ -47,10 +44,7 @@ fn machine(text: &str) -> Graph {
         graph.edges.push(Edge {
             from: from.into(),
             to: to.into(),
-            label: words
-                .next()
-                .unwrap_or(if paused { "pause" } else { "" })
-                .into(),
+            label: words.next().unwrap_or(if paused { "pause" } else { "" }).into(),
             classes,
             ..Edge::default()
         });
@@ -119,10 +113,7 @@ fn text_is_escaped() {
     let mut graph = machine("a -> b");
     graph.title = "<&\"\u{1}>".into();
     let text = svg(&graph, &layout(&graph), Theme::Light);
-    assert!(
-        text.contains("<title>&lt;&amp;&quot;\u{FFFD}&gt;</title>"),
-        "{text}"
-    );
+    assert!(text.contains("<title>&lt;&amp;&quot;\u{FFFD}&gt;</title>"), "{text}");
 }
 
 #[test]
@@ -132,10 +123,7 @@ fn on_no_ground_a_line_is_cut_where_its_label_stands() {
     for theme in [Theme::Neutral, Theme::LightClear, Theme::DarkClear] {
         let text = svg(&graph, &placed, theme);
         assert_eq!(text.matches("<mask id=").count(), 1, "{text}");
-        assert!(
-            text.contains("<path class=\"line\" mask=\"url(#cut1)\""),
-            "{text}"
-        );
+        assert!(text.contains("<path class=\"line\" mask=\"url(#cut1)\""), "{text}");
     }
     // Elsewhere the label covers it.
     assert!(!svg(&graph, &placed, Theme::Auto).contains("mask"));

@@ -31,10 +31,7 @@ impl Loader for Text {
 fn unit(text: &str) -> UnitResult {
     let path = Utf8Path::new("/large.gen");
     let mut host = AnalysisHost::new(Arc::new(Text(text.to_owned())));
-    host.apply(Change {
-        roots: Some(vec![path.to_owned()]),
-        ..Change::default()
-    });
+    host.apply(Change { roots: Some(vec![path.to_owned()]), ..Change::default() });
     let unit = host.analysis().root_unit(path).expect("nothing cancels it");
     assert!(unit.accepted(), "{:?}", unit.diagnostics.first());
     unit
@@ -46,21 +43,14 @@ const ABOUT: &str = "version \"1\"; lang \"c\"; email \"a@b\";";
 fn chain(components: usize) -> UnitResult {
     let mut text = "struct s { long x; };\n".to_owned();
     for component in 0..components {
-        let _ = write!(
-            text,
-            "component c{component} {{ {ABOUT} port out s p{component};"
-        );
+        let _ = write!(text, "component c{component} {{ {ABOUT} port out s p{component};");
         if component > 0 {
             let _ = write!(text, " port in s p{};", component - 1);
         }
         if component > 9 && component % 5 == 0 {
             let _ = write!(text, " port in s p{};", component - 9);
         }
-        let reads = if component > 0 {
-            format!(", in p{}", component - 1)
-        } else {
-            String::new()
-        };
+        let reads = if component > 0 { format!(", in p{}", component - 1) } else { String::new() };
         let _ = writeln!(
             text,
             " task t {{ period 10 ms; codel<start> c{component}_t(out p{component}{reads}) wcet 1 ms yield pause::start; }};\n\
@@ -74,42 +64,26 @@ fn of_system(unit: &UnitResult, options: &system::Options) -> Graph {
     let components = unit.spec.components.iter();
     let parts: Vec<system::Part> = components
         .filter(|component| component.kind == ComponentKind::Component)
-        .map(|component| system::Part {
-            spec: &unit.spec,
-            component,
-            number: 0,
-        })
+        .map(|component| system::Part { spec: &unit.spec, component, number: 0 })
         .collect();
     system::graph(&parts, options)
 }
 
 fn assert_readable(graph: &Graph) -> Layout {
     let placed = layout(graph);
-    assert_eq!(
-        problems(graph, &placed),
-        Vec::<String>::new(),
-        "{}",
-        graph.title
-    );
+    assert_eq!(problems(graph, &placed), Vec::<String>::new(), "{}", graph.title);
     placed
 }
 
 fn lines(graph: &Graph, id: &str) -> Vec<String> {
-    let node = graph
-        .nodes
-        .iter()
-        .find(|node| node.id == id)
-        .expect("a node");
+    let node = graph.nodes.iter().find(|node| node.id == id).expect("a node");
     node.lines.iter().map(|line| line.text.clone()).collect()
 }
 
 #[test]
 fn fifty_components_are_closed_and_readable() {
     let unit = chain(50);
-    let mut options = system::Options {
-        services: 6,
-        ..system::Options::default()
-    };
+    let mut options = system::Options { services: 6, ..system::Options::default() };
     let graph = of_system(&unit, &options);
     assert_readable(&graph);
     assert_eq!(lines(&graph, "c7"), ["c7", "1 task · 1 service · 2 ports"]);
@@ -129,19 +103,10 @@ fn fifty_components_are_closed_and_readable() {
 #[test]
 fn a_small_system_is_summed_up_until_something_is_closed() {
     let unit = chain(3);
-    let mut options = system::Options {
-        services: 6,
-        ..system::Options::default()
-    };
-    assert_eq!(
-        lines(&of_system(&unit, &options), "c1"),
-        ["c1", "task t · 10 ms", "f1()"]
-    );
+    let mut options = system::Options { services: 6, ..system::Options::default() };
+    assert_eq!(lines(&of_system(&unit, &options), "c1"), ["c1", "task t · 10 ms", "f1()"]);
     options.opened.insert("c1".to_owned(), false);
-    assert_eq!(
-        lines(&of_system(&unit, &options), "c1"),
-        ["c1", "1 task · 1 service · 2 ports"]
-    );
+    assert_eq!(lines(&of_system(&unit, &options), "c1"), ["c1", "1 task · 1 service · 2 ports"]);
 }
 
 #[test]
@@ -152,37 +117,19 @@ fn what_is_listed_leads_to_its_own_place() {
         ..system::Options::default()
     };
     let graph = of_system(&unit, &options);
-    let node = graph
-        .nodes
-        .iter()
-        .find(|node| node.id == "c1")
-        .expect("a node");
+    let node = graph.nodes.iter().find(|node| node.id == "c1").expect("a node");
     let places: Vec<_> = node.lines.iter().skip(1).map(|line| line.origin).collect();
-    assert!(
-        places
-            .iter()
-            .all(|place| place.is_some() && *place != node.origin),
-        "{places:?}"
-    );
+    assert!(places.iter().all(|place| place.is_some() && *place != node.origin), "{places:?}");
     let text = svg(&graph, &layout(&graph), Theme::Light);
-    assert!(
-        text.contains("data-line=\"1\" tabindex=\"0\" role=\"link\""),
-        "{text}"
-    );
+    assert!(text.contains("data-line=\"1\" tabindex=\"0\" role=\"link\""), "{text}");
 }
 
 #[test]
 fn a_layer_says_who_takes_turns_at_a_port() {
     let unit = chain(2);
-    let options = system::Options {
-        locks: true,
-        ..system::Options::default()
-    };
+    let options = system::Options { locks: true, ..system::Options::default() };
     let graph = of_system(&unit, &options);
-    assert_eq!(
-        lines(&graph, "c0.p0"),
-        ["p0", "3 codels take turns, ≤ 1 ms each"]
-    );
+    assert_eq!(lines(&graph, "c0.p0"), ["p0", "3 codels take turns, ≤ 1 ms each"]);
     // A resource that is used within one component only is not shared with another.
     assert_eq!(lines(&graph, "c1.p1"), ["p1"]);
     assert_readable(&graph);
@@ -192,18 +139,11 @@ fn a_layer_says_who_takes_turns_at_a_port() {
 fn a_layer_shows_a_chain_of_data() {
     let unit = chain(3);
     let chain = system::Chain {
-        ports: [("c1", "p0"), ("c2", "p1")]
-            .map(|(c, p)| (c.to_owned(), p.to_owned()))
-            .to_vec(),
+        ports: [("c1", "p0"), ("c2", "p1")].map(|(c, p)| (c.to_owned(), p.to_owned())).to_vec(),
         says: "age: 20 ms".to_owned(),
     };
-    let graph = of_system(
-        &unit,
-        &system::Options {
-            chains: vec![chain],
-            ..system::Options::default()
-        },
-    );
+    let graph =
+        of_system(&unit, &system::Options { chains: vec![chain], ..system::Options::default() });
     let marked = |classes: &[String]| classes.iter().any(|class| class == MARKED);
     let nodes: Vec<&str> = graph
         .nodes
@@ -213,9 +153,7 @@ fn a_layer_shows_a_chain_of_data() {
         .collect();
     assert_eq!(nodes, ["c0.p0", "c1", "c1.p1"]);
     let edges = graph.edges.iter().filter(|edge| marked(&edge.classes));
-    let edges: Vec<String> = edges
-        .map(|edge| format!("{} {}", edge.from, edge.to))
-        .collect();
+    let edges: Vec<String> = edges.map(|edge| format!("{} {}", edge.from, edge.to)).collect();
     assert_eq!(edges, ["c1 c1.p1", "c0.p0 c1"]);
     assert_eq!(graph.notes, ["age: 20 ms"]);
 }
@@ -225,13 +163,7 @@ fn what_was_moved_is_there_and_its_edges_follow() {
     let unit = chain(4);
     let graph = of_system(&unit, &system::Options::default());
     let before = layout(&graph);
-    let at = |id: &str| {
-        graph
-            .nodes
-            .iter()
-            .position(|node| node.id == id)
-            .expect("a node")
-    };
+    let at = |id: &str| graph.nodes.iter().position(|node| node.id == id).expect("a node");
     let mut by = vec![Point::default(); graph.nodes.len()];
     by[at("c1")] = Point { x: -30.0, y: 400.0 };
     by[at("c1.p1")] = by[at("c1")];
@@ -255,11 +187,7 @@ fn sharing(codels: usize) -> UnitResult {
     }
     for codel in 0..codels {
         let (task, a, b) = (codel % 3, codel % 12, (codel / 2) % 12);
-        let both = if a == b {
-            String::new()
-        } else {
-            format!(", out x{b}")
-        };
+        let both = if a == b { String::new() } else { format!(", out x{b}") };
         let _ = writeln!(
             text,
             "activity a{codel}() {{ task t{task}; codel<start> a{codel}_s(inout x{a}{both}) yield ether; }};"
@@ -275,14 +203,7 @@ fn many_codels_that_exclude_each_other_are_no_column() {
         let unit = sharing(codels);
         let graph = locks::graph(&unit.spec, &unit.spec.components[0], None);
         let placed = assert_readable(&graph);
-        assert_eq!(
-            graph
-                .nodes
-                .iter()
-                .filter(|node| node.group.is_some())
-                .count(),
-            codels + 3
-        );
+        assert_eq!(graph.nodes.iter().filter(|node| node.group.is_some()).count(), codels + 3);
         let shape = placed.height / placed.width;
         assert!(
             codels < 30 || shape < 2.0,
@@ -309,54 +230,32 @@ fn way(states: &[&str]) -> (Option<String>, Vec<String>, Vec<String>) {
     let component = &unit.spec.components[0];
     let owner = fsm::owners(component).next().expect("a machine");
     let way = states.iter().map(|state| (*state).to_owned()).collect();
-    let options = fsm::Options {
-        way,
-        ..fsm::Options::default()
-    };
+    let options = fsm::Options { way, ..fsm::Options::default() };
     let graph = fsm::graph(&unit.spec, component, owner, options).expect("a machine");
     assert_readable(&graph);
     let marked = |classes: &[String]| classes.iter().any(|class| class == MARKED);
     let note = graph.notes.iter().find(|note| note.contains('→')).cloned();
-    let nodes = graph
-        .nodes
-        .iter()
-        .filter(|node| marked(&node.classes))
-        .map(|node| node.id.clone());
+    let nodes = graph.nodes.iter().filter(|node| marked(&node.classes)).map(|node| node.id.clone());
     let edges = graph.edges.iter().filter(|edge| marked(&edge.classes));
-    (
-        note,
-        nodes.collect(),
-        edges
-            .map(|edge| format!("{} {}", edge.from, edge.to))
-            .collect(),
-    )
+    (note, nodes.collect(), edges.map(|edge| format!("{} {}", edge.from, edge.to)).collect())
 }
 
 #[test]
 fn a_way_says_its_longest_time() {
     let (note, nodes, edges) = way(&["start", "wait"]);
-    assert_eq!(
-        note.as_deref(),
-        Some("start → wait: at most 7.5 ms of execution")
-    );
+    assert_eq!(note.as_deref(), Some("start → wait: at most 7.5 ms of execution"));
     assert_eq!(nodes, ["start", "up", "wait", "top"]);
     assert_eq!(edges, ["start up", "up top", "top wait"]);
     // A path that the reader selected step by step is unchanged.
     let (note, _, edges) = way(&["start", "up", "wait"]);
-    assert_eq!(
-        note.as_deref(),
-        Some("start → up → wait: at most 3.5 ms of execution")
-    );
+    assert_eq!(note.as_deref(), Some("start → up → wait: at most 3.5 ms of execution"));
     assert_eq!(edges, ["start up", "up wait"]);
 }
 
 #[test]
 fn a_way_counts_pauses_and_what_is_unknown() {
     let (note, ..) = way(&["up", "up"]);
-    assert_eq!(
-        note.as_deref(),
-        Some("up → up: at most 8.5 ms of execution, 1 pause")
-    );
+    assert_eq!(note.as_deref(), Some("up → up: at most 8.5 ms of execution, 1 pause"));
     let (note, ..) = way(&["down", "wait", "ether"]);
     assert_eq!(
         note.as_deref(),
@@ -367,17 +266,11 @@ fn a_way_counts_pauses_and_what_is_unknown() {
 #[test]
 fn a_way_that_is_none_or_endless_says_so() {
     let (note, _, edges) = way(&["top", "start"]);
-    assert_eq!(
-        note.as_deref(),
-        Some("top → start: no way leads from top to start")
-    );
+    assert_eq!(note.as_deref(), Some("top → start: no way leads from top to start"));
     assert!(edges.is_empty());
     let (note, ..) = way(&["start", "ether"]);
     let note = note.expect("a note");
-    assert!(
-        note.starts_with("start → ether: no longest time, it can go round "),
-        "{note}"
-    );
+    assert!(note.starts_with("start → ether: no longest time, it can go round "), "{note}");
     // One state is not a path yet, but it is marked.
     let (note, nodes, _) = way(&["up"]);
     assert_eq!((note, nodes), (None, vec!["up".to_owned()]));
@@ -391,30 +284,16 @@ fn fleet(components: usize) -> Graph {
         shape,
         ..Node::default()
     };
-    let edge = |from: String, to: String| Edge {
-        from,
-        to,
-        ..Edge::default()
-    };
-    let mut graph = Graph {
-        direction: Direction::Right,
-        ..Graph::default()
-    };
+    let edge = |from: String, to: String| Edge { from, to, ..Edge::default() };
+    let mut graph = Graph { direction: Direction::Right, ..Graph::default() };
     for component in 0..components {
-        let (own, port) = (
-            format!("component{component}"),
-            format!("component{component}.out"),
-        );
+        let (own, port) = (format!("component{component}"), format!("component{component}.out"));
         graph.nodes.push(node(own.clone(), Shape::Card));
         graph.nodes.push(node(port.clone(), Shape::Octagon));
         graph.edges.push(edge(own, port.clone()));
-        for reader in [component + 1, component + 7]
-            .into_iter()
-            .filter(|&index| index < components)
+        for reader in [component + 1, component + 7].into_iter().filter(|&index| index < components)
         {
-            graph
-                .edges
-                .push(edge(port.clone(), format!("component{reader}")));
+            graph.edges.push(edge(port.clone(), format!("component{reader}")));
         }
     }
     graph

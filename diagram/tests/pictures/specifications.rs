@@ -42,18 +42,12 @@ fn units(directory: &Path) -> Vec<(Utf8PathBuf, UnitResult)> {
     let mut host = AnalysisHost::new(Arc::new(Disk));
     host.apply(Change {
         roots: Some(files.clone()),
-        config: Some(Config {
-            include_dirs: includes,
-            ..Config::default()
-        }),
+        config: Some(Config { include_dirs: includes, ..Config::default() }),
         ..Change::default()
     });
     let analysis = host.analysis();
     let unit = |path: &Utf8PathBuf| analysis.root_unit(path).expect("nothing cancels it");
-    files
-        .iter()
-        .map(|file| (file.clone(), unit(file)))
-        .collect()
+    files.iter().map(|file| (file.clone(), unit(file))).collect()
 }
 
 /// Every picture of a specification.
@@ -68,30 +62,17 @@ fn pictures(unit: &UnitResult) -> Vec<Graph> {
     for component in &components {
         for owner in fsm::owners(component) {
             for (wcet, paths, locks) in [(true, false, false), (true, true, true)] {
-                let options = fsm::Options {
-                    wcet,
-                    paths,
-                    locks,
-                    ..fsm::Options::default()
-                };
+                let options = fsm::Options { wcet, paths, locks, ..fsm::Options::default() };
                 graphs.extend(fsm::graph(spec, component, owner, options));
             }
         }
         graphs.push(locks::graph(spec, component, None));
     }
-    let part = |component| system::Part {
-        spec,
-        component,
-        number: 0,
-    };
+    let part = |component| system::Part { spec, component, number: 0 };
     let parts: Vec<system::Part> = components.into_iter().map(part).collect();
     if !parts.is_empty() {
         for interrupts in [false, true] {
-            let options = system::Options {
-                services: 6,
-                interrupts,
-                ..system::Options::default()
-            };
+            let options = system::Options { services: 6, interrupts, ..system::Options::default() };
             graphs.push(system::graph(&parts, &options));
         }
     }
@@ -103,44 +84,27 @@ fn system_of(units: &[(Utf8PathBuf, UnitResult)]) -> Graph {
     let mut parts: Vec<system::Part> = Vec::new();
     for (number, (_, unit)) in units.iter().enumerate() {
         for component in &unit.spec.components {
-            let known = parts
-                .iter()
-                .any(|part| part.component.name == component.name);
+            let known = parts.iter().any(|part| part.component.name == component.name);
             if component.kind == ComponentKind::Component && !known {
-                parts.push(system::Part {
-                    spec: &unit.spec,
-                    component,
-                    number,
-                });
+                parts.push(system::Part { spec: &unit.spec, component, number });
             }
         }
     }
-    let options = system::Options {
-        services: 6,
-        ..system::Options::default()
-    };
+    let options = system::Options { services: 6, ..system::Options::default() };
     system::graph(&parts, &options)
 }
 
 fn assert_readable(graph: &Graph) {
     let placed = layout(graph);
-    assert_eq!(
-        problems(graph, &placed),
-        Vec::<String>::new(),
-        "{}",
-        graph.title
-    );
+    assert_eq!(problems(graph, &placed), Vec::<String>::new(), "{}", graph.title);
     for theme in [Theme::Auto, Theme::Light, Theme::Dark, Theme::Editor] {
         let text = svg(graph, &placed, theme);
         assert_eq!(text, svg(graph, &layout(graph), theme), "{}", graph.title);
         let document = roxmltree::Document::parse(&text).expect("well-formed XML");
         let named = |node: &roxmltree::Node| {
-            node.attribute("aria-label")
-                .is_some_and(|attribute| !attribute.is_empty())
+            node.attribute("aria-label").is_some_and(|attribute| !attribute.is_empty())
         };
-        let nodes = document
-            .descendants()
-            .filter(|node| node.has_attribute("data-id"));
+        let nodes = document.descendants().filter(|node| node.has_attribute("data-id"));
         let nodes: Vec<_> = nodes.collect();
         assert_eq!(nodes.len(), graph.nodes.len());
         assert!(nodes.iter().all(named), "{}", graph.title);
@@ -181,10 +145,7 @@ fn pictures_of_the_examples() {
             for (number, graph) in pictures(&unit).iter().enumerate() {
                 assert_readable(graph);
                 let example = directory.file_name().unwrap_or_default().to_string_lossy();
-                let name = format!(
-                    "{example}-{}-{number}",
-                    file.file_stem().unwrap_or_default()
-                );
+                let name = format!("{example}-{}-{number}", file.file_stem().unwrap_or_default());
                 insta::assert_snapshot!(name, svg(graph, &layout(graph), Theme::Light));
             }
         }

@@ -30,12 +30,7 @@ pub(crate) struct InputSlot {
 impl InputSlot {
     /// Creates an empty slot for a port of a component, and for the name by which the port finds the source.
     pub(crate) fn new(component: ComponentId, port: u32, name: String) -> InputSlot {
-        InputSlot {
-            component,
-            port,
-            name,
-            data: Mutex::default(),
-        }
+        InputSlot { component, port, name, data: Mutex::default() }
     }
 
     pub(super) fn swap(&self, data: Option<Vec<u8>>) -> Option<Vec<u8>> {

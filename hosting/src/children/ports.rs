@@ -34,23 +34,15 @@ pub(super) struct SharedDataPool {
 impl Children {
     /// Puts new data of a source into shared memory, and sends its path to readers that do not have it.
     pub(super) fn show(&mut self, origin: Origin, readers: &[Reader<'_>], data: &[u8]) {
-        let fits = self
-            .boards
-            .of
-            .get(&origin)
-            .is_some_and(|pair| pair.1.holds(data.len()));
+        let fits = self.boards.of.get(&origin).is_some_and(|pair| pair.1.holds(data.len()));
         if !fits {
             let Ok(board) = SharedData::new(data.len()) else {
                 // Memory is exhausted: readers keep their data.
-                self.denied
-                    .insert("memory for the data of ports".to_owned());
+                self.denied.insert("memory for the data of ports".to_owned());
                 return;
             };
             self.boards.made += 1;
-            let small = self
-                .boards
-                .of
-                .insert(origin.clone(), (self.boards.made, board));
+            let small = self.boards.of.insert(origin.clone(), (self.boards.made, board));
             self.boards.small.extend(small.map(|pair| pair.1));
         }
         let Some((number, board)) = self.boards.of.get_mut(&origin) else {

@@ -28,10 +28,8 @@ impl Children {
         let HostedComponent { name, priority } = &self.components[component];
         let tasks = (0..).zip(&self.tasks);
         let tasks = tasks.filter(|(_, task)| task.component == component);
-        let thread = |task: &HostedTask| HostThread {
-            name: task.name.clone(),
-            priority: task.priority,
-        };
+        let thread =
+            |task: &HostedTask| HostThread { name: task.name.clone(), priority: task.priority };
         let wrong = |error: std::io::Error| format!("cannot start a host for `{name}`: {error}");
         let executing = Executing::new(self.tasks.len()).map_err(wrong)?;
         let manner = HostOptions {
@@ -69,10 +67,7 @@ impl Children {
             }
             let mut output = BufReader::new(output);
             while let Ok(Some(reply)) = HostMessage::receive(&mut output) {
-                if sender
-                    .send(EngineEvent::HostMessage(component, started, reply))
-                    .is_err()
-                {
+                if sender.send(EngineEvent::HostMessage(component, started, reply)).is_err() {
                     return;
                 }
             }

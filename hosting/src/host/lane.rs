@@ -33,9 +33,7 @@ struct Reports {
 
 impl Reports {
     fn lock(&self) -> MutexGuard<'_, Vec<CodelResult>> {
-        self.unsent
-            .lock()
-            .unwrap_or_else(|error| error.into_inner())
+        self.unsent.lock().unwrap_or_else(|error| error.into_inner())
     }
 
     /// Sends the results, in order, also if two threads do so.
@@ -59,12 +57,7 @@ impl Lane {
     pub(super) fn start(number: u32, host: &Arc<Host>, core: Option<u32>) -> Lane {
         let (jobs, queue) = channel();
         let reports = Arc::<Reports>::default();
-        let worker = Worker {
-            number,
-            host: host.clone(),
-            reports: reports.clone(),
-            queue,
-        };
+        let worker = Worker { number, host: host.clone(), reports: reports.clone(), queue };
         let task = host.options.tasks.get(&number);
         let name = task.map_or(CONTROL, |task| &task.name);
         let priority = task.map_or(host.options.control_priority, |task| task.priority);
@@ -196,10 +189,7 @@ impl Worker {
     /// Waits until a tick. Returns false if the engine recalls the cycles.
     fn is_due(&self, tick: u64) -> bool {
         let left = Duration::from_nanos(tick.saturating_sub(monotonic_nanos()));
-        matches!(
-            self.queue.recv_timeout(left),
-            Err(RecvTimeoutError::Timeout)
-        )
+        matches!(self.queue.recv_timeout(left), Err(RecvTimeoutError::Timeout))
     }
 
     /// Executes codels from a state on, until the automaton pauses.

@@ -32,9 +32,7 @@ pub fn request(
     let wrong = |error: zenoh::Error| format!("cannot request `{key}`: {error}");
     // Acceptance and end are replies of their own.
     let query = session.get(&key).consolidation(ConsolidationMode::None);
-    let query = query
-        .payload(input.to_string())
-        .encoding(Encoding::APPLICATION_JSON);
+    let query = query.payload(input.to_string()).encoding(Encoding::APPLICATION_JSON);
     let replies = query.timeout(REQUEST_TIMEOUT).wait().map_err(wrong)?;
     let mut accepted = false;
     while let Ok(reply) = replies.recv() {
@@ -55,8 +53,6 @@ pub fn request(
     }
     match accepted {
         true => Err("the run has ended before the service has, or its machine is gone".to_owned()),
-        false => Err(format!(
-            "no run there provides `{component}.{service}`, or it has ended"
-        )),
+        false => Err(format!("no run there provides `{component}.{service}`, or it has ended")),
     }
 }

@@ -49,9 +49,7 @@ pub(super) fn follow(
 ) -> zenoh::Result<()> {
     let (own, remote, tell) = (session.zid().to_string(), remote.clone(), tell.clone());
     let notes = AtomicUsize::new(0);
-    let all = session
-        .liveliness()
-        .declare_subscriber(format!("{TOKENS}/*/*/*"));
+    let all = session.liveliness().declare_subscriber(format!("{TOKENS}/*/*/*"));
     let all = all.history(true).callback(move |sample| {
         let mut words = sample.key_expr().split('/').skip(1);
         let (Some(session), Some(host), Some(component)) =

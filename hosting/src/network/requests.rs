@@ -41,13 +41,7 @@ impl Requests {
         let queued = Arc::<AtomicUsize>::default();
         let unsent = queued.clone();
         std::thread::spawn(move || send(&queue, &unsent));
-        Arc::new(Requests {
-            known,
-            inbox,
-            replies,
-            queued,
-            pending: Mutex::default(),
-        })
+        Arc::new(Requests { known, inbox, replies, queued, pending: Mutex::default() })
     }
 
     /// Declares the services of all components.
@@ -71,9 +65,7 @@ impl Requests {
     }
 
     fn pending(&self) -> MutexGuard<'_, HashMap<u64, (ComponentId, usize, Query)>> {
-        self.pending
-            .lock()
-            .unwrap_or_else(|error| error.into_inner())
+        self.pending.lock().unwrap_or_else(|error| error.into_inner())
     }
 
     fn hear(&self, component: ComponentId, index: usize, query: Query) {
@@ -90,10 +82,7 @@ impl Requests {
         let service = &known.component().services[index];
         let path = format!("{}.{}", known.component().name, service.name);
         if query.key_expr().is_wild() {
-            return Err(format!(
-                "request one service: `{path}` matches `{}`",
-                query.key_expr()
-            ));
+            return Err(format!("request one service: `{path}` matches `{}`", query.key_expr()));
         }
         let payload = query.payload();
         if payload.is_some_and(|payload| payload.len() > MAX_REQUEST_BYTES) {
@@ -114,11 +103,7 @@ impl Requests {
         }
         let id = self.inbox.number();
         pending.insert(id, (component, index, query.clone()));
-        let request = OutsideRequest {
-            id,
-            service: wanted,
-            inputs,
-        };
+        let request = OutsideRequest { id, service: wanted, inputs };
         // After the end of the run, the queries end with the session.
         self.inbox.bring(Message::OutsideRequest(request));
         Ok(())
@@ -149,14 +134,10 @@ fn send(queue: &Receiver<(Query, Value)>, unsent: &AtomicUsize) {
         let text = reply.to_string();
         // The client may be gone.
         let _ = match reply["event"] == "error" {
-            true => query
-                .reply_err(text)
-                .encoding(Encoding::APPLICATION_JSON)
-                .wait(),
-            false => query
-                .reply(query.key_expr(), text)
-                .encoding(Encoding::APPLICATION_JSON)
-                .wait(),
+            true => query.reply_err(text).encoding(Encoding::APPLICATION_JSON).wait(),
+            false => {
+                query.reply(query.key_expr(), text).encoding(Encoding::APPLICATION_JSON).wait()
+            }
         };
         unsent.fetch_sub(1, Ordering::Relaxed);
     }

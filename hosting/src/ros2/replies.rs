@@ -22,22 +22,14 @@ pub(super) struct Asked {
 impl Asked {
     /// A request to an endpoint with a key, and its payload. A request with an error is answered by it.
     pub(super) fn read(query: Query, key: &str, replies: &Replies) -> Option<(Asked, Vec<u8>)> {
-        let attachment = query
-            .attachment()
-            .filter(|attachment| attachment.len() <= 64);
+        let attachment = query.attachment().filter(|attachment| attachment.len() <= 64);
         let attachment = attachment.and_then(|attachment| Attachment::read(&attachment.to_bytes()));
-        let payload = query
-            .payload()
-            .filter(|payload| payload.len() <= MAX_REQUEST_BYTES);
+        let payload = query.payload().filter(|payload| payload.len() <= MAX_REQUEST_BYTES);
         let payload = payload.map(|payload| payload.to_bytes().into_owned());
         match (attachment, payload) {
             (Some(attachment), Some(payload)) => {
                 let key = key.to_owned();
-                let asked = Asked {
-                    query,
-                    key,
-                    attachment,
-                };
+                let asked = Asked { query, key, attachment };
                 Some((asked, payload))
             }
             (None, _) => {
@@ -93,10 +85,7 @@ fn send(queue: &Receiver<Reply>) {
         // The client may be gone.
         let _ = match reply {
             Reply::Payload(to, payload) => {
-                let attachment = Attachment {
-                    time: nanoseconds(),
-                    ..to.attachment
-                };
+                let attachment = Attachment { time: nanoseconds(), ..to.attachment };
                 let reply = to.query.reply(to.key, payload);
                 reply.attachment(&attachment.to_bytes()[..]).wait()
             }

@@ -76,11 +76,7 @@ struct Goal {
 
 impl Activity {
     fn publish(&self) {
-        let all: Vec<_> = self
-            .goals
-            .iter()
-            .map(|goal| (goal.info, goal.status))
-            .collect();
+        let all: Vec<_> = self.goals.iter().map(|goal| (goal.info, goal.status)).collect();
         if let Some(topic) = &self.status {
             topic.put(cdr::statuses(&all));
         }
@@ -92,12 +88,7 @@ impl Requests {
         known: BTreeMap<ComponentId, KnownComponent>,
         inbox: RunInbox,
     ) -> Arc<Requests> {
-        Arc::new(Requests {
-            known,
-            inbox,
-            replies: Replies::new(),
-            state: Mutex::default(),
-        })
+        Arc::new(Requests { known, inbox, replies: Replies::new(), state: Mutex::default() })
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -177,21 +168,13 @@ impl Requests {
             Ok(pair) => pair,
             Err(why) => return self.replies.error(asked, why),
         };
-        let pending = Pending {
-            component,
-            service,
-            wants: Wants::Response(asked),
-        };
+        let pending = Pending { component, service, wants: Wants::Response(asked) };
         state.pending.insert(id, pending);
         self.bring(id, wanted, inputs);
     }
 
     fn bring(&self, id: u64, service: ServiceId, inputs: Vec<u8>) {
-        let request = OutsideRequest {
-            id,
-            service,
-            inputs,
-        };
+        let request = OutsideRequest { id, service, inputs };
         // After the end of the run, the queries end with the session.
         self.inbox.bring(Message::OutsideRequest(request));
     }
@@ -206,10 +189,7 @@ impl Requests {
         let admitted = self.admit(&state, component, service);
         let activity = state.activities.entry((component, service)).or_default();
         let stamp = now();
-        let is_known = activity
-            .goals
-            .iter()
-            .any(|candidate| candidate.info.id == goal);
+        let is_known = activity.goals.iter().any(|candidate| candidate.info.id == goal);
         if activity.goals.len() >= GOALS
             && admitted.is_ok()
             && !is_known
@@ -231,11 +211,7 @@ impl Requests {
         });
         activity.publish();
         self.replies.send(asked, cdr::accepted(true, stamp));
-        let pending = Pending {
-            component,
-            service,
-            wants: Wants::Goal(goal),
-        };
+        let pending = Pending { component, service, wants: Wants::Goal(goal) };
         state.pending.insert(number, pending);
         self.bring(number, wanted, inputs);
     }
@@ -315,12 +291,7 @@ impl Requests {
     pub(super) fn entered(&self, id: u64, entered: &str) {
         let state = self.state();
         let pending = state.pending.get(&id);
-        let Some(Pending {
-            component,
-            service,
-            wants: Wants::Goal(goal),
-        }) = pending
-        else {
+        let Some(Pending { component, service, wants: Wants::Goal(goal) }) = pending else {
             return;
         };
         let activity = state.activities.get(&(*component, *service));
@@ -332,10 +303,7 @@ impl Requests {
     /// Passes an answer of the engine on.
     pub(super) fn answer(&self, id: u64, answer: &RequestReply) {
         let mut state = self.state();
-        let Some(Pending {
-            component, service, ..
-        }) = state.pending.get(&id)
-        else {
+        let Some(Pending { component, service, .. }) = state.pending.get(&id) else {
             return;
         };
         let (component, service) = (*component, *service);
@@ -366,10 +334,8 @@ impl Requests {
             }
             Some(Wants::Goal(goal)) => {
                 let activity = state.activities.entry((component, service)).or_default();
-                if let Some(goal) = activity
-                    .goals
-                    .iter_mut()
-                    .find(|candidate| candidate.info.id == goal)
+                if let Some(goal) =
+                    activity.goals.iter_mut().find(|candidate| candidate.info.id == goal)
                 {
                     let was_canceled = goal.status == CANCELING;
                     goal.status = match outcome {
@@ -406,12 +372,6 @@ impl Requests {
     }
 }
 
-const FORGOTTEN: Outcome<'_> = Outcome::Failed {
-    exception: "",
-    detail: &[],
-};
+const FORGOTTEN: Outcome<'_> = Outcome::Failed { exception: "", detail: &[] };
 
-const UNREADABLE: Outcome<'_> = Outcome::Failed {
-    exception: "::dotgen::unreadable",
-    detail: &[],
-};
+const UNREADABLE: Outcome<'_> = Outcome::Failed { exception: "::dotgen::unreadable", detail: &[] };

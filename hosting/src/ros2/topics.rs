@@ -29,9 +29,9 @@ impl Topic {
         let token = endpoint.token(node, number);
         let publisher = session.declare_publisher(endpoint.key(node.domain));
         let publisher = match endpoint.qos {
-            Qos::Latched => publisher
-                .cache(CacheConfig::default().max_samples(1))
-                .publisher_detection(),
+            Qos::Latched => {
+                publisher.cache(CacheConfig::default().max_samples(1)).publisher_detection()
+            }
             Qos::Volatile => publisher.advanced(),
         };
         Ok(Topic {

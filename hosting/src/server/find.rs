@@ -10,11 +10,8 @@ pub(super) fn component(shared: &Shared, name: &str) -> Result<ComponentId, Stri
     let mut all = shared.known.iter();
     let found = all.find(|(_, component)| component.component().name == name);
     found.map(|pair| *pair.0).ok_or_else(|| {
-        let names: Vec<&str> = shared
-            .known
-            .values()
-            .map(|component| component.component().name.as_str())
-            .collect();
+        let names: Vec<&str> =
+            shared.known.values().map(|component| component.component().name.as_str()).collect();
         missing("the run", "component", name, &names)
     })
 }

@@ -27,9 +27,7 @@ pub(super) fn connect(
     input: Option<&Value>,
 ) -> Result<Value, String> {
     let text = |key: &str| {
-        let given = input
-            .and_then(|input| input.get(key))
-            .and_then(Value::as_str);
+        let given = input.and_then(|input| input.get(key)).and_then(Value::as_str);
         given.ok_or_else(|| format!("`{CONNECT}` needs `local` and `remote`; `{key}` is not text"))
     };
     let (local, remote) = (text("local")?, text("remote")?);
@@ -61,20 +59,13 @@ pub(super) fn connect(
     if wanted != written {
         return failed("port_io");
     }
-    let connection = Connection {
-        from: (from, port),
-        to: (at, to),
-        id,
-        name,
-    };
+    let connection = Connection { from: (from, port), to: (at, to), id, name };
     let place = (at, to, connection.name.clone());
     let source = (from, port, connection.id.clone());
     // Under the lock: writes and connections reach the engine in the order of their answers.
     let mut state = shared.state();
     if is_full(state.connected.keys(), &place) {
-        return Err(format!(
-            "`{local}`: {INSTANCES} instances of the port are connected"
-        ));
+        return Err(format!("`{local}`: {INSTANCES} instances of the port are connected"));
     }
     state.connected.insert(place, source);
     match shared.inbox.bring(Message::Connect(connection)) {
@@ -98,9 +89,7 @@ pub(super) fn write(shared: &Shared, path: &str, request: &Value) -> Result<Valu
     };
     match (port.multiple, instance) {
         (true, "") => {
-            return Err(format!(
-                "`{path}` is `multiple`: give the `instance` to write"
-            ));
+            return Err(format!("`{path}` is `multiple`: give the `instance` to write"));
         }
         (false, instance) if !instance.is_empty() => {
             return Err(format!(
@@ -130,9 +119,7 @@ pub(super) fn write(shared: &Shared, path: &str, request: &Value) -> Result<Valu
         ));
     }
     if is_full(state.written.keys(), &place) {
-        return Err(format!(
-            "`{path}` has {INSTANCES} instances; write one of them"
-        ));
+        return Err(format!("`{path}` has {INSTANCES} instances; write one of them"));
     }
     let new = || Arc::new(InputSlot::new(at, number, instance.to_owned()));
     let newest = state.written.entry(place).or_insert_with(new);

@@ -21,9 +21,7 @@ pub struct ProgressSubscribers {
 
 impl ProgressReceiver for ProgressSubscribers {
     fn is_due(&mut self) -> bool {
-        let due = self
-            .told
-            .is_none_or(|instant| instant.elapsed() >= PROGRESS_INTERVAL);
+        let due = self.told.is_none_or(|instant| instant.elapsed() >= PROGRESS_INTERVAL);
         if !due {
             return false;
         }

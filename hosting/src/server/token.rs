@@ -34,11 +34,7 @@ impl Token {
         // A run that was killed leaves its file behind, but not its port.
         let _ = std::fs::remove_file(&path);
         let mut options = OpenOptions::new();
-        let mut file = options
-            .write(true)
-            .create_new(true)
-            .mode(0o600)
-            .open(&path)?;
+        let mut file = options.write(true).create_new(true).mode(0o600).open(&path)?;
         file.write_all(text.as_bytes())?;
         let file = TemporaryFile::new(path.clone());
         Ok((Token { text, path }, file))

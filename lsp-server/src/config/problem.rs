@@ -21,11 +21,7 @@ pub struct Problem {
 impl Problem {
     /// An unknown setting.
     pub(super) fn unknown(message: String) -> Problem {
-        Problem {
-            kind: ProblemKind::UnknownKey,
-            message,
-            range: None,
-        }
+        Problem { kind: ProblemKind::UnknownKey, message, range: None }
     }
 }
 
@@ -100,18 +96,14 @@ impl Spans {
             DeValue::String(text) => Value::String(text.to_string()),
             DeValue::Integer(number) => i64::from_str_radix(number.as_str(), number.radix())
                 .map_or_else(|_| Value::String(number.as_str().to_owned()), Value::from),
-            DeValue::Float(number) => number
-                .as_str()
-                .parse::<f64>()
-                .map_or(Value::Null, Value::from),
+            DeValue::Float(number) => {
+                number.as_str().parse::<f64>().map_or(Value::Null, Value::from)
+            }
             DeValue::Boolean(flag) => Value::Bool(*flag),
             DeValue::Datetime(datetime) => Value::String(datetime.to_string()),
-            DeValue::Array(items) => Value::Array(
-                items
-                    .iter()
-                    .map(|value| self.value(value, pointer))
-                    .collect(),
-            ),
+            DeValue::Array(items) => {
+                Value::Array(items.iter().map(|value| self.value(value, pointer)).collect())
+            }
             DeValue::Table(table) => Value::Object(self.table(table, pointer)),
         }
     }

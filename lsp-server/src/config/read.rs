@@ -30,10 +30,7 @@ pub fn from_toml(text: &str) -> LoadedSettings {
                 message: format!("not a valid TOML file: {}", error.message().trim()),
                 range: Some(error.span().unwrap_or(0..0)),
             };
-            return LoadedSettings {
-                problems: vec![problem],
-                ..LoadedSettings::default()
-            };
+            return LoadedSettings { problems: vec![problem], ..LoadedSettings::default() };
         }
     };
     let mut spans = Spans::default();
@@ -83,9 +80,8 @@ fn editor_section(value: &Value) -> Map<String, Value> {
         // `severity.syntax`, `server.path`
         match key.split_once('.') {
             Some((table, entry)) => {
-                let table = section
-                    .entry(kebab(table))
-                    .or_insert_with(|| Value::Object(Map::new()));
+                let table =
+                    section.entry(kebab(table)).or_insert_with(|| Value::Object(Map::new()));
                 if let Value::Object(table) = table {
                     table.insert(entry.to_owned(), value.clone());
                 }
@@ -154,9 +150,9 @@ fn read_object(
             let pointer = format!("/{key}/{entry}");
             // Editors use camel case for these names too.
             let known = match &entries {
-                Some(all) => [entry.clone(), kebab(entry)]
-                    .into_iter()
-                    .find(|entry| all.contains(entry)),
+                Some(all) => {
+                    [entry.clone(), kebab(entry)].into_iter().find(|entry| all.contains(entry))
+                }
                 None => Some(entry.clone()),
             };
             if let Some(entry) = known {
@@ -204,9 +200,7 @@ fn did_you_mean<'k>(
     name: &dyn Fn(&str) -> String,
 ) -> String {
     let near = nearest(written, known);
-    near.map_or(String::new(), |near| {
-        format!("; did you mean `{}`?", name(near))
-    })
+    near.map_or(String::new(), |near| format!("; did you mean `{}`?", name(near)))
 }
 
 /// A JSON pointer in the syntax of settings: `/severity/fsm/busy-loop` with the quotes that the code needs.
@@ -229,11 +223,7 @@ fn unknown_code(key: &str, pointer: &str) -> Option<Problem> {
         Some(near) => format!("there is no diagnostic `{code}`; did you mean `{near}`?"),
         None => format!("there is no diagnostic `{code}`; the manual lists the codes"),
     };
-    Some(Problem {
-        kind: ProblemKind::UnknownKey,
-        message,
-        range: None,
-    })
+    Some(Problem { kind: ProblemKind::UnknownKey, message, range: None })
 }
 
 /// A description of the correct values.

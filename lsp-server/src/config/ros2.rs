@@ -58,9 +58,7 @@ impl Ros2 {
             constants: message.constants.clone(),
         };
         let components = self.messages.iter().map(|(component, ports)| {
-            let ports = ports
-                .iter()
-                .map(|(port, message)| (port.clone(), rule(message)));
+            let ports = ports.iter().map(|(port, message)| (port.clone(), rule(message)));
             (component.clone(), ports.collect())
         });
         components.collect()
@@ -75,11 +73,7 @@ impl Ros2 {
 }
 
 fn problem(error: &RuleError) -> Problem {
-    Problem {
-        kind: ProblemKind::BadValue,
-        message: format!("bad value for {error}"),
-        range: None,
-    }
+    Problem { kind: ProblemKind::BadValue, message: format!("bad value for {error}"), range: None }
 }
 
 fn pointer(error: &RuleError) -> String {
@@ -88,10 +82,7 @@ fn pointer(error: &RuleError) -> String {
 
 /// An error in a rule as a problem at its place in the text of a `dotgen.toml`.
 pub fn rule_problem(text: &str, error: &RuleError) -> Problem {
-    Problem {
-        range: range_of(text, &pointer(error)),
-        ..problem(error)
-    }
+    Problem { range: range_of(text, &pointer(error)), ..problem(error) }
 }
 
 /// A problem in words, with its place in a file.

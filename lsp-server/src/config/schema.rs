@@ -89,9 +89,8 @@ mod tests {
         let own = ["server.", "trace.", "files.", "run."];
         let names = offered.keys().filter_map(|key| key.strip_prefix("dotgen."));
         let unknown = names.filter(|name| !own.iter().any(|own| name.starts_with(own)));
-        let unknown: Vec<&str> = unknown
-            .filter(|name| !known.iter().any(|known| known == name))
-            .collect();
+        let unknown: Vec<&str> =
+            unknown.filter(|name| !known.iter().any(|known| known == name)).collect();
         assert_eq!(unknown, Vec::<&str>::new());
     }
 

@@ -225,9 +225,7 @@ impl Verification {
 
     /// The time limit of a verification.
     pub fn time_limit(&self) -> Duration {
-        let seconds = self
-            .time_limit
-            .filter(|limit| limit.is_finite() && *limit > 0.0);
+        let seconds = self.time_limit.filter(|limit| limit.is_finite() && *limit > 0.0);
         Duration::from_secs_f64(seconds.unwrap_or(10.0).min(86_400.0))
     }
 
@@ -416,10 +414,7 @@ impl Codels {
     /// The files with codels.
     pub fn files(&self) -> FilesConfig {
         let default = FilesConfig::default();
-        let folder = self
-            .folder
-            .as_deref()
-            .map(|folder| folder.trim_end_matches('/'));
+        let folder = self.folder.as_deref().map(|folder| folder.trim_end_matches('/'));
         FilesConfig {
             folder: folder.map_or(default.folder, Into::into),
             extensions: self.extensions.clone().unwrap_or(default.extensions),

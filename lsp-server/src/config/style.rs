@@ -71,11 +71,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let folder = Utf8Path::from_path(folder.path()).unwrap();
         let path = folder.join("a.gen");
-        let editor = FormattingOptions {
-            tab_size: 3,
-            insert_spaces: true,
-            ..FormattingOptions::default()
-        };
+        let editor =
+            FormattingOptions { tab_size: 3, insert_spaces: true, ..FormattingOptions::default() };
         let asked = |settings: &Format| options(settings, &path, Some(&editor));
         let none = asked(&Format::default());
         assert_eq!((none.unit, none.otherwise), (None, Unit::Spaces(3)));

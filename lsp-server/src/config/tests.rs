@@ -32,10 +32,7 @@ list-duplicate-string = "error"
     let config = Config::new(&read.settings, Utf8Path::new("/work/arm"), true);
     assert_eq!(config.include_paths, ["/work/arm/idl", "/opt/robots/idl"]);
     let defines: Vec<_> = config.defines.iter().map(|(n, b)| (&**n, &**b)).collect();
-    assert_eq!(
-        defines,
-        [("AXES", "6"), ("DEBUG", "1"), ("ROBOT", "\"arm\"")]
-    );
+    assert_eq!(defines, [("AXES", "6"), ("DEBUG", "1"), ("ROBOT", "\"arm\"")]);
     assert_eq!(config.severity["pp-redefined"], Level::Off);
     assert!(config.packages.paths[0].is_absolute(), "the home directory");
 }
@@ -87,11 +84,7 @@ fn a_file_that_is_no_toml_says_so() {
     assert_eq!(read.settings, Settings::default());
     assert_eq!(read.problems.len(), 1);
     assert_eq!(read.problems[0].kind, ProblemKind::Syntax);
-    assert!(
-        read.problems[0]
-            .message
-            .starts_with("not a valid TOML file: ")
-    );
+    assert!(read.problems[0].message.starts_with("not a valid TOML file: "));
 }
 
 #[test]
@@ -119,18 +112,8 @@ fn every_shape_that_editors_send_is_read() {
         assert_eq!(read.problems, [], "{value}");
         assert_eq!(read.settings, expected, "{value}");
     }
-    for nothing in [
-        json!(null),
-        json!([]),
-        json!("x"),
-        json!({}),
-        json!({ "dotgen": null }),
-    ] {
-        assert_eq!(
-            from_editor(&nothing),
-            LoadedSettings::default(),
-            "{nothing}"
-        );
+    for nothing in [json!(null), json!([]), json!("x"), json!({}), json!({ "dotgen": null })] {
+        assert_eq!(from_editor(&nothing), LoadedSettings::default(), "{nothing}");
     }
 }
 
@@ -138,10 +121,7 @@ fn every_shape_that_editors_send_is_read() {
 fn stronger_sources_win_and_lists_are_joined() {
     let file = from_toml("include-paths = ['a']\n[defines]\nX = 1\nY = 1\n").settings;
     let editor = from_editor(&json!({ "includePaths": [], "defines": { "X": 2 } })).settings;
-    let mut line = Settings {
-        include_paths: vec!["c".to_owned()],
-        ..Settings::default()
-    };
+    let mut line = Settings { include_paths: vec!["c".to_owned()], ..Settings::default() };
     line.define("X=3=4");
     line.define("Z");
     let all = line.over(editor).over(file);
@@ -155,10 +135,7 @@ fn stronger_sources_win_and_lists_are_joined() {
 fn folders_are_joined_in_their_order() {
     let config = |text, base| Config::new(&from_toml(text).settings, Utf8Path::new(base), true);
     let first = config("include-paths = ['idl']\n[defines]\nX = 1\n", "/one");
-    let second = config(
-        "include-paths = ['idl', '/one/idl']\n[defines]\nX = 2\n",
-        "/two",
-    );
+    let second = config("include-paths = ['idl', '/one/idl']\n[defines]\nX = 2\n", "/two");
     let both = first.join(second);
     assert_eq!(both.include_paths, ["/one/idl", "/two/idl"]);
     assert_eq!(both.defines, [("X".to_owned(), "1".to_owned())]);
@@ -194,12 +171,7 @@ fn wrong_messages_of_ros_have_their_place() {
     let problems = from_toml(text).problems;
     let found: Vec<_> = problems
         .iter()
-        .map(|problem| {
-            (
-                &text[problem.range.clone().expect("a place")],
-                problem.message.as_str(),
-            )
-        })
+        .map(|problem| (&text[problem.range.clone().expect("a place")], problem.message.as_str()))
         .collect();
     assert_eq!(
         found,

@@ -51,9 +51,7 @@ impl Files for Disk {
 
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
         folder.is_dir().then(|| {
-            let files = walkdir::WalkDir::new(folder)
-                .into_iter()
-                .filter_map(Result::ok);
+            let files = walkdir::WalkDir::new(folder).into_iter().filter_map(Result::ok);
             files
                 .filter(|file| file.file_type().is_file())
                 .filter_map(|file| Utf8PathBuf::from_path_buf(file.into_path()).ok())
@@ -75,10 +73,7 @@ pub(crate) struct Texts<'a> {
 
 impl<'a> Texts<'a> {
     pub(crate) fn new(snapshot: &'a Snapshot) -> Texts<'a> {
-        Texts {
-            snapshot,
-            cancelled: Cell::new(None),
-        }
+        Texts { snapshot, cancelled: Cell::new(None) }
     }
 
     /// Returns true if a file is an open document.
@@ -138,10 +133,7 @@ pub(crate) fn around(
     let mut out = Vec::new();
     for root in roots_around(snapshot, path)? {
         let compared = of_unit(snapshot, &root)?;
-        if compared
-            .folders()
-            .any(|folder| folder.sources.file(path).is_some())
-        {
+        if compared.folders().any(|folder| folder.sources.file(path).is_some()) {
             out.push(compared);
         }
     }
@@ -165,10 +157,7 @@ pub(crate) fn roots_around(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<
 
 /// The folders of the unit of a root, compared.
 fn of_unit(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<Arc<ComparedFolders>> {
-    let nothing = || ComparedFolders {
-        revision: snapshot.revision,
-        folders: Vec::new(),
-    };
+    let nothing = || ComparedFolders { revision: snapshot.revision, folders: Vec::new() };
     let Some(config) = snapshot.config.codels_of(root) else {
         return Ok(Arc::new(nothing()));
     };
@@ -234,10 +223,7 @@ fn serving(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<(UnitResult, Opt
             texts.insert(path.clone(), text);
         }
     }
-    let good = ValidUnit {
-        unit: unit.clone(),
-        texts: Arc::new(texts),
-    };
+    let good = ValidUnit { unit: unit.clone(), texts: Arc::new(texts) };
     lock(&snapshot.codels.good).insert(root.to_owned(), good);
     Ok((unit, None))
 }
@@ -373,10 +359,7 @@ pub(crate) fn file_diagnostics(
         for found in compared.findings(&snapshot.analysis) {
             let (folder, findings) = found?;
             let all = diagnostics(&findings, &*folder.unit.locations, Side::First);
-            for diagnostic in all
-                .into_iter()
-                .filter(|diagnostic| diagnostic.path == *path)
-            {
+            for diagnostic in all.into_iter().filter(|diagnostic| diagnostic.path == *path) {
                 if !out.contains(&diagnostic) {
                     out.push(diagnostic);
                 }
@@ -394,9 +377,7 @@ pub(crate) fn unrefuted_findings(
     path: &Utf8Path,
 ) -> Cancellable<Vec<Diagnostic>> {
     let mut all = snapshot.analysis.diagnostics(path)?;
-    if all
-        .iter()
-        .any(|diagnostic| diagnostic.code == folder::NEVER_THROWN)
+    if all.iter().any(|diagnostic| diagnostic.code == folder::NEVER_THROWN)
         && let Some(text) = snapshot.analysis.text(path)?
     {
         let compared = around(snapshot, path)?;
@@ -421,9 +402,7 @@ fn unused_allowances(
     compared: &[Arc<ComparedFolders>],
 ) -> Cancellable<Vec<Diagnostic>> {
     let folders = compared.iter().flat_map(|folder| &folder.folders);
-    let folders: Vec<_> = folders
-        .map(|folder| (&folder.0, folder.1.as_slice()))
-        .collect();
+    let folders: Vec<_> = folders.map(|folder| (&folder.0, folder.1.as_slice())).collect();
     folder::unused_allowances(&folders, &snapshot.analysis)
 }
 
@@ -459,10 +438,7 @@ pub(crate) fn sources_with_findings(snapshot: &Snapshot) -> Cancellable<Vec<Utf8
 pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
     let mut hasher = FxHasher::default();
     let mut anything = false;
-    let code = snapshot
-        .open
-        .iter()
-        .filter(|pair| pair.1.language == Language::Codel);
+    let code = snapshot.open.iter().filter(|pair| pair.1.language == Language::Codel);
     for path in code.map(|code| code.0) {
         for (lens, _) in crate::features::codels::lenses::lenses(snapshot, path)? {
             anything = true;
@@ -471,15 +447,9 @@ pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
     }
     let compared: Vec<_> = lock(&snapshot.codels.compared).values().cloned().collect();
     let (mut seen, mut seen_unused) = (Vec::new(), Vec::new());
-    for found in compared
-        .iter()
-        .flat_map(|lock| lock.findings(&snapshot.analysis))
-    {
+    for found in compared.iter().flat_map(|lock| lock.findings(&snapshot.analysis)) {
         seen.extend(
-            found?
-                .1
-                .into_iter()
-                .map(|drift| (drift.code, drift.severity, drift.message())),
+            found?.1.into_iter().map(|drift| (drift.code, drift.severity, drift.message())),
         );
     }
     for allowance in unused_allowances(snapshot, &compared)? {

@@ -70,19 +70,10 @@ pub fn files(
     });
     let found = host.analysis().diagnostics(&specification);
     let found = found.map_err(|error| error.to_string())?;
-    if let Some(error) = found
-        .iter()
-        .find(|diagnostic| diagnostic.severity == Severity::Error)
-    {
-        return Err(format!(
-            "the component would have an error: {}",
-            error.message
-        ));
+    if let Some(error) = found.iter().find(|diagnostic| diagnostic.severity == Severity::Error) {
+        return Err(format!("the component would have an error: {}", error.message));
     }
-    let options = StubOptions {
-        use_parameters: true,
-        ..StubOptions::default()
-    };
+    let options = StubOptions { use_parameters: true, ..StubOptions::default() };
     let mut project = Project::new(host, texts, FilesConfig::default(), options);
     project.overlay(specification.clone(), text.clone());
     let stubs = command::stub(&mut project, &specification, &StubTarget::All)?;
@@ -94,8 +85,7 @@ pub fn files(
     match out.iter().find(|pair| texts.read(&pair.0).is_some()) {
         Some((path, _)) => Err(format!(
             "`{}` is there already: choose another name or folder, or remove it",
-            path.strip_prefix(folder.parent().unwrap_or(folder))
-                .unwrap_or(path)
+            path.strip_prefix(folder.parent().unwrap_or(folder)).unwrap_or(path)
         )),
         None => Ok(out),
     }
@@ -104,10 +94,7 @@ pub fn files(
 fn formatted(text: &str) -> String {
     let parse = parse_text(text);
     let style = format::Options::default();
-    format::apply(
-        text,
-        &format::format(&parse.syntax(), &parse.broken(), None, &style),
-    )
+    format::apply(text, &format::format(&parse.syntax(), &parse.broken(), None, &style))
 }
 
 /// An interface of a file, in the form that a component uses.
@@ -118,18 +105,11 @@ fn interface(
     path: &Utf8Path,
     reversed: bool,
 ) -> Result<NewInterface, String> {
-    let unit = host
-        .analysis()
-        .root_unit(path)
-        .map_err(|error| error.to_string())?;
+    let unit = host.analysis().root_unit(path).map_err(|error| error.to_string())?;
     let all = &unit.spec.components;
-    let found = all
-        .iter()
-        .find(|component| is_interface(component) && component.name == name);
+    let found = all.iter().find(|component| is_interface(component) && component.name == name);
     let Some(found) = found else {
-        return Err(format!(
-            "{path} has no interface `{name}`: name the file that declares it"
-        ));
+        return Err(format!("{path} has no interface `{name}`: name the file that declares it"));
     };
     let include = ide::relative_path(folder, path).ok_or_else(|| {
         format!("there is no way from {folder} to {path} that an `#include` could name")
@@ -216,19 +196,14 @@ pub(crate) fn interfaces(
         let components = &unit.spec.components;
         // Two files with components cannot be in one unit.
         let file_of = |component: &Component| {
-            unit.locations
-                .locate(component.src)
-                .map(|location| location.path)
+            unit.locations.locate(component.src).map(|location| location.path)
         };
         let with_components: Vec<Utf8PathBuf> = components
             .iter()
             .filter(|component| !is_interface(component))
             .filter_map(file_of)
             .collect();
-        for component in components
-            .iter()
-            .filter(|component| is_interface(component))
-        {
+        for component in components.iter().filter(|component| is_interface(component)) {
             let Some(path) = file_of(component).filter(|file| !with_components.contains(file))
             else {
                 continue;
@@ -236,10 +211,7 @@ pub(crate) fn interfaces(
             let Some(uri) = snapshot.uri(&path) else {
                 continue;
             };
-            if out
-                .iter()
-                .any(|known| known.uri == uri && known.name == component.name.as_str())
-            {
+            if out.iter().any(|known| known.uri == uri && known.name == component.name.as_str()) {
                 continue;
             }
             let ports = component.ports.iter().map(|port| {
@@ -267,25 +239,19 @@ pub(crate) fn new_component(
     params: &NewComponentParams,
 ) -> Cancellable<UserResult<NewFiles>> {
     let Some(folder) = &params.folder else {
-        return Ok(UserResult(Err(
-            "a component needs a folder: name one".to_owned()
-        )));
+        return Ok(UserResult(Err("a component needs a folder: name one".to_owned())));
     };
     let folder = uri::to_path(folder);
     let named = |all: &[InterfaceParams]| -> Vec<(String, Utf8PathBuf)> {
         let all = all.iter();
-        all.map(|param| (param.name.clone(), uri::to_path(&param.uri)))
-            .collect()
+        all.map(|param| (param.name.clone(), uri::to_path(&param.uri))).collect()
     };
     let answers = Answers {
         name: params.name.clone(),
         tasks: params
             .tasks
             .iter()
-            .map(|task| NewTask {
-                name: task.name.clone(),
-                period: task.period.clone(),
-            })
+            .map(|task| NewTask { name: task.name.clone(), period: task.period.clone() })
             .collect(),
         provides: named(&params.provides),
         uses: named(&params.uses),
@@ -296,14 +262,9 @@ pub(crate) fn new_component(
     texts.0.check()?;
     Ok(UserResult(made.map(|made| {
         let file = |(path, text): (Utf8PathBuf, String)| {
-            Some(NewFile {
-                uri: uri::from_path(&path)?,
-                text,
-            })
+            Some(NewFile { uri: uri::from_path(&path)?, text })
         };
-        Some(NewFiles {
-            files: made.into_iter().filter_map(file).collect(),
-        })
+        Some(NewFiles { files: made.into_iter().filter_map(file).collect() })
     })))
 }
 

@@ -37,10 +37,7 @@ pub(crate) fn document(
         return Ok(DocumentReport::default());
     }
     let items = file_diagnostics(snapshot, &subject.path, Severity::Hint)?;
-    Ok(DocumentReport::new(
-        items,
-        params.previous_result_id.as_deref(),
-    ))
+    Ok(DocumentReport::new(items, params.previous_result_id.as_deref()))
 }
 
 /// Some files of the workspace, and the identifiers of the client's reports.
@@ -86,10 +83,7 @@ impl DocumentReport {
         format!("{items:?}").hash(&mut hasher);
         let result_id = format!("{:016x}", hasher.finish());
         let unchanged = known == Some(result_id.as_str());
-        DocumentReport {
-            items: (!unchanged).then_some(items),
-            result_id,
-        }
+        DocumentReport { items: (!unchanged).then_some(items), result_id }
     }
 
     /// The answer of `textDocument/diagnostic`.
@@ -151,10 +145,7 @@ pub(crate) struct Listing {
 /// Every file of every unit, except units that make analysis panic.
 pub(crate) fn listing(snapshot: &Snapshot, (): &()) -> Cancellable<Listing> {
     let units = snapshot.on_all_cores(&snapshot.roots, |snapshot, root| {
-        survived(
-            root,
-            panic::isolate(|| snapshot.analysis.files_of_root(root)),
-        )
+        survived(root, panic::isolate(|| snapshot.analysis.files_of_root(root)))
     });
     let mut files = BTreeSet::new();
     for unit in units {

@@ -89,10 +89,7 @@ pub(crate) fn handle(
     {
         around(&symbols, at.offset, &mut wish);
     }
-    let key = format!(
-        "{} {:?} {:?} {:?}",
-        subject.path, wish, params.theme, params.format
-    );
+    let key = format!("{} {:?} {:?} {:?}", subject.path, wish, params.theme, params.format);
     let broken = syntax_error(snapshot, subject)?;
     if let Some(reason) = &broken
         && let Some(mut last) = question.last.get(&key)
@@ -114,11 +111,7 @@ pub(crate) fn handle(
         return Ok(None);
     };
     let (nodes, edges) = nodes_and_edges(snapshot, &units, picture);
-    let declared = declared(
-        &symbols,
-        picture.component.as_deref(),
-        picture.owner.as_deref(),
-    );
+    let declared = declared(&symbols, picture.component.as_deref(), picture.owner.as_deref());
     let place = match (declared, snapshot.lines(&subject.path)?) {
         (Some(symbol), Some(lines)) => json!({
             "uri": snapshot.uri(&subject.path),
@@ -221,10 +214,7 @@ fn chains(snapshot: &Snapshot, units: &[UnitResult]) -> Vec<Chain> {
                 [component, port] => Some((component.value.clone(), port.value.clone())),
                 _ => None,
             });
-            let says = match entry
-                .known()
-                .and_then(|answer| said(answer.view(), &check.range))
-            {
+            let says = match entry.known().and_then(|answer| said(answer.view(), &check.range)) {
                 Some(answer) => answer,
                 None => format!("{}: not known yet", path.text()),
             };
@@ -252,20 +242,14 @@ fn said(view: View, written: &std::ops::Range<usize>) -> Option<String> {
 /// Sets the names in a wish to the declaration around an offset. Without a declaration there, the names are
 /// unchanged.
 fn around(symbols: &[DocumentSymbol], offset: usize, wish: &mut PictureRequest) {
-    for symbol in symbols
-        .iter()
-        .filter(|symbol| symbol.range.contains(&offset))
-    {
+    for symbol in symbols.iter().filter(|symbol| symbol.range.contains(&offset)) {
         match symbol.kind {
             SymbolKind::Component if wish.component.as_deref() != Some(&symbol.name) => {
                 wish.component = Some(symbol.name.clone());
                 wish.owner = None;
             }
             SymbolKind::Task | SymbolKind::Activity if wish.kind == Kind::Fsm => {
-                let machine = symbol
-                    .children
-                    .iter()
-                    .any(|child| child.kind == SymbolKind::Codel);
+                let machine = symbol.children.iter().any(|child| child.kind == SymbolKind::Codel);
                 if machine {
                     wish.owner = Some(symbol.name.clone());
                 }
@@ -300,10 +284,8 @@ fn declared<'s>(
         return Some(component);
     };
     component.children.iter().find(|child| {
-        matches!(
-            child.kind,
-            SymbolKind::Task | SymbolKind::Activity | SymbolKind::Function
-        ) && child.name == owner
+        matches!(child.kind, SymbolKind::Task | SymbolKind::Activity | SymbolKind::Function)
+            && child.name == owner
     })
 }
 

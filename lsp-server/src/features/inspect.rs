@@ -65,10 +65,7 @@ pub(crate) fn including_roots(
 ) -> Cancellable<IncludingRoots> {
     let roots = snapshot.analysis.roots_containing(&subject.path)?;
     let roots: Vec<_> = roots.iter().filter_map(|root| snapshot.uri(root)).collect();
-    Ok(IncludingRoots {
-        current: roots.first().cloned(),
-        roots,
-    })
+    Ok(IncludingRoots { current: roots.first().cloned(), roots })
 }
 
 /// `dotgen/release`: the release of GenoM3 that a document is read as.

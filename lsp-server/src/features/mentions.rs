@@ -24,12 +24,7 @@ pub(crate) fn declaration(
 ) -> Cancellable<Option<FilePlace>> {
     let specs = problem.specs();
     let names = Names::new(&specs);
-    let own = |range: Range<usize>| {
-        Some(FilePlace {
-            path: problem.path.clone(),
-            range,
-        })
-    };
+    let own = |range: Range<usize>| Some(FilePlace { path: problem.path.clone(), range });
     let declared = match target {
         Target::Client(name) => {
             let entries = outline::outline(&problem.text, &problem.scenario);
@@ -44,9 +39,7 @@ pub(crate) fn declaration(
             let mut steps = children
                 .filter(|child| child.kind == EntryKind::Client && child.name == *client)
                 .flat_map(|child| child.children);
-            return Ok(steps
-                .find(|step| step.name == *label)
-                .and_then(|step| own(step.selection)));
+            return Ok(steps.find(|step| step.name == *label).and_then(|step| own(step.selection)));
         }
         _ => names.declaration(target),
     };
@@ -58,21 +51,14 @@ pub(crate) fn declaration(
         return Ok(None);
     };
     // Analysis finds the place of the name.
-    let at = FilePosition {
-        path: place.path.clone(),
-        offset: place.range.start,
-    };
+    let at = FilePosition { path: place.path.clone(), offset: place.range.start };
     let found = snapshot.analysis.goto_definition(&at)?;
     let name = found.and_then(|definition| definition.info.into_iter().next());
     Ok(Some(match name {
-        Some(name) if !matches!(target, Target::State(..) | Target::Codel(..)) => FilePlace {
-            path: name.path,
-            range: name.focus_range,
-        },
-        _ => FilePlace {
-            path: place.path,
-            range: place.range,
-        },
+        Some(name) if !matches!(target, Target::State(..) | Target::Codel(..)) => {
+            FilePlace { path: name.path, range: name.focus_range }
+        }
+        _ => FilePlace { path: place.path, range: place.range },
     }))
 }
 
@@ -147,10 +133,7 @@ pub(crate) fn renames(
     new_name: &str,
 ) -> Cancellable<Vec<FileEdit>> {
     let mentions = mentions(snapshot, at)?.into_iter();
-    let edits = mentions.map(|(path, range)| FileEdit {
-        path,
-        range,
-        new_text: new_name.to_owned(),
-    });
+    let edits =
+        mentions.map(|(path, range)| FileEdit { path, range, new_text: new_name.to_owned() });
     Ok(edits.collect())
 }

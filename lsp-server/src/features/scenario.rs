@@ -69,17 +69,12 @@ impl Cursor {
         subject: &Subject,
         position: Position,
     ) -> Cancellable<Option<Cursor>> {
-        let (Some(at), Some(lines)) = (
-            snapshot.cursor(subject, position)?,
-            snapshot.lines(&subject.path)?,
-        ) else {
+        let (Some(at), Some(lines)) =
+            (snapshot.cursor(subject, position)?, snapshot.lines(&subject.path)?)
+        else {
             return Ok(None);
         };
-        Ok(Some(Cursor {
-            problem: read(snapshot, &subject.path)?,
-            offset: at.offset,
-            lines,
-        }))
+        Ok(Some(Cursor { problem: read(snapshot, &subject.path)?, offset: at.offset, lines }))
     }
 
     fn touches(&self, range: &Range<usize>) -> bool {
@@ -202,9 +197,7 @@ fn definition(
     };
     let files = problem::used(&cursor.problem.scenario, &subject.path);
     if let Some(file) = files.into_iter().find(|file| cursor.touches(&file.range)) {
-        return Ok(snapshot
-            .location(&file.path, &(0..0))?
-            .map(|location| vec![location].into()));
+        return Ok(snapshot.location(&file.path, &(0..0))?.map(|location| vec![location].into()));
     }
     let Some(reference) = cursor.reference() else {
         return Ok(None);
@@ -281,9 +274,7 @@ fn completion(
             let files = files(snapshot, &subject.path);
             let items = files.into_iter().enumerate();
             let kind = CompletionItemKind::FILE;
-            items
-                .map(|(i, file)| item(i, file, kind, String::new(), &range))
-                .collect()
+            items.map(|(i, file)| item(i, file, kind, String::new(), &range)).collect()
         }
         Completions::Of { replace, items } => {
             let items = items.into_iter().enumerate();
@@ -300,10 +291,7 @@ fn completion(
                 .collect()
         }
     };
-    Ok(Some(CompletionResponse::List(CompletionList {
-        is_incomplete: false,
-        items,
-    })))
+    Ok(Some(CompletionResponse::List(CompletionList { is_incomplete: false, items })))
 }
 
 /// Specifications of the workspace, in the form that `use` names them.
@@ -353,10 +341,9 @@ fn symbols(
     subject: &Subject,
     _: &DocumentSymbolParams,
 ) -> Cancellable<Option<DocumentSymbolResponse>> {
-    let (Some(text), Some(lines)) = (
-        snapshot.analysis.text(&subject.path)?,
-        snapshot.lines(&subject.path)?,
-    ) else {
+    let (Some(text), Some(lines)) =
+        (snapshot.analysis.text(&subject.path)?, snapshot.lines(&subject.path)?)
+    else {
         return Ok(None);
     };
     let entries = outline::outline(&text, &scn::parse(&text).scenario);
@@ -401,9 +388,7 @@ fn highlights(
     };
     let specs = cursor.problem.specs();
     let all = Names::new(&specs).references(&cursor.problem.scenario);
-    let same = all
-        .into_iter()
-        .filter(|other| other.target == reference.target);
+    let same = all.into_iter().filter(|other| other.target == reference.target);
     let ranges = same.map(|reference| DocumentHighlight {
         range: cursor.lines.range(&reference.range),
         kind: Some(DocumentHighlightKind::READ),
@@ -428,10 +413,7 @@ fn declared_at(
         return Ok(None);
     };
     let text = cursor.problem.text.get(reference.range.clone());
-    let at = FilePosition {
-        path: place.path,
-        offset: place.range.start,
-    };
+    let at = FilePosition { path: place.path, offset: place.range.start };
     let range = cursor.lines.range(&reference.range);
     Ok(Some((at, range, text.unwrap_or_default().to_owned())))
 }
@@ -463,10 +445,7 @@ fn prepare_rename(
         return Ok(UserResult::default());
     };
     Ok(UserResult(match snapshot.analysis.prepare_rename(&at)? {
-        Ok(_) => Ok(Some(PrepareRenameResponse::RangeWithPlaceholder {
-            range,
-            placeholder,
-        })),
+        Ok(_) => Ok(Some(PrepareRenameResponse::RangeWithPlaceholder { range, placeholder })),
         Err(error) => Err(error.0),
     }))
 }

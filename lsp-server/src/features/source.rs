@@ -48,24 +48,15 @@ fn declared(
                 let Some(origin) = origin(&expected, &folder.sources, &at.path, at.offset) else {
                     continue;
                 };
-                let range = snapshot
-                    .location(&at.path, &origin.range)?
-                    .map(|location| location.range);
-                let places = &mut out
-                    .get_or_insert(DeclaredName {
-                        range,
-                        places: Vec::new(),
-                    })
-                    .places;
+                let range =
+                    snapshot.location(&at.path, &origin.range)?.map(|location| location.range);
+                let places =
+                    &mut out.get_or_insert(DeclaredName { range, places: Vec::new() }).places;
                 for src in origin.declared {
-                    let place = folder
-                        .unit
-                        .locations
-                        .locate(src)
-                        .map(|location| FilePosition {
-                            path: location.path,
-                            offset: location.range.end,
-                        });
+                    let place = folder.unit.locations.locate(src).map(|location| FilePosition {
+                        path: location.path,
+                        offset: location.range.end,
+                    });
                     places.extend(place.filter(|place| !places.contains(place)));
                 }
             }

@@ -10,10 +10,8 @@ use super::language::LanguageFeatures;
 use crate::workspace::snapshot::Snapshot;
 
 /// The features of templates.
-pub(crate) const FEATURES: LanguageFeatures = LanguageFeatures {
-    diagnostics,
-    ..LanguageFeatures::NONE
-};
+pub(crate) const FEATURES: LanguageFeatures =
+    LanguageFeatures { diagnostics, ..LanguageFeatures::NONE };
 
 /// Maximum number of scripts that a template requires.
 const MAX_REQUIRED: usize = 32;
@@ -33,10 +31,7 @@ fn diagnostics(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Diagnost
         scripts.push(main);
     }
     // The settings of the user take precedence.
-    let said = snapshot
-        .open
-        .get(file)
-        .is_some_and(|file| file.is_template_source);
+    let said = snapshot.open.get(file).is_some_and(|file| file.is_template_source);
     let role = files::role(file, &text, scripts.iter().map(|script| &**script));
     Ok(match role {
         Some(Role::Script) if !said => check::script(file, &text),

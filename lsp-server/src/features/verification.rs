@@ -48,10 +48,7 @@ fn tasks(problem: &Problem, path: &Utf8Path) -> Vec<TaskLocation> {
             let place = unit.locations.locate(task.src);
             if let Some(place) = place.filter(|place| place.path == path) {
                 out.push(TaskLocation {
-                    id: DeclaredTask {
-                        component: c,
-                        index: t,
-                    },
+                    id: DeclaredTask { component: c, index: t },
                     range: place.range,
                 });
             }
@@ -105,13 +102,7 @@ pub(crate) fn actions(
                 crate::features::convert::diagnostic::to_proto(snapshot, &found.diagnostic)?;
             for change in &found.changes {
                 let of = diagnostic.clone();
-                out.extend(remedy::action(
-                    snapshot,
-                    offers,
-                    &found.problem,
-                    change,
-                    of,
-                )?);
+                out.extend(remedy::action(snapshot, offers, &found.problem, change, of)?);
             }
             if found.diagnostic.code == diagnostics::GAVE_UP {
                 // Without a run to show, the action that helps is the one that writes a scenario.
@@ -174,10 +165,7 @@ fn write_out(
     let file = target.file_name().unwrap_or_default();
     let create = CreateFile {
         uri: uri.clone(),
-        options: Some(CreateFileOptions {
-            overwrite: Some(false),
-            ignore_if_exists: Some(false),
-        }),
+        options: Some(CreateFileOptions { overwrite: Some(false), ignore_if_exists: Some(false) }),
         annotation_id: None,
     };
     let fill = TextDocumentEdit {

@@ -112,10 +112,7 @@ impl ClientCaps {
                 "/capabilities/textDocument/semanticTokens/augmentsSyntaxTokens",
             ),
             related_information: diagnostics.related_information.unwrap_or(false)
-                || flag(
-                    raw,
-                    "/capabilities/textDocument/diagnostic/relatedInformation",
-                )
+                || flag(raw, "/capabilities/textDocument/diagnostic/relatedInformation")
                 || text.diagnostic.is_some(),
             code_description: diagnostics.code_description_support.unwrap_or(false)
                 || text.diagnostic.is_some(),
@@ -123,10 +120,7 @@ impl ClientCaps {
                 .document_symbol
                 .and_then(|symbol| symbol.hierarchical_document_symbol_support)
                 .unwrap_or(false),
-            definition_link: links(
-                text.definition
-                    .and_then(|definition| definition.link_support),
-            ),
+            definition_link: links(text.definition.and_then(|definition| definition.link_support)),
             line_folding_only: text
                 .folding_range
                 .and_then(|range| range.line_folding_only)

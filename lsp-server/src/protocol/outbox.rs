@@ -32,11 +32,7 @@ impl Outbox {
                 job.await;
             }
         });
-        Outbox {
-            client,
-            jobs,
-            runtime,
-        }
+        Outbox { client, jobs, runtime }
     }
 
     /// Sends a notification after all earlier ones.

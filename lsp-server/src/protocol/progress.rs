@@ -30,10 +30,7 @@ pub(crate) struct Running {
 
 impl ProgressReporter {
     pub(crate) fn new(client: Client) -> ProgressReporter {
-        ProgressReporter {
-            client,
-            inner: Arc::default(),
-        }
+        ProgressReporter { client, inner: Arc::default() }
     }
 
     fn inner(&self) -> MutexGuard<'_, Inner> {
@@ -60,10 +57,7 @@ impl ProgressReporter {
         };
         let token = ProgressToken::String(name.clone());
         self.client.create_work_done_progress(token).await.ok()?;
-        Some(Running {
-            shown: self.clone(),
-            name,
-        })
+        Some(Running { shown: self.clone(), name })
     }
 
     /// `window/workDoneProgress/cancel`
@@ -112,9 +106,7 @@ impl Running {
             value: ProgressParamsValue::WorkDone(value),
         };
         let client = &self.shown.client;
-        client
-            .send_notification::<notification::Progress>(params)
-            .await;
+        client.send_notification::<notification::Progress>(params).await;
     }
 }
 

@@ -146,17 +146,12 @@ impl Backend {
         show: fn(&Snapshot, &Subject, &verification::Question) -> Cancellable<Option<R>>,
     ) -> Result<Option<R>> {
         let uri = params.text_document.uri.clone();
-        let found = self
-            .dispatch
-            .document(uri.clone(), params.clone(), verification::prepare);
+        let found = self.dispatch.document(uri.clone(), params.clone(), verification::prepare);
         let Some(prepared) = found.await? else {
             return Ok(None);
         };
         // A variation takes long. It runs without a snapshot, because a snapshot would delay edits.
-        let question = verification::Question {
-            shown: prepared.answer().await,
-            params,
-        };
+        let question = verification::Question { shown: prepared.answer().await, params };
         self.dispatch.document(uri, question, show).await
     }
 
@@ -167,9 +162,7 @@ impl Backend {
     ) -> Result<Option<verification::SensitivityResult>> {
         let uri = params.text_document.uri.clone();
         let question = params.verification();
-        let found = self
-            .dispatch
-            .document(uri.clone(), question, verification::prepare);
+        let found = self.dispatch.document(uri.clone(), question, verification::prepare);
         let Some(prepared) = found.await? else {
             return Ok(None);
         };
@@ -185,11 +178,9 @@ impl Backend {
         params: DocumentParams,
     ) -> Result<Option<codels::headers::CodelHeaders>> {
         let uri = params.text_document.uri.clone();
-        let answer = self
-            .dispatch
-            .language(uri, params, |_, snapshot, subject, params| {
-                codels::headers::handle(snapshot, subject, params)
-            });
+        let answer = self.dispatch.language(uri, params, |_, snapshot, subject, params| {
+            codels::headers::handle(snapshot, subject, params)
+        });
         answer.await?.into_response()
     }
 }

@@ -19,14 +19,12 @@ fn strings(all: &[&str]) -> Vec<String> {
 pub(crate) fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
     ServerCapabilities {
         position_encoding: Some(client.encoding.kind()),
-        text_document_sync: Some(TextDocumentSyncCapability::Options(
-            TextDocumentSyncOptions {
-                open_close: Some(true),
-                change: Some(TextDocumentSyncKind::INCREMENTAL),
-                save: Some(TextDocumentSyncSaveOptions::Supported(true)),
-                ..TextDocumentSyncOptions::default()
-            },
-        )),
+        text_document_sync: Some(TextDocumentSyncCapability::Options(TextDocumentSyncOptions {
+            open_close: Some(true),
+            change: Some(TextDocumentSyncKind::INCREMENTAL),
+            save: Some(TextDocumentSyncSaveOptions::Supported(true)),
+            ..TextDocumentSyncOptions::default()
+        })),
         document_symbol_provider: Some(OneOf::Left(true)),
         workspace_symbol_provider: Some(OneOf::Left(true)),
         folding_range_provider: Some(FoldingRangeProviderCapability::Simple(true)),
@@ -66,9 +64,7 @@ pub(crate) fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
             first_trigger_character: ";".to_owned(),
             more_trigger_character: Some(strings(&["}", "\n"])),
         }),
-        code_lens_provider: Some(CodeLensOptions {
-            resolve_provider: Some(true),
-        }),
+        code_lens_provider: Some(CodeLensOptions { resolve_provider: Some(true) }),
         inlay_hint_provider: Some(OneOf::Left(true)),
         call_hierarchy_provider: Some(CallHierarchyServerCapability::Simple(true)),
         execute_command_provider: Some(ExecuteCommandOptions {
@@ -142,9 +138,8 @@ pub(crate) fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
 }
 
 /// Extensions of the files whose changes on disk are watched.
-const WATCHED_EXTENSIONS: [&str; 12] = [
-    "gen", "idl", "scn", "pc", "c", "cc", "cpp", "cxx", "h", "hh", "hpp", "hxx",
-];
+const WATCHED_EXTENSIONS: [&str; 12] =
+    ["gen", "idl", "scn", "pc", "c", "cc", "cpp", "cxx", "h", "hh", "hpp", "hxx"];
 
 /// Names of watched files with other extensions.
 const WATCHED_NAMES: [&str; 3] = ["dotgen.toml", "Makefile.am", "template.tcl"];
@@ -153,9 +148,7 @@ const WATCHED_NAMES: [&str; 3] = ["dotgen.toml", "Makefile.am", "template.tcl"];
 pub(crate) fn is_watched(path: &Utf8Path) -> bool {
     let extension = path.extension();
     extension.is_some_and(|extension| WATCHED_EXTENSIONS.contains(&extension))
-        || path
-            .file_name()
-            .is_some_and(|name| WATCHED_NAMES.contains(&name))
+        || path.file_name().is_some_and(|name| WATCHED_NAMES.contains(&name))
 }
 
 /// The registrations that are sent after `initialized`.
@@ -245,13 +238,9 @@ pub(crate) struct ForeignDocuments {
 
 impl ForeignDocuments {
     fn registered(&self) -> Vec<DocumentRegistration> {
-        let asked = (!self.codels.is_empty())
-            .then_some(REQUEST_REGISTRATIONS)
-            .into_iter()
-            .flatten();
-        let sent = NOTIFICATION_REGISTRATIONS
-            .into_iter()
-            .filter(|_| *self != Self::default());
+        let asked =
+            (!self.codels.is_empty()).then_some(REQUEST_REGISTRATIONS).into_iter().flatten();
+        let sent = NOTIFICATION_REGISTRATIONS.into_iter().filter(|_| *self != Self::default());
         sent.chain(asked).collect()
     }
 

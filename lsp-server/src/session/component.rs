@@ -11,12 +11,7 @@ impl Backend {
         params: component::NewComponentParams,
     ) -> Result<Vec<component::InterfaceInfo>> {
         self.dispatch
-            .everywhere(
-                "Looking for interfaces",
-                None,
-                params,
-                component::interfaces,
-            )
+            .everywhere("Looking for interfaces", None, params, component::interfaces)
             .await
     }
 

@@ -199,14 +199,7 @@ impl Dispatcher {
             }
             _ => Ok(R::default()),
         };
-        self.run(
-            Some(uri),
-            RequestScope::default(),
-            params,
-            Arc::default(),
-            work,
-        )
-        .await
+        self.run(Some(uri), RequestScope::default(), params, Arc::default(), work).await
     }
 
     /// A request that the language of the document answers, with one of its features.
@@ -247,14 +240,7 @@ impl Dispatcher {
             }
             None => Ok(R::default()),
         };
-        self.run(
-            Some(uri),
-            RequestScope::default(),
-            params,
-            Arc::default(),
-            work,
-        )
-        .await
+        self.run(Some(uri), RequestScope::default(), params, Arc::default(), work).await
     }
 
     /// A request whose answer is wrong if a part of the workspace is unknown: an edit of every place. It
@@ -275,10 +261,7 @@ impl Dispatcher {
         let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| {
             handler(snapshot, subject, params)
         };
-        let about = RequestScope {
-            whole: true,
-            bulk: true,
-        };
+        let about = RequestScope { whole: true, bulk: true };
         let seen = Arc::new(HandlerState::default());
         let answer = pin!(self.run(uri, about, params, seen.clone(), work));
         self.shown(title, &seen, answer).await
@@ -346,8 +329,7 @@ impl Dispatcher {
     {
         let work =
             move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
-        self.run(None, RequestScope::default(), params, Arc::default(), work)
-            .await
+        self.run(None, RequestScope::default(), params, Arc::default(), work).await
     }
 
     /// A request about the whole workspace. The number of such requests at a time is limited, so that other
@@ -364,10 +346,7 @@ impl Dispatcher {
         let _permit = self.background.acquire().await;
         let work =
             move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
-        let about = RequestScope {
-            bulk: true,
-            ..RequestScope::default()
-        };
+        let about = RequestScope { bulk: true, ..RequestScope::default() };
         self.run(None, about, params, Arc::default(), work).await
     }
 

@@ -137,11 +137,7 @@ impl Publisher {
                 false
             }
             Computed::Finished { files, codels } => {
-                let gone: Vec<_> = self
-                    .sent
-                    .keys()
-                    .filter(|key| !files.contains(*key))
-                    .collect();
+                let gone: Vec<_> = self.sent.keys().filter(|key| !files.contains(*key)).collect();
                 for path in gone.into_iter().cloned().collect::<Vec<_>>() {
                     self.clear(&path, outbox);
                     self.sent.remove(&path);
@@ -158,9 +154,7 @@ impl Publisher {
         open: &FxHashMap<Utf8PathBuf, OpenFile>,
         outbox: &Outbox,
     ) {
-        let FileResult {
-            path, uri, version, ..
-        } = result;
+        let FileResult { path, uri, version, .. } = result;
         if open.get(&path).map(|file| file.version) != version {
             return;
         }
@@ -274,10 +268,8 @@ impl Run {
             let next = left.split_off(left.len().saturating_sub(BATCH));
             return self.compute_files(next, snapshot, events);
         }
-        let sources = survived(
-            "sources".into(),
-            panic::isolate(|| sources_with_findings(snapshot)),
-        )?;
+        let sources =
+            survived("sources".into(), panic::isolate(|| sources_with_findings(snapshot)))?;
         self.compute_files(sources.unwrap_or_default(), snapshot, events)?;
         let codels = survived("codels".into(), panic::isolate(|| fingerprint(snapshot)))?;
         events.send(News::Computed(Computed::Finished {

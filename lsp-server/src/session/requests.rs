@@ -43,30 +43,22 @@ pub(super) fn custom_methods(builder: Builder) -> Builder {
 impl Backend {
     async fn syntax_tree(&self, params: DocumentParams) -> Result<Option<String>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .document(uri, params, inspect::syntax_tree)
-            .await
+        self.dispatch.document(uri, params, inspect::syntax_tree).await
     }
 
     async fn item_tree(&self, params: DocumentParams) -> Result<Option<String>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .document(uri, params, inspect::item_tree)
-            .await
+        self.dispatch.document(uri, params, inspect::item_tree).await
     }
 
     async fn expand_macro(&self, params: PositionParams) -> Result<Option<MacroExpansion>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .document(uri, params, inspect::expand_macro)
-            .await
+        self.dispatch.document(uri, params, inspect::expand_macro).await
     }
 
     async fn including_roots(&self, params: DocumentParams) -> Result<IncludingRoots> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .document(uri, params, inspect::including_roots)
-            .await
+        self.dispatch.document(uri, params, inspect::including_roots).await
     }
 
     async fn release(&self, params: DocumentParams) -> Result<ReleaseInfo> {
@@ -86,16 +78,12 @@ impl LanguageServer for Backend {
         params: DocumentSymbolParams,
     ) -> Result<Option<DocumentSymbolResponse>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .feature(uri, params, |features| features.symbols)
-            .await
+        self.dispatch.feature(uri, params, |features| features.symbols).await
     }
 
     async fn folding_range(&self, params: FoldingRangeParams) -> Result<Option<Vec<FoldingRange>>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .feature(uri, params, |features| features.folds)
-            .await
+        self.dispatch.feature(uri, params, |features| features.folds).await
     }
 
     async fn selection_range(
@@ -103,16 +91,12 @@ impl LanguageServer for Backend {
         params: SelectionRangeParams,
     ) -> Result<Option<Vec<SelectionRange>>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .feature(uri, params, |features| features.selections)
-            .await
+        self.dispatch.feature(uri, params, |features| features.selections).await
     }
 
     async fn document_link(&self, params: DocumentLinkParams) -> Result<Option<Vec<DocumentLink>>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .feature(uri, params, |features| features.links)
-            .await
+        self.dispatch.feature(uri, params, |features| features.links).await
     }
 
     async fn semantic_tokens_range(
@@ -120,122 +104,72 @@ impl LanguageServer for Backend {
         params: SemanticTokensRangeParams,
     ) -> Result<Option<SemanticTokensRangeResult>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .feature(uri, params, |features| features.tokens_in)
-            .await
+        self.dispatch.feature(uri, params, |features| features.tokens_in).await
     }
 
     async fn goto_definition(
         &self,
         params: GotoDefinitionParams,
     ) -> Result<Option<GotoDefinitionResponse>> {
-        let uri = params
-            .text_document_position_params
-            .text_document
-            .uri
-            .clone();
-        self.dispatch
-            .feature(uri, params, |features| features.definition)
-            .await
+        let uri = params.text_document_position_params.text_document.uri.clone();
+        self.dispatch.feature(uri, params, |features| features.definition).await
     }
 
     async fn goto_declaration(
         &self,
         params: GotoDeclarationParams,
     ) -> Result<Option<GotoDeclarationResponse>> {
-        let uri = params
-            .text_document_position_params
-            .text_document
-            .uri
-            .clone();
-        self.dispatch
-            .feature(uri, params, |features| features.declaration)
-            .await
+        let uri = params.text_document_position_params.text_document.uri.clone();
+        self.dispatch.feature(uri, params, |features| features.declaration).await
     }
 
     async fn goto_type_definition(
         &self,
         params: GotoTypeDefinitionParams,
     ) -> Result<Option<GotoTypeDefinitionResponse>> {
-        let uri = params
-            .text_document_position_params
-            .text_document
-            .uri
-            .clone();
-        self.dispatch
-            .feature(uri, params, |features| features.type_definition)
-            .await
+        let uri = params.text_document_position_params.text_document.uri.clone();
+        self.dispatch.feature(uri, params, |features| features.type_definition).await
     }
 
     async fn goto_implementation(
         &self,
         params: GotoImplementationParams,
     ) -> Result<Option<GotoImplementationResponse>> {
-        let uri = params
-            .text_document_position_params
-            .text_document
-            .uri
-            .clone();
-        self.dispatch
-            .feature(uri, params, |features| features.implementation)
-            .await
+        let uri = params.text_document_position_params.text_document.uri.clone();
+        self.dispatch.feature(uri, params, |features| features.implementation).await
     }
 
     async fn references(&self, params: ReferenceParams) -> Result<Option<Vec<Location>>> {
         let uri = params.text_document_position.text_document.uri.clone();
-        self.dispatch
-            .feature(uri, params, |features| features.references)
-            .await
+        self.dispatch.feature(uri, params, |features| features.references).await
     }
 
     async fn document_highlight(
         &self,
         params: DocumentHighlightParams,
     ) -> Result<Option<Vec<DocumentHighlight>>> {
-        let uri = params
-            .text_document_position_params
-            .text_document
-            .uri
-            .clone();
-        self.dispatch
-            .feature(uri, params, |features| features.highlights)
-            .await
+        let uri = params.text_document_position_params.text_document.uri.clone();
+        self.dispatch.feature(uri, params, |features| features.highlights).await
     }
 
     async fn hover(&self, params: HoverParams) -> Result<Option<Hover>> {
-        let uri = params
-            .text_document_position_params
-            .text_document
-            .uri
-            .clone();
-        self.dispatch
-            .feature(uri, params, |features| features.hover)
-            .await
+        let uri = params.text_document_position_params.text_document.uri.clone();
+        self.dispatch.feature(uri, params, |features| features.hover).await
     }
 
     async fn completion(&self, params: CompletionParams) -> Result<Option<CompletionResponse>> {
         let uri = params.text_document_position.text_document.uri.clone();
-        self.dispatch
-            .feature(uri, params, |features| features.completion)
-            .await
+        self.dispatch.feature(uri, params, |features| features.completion).await
     }
 
     async fn signature_help(&self, params: SignatureHelpParams) -> Result<Option<SignatureHelp>> {
-        let uri = params
-            .text_document_position_params
-            .text_document
-            .uri
-            .clone();
-        self.dispatch
-            .feature(uri, params, |features| features.signature)
-            .await
+        let uri = params.text_document_position_params.text_document.uri.clone();
+        self.dispatch.feature(uri, params, |features| features.signature).await
     }
 
     async fn formatting(&self, params: DocumentFormattingParams) -> Result<Option<Vec<TextEdit>>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .feature(uri, params, |features| features.format)
-            .await
+        self.dispatch.feature(uri, params, |features| features.format).await
     }
 
     async fn range_formatting(
@@ -243,9 +177,7 @@ impl LanguageServer for Backend {
         params: DocumentRangeFormattingParams,
     ) -> Result<Option<Vec<TextEdit>>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .feature(uri, params, |features| features.format_range)
-            .await
+        self.dispatch.feature(uri, params, |features| features.format_range).await
     }
 
     async fn on_type_formatting(
@@ -253,44 +185,30 @@ impl LanguageServer for Backend {
         params: DocumentOnTypeFormattingParams,
     ) -> Result<Option<Vec<TextEdit>>> {
         let uri = params.text_document_position.text_document.uri.clone();
-        self.dispatch
-            .feature(uri, params, |features| features.format_typed)
-            .await
+        self.dispatch.feature(uri, params, |features| features.format_typed).await
     }
 
     async fn inlay_hint(&self, params: InlayHintParams) -> Result<Option<Vec<InlayHint>>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .feature(uri, params, |features| features.hints)
-            .await
+        self.dispatch.feature(uri, params, |features| features.hints).await
     }
 
     async fn code_lens(&self, params: CodeLensParams) -> Result<Option<Vec<CodeLens>>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .feature(uri, params, |features| features.lenses)
-            .await
+        self.dispatch.feature(uri, params, |features| features.lenses).await
     }
 
     async fn prepare_call_hierarchy(
         &self,
         params: CallHierarchyPrepareParams,
     ) -> Result<Option<Vec<CallHierarchyItem>>> {
-        let uri = params
-            .text_document_position_params
-            .text_document
-            .uri
-            .clone();
-        self.dispatch
-            .feature(uri, params, |features| features.calls)
-            .await
+        let uri = params.text_document_position_params.text_document.uri.clone();
+        self.dispatch.feature(uri, params, |features| features.calls).await
     }
 
     async fn code_action(&self, params: CodeActionParams) -> Result<Option<CodeActionResponse>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch
-            .feature(uri, params, |features| features.actions)
-            .await
+        self.dispatch.feature(uri, params, |features| features.actions).await
     }
 
     async fn initialize(&self, params: InitializeParams) -> Result<InitializeResult> {
@@ -396,26 +314,22 @@ impl LanguageServer for Backend {
 
     async fn rename(&self, params: RenameParams) -> Result<Option<WorkspaceEdit>> {
         let uri = document_of(&params.text_document_position);
-        let answer = self.dispatch.everywhere(
-            "Renaming",
-            Some(uri),
-            params,
-            |snapshot, subject, params| match subject {
-                Some(subject) => {
-                    let features = features_of(snapshot, &subject.path);
-                    (features.rename)(snapshot, subject, params)
+        let answer =
+            self.dispatch.everywhere("Renaming", Some(uri), params, |snapshot, subject, params| {
+                match subject {
+                    Some(subject) => {
+                        let features = features_of(snapshot, &subject.path);
+                        (features.rename)(snapshot, subject, params)
+                    }
+                    None => Ok(Default::default()),
                 }
-                None => Ok(Default::default()),
-            },
-        );
+            });
         answer.await?.into_response()
     }
 
     async fn will_rename_files(&self, params: RenameFilesParams) -> Result<Option<WorkspaceEdit>> {
         let files = |snapshot: &_, _: Option<&_>, params: &_| rename::files(snapshot, params);
-        let answer = self
-            .dispatch
-            .everywhere("Updating includes", None, params, files);
+        let answer = self.dispatch.everywhere("Updating includes", None, params, files);
         answer.await?.into_response()
     }
 
@@ -428,24 +342,18 @@ impl LanguageServer for Backend {
         &self,
         params: CallHierarchyIncomingCallsParams,
     ) -> Result<Option<Vec<CallHierarchyIncomingCall>>> {
-        self.dispatch
-            .anywhere(params, call_hierarchy::incoming)
-            .await
+        self.dispatch.anywhere(params, call_hierarchy::incoming).await
     }
 
     async fn outgoing_calls(
         &self,
         params: CallHierarchyOutgoingCallsParams,
     ) -> Result<Option<Vec<CallHierarchyOutgoingCall>>> {
-        self.dispatch
-            .anywhere(params, call_hierarchy::outgoing)
-            .await
+        self.dispatch.anywhere(params, call_hierarchy::outgoing).await
     }
 
     async fn code_action_resolve(&self, action: CodeAction) -> Result<CodeAction> {
-        let resolved = self
-            .dispatch
-            .anywhere(action.clone(), codels::actions::resolve);
+        let resolved = self.dispatch.anywhere(action.clone(), codels::actions::resolve);
         let resolved = resolved.await?.into_response()?;
         Ok(resolved.unwrap_or(action))
     }

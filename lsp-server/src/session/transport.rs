@@ -284,10 +284,7 @@ impl CloneParams for Option<&Value> {
 
 /// The document whose text a notification changes.
 fn document_of(request: &Request) -> Option<Uri> {
-    let changes = matches!(
-        request.method(),
-        "textDocument/didOpen" | "textDocument/didChange"
-    );
+    let changes = matches!(request.method(), "textDocument/didOpen" | "textDocument/didChange");
     let params = request.params().filter(|_| changes)?;
     let uri = &params["textDocument"]["uri"];
     serde_json::from_value(uri.clone()).ok()
@@ -310,11 +307,9 @@ fn answered<E: Send + 'static>(
                 let message = format!("there is no method `{method}`");
                 Some(failure(&id, code::METHOD_NOT_FOUND, &message))
             }
-            (None, Some(id)) if method == "shutdown" => Some(failure(
-                &id,
-                code::INTERNAL_ERROR,
-                "the server cannot be shut down",
-            )),
+            (None, Some(id)) if method == "shutdown" => {
+                Some(failure(&id, code::INTERNAL_ERROR, "the server cannot be shut down"))
+            }
             (None, Some(id)) => Some(json!({ "jsonrpc": "2.0", "id": id, "result": null })),
         }
     })
@@ -384,15 +379,11 @@ mod tests {
     async fn what_was_handed_over_before_an_answer_is_sent_before_it() {
         let parts = (0..32).map(|part| Request::build("$/progress").params(json!(part)).finish());
         let (answers, outgoing) = unbounded_channel();
-        answers
-            .send(json!({ "jsonrpc": "2.0", "id": 1, "result": [] }))
-            .unwrap();
+        answers.send(json!({ "jsonrpc": "2.0", "id": 1, "result": [] })).unwrap();
         drop(answers);
         let mut output = Vec::new();
         let parts = futures_util::stream::iter(parts);
-        write(&mut output, outgoing, parts, Arc::default())
-            .await
-            .unwrap();
+        write(&mut output, outgoing, parts, Arc::default()).await.unwrap();
 
         let mut frames = Frames::default();
         frames.push(&output);

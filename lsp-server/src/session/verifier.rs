@@ -116,12 +116,7 @@ impl Verifier {
             }
             stays
         });
-        for VerificationRequest {
-            path,
-            version,
-            problem,
-        } in wanted
-        {
+        for VerificationRequest { path, version, problem } in wanted {
             let before = results.remove(&path);
             if let Some(mut entry) = before.clone()
                 && entry.problem.is_same(&problem)

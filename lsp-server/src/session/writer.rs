@@ -47,11 +47,7 @@ pub(crate) use changes::Mutation;
 /// The input of the writer.
 pub(crate) enum Event {
     /// `initialize`, as typed parameters and as JSON.
-    Initialize(
-        Box<InitializeParams>,
-        Value,
-        oneshot::Sender<InitializeResult>,
-    ),
+    Initialize(Box<InitializeParams>, Value, oneshot::Sender<InitializeResult>),
     /// `initialized`
     Initialized,
     /// A change.

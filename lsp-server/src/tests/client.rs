@@ -73,14 +73,11 @@ impl Client {
         let text = message.to_string();
         let frame = format!("Content-Length: {}\r\n\r\n{text}", text.len());
         let to = self.to.as_mut().expect("the pipe is open");
-        to.write_all(frame.as_bytes())
-            .await
-            .expect("the server reads");
+        to.write_all(frame.as_bytes()).await.expect("the server reads");
     }
 
     pub(super) async fn notify(&mut self, method: &str, params: Value) {
-        self.send(json!({ "method": method, "params": params }))
-            .await;
+        self.send(json!({ "method": method, "params": params })).await;
     }
 
     /// Sends a request without waiting for its answer.
@@ -97,9 +94,8 @@ impl Client {
 
     /// The answer to a request begun before.
     pub(super) async fn end(&mut self, id: i64) -> Result<Value, Value> {
-        let answer = self
-            .wait(|message| message.get("method").is_none() && message["id"] == id)
-            .await;
+        let answer =
+            self.wait(|message| message.get("method").is_none() && message["id"] == id).await;
         match answer.get("error") {
             Some(error) => Err(error.clone()),
             None => Ok(answer["result"].clone()),
@@ -181,21 +177,15 @@ impl Client {
                 }
             }
             let mut body = vec![0; length];
-            self.from
-                .read_exact(&mut body)
-                .await
-                .expect("a whole message");
+            self.from.read_exact(&mut body).await.expect("a whole message");
             Some(serde_json::from_slice(&body).expect("JSON"))
         };
-        tokio::time::timeout(TEST_TIMEOUT, read)
-            .await
-            .expect("a message within the time limit")
+        tokio::time::timeout(TEST_TIMEOUT, read).await.expect("a message within the time limit")
     }
 
     pub(super) async fn open(&mut self, uri: &str, text: &str) {
         let document = json!({ "uri": uri, "languageId": "gen", "version": 1, "text": text });
-        self.notify("textDocument/didOpen", json!({ "textDocument": document }))
-            .await;
+        self.notify("textDocument/didOpen", json!({ "textDocument": document })).await;
     }
 
     pub(super) async fn change(&mut self, uri: &str, version: i32, changes: Value) {
@@ -217,11 +207,7 @@ impl Client {
             assert!(expected, "nobody asked for {message}");
         }
         self.ignore(method);
-        assert!(
-            self.waiting.is_empty(),
-            "messages nobody asked for: {:#?}",
-            self.waiting
-        );
+        assert!(self.waiting.is_empty(), "messages nobody asked for: {:#?}", self.waiting);
         assert!(self.ended().await, "shutdown was said");
     }
 
@@ -283,10 +269,8 @@ pub(super) struct Folder {
 
 impl Folder {
     pub(super) fn new(files: &[(&str, &str)]) -> Folder {
-        let directory = tempfile::Builder::new()
-            .prefix("a workspace é")
-            .tempdir()
-            .expect("a directory");
+        let directory =
+            tempfile::Builder::new().prefix("a workspace é").tempdir().expect("a directory");
         let folder = Folder { directory };
         for (name, text) in files {
             folder.write(name, text);
@@ -345,10 +329,5 @@ impl Folder {
 /// Codes of a list of diagnostics.
 pub(super) fn codes(diagnostics: &Value) -> Vec<String> {
     let code = |json: &Value| json["code"].as_str().expect("a code").to_owned();
-    diagnostics
-        .as_array()
-        .expect("a list")
-        .iter()
-        .map(code)
-        .collect()
+    diagnostics.as_array().expect("a list").iter().map(code).collect()
 }

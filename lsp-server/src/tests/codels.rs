@@ -21,11 +21,7 @@ use crate::protocol::convert::{Encoding, Lines};
 use dotgen_platform::files::vfs::Vfs;
 
 const DID_CHANGE_FILES: &str = "workspace/didChangeWatchedFiles";
-const FILES: [&str; 3] = [
-    "tank.gen",
-    "codels/tank_codels.c",
-    "codels/tank_control_codels.c",
-];
+const FILES: [&str; 3] = ["tank.gen", "codels/tank_codels.c", "codels/tank_control_codels.c"];
 
 /// The example with a drift of each kind.
 fn example() -> PathBuf {
@@ -38,10 +34,8 @@ fn read(path: impl AsRef<Path>) -> String {
 
 /// A copy of the example.
 fn tank() -> Folder {
-    let all = FILES
-        .iter()
-        .chain(&["codels/Makefile.am"])
-        .map(|file| (*file, read(example().join(file))));
+    let all =
+        FILES.iter().chain(&["codels/Makefile.am"]).map(|file| (*file, read(example().join(file))));
     let all: Vec<_> = all.collect();
     let files: Vec<_> = all.iter().map(|pair| (pair.0, pair.1.as_str())).collect();
     Folder::new(&files)
@@ -97,8 +91,7 @@ fn messages(diagnostics: &Value) -> Vec<String> {
 impl Client {
     async fn open_code(&mut self, uri: &str, text: &str) {
         let document = json!({ "uri": uri, "languageId": "c", "version": 1, "text": text });
-        self.notify("textDocument/didOpen", json!({ "textDocument": document }))
-            .await;
+        self.notify("textDocument/didOpen", json!({ "textDocument": document })).await;
     }
 
     /// Waits until the diagnostics pushed for a document satisfy `wanted`.
@@ -200,14 +193,10 @@ pub(super) fn write(edit: &Value) {
 fn check(specification: &Path) -> Vec<String> {
     let root = Utf8PathBuf::from_path_buf(specification.to_owned()).expect("UTF-8");
     let mut host = AnalysisHost::new(std::sync::Arc::new(Vfs::default()));
-    host.apply(Change {
-        roots: Some(vec![root.clone()]),
-        ..Change::default()
-    });
+    host.apply(Change { roots: Some(vec![root.clone()]), ..Change::default() });
     let (files, stubs) = (FilesConfig::default(), StubOptions::default());
     let report = command::check(&mut Project::new(&mut host, &Disk, files, stubs), &[root]);
     assert_eq!(report.errors, Vec::<String>::new());
     let all = report.findings.iter();
-    all.map(|finding| format!("{}: {}", finding.code, finding.message))
-        .collect()
+    all.map(|finding| format!("{}: {}", finding.code, finding.message)).collect()
 }

@@ -12,10 +12,7 @@ interface driven { port in pose_s goal; activity go() { }; };
 async fn start() -> (Client, Folder) {
     let folder = Folder::new(&[
         ("idl/pose.gen", POSE),
-        (
-            "arm/arm.gen",
-            "component arm { version \"1\"; lang \"c\"; };\n",
-        ),
+        ("arm/arm.gen", "component arm { version \"1\"; lang \"c\"; };\n"),
     ]);
     let client = Client::start(folder.params(json!({}))).await;
     (client, folder)
@@ -52,9 +49,7 @@ async fn a_component_comes_with_scenario_and_codels() {
         .iter()
         .map(|file| {
             let uri = file["uri"].as_str().expect("a URI");
-            uri.trim_start_matches(&folder.uri(""))
-                .trim_start_matches('/')
-                .to_owned()
+            uri.trim_start_matches(&folder.uri("")).trim_start_matches('/').to_owned()
         })
         .collect();
     assert_eq!(
@@ -74,15 +69,10 @@ async fn a_component_comes_with_scenario_and_codels() {
 
     params["folder"] = json!(folder.uri("arm"));
     params["name"] = json!("arm");
-    let refused = client
-        .request("dotgen/newComponent", params.clone())
-        .await
-        .expect_err("it is there");
+    let refused =
+        client.request("dotgen/newComponent", params.clone()).await.expect_err("it is there");
     let message = refused["message"].as_str().unwrap_or_default();
-    assert!(
-        message.contains("`arm/arm.gen` is there already"),
-        "{message}"
-    );
+    assert!(message.contains("`arm/arm.gen` is there already"), "{message}");
     params["name"] = json!("struct");
     let refused = client.request("dotgen/newComponent", params).await;
     let refused: Value = refused.expect_err("it is a word of the language");
@@ -98,9 +88,7 @@ async fn the_sources_of_a_new_component_are_known_without_an_event() {
     let params = json!({ "folder": folder.uri("arm"), "name": "arm", "tasks": tasks });
     let made = client.ok("dotgen/newComponent", params).await;
     for file in made["files"].as_array().expect("files") {
-        let name = file["uri"]
-            .as_str()
-            .and_then(|uri| uri.strip_prefix(&folder.uri("")));
+        let name = file["uri"].as_str().and_then(|uri| uri.strip_prefix(&folder.uri("")));
         let name = name.expect("in the folder").trim_start_matches('/');
         folder.write(name, file["text"].as_str().expect("a text"));
     }
@@ -109,10 +97,7 @@ async fn the_sources_of_a_new_component_are_known_without_an_event() {
     client.open(&uri, &text).await;
     assert_eq!(client.pulled(&uri).await, [""; 0]);
     let end = text.rfind("};").expect("the end of the component");
-    let more = format!(
-        "{}  function go() {{ codel arm_go() wcet 1 ms; }};\n}};\n",
-        &text[..end]
-    );
+    let more = format!("{}  function go() {{ codel arm_go() wcet 1 ms; }};\n}};\n", &text[..end]);
     client.change(&uri, 2, json!([{ "text": more }])).await;
     assert_eq!(client.pulled(&uri).await, ["codel/missing-definition"]);
     client.finish().await;
@@ -142,10 +127,7 @@ async fn a_file_that_is_not_found_is_searched_where_it_is() {
     let action = all.find(|action| action["title"] == title);
     let change = &action.unwrap_or_else(|| panic!("{actions:#}"))["edit"]["documentChanges"][0];
     assert_eq!(change["textDocument"]["uri"], folder.uri("dotgen.toml"));
-    assert_eq!(
-        change["edits"][0]["newText"],
-        "include-paths = [\"share/idl\"]\n"
-    );
+    assert_eq!(change["edits"][0]["newText"], "include-paths = [\"share/idl\"]\n");
     client.ignore("textDocument/publishDiagnostics");
     drop(client);
 }
@@ -177,10 +159,8 @@ async fn quick_fixes(folder: &Folder, at: Value) -> (Client, String, Vec<Value>)
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_package_that_is_not_found_is_searched_where_it_is() {
-    const PACKAGE: (&str, &str) = (
-        "devel/lib/pkgconfig/pose-idl.pc",
-        "Name: pose\nDescription: x\nVersion: 1.2\n",
-    );
+    const PACKAGE: (&str, &str) =
+        ("devel/lib/pkgconfig/pose-idl.pc", "Name: pose\nDescription: x\nVersion: 1.2\n");
     let arm = ("arm.gen", "#pragma requires \"pose-idl >= 1\"\n");
     let settings = [
         (None, "package-paths = [\"devel/lib/pkgconfig\"]\n"),
@@ -200,9 +180,7 @@ async fn a_package_that_is_not_found_is_searched_where_it_is() {
         assert_eq!(folder.read("dotgen.toml"), after);
         // With the setting, the package is found.
         let event = folder.event("dotgen.toml", if before.is_some() { 2 } else { 1 });
-        client
-            .notify("workspace/didChangeWatchedFiles", event)
-            .await;
+        client.notify("workspace/didChangeWatchedFiles", event).await;
         assert_eq!(client.pulled(&uri).await, [""; 0]);
         client.ignore("textDocument/publishDiagnostics");
         drop(client);
@@ -228,25 +206,14 @@ component arm {
     let (mut client, uri, action) = quick_fix(&folder, at, title).await;
     super::codels::write(&action["edit"]);
     let standin = folder.read(".dotgen/standins/nav/nav.gen");
-    for part in [
-        "task motion",
-        "track()",
-        "activity go(in long n)",
-        "port in ",
-        "local ",
-    ] {
+    for part in ["task motion", "track()", "activity go(in long n)", "port in ", "local "] {
         assert!(standin.contains(part), "{part}: {standin}");
     }
     assert_eq!(folder.read(".dotgen/.gitignore"), "*\n");
     let event = folder.event(".dotgen/standins/nav/nav.gen", 1);
-    client
-        .notify("workspace/didChangeWatchedFiles", event)
-        .await;
+    client.notify("workspace/didChangeWatchedFiles", event).await;
     let left = client.pulled(&uri).await;
-    assert!(
-        !left.iter().any(|left| left == "pp-include-not-found"),
-        "{left:?}"
-    );
+    assert!(!left.iter().any(|left| left == "pp-include-not-found"), "{left:?}");
     client.ignore("textDocument/publishDiagnostics");
     drop(client);
 }

@@ -5,11 +5,7 @@ use super::client::{Client, Folder, codes, pulling};
 const ARM: &str = "#include <pose.idl>\n#ifdef BROKEN\n#error broken\n#endif\n";
 
 fn folder(toml: &str) -> Folder {
-    Folder::new(&[
-        ("arm.gen", ARM),
-        ("idl/pose.idl", "const long a = 1;\n"),
-        ("dotgen.toml", toml),
-    ])
+    Folder::new(&[("arm.gen", ARM), ("idl/pose.idl", "const long a = 1;\n"), ("dotgen.toml", toml)])
 }
 
 async fn found(client: &mut Client, folder: &Folder) -> Vec<String> {
@@ -23,16 +19,8 @@ async fn the_file_of_a_folder_counts_and_may_change() {
     let folder = folder("include-paths = ['idl']\n");
     let mut client = Client::start(folder.params(pulling())).await;
     assert_eq!(found(&mut client, &folder).await, [""; 0]);
-    folder.write(
-        "dotgen.toml",
-        "include-paths = ['idl']\ndefines = { BROKEN = true }\n",
-    );
-    client
-        .notify(
-            "workspace/didChangeWatchedFiles",
-            folder.event("dotgen.toml", 2),
-        )
-        .await;
+    folder.write("dotgen.toml", "include-paths = ['idl']\ndefines = { BROKEN = true }\n");
+    client.notify("workspace/didChangeWatchedFiles", folder.event("dotgen.toml", 2)).await;
     assert_eq!(found(&mut client, &folder).await, ["pp-error-directive"]);
     client.ignore("textDocument/publishDiagnostics");
     client.finish().await;
@@ -44,20 +32,10 @@ async fn problems_of_the_file_are_shown_in_it() {
     let mut client = Client::start(folder.params(pulling())).await;
     let pushed = client.pushed(&folder.uri("dotgen.toml")).await;
     let diagnostics = &pushed["diagnostics"];
-    assert_eq!(
-        codes(diagnostics),
-        ["config-unknown-key", "config-bad-value"]
-    );
-    assert_eq!(
-        diagnostics[0]["range"]["start"],
-        json!({ "line": 1, "character": 0 })
-    );
+    assert_eq!(codes(diagnostics), ["config-unknown-key", "config-bad-value"]);
+    assert_eq!(diagnostics[0]["range"]["start"], json!({ "line": 1, "character": 0 }));
     assert_eq!(diagnostics[0]["severity"], 2);
-    assert_eq!(
-        found(&mut client, &folder).await,
-        [""; 0],
-        "the rest counts"
-    );
+    assert_eq!(found(&mut client, &folder).await, [""; 0], "the rest counts");
     client.finish().await;
 }
 
@@ -94,21 +72,11 @@ async fn settings_are_pulled_from_clients_that_can_be_asked() {
         .iter()
         .find(|message| message["method"] == "client/registerCapability")
         .expect("it registered");
-    assert_eq!(
-        registered["params"]["registrations"]
-            .as_array()
-            .map(Vec::len),
-        Some(2)
-    );
+    assert_eq!(registered["params"]["registrations"].as_array().map(Vec::len), Some(2));
 
     let settings = json!({ "includePaths": ["idl"], "defines": { "BROKEN": 1 } });
     client.answer("workspace/configuration", json!([settings, settings]));
-    client
-        .notify(
-            "workspace/didChangeConfiguration",
-            json!({ "settings": null }),
-        )
-        .await;
+    client.notify("workspace/didChangeConfiguration", json!({ "settings": null })).await;
     while found(&mut client, &folder).await != ["pp-error-directive"] {}
     client.finish().await;
 }
@@ -128,9 +96,7 @@ async fn settings_are_pushed_by_the_others() {
         (json!({}), &["pp-include-not-found"]),
     ] {
         let params = json!({ "settings": settings });
-        client
-            .notify("workspace/didChangeConfiguration", params)
-            .await;
+        client.notify("workspace/didChangeConfiguration", params).await;
         assert_eq!(found(&mut client, &folder).await, expected, "{settings}");
     }
     client.finish().await;
@@ -169,10 +135,7 @@ async fn a_file_without_a_workspace_is_configured_by_its_surroundings() {
 #[tokio::test(flavor = "multi_thread")]
 async fn packages_are_read_without_running_anything_when_nobody_trusts() {
     let folder = Folder::new(&[
-        (
-            "arm.gen",
-            "#pragma requires \"pose-idl >= 1\"\n#include <pose.idl>\n",
-        ),
+        ("arm.gen", "#pragma requires \"pose-idl >= 1\"\n#include <pose.idl>\n"),
         ("inc/pose.idl", "const long a = 1;\n"),
         (
             "pc/pose-idl.pc",
@@ -182,21 +145,10 @@ async fn packages_are_read_without_running_anything_when_nobody_trusts() {
     ]);
     let mut client = Client::start(folder.params(pulling())).await;
     assert_eq!(found(&mut client, &folder).await, [""; 0]);
-    folder.write(
-        "pc/pose-idl.pc",
-        "Name: pose\nDescription: x\nVersion: 0.9\n",
-    );
-    client
-        .notify(
-            "workspace/didChangeWatchedFiles",
-            folder.event("pc/pose-idl.pc", 2),
-        )
-        .await;
+    folder.write("pc/pose-idl.pc", "Name: pose\nDescription: x\nVersion: 0.9\n");
+    client.notify("workspace/didChangeWatchedFiles", folder.event("pc/pose-idl.pc", 2)).await;
     let codes = found(&mut client, &folder).await;
-    assert!(
-        codes.contains(&"pp-requires-unresolved".to_owned()),
-        "{codes:?}"
-    );
+    assert!(codes.contains(&"pp-requires-unresolved".to_owned()), "{codes:?}");
     client.finish().await;
 }
 
@@ -210,10 +162,7 @@ async fn indexing_shows_progress() {
     let begin = client.notification("$/progress").await;
     assert_eq!(begin["value"]["kind"], "begin");
     let end = client.notification("$/progress").await;
-    assert_eq!(
-        end["value"],
-        json!({ "kind": "end", "message": "1 specification" })
-    );
+    assert_eq!(end["value"], json!({ "kind": "end", "message": "1 specification" }));
     client.finish().await;
 }
 
@@ -230,16 +179,11 @@ async fn wrong_settings_of_the_editor_are_shown_once() {
     );
     for settings in [json!({ "inclde-paths": [] }), json!({ "inclde-paths": [] })] {
         let params = json!({ "settings": { "dotgen": settings } });
-        client
-            .notify("workspace/didChangeConfiguration", params)
-            .await;
+        client.notify("workspace/didChangeConfiguration", params).await;
     }
     let shown = client.notification("window/showMessage").await;
     let message = shown["message"].as_str().expect("a text");
-    assert!(
-        message.ends_with("did you mean `dotgen.includePaths`?"),
-        "{message}"
-    );
+    assert!(message.ends_with("did you mean `dotgen.includePaths`?"), "{message}");
     client.finish().await;
 }
 
@@ -263,10 +207,7 @@ async fn projects_below_a_folder_are_read_as_they_say() {
         assert_eq!(client.pulled(&uri).await, [""; 0], "{name}");
     }
     let without = client.pulled(&folder.uri("c/c.gen")).await;
-    assert!(
-        without.contains(&"pp-include-not-found".to_owned()),
-        "{without:?}"
-    );
+    assert!(without.contains(&"pp-include-not-found".to_owned()), "{without:?}");
 
     // A file that is written later, and one that is deleted.
     folder.write("c/idl/types.idl", "typedef long own;\n");
@@ -274,16 +215,11 @@ async fn projects_below_a_folder_are_read_as_they_say() {
     folder.remove("b/dotgen.toml");
     for (name, kind) in [("c/dotgen.toml", 1), ("b/dotgen.toml", 3)] {
         let event = folder.event(name, kind);
-        client
-            .notify("workspace/didChangeWatchedFiles", event)
-            .await;
+        client.notify("workspace/didChangeWatchedFiles", event).await;
     }
     assert_eq!(client.pulled(&folder.uri("c/c.gen")).await, [""; 0]);
     let without = client.pulled(&folder.uri("b/b.gen")).await;
-    assert!(
-        without.contains(&"pp-include-not-found".to_owned()),
-        "{without:?}"
-    );
+    assert!(without.contains(&"pp-include-not-found".to_owned()), "{without:?}");
     client.ignore("textDocument/publishDiagnostics");
     client.finish().await;
 }
@@ -296,9 +232,7 @@ async fn a_folder_that_is_deleted_takes_its_files_with_it() {
     folder.remove("idl/pose.idl");
     // Clients report only the folder.
     let event = folder.event("idl", 3);
-    client
-        .notify("workspace/didChangeWatchedFiles", event)
-        .await;
+    client.notify("workspace/didChangeWatchedFiles", event).await;
     assert_eq!(found(&mut client, &folder).await, ["pp-include-not-found"]);
     client.finish().await;
 }

@@ -13,20 +13,13 @@ async fn pushed_diagnostics_follow_the_text_and_carry_its_version() {
     let folder = Folder::new(&[]);
     let mut client = Client::start(folder.params(pushing())).await;
     let uri = folder.uri("arm.gen");
-    client
-        .open(&uri, "const long é😀 = 1;\nconst long a @ = 1;\n")
-        .await;
+    client.open(&uri, "const long é😀 = 1;\nconst long a @ = 1;\n").await;
     let pushed = client.pushed(&uri).await;
     assert_eq!(pushed["version"], 1);
     assert!(codes(&pushed["diagnostics"]).contains(&"lex-stray".to_owned()));
-    client
-        .change(&uri, 2, json!([{ "text": "const long a = 1;\n" }]))
-        .await;
+    client.change(&uri, 2, json!([{ "text": "const long a = 1;\n" }])).await;
     let pushed = client.pushed(&uri).await;
-    assert_eq!(
-        (&pushed["version"], &pushed["diagnostics"]),
-        (&json!(2), &json!([]))
-    );
+    assert_eq!((&pushed["version"], &pushed["diagnostics"]), (&json!(2), &json!([])));
     client.finish().await;
 }
 
@@ -43,30 +36,22 @@ async fn closed_files_of_the_workspace_are_pushed_too() {
     assert!(pushed.get("version").is_none(), "it is not open");
 
     folder.write("pose.idl", "struct pose { long x; };\n");
-    client
-        .notify(DID_CHANGE_FILES, folder.event("pose.idl", 2))
-        .await;
+    client.notify(DID_CHANGE_FILES, folder.event("pose.idl", 2)).await;
     let pushed = client.pushed(&folder.uri("pose.idl")).await;
     assert_eq!(pushed["diagnostics"], json!([]));
 
     folder.remove("pose.idl");
-    client
-        .notify(DID_CHANGE_FILES, folder.event("pose.idl", 3))
-        .await;
+    client.notify(DID_CHANGE_FILES, folder.event("pose.idl", 3)).await;
     let pushed = client.pushed(&folder.uri("arm.gen")).await;
     assert_eq!(codes(&pushed["diagnostics"]), ["pp-include-not-found"]);
 
     folder.remove("arm.gen");
-    client
-        .notify(DID_CHANGE_FILES, folder.event("arm.gen", 3))
-        .await;
+    client.notify(DID_CHANGE_FILES, folder.event("arm.gen", 3)).await;
     let pushed = client.pushed(&folder.uri("arm.gen")).await;
     assert_eq!(pushed["diagnostics"], json!([]));
 
     folder.write("more.gen", "const long a = 1\n");
-    client
-        .notify(DID_CHANGE_FILES, folder.event("more.gen", 1))
-        .await;
+    client.notify(DID_CHANGE_FILES, folder.event("more.gen", 1)).await;
     let pushed = client.pushed(&folder.uri("more.gen")).await;
     assert_ne!(pushed["diagnostics"], json!([]));
     client.finish().await;
@@ -100,14 +85,9 @@ async fn pulled_diagnostics_are_not_pushed_and_unchanged_ones_not_repeated() {
     let report = client.ok("textDocument/diagnostic", again.clone()).await;
     assert_eq!(report["kind"], "unchanged");
 
-    client
-        .change(&uri, 2, json!([{ "text": "const long a = 1;\n" }]))
-        .await;
+    client.change(&uri, 2, json!([{ "text": "const long a = 1;\n" }])).await;
     let report = client.ok("textDocument/diagnostic", again).await;
-    assert_eq!(
-        (&report["kind"], &report["items"]),
-        (&json!("full"), &json!([]))
-    );
+    assert_eq!((&report["kind"], &report["items"]), (&json!("full"), &json!([])));
     client.finish().await;
 }
 
@@ -144,16 +124,9 @@ async fn the_workspace_is_pulled_and_waits_for_news() {
         .iter()
         .map(|report| json!({ "uri": report["uri"], "value": report["resultId"] }))
         .collect();
-    let id = client
-        .begin(
-            "workspace/diagnostic",
-            json!({ "previousResultIds": known }),
-        )
-        .await;
+    let id = client.begin("workspace/diagnostic", json!({ "previousResultIds": known })).await;
     folder.write("pose.idl", "struct pose { long x; };\n");
-    client
-        .notify(DID_CHANGE_FILES, folder.event("pose.idl", 2))
-        .await;
+    client.notify(DID_CHANGE_FILES, folder.event("pose.idl", 2)).await;
     let report = client.end(id).await.expect("news");
     let changed: Vec<_> = report["items"]
         .as_array()
@@ -209,10 +182,8 @@ async fn untitled_documents_have_diagnostics() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_client_that_wants_parts_gets_the_open_files_first_and_each_file_once() {
     let names: Vec<String> = (0..70).map(|i| format!("part{i:02}.gen")).collect();
-    let files: Vec<(&str, &str)> = names
-        .iter()
-        .map(|name| (name.as_str(), "const long a = 1\n"))
-        .collect();
+    let files: Vec<(&str, &str)> =
+        names.iter().map(|name| (name.as_str(), "const long a = 1\n")).collect();
     let folder = Folder::new(&files);
     let mut client = Client::start(folder.params(pulling())).await;
     let last = folder.uri(&names[69]);
@@ -260,9 +231,7 @@ async fn of_a_file_that_is_too_large_only_that_is_said() {
         "options": { "tabSize": 2, "insertSpaces": true } });
     let edits = client.ok("textDocument/formatting", formatted).await;
     assert!(edits.as_array().is_none_or(Vec::is_empty), "{edits}");
-    client
-        .change(&uri, 2, json!([{ "text": "const long a = 1\n" }]))
-        .await;
+    client.change(&uri, 2, json!([{ "text": "const long a = 1\n" }])).await;
     assert_eq!(client.pulled(&uri).await, ["missing-semicolon"]);
     client.finish().await;
 }

@@ -19,10 +19,7 @@ component arm {
 "#;
 
 async fn start(capabilities: Value) -> (Client, Folder, String) {
-    let folder = Folder::new(&[
-        ("pose.idl", "struct pose { double x; };\n"),
-        ("arm.gen", ARM),
-    ]);
+    let folder = Folder::new(&[("pose.idl", "struct pose { double x; };\n"), ("arm.gen", ARM)]);
     let mut all = pulling();
     for (key, value) in capabilities.as_object().cloned().unwrap_or_default() {
         all["textDocument"][key] = value;
@@ -59,16 +56,10 @@ async fn functions_without_codel_are_proposed_as_names_of_codels() {
     params["position"] = json!({ "line": 4, "character": 16 });
     let list = client.ok("textDocument/completion", params).await;
     let items = list["items"].as_array().expect("a list");
-    let labels: Vec<&str> = items
-        .iter()
-        .filter_map(|json| json["label"].as_str())
-        .collect();
+    let labels: Vec<&str> = items.iter().filter_map(|json| json["label"].as_str()).collect();
     // The function comes first, then a name formed like the other codel's. A function with a codel is absent.
     assert_eq!(labels, ["c_halt", "c_t_stop"]);
-    assert_eq!(
-        items[0]["textEdit"]["newText"],
-        "c_halt(${1:ids inout x})\n\tyield ${2:ether};$0"
-    );
+    assert_eq!(items[0]["textEdit"]["newText"], "c_halt(${1:ids inout x})\n\tyield ${2:ether};$0");
     client.finish().await;
 }
 
@@ -77,33 +68,21 @@ async fn completion_with_and_without_snippets() {
     let snippets = json!({ "completion": { "completionItem": { "snippetSupport": true } } });
     for (capabilities, has_snippets) in [(snippets, true), (json!({}), false)] {
         let (mut client, _folder, uri) = start(capabilities).await;
-        let list = client
-            .ok("textDocument/completion", at(&uri, "function", 0))
-            .await;
+        let list = client.ok("textDocument/completion", at(&uri, "function", 0)).await;
         let items = list["items"].as_array().expect("a list");
-        let task = items
-            .iter()
-            .find(|json| json["label"] == "task")
-            .expect("task");
+        let task = items.iter().find(|json| json["label"] == "task").expect("task");
         assert_eq!(task["insertTextFormat"], if has_snippets { 2 } else { 1 });
         let text = task["textEdit"]["newText"].as_str().expect("a text");
         assert_eq!(text.contains("${1:main}"), has_snippets, "{text}");
 
-        let list = client
-            .ok("textDocument/completion", at(&uri, "pose goal", 0))
-            .await;
+        let list = client.ok("textDocument/completion", at(&uri, "pose goal", 0)).await;
         let items = list["items"].as_array().expect("a list");
-        let pose = items
-            .iter()
-            .find(|json| json["label"] == "pose")
-            .expect("pose");
+        let pose = items.iter().find(|json| json["label"] == "pose").expect("pose");
         let resolved = client.ok("completionItem/resolve", pose.clone()).await;
         let doc = resolved["documentation"]["value"].as_str().expect("text");
         assert!(doc.contains("double x"), "{doc}");
 
-        let list = client
-            .ok("textDocument/completion", at(&uri, "pose.idl", 0))
-            .await;
+        let list = client.ok("textDocument/completion", at(&uri, "pose.idl", 0)).await;
         assert_eq!(list["items"][0]["label"], "pose.idl", "{list}");
         client.finish().await;
     }
@@ -133,9 +112,7 @@ async fn a_blank_opens_no_list_where_a_line_may_end() {
 #[tokio::test(flavor = "multi_thread")]
 async fn rename_across_files_and_its_refusals() {
     let (mut client, folder, uri) = start(json!({})).await;
-    let prepared = client
-        .ok("textDocument/prepareRename", at(&uri, "pose goal", 0))
-        .await;
+    let prepared = client.ok("textDocument/prepareRename", at(&uri, "pose goal", 0)).await;
     assert_eq!(prepared["placeholder"], "pose");
     let mut params = at(&uri, "pose goal", 0);
     params["newName"] = json!("position");
@@ -150,14 +127,10 @@ async fn rename_across_files_and_its_refusals() {
     let error = error.expect_err("refused");
     assert_eq!(error["code"], -32803);
     assert!(
-        error["message"]
-            .as_str()
-            .is_some_and(|message| message.contains("reserved")),
+        error["message"].as_str().is_some_and(|message| message.contains("reserved")),
         "{error}"
     );
-    let nothing = client
-        .request("textDocument/prepareRename", at(&uri, "period", 0))
-        .await;
+    let nothing = client.request("textDocument/prepareRename", at(&uri, "period", 0)).await;
     nothing.expect_err("a keyword has no name");
     client.finish().await;
 }
@@ -166,9 +139,7 @@ async fn rename_across_files_and_its_refusals() {
 async fn includes_follow_renamed_files() {
     let (mut client, folder, uri) = start(json!({})).await;
     let files = json!([{ "oldUri": folder.uri("pose.idl"), "newUri": folder.uri("types.idl") }]);
-    let edit = client
-        .ok("workspace/willRenameFiles", json!({ "files": files }))
-        .await;
+    let edit = client.ok("workspace/willRenameFiles", json!({ "files": files })).await;
     assert_eq!(edit["changes"][&uri][0]["newText"], "types.idl", "{edit}");
     client.finish().await;
 }
@@ -181,12 +152,7 @@ async fn formatting_whole_in_part_and_while_typing() {
     params["options"] = options.clone();
     let edits = client.ok("textDocument/formatting", params.clone()).await;
     let edits = edits.as_array().expect("edits");
-    assert!(
-        edits
-            .iter()
-            .any(|edit| edit["range"]["start"]["line"] == 10),
-        "{edits:?}"
-    );
+    assert!(edits.iter().any(|edit| edit["range"]["start"]["line"] == 10), "{edits:?}");
     params["range"] = json!({ "start": { "line": 0, "character": 0 },
                               "end": { "line": 1, "character": 0 } });
     let part = client.ok("textDocument/rangeFormatting", params).await;
@@ -197,9 +163,7 @@ async fn formatting_whole_in_part_and_while_typing() {
     let typed = client.ok("textDocument/onTypeFormatting", params).await;
     let typed = typed.as_array().expect("edits");
     assert!(
-        typed
-            .iter()
-            .all(|client| client["range"]["start"]["line"].as_u64() >= Some(9)),
+        typed.iter().all(|client| client["range"]["start"]["line"].as_u64() >= Some(9)),
         "{typed:?}"
     );
     client.finish().await;
@@ -214,29 +178,17 @@ async fn lenses_are_resolved_one_by_one() {
     for lens in lenses.as_array().expect("lenses") {
         assert_eq!(lens.get("command"), None, "resolved too early");
         let lens = client.ok("codeLens/resolve", lens.clone()).await;
-        titles.push(
-            lens["command"]["title"]
-                .as_str()
-                .expect("a title")
-                .to_owned(),
-        );
+        titles.push(lens["command"]["title"].as_str().expect("a title").to_owned());
         commands.push(lens["command"].clone());
     }
     assert!(titles.contains(&"state machine".to_owned()), "{titles:?}");
     assert!(
-        !titles
-            .iter()
-            .any(|title| title.contains("reference") || title.contains("load")),
+        !titles.iter().any(|title| title.contains("reference") || title.contains("load")),
         "{titles:?}"
     );
-    let diagram = commands
-        .iter()
-        .find(|command| command["command"] == "dotgen.showDiagram");
+    let diagram = commands.iter().find(|command| command["command"] == "dotgen.showDiagram");
     let argument = &diagram.expect("a diagram")["arguments"][0];
-    assert_eq!(
-        *argument,
-        json!({ "uri": uri, "component": "arm", "owner": "motion" })
-    );
+    assert_eq!(*argument, json!({ "uri": uri, "component": "arm", "owner": "motion" }));
     client.finish().await;
 }
 
@@ -247,31 +199,18 @@ async fn hints_signatures_implementations_and_calls() {
     params["range"] = json!({ "start": { "line": 0, "character": 0 },
                               "end": { "line": 12, "character": 0 } });
     let hints = client.ok("textDocument/inlayHint", params).await;
-    let labels: Vec<&str> = hints
-        .as_array()
-        .expect("hints")
-        .iter()
-        .filter_map(|hint| hint["label"].as_str())
-        .collect();
+    let labels: Vec<&str> =
+        hints.as_array().expect("hints").iter().filter_map(|hint| hint["label"].as_str()).collect();
     assert!(labels.contains(&" ‹load 20 %›"), "{labels:?}");
 
-    let help = client
-        .ok("textDocument/signatureHelp", at(&uri, "in goal", 0))
-        .await;
+    let help = client.ok("textDocument/signatureHelp", at(&uri, "in goal", 0)).await;
     assert_eq!(help["activeParameter"], 0);
-    assert_eq!(
-        help["signatures"][0]["label"],
-        "move(ids in pose goal, port out pose state)"
-    );
+    assert_eq!(help["signatures"][0]["label"], "move(ids in pose goal, port out pose state)");
 
-    let none = client
-        .ok("textDocument/implementation", at(&uri, "motion", 0))
-        .await;
+    let none = client.ok("textDocument/implementation", at(&uri, "motion", 0)).await;
     assert_eq!(none, Value::Null);
 
-    let items = client
-        .ok("textDocument/prepareCallHierarchy", at(&uri, "go>", 0))
-        .await;
+    let items = client.ok("textDocument/prepareCallHierarchy", at(&uri, "go>", 0)).await;
     assert_eq!(items[0]["name"], "go");
     let item = json!({ "item": items[0] });
     let incoming = client.ok("callHierarchy/incomingCalls", item.clone()).await;
@@ -298,21 +237,12 @@ async fn refactorings_are_code_actions() {
     params["context"] = json!({ "diagnostics": [], "only": ["refactor.extract"] });
     let actions = client.ok("textDocument/codeAction", params.clone()).await;
     let actions = actions.as_array().expect("actions");
-    let titles: Vec<&str> = actions
-        .iter()
-        .filter_map(|action| action["title"].as_str())
-        .collect();
+    let titles: Vec<&str> = actions.iter().filter_map(|action| action["title"].as_str()).collect();
     assert_eq!(titles, ["Extract struct from members of the ids"]);
     assert_eq!(actions[0]["kind"], "refactor.extract");
-    assert!(
-        actions[0]["edit"]["changes"][&uri].is_array(),
-        "{actions:?}"
-    );
+    assert!(actions[0]["edit"]["changes"][&uri].is_array(), "{actions:?}");
     params["context"]["only"] = json!(["quickfix"]);
-    assert_eq!(
-        client.ok("textDocument/codeAction", params).await,
-        json!([])
-    );
+    assert_eq!(client.ok("textDocument/codeAction", params).await, json!([]));
     client.finish().await;
 }
 
@@ -332,10 +262,7 @@ async fn an_included_file_can_be_shown_in_another_unit() {
     let mut roots = Value::Null;
     for _ in 0..10_000 {
         roots = client.ok("dotgen/includingRoots", document(&uri)).await;
-        if roots["roots"]
-            .as_array()
-            .is_some_and(|root| root.len() == 2)
-        {
+        if roots["roots"].as_array().is_some_and(|root| root.len() == 2) {
             break;
         }
     }
@@ -343,12 +270,7 @@ async fn an_included_file_can_be_shown_in_another_unit() {
     let mut hover = document(&uri);
     hover["position"] = json!({ "line": 0, "character": 0 });
     let shown = client.ok("textDocument/hover", hover.clone()).await;
-    let text = |json: &Value| {
-        json["contents"]["value"]
-            .as_str()
-            .unwrap_or_default()
-            .to_owned()
-    };
+    let text = |json: &Value| json["contents"]["value"].as_str().unwrap_or_default().to_owned();
     assert!(text(&shown).contains("included by `a.gen`"), "{shown}");
     let choice = json!({ "command": "dotgen.chooseRoot",
                          "arguments": [{ "uri": uri, "root": expected[1] }] });
@@ -373,18 +295,10 @@ async fn documents_without_a_file_or_a_folder() {
         let found = client.ok("textDocument/definition", params.clone()).await;
         assert_eq!(found[0]["uri"], json!(uri));
         let items = client.ok("textDocument/completion", params.clone()).await;
-        assert!(
-            items["items"]
-                .as_array()
-                .is_some_and(|items| !items.is_empty())
-        );
+        assert!(items["items"].as_array().is_some_and(|items| !items.is_empty()));
         params["newName"] = json!("v");
         let edit = client.ok("textDocument/rename", params).await;
-        assert_eq!(
-            edit["changes"][&uri].as_array().map(Vec::len),
-            Some(2),
-            "{edit}"
-        );
+        assert_eq!(edit["changes"][&uri].as_array().map(Vec::len), Some(2), "{edit}");
     }
     client.finish().await;
 }
@@ -444,11 +358,7 @@ component c {
         }
         let found = client.ok("textDocument/diagnostic", document(&uri)).await;
         let mut found = found["items"].as_array().expect("diagnostics").clone();
-        found.retain(|json| {
-            json["code"]
-                .as_str()
-                .is_some_and(|code| code.starts_with("syntax"))
-        });
+        found.retain(|json| json["code"].as_str().is_some_and(|code| code.starts_with("syntax")));
         assert_eq!(found.len(), 1, "{wrong}: {found:?}");
         let mut params = document(&uri);
         params["range"] = found[0]["range"].clone();
@@ -482,10 +392,7 @@ async fn what_editors_fix_unasked_is_plain() {
         let action = &actions[0];
         assert_eq!(action["kind"], kind, "{actions}");
         let all = action["edit"]["changes"][&uri].as_array().expect("edits");
-        let all: Vec<&str> = all
-            .iter()
-            .filter_map(|change| change["newText"].as_str())
-            .collect();
+        let all: Vec<&str> = all.iter().filter_map(|change| change["newText"].as_str()).collect();
         assert_eq!(all, edits, "{action}");
     }
     client.finish().await;

@@ -19,10 +19,7 @@ component arm {
 "#;
 
 async fn start(capabilities: Value) -> (Client, Folder, String) {
-    let folder = Folder::new(&[
-        ("pose.idl", "struct pose { double x; };\n"),
-        ("arm.gen", ARM),
-    ]);
+    let folder = Folder::new(&[("pose.idl", "struct pose { double x; };\n"), ("arm.gen", ARM)]);
     let mut all = pulling();
     for (key, value) in capabilities.as_object().cloned().unwrap_or_default() {
         all["textDocument"][key] = value;
@@ -56,22 +53,15 @@ fn names(symbols: &Value) -> Vec<String> {
 async fn symbols_are_nested_or_flat_as_the_client_likes() {
     let nested = json!({ "documentSymbol": { "hierarchicalDocumentSymbolSupport": true } });
     let (mut client, _folder, uri) = start(nested).await;
-    let symbols = client
-        .ok("textDocument/documentSymbol", document(&uri))
-        .await;
+    let symbols = client.ok("textDocument/documentSymbol", document(&uri)).await;
     let all = names(&symbols);
     for name in ["arm", "goal", "state", "motion", "init"] {
-        assert!(
-            all.iter().any(|candidate| candidate == name),
-            "{name} in {all:?}"
-        );
+        assert!(all.iter().any(|candidate| candidate == name), "{name} in {all:?}");
     }
     client.finish().await;
 
     let (mut client, _folder, uri) = start(json!({})).await;
-    let symbols = client
-        .ok("textDocument/documentSymbol", document(&uri))
-        .await;
+    let symbols = client.ok("textDocument/documentSymbol", document(&uri)).await;
     assert_eq!(names(&symbols).len(), all.len());
     assert_eq!(symbols[0]["location"]["uri"], uri);
     client.finish().await;
@@ -84,23 +74,11 @@ async fn semantic_tokens_leave_to_a_grammar_what_it_tells_as_well() {
         "augmentsSyntaxTokens": true,
     } });
     let (mut client, _folder, uri) = start(capabilities).await;
-    let tokens = client
-        .ok("textDocument/semanticTokens/full", document(&uri))
-        .await;
+    let tokens = client.ok("textDocument/semanticTokens/full", document(&uri)).await;
     let data = tokens["data"].as_array().expect("numbers").clone();
-    let types: Vec<u64> = data
-        .chunks(5)
-        .filter_map(|chunk| chunk[3].as_u64())
-        .collect();
+    let types: Vec<u64> = data.chunks(5).filter_map(|chunk| chunk[3].as_u64()).collect();
     let legend = crate::protocol::convert::semantic_tokens::legend().token_types;
-    let lexical = [
-        "comment",
-        "keyword",
-        "string",
-        "number",
-        "operator",
-        "directive",
-    ];
+    let lexical = ["comment", "keyword", "string", "number", "operator", "directive"];
     assert!(!types.is_empty());
     for ty in types {
         assert!(!lexical.contains(&legend[ty as usize].as_str()));
@@ -111,9 +89,7 @@ async fn semantic_tokens_leave_to_a_grammar_what_it_tells_as_well() {
 #[tokio::test(flavor = "multi_thread")]
 async fn semantic_tokens_come_whole_as_a_change_and_in_part() {
     let (mut client, _folder, uri) = start(json!({})).await;
-    let full = client
-        .ok("textDocument/semanticTokens/full", document(&uri))
-        .await;
+    let full = client.ok("textDocument/semanticTokens/full", document(&uri)).await;
     let data = full["data"].as_array().expect("numbers").clone();
     assert!(data.len() > 50 && data.len() % 5 == 0);
 
@@ -124,50 +100,30 @@ async fn semantic_tokens_come_whole_as_a_change_and_in_part() {
     client.change(&uri, 2, json!([edit])).await;
     let mut params = document(&uri);
     params["previousResultId"] = full["resultId"].clone();
-    let delta = client
-        .ok("textDocument/semanticTokens/full/delta", params.clone())
-        .await;
+    let delta = client.ok("textDocument/semanticTokens/full/delta", params.clone()).await;
     let edits = delta["edits"].as_array().expect("edits");
     assert_eq!(edits.len(), 1);
-    assert!(
-        edits[0]["data"]
-            .as_array()
-            .is_some_and(|data| data.len() <= 10)
-    );
+    assert!(edits[0]["data"].as_array().is_some_and(|data| data.len() <= 10));
 
     params["previousResultId"] = json!("of another server");
-    let whole = client
-        .ok("textDocument/semanticTokens/full/delta", params)
-        .await;
+    let whole = client.ok("textDocument/semanticTokens/full/delta", params).await;
     assert_eq!(whole["data"].as_array().map(Vec::len), Some(data.len() + 5));
 
     let mut params = document(&uri);
     params["range"] = json!({ "start": { "line": 1, "character": 0 },
                               "end": { "line": 2, "character": 0 } });
     let part = client.ok("textDocument/semanticTokens/range", params).await;
-    assert!(
-        part["data"]
-            .as_array()
-            .is_some_and(|data| !data.is_empty() && data.len() < 50)
-    );
+    assert!(part["data"].as_array().is_some_and(|data| !data.is_empty() && data.len() < 50));
     client.finish().await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn definitions_are_links_or_locations_as_the_client_likes() {
     let (mut client, folder, uri) = start(json!({ "definition": { "linkSupport": true } })).await;
-    let found = client
-        .ok("textDocument/definition", at(&uri, "pose goal", 0))
-        .await;
+    let found = client.ok("textDocument/definition", at(&uri, "pose goal", 0)).await;
     assert_eq!(found[0]["targetUri"], folder.uri("pose.idl"));
-    assert_eq!(
-        found[0]["targetSelectionRange"]["start"],
-        json!({ "line": 0, "character": 7 })
-    );
-    assert_eq!(
-        found[0]["originSelectionRange"]["start"],
-        at(&uri, "pose goal", 0)["position"]
-    );
+    assert_eq!(found[0]["targetSelectionRange"]["start"], json!({ "line": 0, "character": 7 }));
+    assert_eq!(found[0]["originSelectionRange"]["start"], at(&uri, "pose goal", 0)["position"]);
     client.finish().await;
 
     let (mut client, folder, uri) = start(json!({})).await;
@@ -175,13 +131,8 @@ async fn definitions_are_links_or_locations_as_the_client_likes() {
     let found = client.ok(method, at(&uri, "pose.idl", 0)).await;
     assert_eq!(found[0]["uri"], folder.uri("pose.idl"));
     let found = client.ok(method, at(&uri, "RATE", 1)).await;
-    assert_eq!(
-        found[0]["range"]["start"],
-        json!({ "line": 1, "character": 8 })
-    );
-    let found = client
-        .ok("textDocument/typeDefinition", at(&uri, "state", 0))
-        .await;
+    assert_eq!(found[0]["range"]["start"], json!({ "line": 1, "character": 8 }));
+    let found = client.ok("textDocument/typeDefinition", at(&uri, "state", 0)).await;
     assert_eq!(found[0]["uri"], folder.uri("pose.idl"));
     client.finish().await;
 }
@@ -201,20 +152,14 @@ async fn names_are_found_everywhere() {
     assert_eq!(files.len(), 3, "{references}");
     assert!(files.contains(&folder.uri("pose.idl")));
 
-    let highlights = client
-        .ok("textDocument/documentHighlight", at(&uri, "pose goal", 0))
-        .await;
+    let highlights = client.ok("textDocument/documentHighlight", at(&uri, "pose goal", 0)).await;
     assert_eq!(highlights.as_array().map(Vec::len), Some(2));
 
-    let hover = client
-        .ok("textDocument/hover", at(&uri, "pose goal", 0))
-        .await;
+    let hover = client.ok("textDocument/hover", at(&uri, "pose goal", 0)).await;
     let text = hover["contents"]["value"].as_str().expect("Markdown");
     assert!(text.contains("pose"), "{text}");
 
-    let symbols = client
-        .ok("workspace/symbol", json!({ "query": "motion" }))
-        .await;
+    let symbols = client.ok("workspace/symbol", json!({ "query": "motion" })).await;
     assert_eq!(symbols[0]["name"], "motion");
     assert_eq!(symbols[0]["location"]["uri"], uri);
     client.finish().await;
@@ -239,10 +184,7 @@ async fn regions_fold_expand_and_link() {
     );
 
     let mut params = document(&uri);
-    params["positions"] = json!([
-        at(&uri, "init", 0)["position"],
-        at(&uri, "RATE", 1)["position"]
-    ]);
+    params["positions"] = json!([at(&uri, "init", 0)["position"], at(&uri, "RATE", 1)["position"]]);
     let chains = client.ok("textDocument/selectionRange", params).await;
     assert_eq!(chains.as_array().map(Vec::len), Some(2));
     let mut depth = 0;
@@ -262,24 +204,13 @@ async fn regions_fold_expand_and_link() {
 async fn what_dotgen_makes_of_a_document_can_be_looked_at() {
     let (mut client, _folder, uri) = start(json!({})).await;
     let tree = client.ok("dotgen/syntaxTree", document(&uri)).await;
-    assert!(
-        tree.as_str().is_some_and(|tree| tree.contains("COMPONENT")),
-        "{tree}"
-    );
+    assert!(tree.as_str().is_some_and(|tree| tree.contains("COMPONENT")), "{tree}");
     let model = client.ok("dotgen/model", document(&uri)).await;
     assert_eq!(model["components"][0]["name"], "arm");
     let items = client.ok("dotgen/itemTree", document(&uri)).await;
-    assert!(
-        items
-            .as_str()
-            .is_some_and(|client| client.contains("\"motion\"")),
-        "{items}"
-    );
+    assert!(items.as_str().is_some_and(|client| client.contains("\"motion\"")), "{items}");
     let call = client.ok("dotgen/expandMacro", at(&uri, "RATE", 1)).await;
-    assert_eq!(
-        (&call["name"], &call["expansion"]),
-        (&json!("RATE"), &json!("5"))
-    );
+    assert_eq!((&call["name"], &call["expansion"]), (&json!("RATE"), &json!("5")));
     assert_eq!(call["range"]["start"], at(&uri, "RATE", 1)["position"]);
     let none = client.ok("dotgen/expandMacro", at(&uri, "motion", 0)).await;
     assert_eq!(none, Value::Null);
@@ -329,18 +260,13 @@ async fn fixes_are_offered_where_they_apply() {
     let actions = client.ok(method, action(1, Value::Null)).await;
     let edit = &actions[0]["edit"]["changes"][&uri][0];
     assert_eq!(edit["newText"], "wcet ", "{actions}");
-    assert_eq!(
-        edit["range"]["start"],
-        json!({ "line": 1, "character": 52 })
-    );
+    assert_eq!(edit["range"]["start"], json!({ "line": 1, "character": 52 }));
     assert_eq!(actions[0]["kind"], "quickfix");
     assert_eq!(client.ok(method, action(0, Value::Null)).await, json!([]));
     let others = client.ok(method, action(1, json!(["refactor"]))).await;
     let mut others = others.as_array().into_iter().flatten();
     assert!(others.all(|client| {
-        client["kind"]
-            .as_str()
-            .is_some_and(|kind| kind.starts_with("refactor"))
+        client["kind"].as_str().is_some_and(|kind| kind.starts_with("refactor"))
     }));
     client.finish().await;
 }
@@ -362,9 +288,7 @@ async fn fixes_are_offered_where_they_change_something() {
         params["context"] = json!({ "diagnostics": [], "only": ["quickfix"] });
         let actions = client.ok("textDocument/codeAction", params).await;
         let shown = actions.as_array().expect("a list").iter().map(|action| {
-            let code = action["diagnostics"][0]["code"]
-                .as_str()
-                .unwrap_or_default();
+            let code = action["diagnostics"][0]["code"].as_str().unwrap_or_default();
             let title = action["title"].as_str().expect("a title");
             (format!("{code}: {title}"), action["isPreferred"] == true)
         });
@@ -378,10 +302,7 @@ async fn fixes_are_offered_where_they_change_something() {
             // At the reported state. The intended state is a guess.
             vec![
                 fix("undefined-state: Change to `loop`", false),
-                fix(
-                    "undefined-state: Declare a codel for the state `lopp`",
-                    false
-                ),
+                fix("undefined-state: Declare a codel for the state `lopp`", false),
             ],
             vec![],
         ]

@@ -37,10 +37,7 @@ async fn start(capabilities: Value, trusted: bool, more: &[(&str, &str)]) -> (Cl
             "templates/names/template.toml",
             "about = \"names\"\n[[files]]\neach = \"component\"\npath = \"{{ component.name }}.txt\"\nsource = \"names.jinja\"\npermissions = \"a+x\"\n",
         ),
-        (
-            "templates/names/names.jinja",
-            "{{ component.name }}\n{{ terse }}\n",
-        ),
+        ("templates/names/names.jinja", "{{ component.name }}\n{{ terse }}\n"),
     ];
     files.extend_from_slice(more);
     let folder = Folder::new(&files);
@@ -64,9 +61,7 @@ async fn templates_are_listed_with_their_options() {
     let (mut client, folder) = start(able(), true, &[]).await;
     let uri = folder.uri("lamp.gen");
     let execute = "workspace/executeCommand";
-    let list = client
-        .ok(execute, command("dotgen.templates", json!({ "uri": uri })))
-        .await;
+    let list = client.ok(execute, command("dotgen.templates", json!({ "uri": uri }))).await;
     let kind = |name: &str| {
         let all = list["templates"].as_array().unwrap();
         let found = all.iter().find(|template| template["name"] == name);
@@ -75,14 +70,9 @@ async fn templates_are_listed_with_their_options() {
     assert_eq!(kind("names").as_deref(), Some("minijinja"));
     assert_eq!(kind("skeleton").as_deref(), Some("builtin"));
     let asked = json!({ "uri": uri, "template": "names" });
-    let options = client
-        .ok(execute, command("dotgen.templateOptions", asked))
-        .await;
+    let options = client.ok(execute, command("dotgen.templateOptions", asked)).await;
     let options = options["options"].as_array().unwrap();
-    let directory = options
-        .iter()
-        .find(|option| option["flags"][1] == "--directory")
-        .unwrap();
+    let directory = options.iter().find(|option| option["flags"][1] == "--directory").unwrap();
     assert_eq!(directory["value"], "DIR");
     client.finish().await;
 }
@@ -100,9 +90,7 @@ async fn files_are_offered_then_remembered_and_made_again() {
     assert_eq!(error["code"], -32803, "{error}");
     // A client that shows the changes itself.
     let params = json!({ "uri": uri, "template": "names", "arguments": ["-t"], "apply": false });
-    let plan = client
-        .ok(execute, command("dotgen.generate", params.clone()))
-        .await;
+    let plan = client.ok(execute, command("dotgen.generate", params.clone())).await;
     assert_eq!(plan["status"], "preview");
     assert_eq!(plan["files"][0]["uri"], folder.uri("lamp.txt"));
     assert_eq!(plan["files"][0]["after"], "lamp\nTrue\n");
@@ -115,11 +103,7 @@ async fn files_are_offered_then_remembered_and_made_again() {
     client.answer("window/showMessageRequest", json!({ "title": "Write" }));
     let done = client.ok(execute, command("dotgen.generate", params)).await;
     assert_eq!(done["status"], "applied");
-    let edit = client
-        .asked
-        .iter()
-        .rev()
-        .find(|message| message["method"] == "workspace/applyEdit");
+    let edit = client.asked.iter().rev().find(|message| message["method"] == "workspace/applyEdit");
     let edit = &edit.unwrap()["params"]["edit"];
     assert_eq!(edit["documentChanges"][0]["kind"], "create");
     assert_eq!(edit["changeAnnotations"], Value::Null, "asked once only");
@@ -130,27 +114,15 @@ async fn files_are_offered_then_remembered_and_made_again() {
     );
     // The client created the file; the user changed it.
     folder.write("lamp.txt", "lamp\nmine\n");
-    client
-        .notify(
-            "workspace/didChangeWatchedFiles",
-            folder.event("dotgen.toml", 2),
-        )
-        .await;
+    client.notify("workspace/didChangeWatchedFiles", folder.event("dotgen.toml", 2)).await;
     let again = json!({ "uri": uri, "apply": false });
-    let refused = client
-        .ok(execute, command("dotgen.regenerate", again.clone()))
-        .await;
+    let refused = client.ok(execute, command("dotgen.regenerate", again.clone())).await;
     assert_eq!(refused["status"], "failed");
     let messages = refused["messages"].as_str().unwrap();
-    assert!(
-        messages.contains("exists and would be overwritten"),
-        "{messages}"
-    );
+    assert!(messages.contains("exists and would be overwritten"), "{messages}");
     // Merging works without a terminal: a change on both sides becomes a conflict.
     let merging = json!({ "uri": uri, "template": "names", "arguments": ["-i"], "apply": false });
-    let merged = client
-        .ok(execute, command("dotgen.generate", merging))
-        .await;
+    let merged = client.ok(execute, command("dotgen.generate", merging)).await;
     assert_eq!(
         merged["files"][0]["after"],
         "lamp\n<<<<<<< user version\nmine\n=======\nFalse\n>>>>>>> template version\n"
@@ -166,10 +138,7 @@ async fn templates_of_dotgen_are_no_concern() {
     let plan = client.ok(execute, command("dotgen.generate", params)).await;
     let files = plan["files"].as_array().expect("a list");
     assert!(files.iter().any(|file| file["mode"] == 0o755), "{files:#?}");
-    assert!(
-        files.iter().all(|file| file["concern"].is_null()),
-        "{files:#?}"
-    );
+    assert!(files.iter().all(|file| file["concern"].is_null()), "{files:#?}");
     client.finish().await;
 }
 
@@ -182,9 +151,7 @@ async fn plain_clients_are_asked_before_anything_is_written() {
     let execute = "workspace/executeCommand";
     client.answer("window/showMessageRequest", json!({ "title": "Cancel" }));
     let params = json!({ "uri": uri, "template": "names" });
-    let done = client
-        .ok(execute, command("dotgen.generate", params.clone()))
-        .await;
+    let done = client.ok(execute, command("dotgen.generate", params.clone())).await;
     assert_eq!(done["status"], "rejected");
     assert!(!folder.exists("lamp.txt"));
     client.answer("window/showMessageRequest", json!({ "title": "Write" }));
@@ -192,15 +159,10 @@ async fn plain_clients_are_asked_before_anything_is_written() {
     assert_eq!(done["status"], "applied");
     assert_eq!(folder.read("lamp.txt"), "lamp\nFalse\n");
     let question = client.asked.last().unwrap();
-    assert_eq!(
-        question["params"]["message"],
-        "names would create lamp.txt (executable)."
-    );
+    assert_eq!(question["params"]["message"], "names would create lamp.txt (executable).");
     // Without a template, the user may choose one from a list.
     client.answer("window/showMessageRequest", Value::Null);
-    let done = client
-        .ok(execute, command("dotgen.generate", json!({ "uri": uri })))
-        .await;
+    let done = client.ok(execute, command("dotgen.generate", json!({ "uri": uri }))).await;
     assert_eq!(done["status"], "cancelled");
     client.finish().await;
 }
@@ -213,12 +175,7 @@ async fn an_unknown_template_is_answered_with_the_setting() {
     let failed = client.ok(execute, command("dotgen.generate", params)).await;
     assert_eq!(failed["status"], "failed");
     let messages = failed["messages"].as_str().unwrap();
-    for wanted in [
-        "no template `nams`",
-        "`names`",
-        "`skeleton`",
-        "`dotgen.templatePaths`",
-    ] {
+    for wanted in ["no template `nams`", "`names`", "`skeleton`", "`dotgen.templatePaths`"] {
         assert!(messages.contains(wanted), "{messages}");
     }
     assert!(!messages.contains("-t "), "{messages}");
@@ -230,10 +187,7 @@ async fn untrusted_workspaces_run_nothing() {
     let (mut client, folder) = start(able(), false, &[]).await;
     let params = json!({ "uri": folder.uri("lamp.gen"), "template": "names" });
     let error = client
-        .request(
-            "workspace/executeCommand",
-            command("dotgen.generate", params),
-        )
+        .request("workspace/executeCommand", command("dotgen.generate", params))
         .await
         .unwrap_err();
     let message = error["message"].as_str().unwrap();
@@ -246,15 +200,10 @@ async fn untrusted_workspaces_run_nothing() {
 async fn a_failing_template_is_marked_where_it_fails() {
     let (mut client, folder) = start(able(), true, &[]).await;
     let source = folder.uri("templates/names/names.jinja");
-    folder.write(
-        "templates/names/names.jinja",
-        "a\n{{ component.name | nothing }}\n",
-    );
+    folder.write("templates/names/names.jinja", "a\n{{ component.name | nothing }}\n");
     let params = json!({ "uri": folder.uri("lamp.gen"), "template": "names", "apply": false });
     let execute = "workspace/executeCommand";
-    let failed = client
-        .ok(execute, command("dotgen.generate", params.clone()))
-        .await;
+    let failed = client.ok(execute, command("dotgen.generate", params.clone())).await;
     assert_eq!(failed["status"], "failed");
     let pushed = client.pushed(&source).await;
     let diagnostic = &pushed["diagnostics"][0];
@@ -283,9 +232,7 @@ async fn tcl_templates_run() {
     let uri = folder.uri("lamp.gen");
     let execute = "workspace/executeCommand";
     let asked = json!({ "uri": uri, "template": "hello" });
-    let options = client
-        .ok(execute, command("dotgen.templateOptions", asked))
-        .await;
+    let options = client.ok(execute, command("dotgen.templateOptions", asked)).await;
     assert_eq!(options["options"][0]["flags"], json!(["-x", "--extra"]));
     let params =
         json!({ "uri": uri, "template": "hello", "arguments": ["-x", "my"], "apply": false });
@@ -295,10 +242,7 @@ async fn tcl_templates_run() {
     let params = json!({ "uri": uri, "template": "bad", "apply": false });
     client.ok(execute, command("dotgen.generate", params)).await;
     let pushed = client.pushed(&folder.uri("templates/bad/bad.txt")).await;
-    assert_eq!(
-        pushed["diagnostics"][0]["range"]["start"]["line"], 2,
-        "{pushed}"
-    );
+    assert_eq!(pushed["diagnostics"][0]["range"]["start"]["line"], 2, "{pushed}");
     client.finish().await;
 }
 
@@ -317,18 +261,13 @@ async fn a_run_can_be_cancelled() {
     // The list of files is complete first.
     while client.notification("$/progress").await["value"]["kind"] != "end" {}
     let params = json!({ "uri": uri, "template": "loops", "apply": false });
-    let id = client
-        .begin(execute, command("dotgen.generate", params))
-        .await;
+    let id = client.begin(execute, command("dotgen.generate", params)).await;
     let begun = client.notification("$/progress").await;
     assert_eq!(begun["value"]["cancellable"], true);
     let token = json!({ "token": begun["token"] });
     client.notify("window/workDoneProgress/cancel", token).await;
     assert_eq!(client.end(id).await.unwrap()["status"], "cancelled");
-    assert_eq!(
-        client.notification("$/progress").await["value"]["kind"],
-        "end"
-    );
+    assert_eq!(client.notification("$/progress").await["value"]["kind"], "end");
     client.finish().await;
 }
 
@@ -345,8 +284,7 @@ async fn the_action_is_at_the_component_and_on_request() {
     let titles = |actions: &Value| -> Vec<String> {
         let all = actions.as_array().unwrap().iter();
         let all = all.filter(|action| action["command"]["command"].is_string());
-        all.map(|action| action["title"].as_str().unwrap().to_owned())
-            .collect()
+        all.map(|action| action["title"].as_str().unwrap().to_owned()).collect()
     };
     let method = "textDocument/codeAction";
     let actions = client.ok(method, at(0, Value::Null)).await;

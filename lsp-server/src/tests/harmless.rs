@@ -19,9 +19,7 @@ fn at_pose(uri: &str) -> Value {
 }
 
 fn latin1(text: &str) -> Vec<u8> {
-    text.chars()
-        .map(|character| u8::try_from(u32::from(character)).expect("Latin-1"))
-        .collect()
+    text.chars().map(|character| u8::try_from(u32::from(character)).expect("Latin-1")).collect()
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -41,17 +39,11 @@ async fn a_rename_waits_until_all_files_are_known() {
     let moved = client.begin("workspace/willRenameFiles", files).await;
     let edit = client.end(rename).await.expect("an edit");
     for name in ["pose.idl", "arm.gen", "sub/base.gen"] {
-        assert!(
-            edit["changes"].get(folder.uri(name)).is_some(),
-            "{name}: {edit}"
-        );
+        assert!(edit["changes"].get(folder.uri(name)).is_some(), "{name}: {edit}");
     }
     let edit = client.end(moved).await.expect("an edit");
     for name in ["arm.gen", "sub/pose.idl"] {
-        assert!(
-            edit["changes"].get(folder.uri(name)).is_some(),
-            "{name}: {edit}"
-        );
+        assert!(edit["changes"].get(folder.uri(name)).is_some(), "{name}: {edit}");
     }
     client.finish_ignoring("$/progress").await;
 }
@@ -76,10 +68,7 @@ async fn a_file_in_another_encoding_is_changed_only_when_it_is_open() {
     // The client has read an open file in the file's own encoding.
     client.open(&folder.uri("base.gen"), BASE).await;
     let edit = client.ok("textDocument/rename", at_pose(&uri)).await;
-    assert!(
-        edit["changes"].get(folder.uri("base.gen")).is_some(),
-        "{edit}"
-    );
+    assert!(edit["changes"].get(folder.uri("base.gen")).is_some(), "{edit}");
     client.finish().await;
 }
 
@@ -109,15 +98,10 @@ async fn new_text_has_the_line_ends_of_the_document() {
                 let text = edit["newText"].as_str().expect("a text");
                 let is_new = !file.ends_with("c_t_codels.c") && *file != uri;
                 several += usize::from(text.contains("\r\n"));
-                assert!(
-                    is_new || !text.replace("\r\n", "").contains('\n'),
-                    "{action}"
-                );
+                assert!(is_new || !text.replace("\r\n", "").contains('\n'), "{action}");
             }
         }
     }
     assert!(several > 0, "{actions}");
-    client
-        .finish_ignoring("textDocument/publishDiagnostics")
-        .await;
+    client.finish_ignoring("textDocument/publishDiagnostics").await;
 }

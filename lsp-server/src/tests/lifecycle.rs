@@ -21,21 +21,14 @@ async fn the_end_of_input_ends_the_server() {
 async fn the_end_of_input_ends_a_server_with_a_waiting_client() {
     let mut client = Client::start(json!({ "capabilities": pulling() })).await;
     client.open(URI, "").await;
-    let first = client
-        .ok("workspace/diagnostic", json!({ "previousResultIds": [] }))
-        .await;
+    let first = client.ok("workspace/diagnostic", json!({ "previousResultIds": [] })).await;
     let known: Vec<Value> = first["items"]
         .as_array()
         .expect("a list")
         .iter()
         .map(|report| json!({ "uri": report["uri"], "value": report["resultId"] }))
         .collect();
-    client
-        .begin(
-            "workspace/diagnostic",
-            json!({ "previousResultIds": known }),
-        )
-        .await;
+    client.begin("workspace/diagnostic", json!({ "previousResultIds": known })).await;
     client.disconnect().await;
     assert!(!client.ended().await);
 }
@@ -45,9 +38,7 @@ async fn requests_before_initialize_are_refused_and_unknown_ones_too() {
     let mut client = Client::raw();
     let error = client.request("textDocument/hover", json!({})).await;
     assert_eq!(error.expect_err("not initialized")["code"], -32002);
-    client
-        .ok("initialize", json!({ "capabilities": pulling() }))
-        .await;
+    client.ok("initialize", json!({ "capabilities": pulling() })).await;
     client.notify("initialized", json!({})).await;
     let error = client.request("dotgen/nothing", json!({})).await;
     assert_eq!(error.expect_err("unknown")["code"], -32601);
@@ -89,21 +80,14 @@ async fn unknown_documents_have_nothing_to_show() {
     }
     // Not open: the change is ignored.
     client.change(URI, 7, json!([{ "text": "x" }])).await;
-    client
-        .notify(
-            "textDocument/didClose",
-            document("file:///nowhere/missing.gen"),
-        )
-        .await;
+    client.notify("textDocument/didClose", document("file:///nowhere/missing.gen")).await;
     client.finish().await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn messages_that_make_no_sense_get_an_error() {
     let mut client = Client::start(json!({ "capabilities": pulling() })).await;
-    let error = client
-        .request("textDocument/hover", json!({ "x": 1 }))
-        .await;
+    let error = client.request("textDocument/hover", json!({ "x": 1 })).await;
     assert_eq!(error.expect_err("no position")["code"], -32602);
     let bad_uri = json!({ "textDocument": { "uri": "::not a uri::" } });
     let error = client.request("textDocument/documentSymbol", bad_uri).await;

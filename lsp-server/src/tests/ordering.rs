@@ -34,9 +34,7 @@ async fn a_request_sees_the_text_of_its_turn() {
     client.open(URI, "").await;
     let mut ids = Vec::new();
     for version in 2..52 {
-        client
-            .change(URI, version, json!([{ "text": version.to_string() }]))
-            .await;
+        client.change(URI, version, json!([{ "text": version.to_string() }])).await;
         ids.push((version, client.begin("test/text", document(URI)).await));
     }
     for (version, id) in ids {
@@ -107,9 +105,7 @@ async fn positions_count_in_the_unit_that_was_agreed() {
         if !offered.is_null() {
             capabilities["general"] = json!({ "positionEncodings": offered });
         }
-        let result = client
-            .ok("initialize", json!({ "capabilities": capabilities }))
-            .await;
+        let result = client.ok("initialize", json!({ "capabilities": capabilities })).await;
         assert_eq!(result["capabilities"]["positionEncoding"], agreed);
         client.notify("initialized", json!({})).await;
         client.open(URI, "// 1\r\n// 2\ré😀x\n").await;
@@ -157,10 +153,7 @@ async fn what_takes_long_is_shown_and_can_be_stopped() {
     client.notify("window/workDoneProgress/cancel", stop).await;
     assert_eq!(client.end(id).await.expect_err("stopped")["code"], -32800);
     let end = client.notification("$/progress").await;
-    assert_eq!(
-        (&end["token"], &end["value"]["kind"]),
-        (&token, &json!("end"))
-    );
+    assert_eq!((&end["token"], &end["value"]["kind"]), (&token, &json!("end")));
     // The work has ended too: a change does not wait for it.
     client.change(URI, 2, json!([{ "text": "b" }])).await;
     assert_eq!(client.ok("test/text", document(URI)).await, "b");

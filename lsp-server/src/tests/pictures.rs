@@ -62,10 +62,7 @@ fn position(of: &str) -> Value {
 
 fn ids(answer: &Value) -> Vec<&str> {
     let nodes = answer["nodes"].as_array().expect("nodes");
-    nodes
-        .iter()
-        .filter_map(|node| node["id"].as_str())
-        .collect()
+    nodes.iter().filter_map(|node| node["id"].as_str()).collect()
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -75,12 +72,7 @@ async fn the_machine_at_a_place_or_of_a_name() {
     assert_eq!(at["owner"], "move");
     assert_eq!(at["component"], "lift");
     assert!(ids(&at).contains(&"up"), "{at}");
-    let named = draw(
-        &mut client,
-        &uri,
-        json!({ "component": "lift", "owner": "move" }),
-    )
-    .await;
+    let named = draw(&mut client, &uri, json!({ "component": "lift", "owner": "move" })).await;
     assert_eq!(at["picture"], named["picture"]);
     assert_eq!(at["place"]["selectionRange"]["start"], position("move {"));
 
@@ -101,16 +93,9 @@ async fn a_node_knows_its_place_and_its_codel() {
     let (mut client, _folder, uri) = start(json!({})).await;
     let answer = draw(&mut client, &uri, json!({ "owner": "move" })).await;
     let nodes = answer["nodes"].as_array().expect("nodes");
-    let up = nodes
-        .iter()
-        .find(|node| node["id"] == "up")
-        .expect("the state");
+    let up = nodes.iter().find(|node| node["id"] == "up").expect("the state");
     assert_eq!(up["place"]["uri"], uri.as_str());
-    assert_eq!(
-        up["place"]["selectionRange"]["start"],
-        position("raise"),
-        "{up}"
-    );
+    assert_eq!(up["place"]["selectionRange"]["start"], position("raise"), "{up}");
     assert_eq!(up["place"]["range"]["start"], position("codel<up>"), "{up}");
     assert_eq!(
         up["codel"],
@@ -185,8 +170,7 @@ async fn systems_and_locks() {
     // The files of the workspace are being listed.
     let find = json!({ "query": "b" });
     let found = |json: Value| {
-        json.as_array()
-            .is_some_and(|json| json.iter().any(|json| json["name"] == "b"))
+        json.as_array().is_some_and(|json| json.iter().any(|json| json["name"] == "b"))
     };
     while !found(client.ok("workspace/symbol", find.clone()).await) {}
     let system = draw(&mut client, &uri, json!({ "kind": "system" })).await;
@@ -209,10 +193,8 @@ async fn the_editor_shows_the_bytes_of_the_command_line() {
         "idl/or/pose/t3d.idl",
         "idl/or/time/time.idl",
     ];
-    let texts: Vec<(&str, String)> = names
-        .iter()
-        .map(|name| (*name, read(&format!("examples/maneuver/{name}"))))
-        .collect();
+    let texts: Vec<(&str, String)> =
+        names.iter().map(|name| (*name, read(&format!("examples/maneuver/{name}")))).collect();
     let files: Vec<(&str, &str)> = texts.iter().map(|text| (text.0, text.1.as_str())).collect();
     let folder = Folder::new(&files);
     let mut client = Client::start(folder.params(pulling())).await;
@@ -296,10 +278,7 @@ async fn a_system_is_opened_and_moved() {
     let (mut client, _folder, uri) = start(json!({})).await;
     let before = draw(&mut client, &uri, json!({ "kind": "system" })).await;
     assert_eq!(node(&before, "lift")["open"], false);
-    assert_eq!(
-        node(&before, "lift")["holds"],
-        json!(["wanted", "move", "go", "get"])
-    );
+    assert_eq!(node(&before, "lift")["holds"], json!(["wanted", "move", "go", "get"]));
     let wish =
         json!({ "kind": "system", "opened": { "lift": true }, "moved": { "lift": [40, 300] } });
     let after = draw(&mut client, &uri, wish).await;
@@ -324,10 +303,7 @@ async fn a_way_through_a_machine_is_told() {
     let wish = json!({ "component": "lift", "owner": "move", "way": ["start", "up", "ether"] });
     let answer = draw(&mut client, &uri, wish).await;
     let notes = answer["notes"].as_array().expect("notes");
-    assert_eq!(
-        notes.last().expect("a note"),
-        "start → up → ether: at most 3 ms of execution"
-    );
+    assert_eq!(notes.last().expect("a note"), "start → up → ether: at most 3 ms of execution");
     client.finish().await;
 }
 
@@ -341,10 +317,7 @@ async fn what_is_open_in_another_folder_belongs_to_the_system() {
     for from in [&uri, &there] {
         let answer = draw(&mut client, from, json!({ "kind": "system" })).await;
         let found = ids(&answer);
-        assert!(
-            found.contains(&"lift") && found.contains(&"other"),
-            "{found:?}"
-        );
+        assert!(found.contains(&"lift") && found.contains(&"other"), "{found:?}");
     }
     client.finish().await;
 }

@@ -47,10 +47,7 @@ struct Dice(u64);
 
 impl Dice {
     fn roll(&mut self, sides: usize) -> usize {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         usize::try_from(self.0 >> 33).unwrap_or(0) % sides.max(1)
     }
 
@@ -79,12 +76,8 @@ async fn rage(seed: u64, steps: i32) {
     for version in 2..steps {
         if dice.roll(20) == 0 {
             // The whole text: the document is known again after any earlier edits.
-            text = (0..dice.roll(12))
-                .map(|_| PIECES[dice.roll(PIECES.len())])
-                .collect();
-            client
-                .change(&uri, version, json!([{ "text": text }]))
-                .await;
+            text = (0..dice.roll(12)).map(|_| PIECES[dice.roll(PIECES.len())]).collect();
+            client.change(&uri, version, json!([{ "text": text }])).await;
         } else {
             let (start, end) = (dice.position(&text), dice.position(&text));
             let piece = PIECES[dice.roll(PIECES.len())];
@@ -113,9 +106,7 @@ async fn rage(seed: u64, steps: i32) {
             assert!(known.contains(&code), "seed {seed}, {question}: {error}");
         }
     }
-    client
-        .change(&uri, steps, json!([{ "text": "const long a = 1;" }]))
-        .await;
+    client.change(&uri, steps, json!([{ "text": "const long a = 1;" }])).await;
     let last = client.ok("test/text", document(&uri)).await;
     assert_eq!(last, "const long a = 1;");
     client.finish().await;

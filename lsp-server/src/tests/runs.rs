@@ -16,37 +16,23 @@ async fn lenses(client: &mut Client, uri: &str) -> Vec<String> {
         matches!(command, "dotgen.run" | "dotgen.simulate").then(|| {
             assert_eq!(argument, &json!({ "uri": uri }));
             let line = &other["range"]["start"]["line"];
-            format!(
-                "{line} {} {command}",
-                other["command"]["title"].as_str().expect("a title")
-            )
+            format!("{line} {} {command}", other["command"]["title"].as_str().expect("a title"))
         })
     };
-    lenses
-        .as_array()
-        .into_iter()
-        .flatten()
-        .filter_map(runs)
-        .collect()
+    lenses.as_array().into_iter().flatten().filter_map(runs).collect()
 }
 
 /// The lenses over a specification and over a scenario.
 async fn offered(options: Value, config: &str) -> [Vec<String>; 2] {
-    let folder = Folder::new(&[
-        ("lamp.gen", LAMP),
-        ("both.scn", SCENARIO),
-        ("dotgen.toml", config),
-    ]);
+    let folder =
+        Folder::new(&[("lamp.gen", LAMP), ("both.scn", SCENARIO), ("dotgen.toml", config)]);
     let mut params = folder.params(pulling());
     params["initializationOptions"] = options;
     let mut client = Client::start(params).await;
     let (lamp, both) = (folder.uri("lamp.gen"), folder.uri("both.scn"));
     client.open(&lamp, LAMP).await;
     client.open(&both, SCENARIO).await;
-    [
-        lenses(&mut client, &lamp).await,
-        lenses(&mut client, &both).await,
-    ]
+    [lenses(&mut client, &lamp).await, lenses(&mut client, &both).await]
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -60,9 +60,7 @@ async fn labels(scenario: &str) -> Vec<String> {
     let list = client.ok("textDocument/completion", params).await;
     client.finish().await;
     let items = list["items"].as_array().expect("a list").iter();
-    items
-        .map(|json| json["label"].as_str().expect("text").to_owned())
-        .collect()
+    items.map(|json| json["label"].as_str().expect("text").to_owned()).collect()
 }
 
 /// `file:line` of every location.
@@ -101,39 +99,18 @@ async fn completion_knows_the_place() {
             "schedulable no-overdue response within reaction age leadsto eventually always reachable \
                 deadlock",
         ),
-        (
-            "scenario a { use \"pump.gen\"; check schedulable $0; }",
-            "* pump.t",
-        ),
-        (
-            "scenario a { use \"pump.gen\"; check response pump.$0",
-            "pump.t",
-        ),
-        (
-            "scenario a { use \"pump.gen\"; check response pump.t <= 5 $0",
-            "ms us s",
-        ),
+        ("scenario a { use \"pump.gen\"; check schedulable $0; }", "* pump.t"),
+        ("scenario a { use \"pump.gen\"; check response pump.$0", "pump.t"),
+        ("scenario a { use \"pump.gen\"; check response pump.t <= 5 $0", "ms us s"),
         (
             "scenario a { use \"pump.gen\"; duration pump.$0",
             "pump.t.start pump.t.main pump.drain.start",
         ),
-        (
-            "scenario a { use \"pump.gen\"; duration pump.t.main [1,2] $0",
-            "ms us s",
-        ),
-        (
-            "scenario a { use \"pump.gen\"; slots $0",
-            "pump.t pump.drain",
-        ),
+        ("scenario a { use \"pump.gen\"; duration pump.t.main [1,2] $0", "ms us s"),
+        ("scenario a { use \"pump.gen\"; slots $0", "pump.t pump.drain"),
         ("scenario a { use \"pump.gen\"; connect $0", "pump.inflow"),
-        (
-            "scenario a { use \"pump.gen\"; connect pump.inflow $0",
-            "to",
-        ),
-        (
-            "scenario a { use \"pump.gen\"; connect pump.inflow to $0",
-            "none pump.outflow",
-        ),
+        ("scenario a { use \"pump.gen\"; connect pump.inflow $0", "to"),
+        ("scenario a { use \"pump.gen\"; connect pump.inflow to $0", "none pump.outflow"),
         (
             "scenario a { use \"pump.gen\"; client c { $0",
             "send await delay repeat choice abort kill connect",
@@ -150,18 +127,12 @@ async fn completion_knows_the_place() {
             "scenario a { use \"pump.gen\"; client c { x: send pump.drain; } check always $0",
             "pump c not leave",
         ),
-        (
-            "scenario a { use \"pump.gen\"; client c { x: send pump.drain; } check always c.$0",
-            "x",
-        ),
+        ("scenario a { use \"pump.gen\"; client c { x: send pump.drain; } check always c.$0", "x"),
         (
             "scenario a { use \"pump.gen\"; check always pump.t.$0",
             "start main idle waiting running",
         ),
-        (
-            "scenario a { use \"pump.gen\"; check always pump.t $0",
-            "and or",
-        ),
+        ("scenario a { use \"pump.gen\"; check always pump.t $0", "and or"),
         ("scenario a { // $0", ""),
         ("scenario a { cores 2; // policy\n  cores 3$0", ""),
     ] {
@@ -174,10 +145,7 @@ async fn a_completion_replaces_the_whole_path() {
     let (mut client, _folder, _, params) = start(&at("response pump")).await;
     let list = client.ok("textDocument/completion", params).await;
     let edit = &list["items"][0]["textEdit"];
-    assert_eq!(
-        (&edit["newText"], &edit["range"]["start"]["character"]),
-        (&json!("*"), &json!(24))
-    );
+    assert_eq!((&edit["newText"], &edit["range"]["start"]["character"]), (&json!("*"), &json!(24)));
     let edit = &list["items"][1]["textEdit"];
     assert_eq!(
         (&edit["newText"], &edit["range"]["start"]["character"]),
@@ -235,9 +203,7 @@ async fn references_and_renames_cross_the_languages() {
     let mut from_scenario = document(&scn);
     from_scenario["position"] = json!({ "line": 4, "character": 22 });
     from_scenario["context"] = json!({ "includeDeclaration": true });
-    let found = client
-        .ok("textDocument/references", from_scenario.clone())
-        .await;
+    let found = client.ok("textDocument/references", from_scenario.clone()).await;
     assert_eq!(places(&found), both);
 
     for mut params in [params, from_scenario] {
@@ -250,17 +216,11 @@ async fn references_and_renames_cross_the_languages() {
                 let uri = change["textDocument"]["uri"].as_str().expect("a uri");
                 let edits = change["edits"].as_array().expect("a list");
                 assert!(edits.iter().all(|edit| edit["newText"] == "empty"));
-                (
-                    uri.rsplit('/').next().unwrap_or_default().to_owned(),
-                    edits.len(),
-                )
+                (uri.rsplit('/').next().unwrap_or_default().to_owned(), edits.len())
             })
             .collect();
         counts.sort();
-        assert_eq!(
-            counts,
-            [("pump.gen".to_owned(), 1), ("tank.scn".to_owned(), 3)]
-        );
+        assert_eq!(counts, [("pump.gen".to_owned(), 1), ("tank.scn".to_owned(), 3)]);
     }
     client.finish().await;
 }
@@ -268,38 +228,24 @@ async fn references_and_renames_cross_the_languages() {
 #[tokio::test(flavor = "multi_thread")]
 async fn the_outline_folds_and_formats() {
     let (mut client, _folder, uri, _) = start(SCENARIO).await;
-    let symbols = client
-        .ok("textDocument/documentSymbol", document(&uri))
-        .await;
+    let symbols = client.ok("textDocument/documentSymbol", document(&uri)).await;
     assert_eq!(symbols[0]["name"], "tank");
     let children = symbols[0]["children"].as_array().expect("a list").iter();
-    let names: Vec<&str> = children
-        .filter_map(|child| child["name"].as_str())
-        .collect();
+    let names: Vec<&str> = children.filter_map(|child| child["name"].as_str()).collect();
     assert_eq!(
         names,
-        [
-            "pump.gen",
-            "operator",
-            "limit",
-            "check within pump.drain.start => leave operator.first"
-        ]
+        ["pump.gen", "operator", "limit", "check within pump.drain.start => leave operator.first"]
     );
     let folds = client.ok("textDocument/foldingRange", document(&uri)).await;
     assert_eq!(folds.as_array().map(Vec::len), Some(2));
     let mut params = document(&uri);
     params["options"] = json!({ "tabSize": 2, "insertSpaces": true });
-    assert_eq!(
-        client.ok("textDocument/formatting", params.clone()).await,
-        Value::Null
-    );
+    assert_eq!(client.ok("textDocument/formatting", params.clone()).await, Value::Null);
     let untidy = SCENARIO.replace("  cores 2;", "cores   2 ;");
     client.change(&uri, 2, json!([{ "text": untidy }])).await;
     let edits = client.ok("textDocument/formatting", params.clone()).await;
     // Only the blanks change, so that the cursor and the marks of the editor stay.
-    let texts = edits
-        .as_array()
-        .map(|edit| edit.iter().map(|edit| &edit["newText"]).collect());
+    let texts = edits.as_array().map(|edit| edit.iter().map(|edit| &edit["newText"]).collect());
     assert_eq!(texts, Some(vec![&json!("\n  "), &json!(" "), &json!("")]));
     params["range"] =
         json!({ "start": { "line": 4, "character": 0 }, "end": { "line": 5, "character": 0 } });
@@ -352,46 +298,25 @@ async fn selections_grow_links_lead_to_files_and_names_have_colours() {
     let mut lines = Vec::new();
     let mut range = &selections[0];
     while let Some(start) = range["range"]["start"]["line"].as_u64() {
-        lines.push((
-            start,
-            range["range"]["end"]["line"].as_u64().expect("a line"),
-        ));
+        lines.push((start, range["range"]["end"]["line"].as_u64().expect("a line")));
         range = &range["parent"];
     }
     // The word, the path, the step; the contents of the client, its braces, the client; the scenario.
     assert_eq!(
         lines,
-        [
-            (5, 5),
-            (5, 5),
-            (5, 5),
-            (3, 6),
-            (3, 6),
-            (3, 6),
-            (0, 9),
-            (0, 9),
-            (0, 9),
-            (0, 10)
-        ]
+        [(5, 5), (5, 5), (5, 5), (3, 6), (3, 6), (3, 6), (0, 9), (0, 9), (0, 9), (0, 10)]
     );
 
     let links = client.ok("textDocument/documentLink", document(&uri)).await;
     assert_eq!(links[0]["target"], folder.uri("pump.gen"));
-    assert_eq!(
-        links[0]["range"]["start"],
-        json!({ "line": 1, "character": 7 })
-    );
+    assert_eq!(links[0]["range"]["start"], json!({ "line": 1, "character": 7 }));
 
-    let tokens = client
-        .ok("textDocument/semanticTokens/full", document(&uri))
-        .await;
+    let tokens = client.ok("textDocument/semanticTokens/full", document(&uri)).await;
     let count = tokens["data"].as_array().map_or(0, Vec::len) / 5;
     let mut in_line = document(&uri);
     in_line["range"] =
         json!({ "start": { "line": 4, "character": 0 }, "end": { "line": 4, "character": 99 } });
-    let part = client
-        .ok("textDocument/semanticTokens/range", in_line)
-        .await;
+    let part = client.ok("textDocument/semanticTokens/range", in_line).await;
     // `first` and `send`, `pump`, `drain`.
     assert_eq!(part["data"].as_array().map_or(0, Vec::len) / 5, 3, "{part}");
     assert!(count > 20, "{count}");
@@ -402,16 +327,8 @@ async fn selections_grow_links_lead_to_files_and_names_have_colours() {
 async fn diagnostics_say_what_is_wrong_and_where() {
     for (text, code, line) in [
         (SCENARIO.replace("cores 2", "cores two"), "scn-syntax", 2),
-        (
-            SCENARIO.replace("pump.gen", "pomp.gen"),
-            "scn-use-not-found",
-            1,
-        ),
-        (
-            SCENARIO.replace("response pump.t", "response pump.u"),
-            "scn-unknown-name",
-            7,
-        ),
+        (SCENARIO.replace("pump.gen", "pomp.gen"), "scn-use-not-found", 1),
+        (SCENARIO.replace("response pump.t", "response pump.u"), "scn-unknown-name", 7),
     ] {
         let (mut client, _folder, uri, _) = start(&text).await;
         let report = client.ok("textDocument/diagnostic", document(&uri)).await;
@@ -433,9 +350,7 @@ async fn half_typed_text_is_survived() {
     });
     for (text, offset) in texts {
         version += 1;
-        client
-            .change(&uri, version, json!([{ "text": text }]))
-            .await;
+        client.change(&uri, version, json!([{ "text": text }])).await;
         let line = text[..offset].matches('\n').count();
         let start = text[..offset].rfind('\n').map_or(0, |index| index + 1);
         let mut params = document(&uri);

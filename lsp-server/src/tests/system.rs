@@ -24,18 +24,13 @@ async fn hover(client: &mut Client, uri: &str) -> Vec<String> {
     let hover = client.ok("textDocument/hover", params).await;
     let text = hover["contents"]["value"].as_str().expect("Markdown");
     assert!(text.contains("pom_t("), "{text}");
-    let facts = text
-        .lines()
-        .filter(|line| line.contains("other components"));
+    let facts = text.lines().filter(|line| line.contains("other components"));
     facts.map(str::to_owned).collect()
 }
 
 async fn lens(client: &mut Client, uri: &str) -> String {
     let lenses = client.ok("textDocument/codeLens", document(uri)).await;
-    lenses[0]["command"]["title"]
-        .as_str()
-        .expect("a title")
-        .to_owned()
+    lenses[0]["command"]["title"].as_str().expect("a title").to_owned()
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -51,21 +46,17 @@ async fn a_codel_says_what_it_excludes_through_ports() {
     let (uri, code) = (folder.uri("pom.gen"), folder.uri("codels/pom_t_codels.c"));
     client.open(&uri, POM).await;
     let file = json!({ "uri": code, "languageId": "c", "version": 1, "text": source });
-    client
-        .notify("textDocument/didOpen", json!({ "textDocument": file }))
-        .await;
+    client.notify("textDocument/didOpen", json!({ "textDocument": file })).await;
     // The files of the workspace are being listed.
     while hover(&mut client, &uri).await.is_empty() {}
     assert_eq!(
         hover(&mut client, &uri).await,
-        [
-            "* excludes in other components `log_f0` of function `f0` of `log` (port `pom.pose`), \
+        ["* excludes in other components `log_f0` of function `f0` of `log` (port `pom.pose`), \
           `log_f1` of function `f1` of `log` (port `pom.pose`), \
           `log_f2` of function `f2` of `log` (port `pom.pose`), \
           `log_f3` of function `f3` of `log` (port `pom.pose`), \
           `log_f4` of function `f4` of `log` (port `pom.pose`), \
-          `log_f5` of function `f5` of `log` (port `pom.pose`) and 2 more"
-        ]
+          `log_f5` of function `f5` of `log` (port `pom.pose`) and 2 more"]
     );
     assert_eq!(
         lens(&mut client, &code).await,
@@ -77,24 +68,16 @@ async fn a_codel_says_what_it_excludes_through_ports() {
     let other = folder.uri("log.gen");
     client.open(&other, &reader("log", "position", 0)).await;
     let nav = "`nav_f0` of function `f0` of `nav` (port `pom.pose`)";
-    assert_eq!(
-        hover(&mut client, &uri).await,
-        [format!("* excludes in other components {nav}")]
-    );
+    assert_eq!(hover(&mut client, &uri).await, [format!("* excludes in other components {nav}")]);
 
     // So do connections in the configuration.
     folder.write("dotgen.toml", "[connections]\nnav.pose = \"gps.pose\"\n");
     folder.write("gps.gen", &POM.replace("pom", "gps"));
     for name in ["dotgen.toml", "gps.gen"] {
-        client
-            .notify("workspace/didChangeWatchedFiles", folder.event(name, 1))
-            .await;
+        client.notify("workspace/didChangeWatchedFiles", folder.event(name, 1)).await;
     }
     assert_eq!(hover(&mut client, &uri).await, [""; 0]);
-    assert_eq!(
-        lens(&mut client, &code).await,
-        "task t: start → pause::start"
-    );
+    assert_eq!(lens(&mut client, &code).await, "task t: start → pause::start");
     client.ignore("textDocument/publishDiagnostics");
     drop(client);
 }

@@ -24,8 +24,7 @@ fn folder() -> Folder {
 impl Client {
     async fn open_as(&mut self, uri: &str, language: &str, text: &str) {
         let document = json!({ "uri": uri, "languageId": language, "version": 1, "text": text });
-        self.notify("textDocument/didOpen", json!({ "textDocument": document }))
-            .await;
+        self.notify("textDocument/didOpen", json!({ "textDocument": document })).await;
     }
 }
 
@@ -106,11 +105,7 @@ async fn other_documents_are_left_alone_unless_their_language_says_so() {
     client.open_as(&said, "genom3-template", MODEL).await;
     let pushed = client.pushed(&said).await;
     assert_eq!(codes(&pushed["diagnostics"]), ["template/marker"]);
-    assert!(
-        client
-            .all()
-            .all(|message| message["params"]["uri"] != other)
-    );
+    assert!(client.all().all(|message| message["params"]["uri"] != other));
     client.finish().await;
 }
 
@@ -138,11 +133,8 @@ async fn the_client_is_asked_for_the_files_of_templates() {
     let sent = loop {
         let asked = client.asked.iter().rev();
         let registered = asked.filter(|message| message["method"] == "client/registerCapability");
-        let mut all = registered.flat_map(|message| {
-            message["params"]["registrations"]
-                .as_array()
-                .expect("a list")
-        });
+        let mut all = registered
+            .flat_map(|message| message["params"]["registrations"].as_array().expect("a list"));
         let sent = all.find(|registration| registration["method"] == "textDocument/didChange");
         if let Some(sent) = sent
             && sent.to_string().contains("/t/server/**")
@@ -152,28 +144,16 @@ async fn the_client_is_asked_for_the_files_of_templates() {
         // Any request makes the pipe move on.
         client.ok("workspace/symbol", json!({ "query": "" })).await;
     };
-    let selector = sent["registerOptions"]["documentSelector"]
-        .as_array()
-        .expect("a list")
-        .clone();
+    let selector = sent["registerOptions"]["documentSelector"].as_array().expect("a list").clone();
     let patterns = |language: &str| -> Vec<String> {
-        let of = selector
-            .iter()
-            .filter(|selector| selector["language"] == language);
-        of.map(|selector| selector["pattern"].as_str().expect("a glob").to_owned())
-            .collect()
+        let of = selector.iter().filter(|selector| selector["language"] == language);
+        of.map(|selector| selector["pattern"].as_str().expect("a glob").to_owned()).collect()
     };
-    let has = |language: &str, end: &str| {
-        patterns(language)
-            .iter()
-            .any(|pattern| pattern.ends_with(end))
-    };
+    let has =
+        |language: &str, end: &str| patterns(language).iter().any(|pattern| pattern.ends_with(end));
     assert!(has("c", "**/codels/**") && has("c", "/t/server/**") && has("c", "/t/common/types.h"));
     assert!(has("tcl", "/t/common/util.tcl") && !has("tcl", "**/codels/**"));
-    assert!(
-        patterns("genom3").is_empty(),
-        "the client sends these anyway"
-    );
+    assert!(patterns("genom3").is_empty(), "the client sends these anyway");
     client.ignore("$/progress");
     client.ignore("textDocument/publishDiagnostics");
     client.finish_ignoring("$/progress").await;

@@ -60,9 +60,7 @@ async fn timing(client: &mut Client, uri: &str) -> Vec<String> {
         "timing/check-failed",
         "timing/gave-up",
     ];
-    all.into_iter()
-        .filter(|text| verified.contains(&text.as_str()))
-        .collect()
+    all.into_iter().filter(|text| verified.contains(&text.as_str())).collect()
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -74,29 +72,20 @@ async fn a_longer_codel_misses_the_deadline_until_it_is_shorter_again() {
     until(&mut client, &uri, 1, "proved").await;
     assert_eq!(timing(&mut client, &uri).await, [""; 0]);
 
-    client
-        .change(&uri, 2, json!([{ "text": pump("12 ms") }]))
-        .await;
+    client.change(&uri, 2, json!([{ "text": pump("12 ms") }])).await;
     until(&mut client, &uri, 2, "refuted").await;
     let report = client.ok("textDocument/diagnostic", document(&uri)).await;
     let miss = report["items"].as_array().expect("a list").iter();
     let miss = miss.filter(|miss| miss["code"] == "timing/deadline-miss");
     // `fast` is blocked by `t` for too long, and also misses its deadline.
-    let miss: Vec<&Value> = miss
-        .filter(|miss| miss["range"]["start"]["line"] == 6)
-        .collect();
+    let miss: Vec<&Value> = miss.filter(|miss| miss["range"]["start"]["line"] == 6).collect();
     assert_eq!(miss.len(), 1, "{report}");
     let message = miss[0]["message"].as_str().expect("text");
-    assert!(
-        message.contains("`pump.t`") && message.contains("30 ms"),
-        "{message}"
-    );
+    assert!(message.contains("`pump.t`") && message.contains("30 ms"), "{message}");
     let related = miss[0]["relatedInformation"].as_array().expect("places");
     assert!(!related.is_empty() && related[0]["location"]["uri"] == uri.as_str());
 
-    client
-        .change(&uri, 3, json!([{ "text": pump("4 ms") }]))
-        .await;
+    client.change(&uri, 3, json!([{ "text": pump("4 ms") }])).await;
     until(&mut client, &uri, 3, "proved").await;
     assert_eq!(timing(&mut client, &uri).await, [""; 0]);
     client.finish_ignoring(STATUS).await;
@@ -112,10 +101,7 @@ async fn lenses_say_what_was_computed() {
     while client.notification(STATUS).await["minimumCores"] != 1 {}
     let titles = lenses(&mut client, &scn).await;
     assert!(titles[0].starts_with("proved · "), "{titles:?}");
-    assert_eq!(
-        titles[1..],
-        ["pump.fast proved | pump.t proved", "4 ms · proved"]
-    );
+    assert_eq!(titles[1..], ["pump.fast proved | pump.t proved", "4 ms · proved"]);
     client.open(&gen_uri, &pump("4 ms")).await;
     until(&mut client, &scn, 1, "proved").await;
     let titles = lenses(&mut client, &gen_uri).await;
@@ -132,9 +118,7 @@ async fn an_edit_of_what_a_scenario_uses_makes_its_answer_stale_at_once() {
     until(&mut client, &scn, 1, "proved").await;
     client.open(&gen_uri, &pump("4 ms")).await;
     until(&mut client, &scn, 1, "proved").await;
-    client
-        .change(&gen_uri, 2, json!([{ "text": pump("9 ms") }]))
-        .await;
+    client.change(&gen_uri, 2, json!([{ "text": pump("9 ms") }])).await;
     // The number of cores of the first version may come in between.
     let mut seen = Vec::new();
     loop {
@@ -142,11 +126,7 @@ async fn an_edit_of_what_a_scenario_uses_makes_its_answer_stale_at_once() {
         if notification["status"] == "proved" {
             continue;
         }
-        assert_eq!(
-            notification["uri"],
-            scn.as_str(),
-            "the specification has a scenario"
-        );
+        assert_eq!(notification["uri"], scn.as_str(), "the specification has a scenario");
         seen.push(notification["status"].as_str().expect("a word").to_owned());
         if notification["status"] == "refuted" {
             break;
@@ -156,34 +136,18 @@ async fn an_edit_of_what_a_scenario_uses_makes_its_answer_stale_at_once() {
     seen.dedup();
     // Results of the first version are not repeated for the second.
     assert_eq!(seen, ["stale", "running", "refuted"]);
-    assert_eq!(
-        timing(&mut client, &scn).await,
-        ["timing/response-exceeded"]
-    );
-    assert_eq!(
-        timing(&mut client, &gen_uri).await,
-        ["timing/response-exceeded"]
-    );
+    assert_eq!(timing(&mut client, &scn).await, ["timing/response-exceeded"]);
+    assert_eq!(timing(&mut client, &gen_uri).await, ["timing/response-exceeded"]);
 
     // A comment changes no result, so nothing is computed again.
     let commented = format!("// é\n{}", pump("9 ms"));
-    client
-        .change(&gen_uri, 3, json!([{ "text": commented }]))
-        .await;
+    client.change(&gen_uri, 3, json!([{ "text": commented }])).await;
     while client.notification(STATUS).await["status"] != "stale" {}
     assert_eq!(client.notification(STATUS).await["status"], "refuted");
-    let report = client
-        .ok("textDocument/diagnostic", document(&gen_uri))
-        .await;
+    let report = client.ok("textDocument/diagnostic", document(&gen_uri)).await;
     let items = report["items"].as_array().expect("a list");
-    let found = items
-        .iter()
-        .find(|json| json["code"] == "timing/response-exceeded");
-    assert_eq!(
-        found.expect("it is there")["range"]["start"]["line"],
-        7,
-        "it has moved"
-    );
+    let found = items.iter().find(|json| json["code"] == "timing/response-exceeded");
+    assert_eq!(found.expect("it is there")["range"]["start"]["line"], 7, "it has moved");
     client.finish_ignoring(STATUS).await;
 }
 
@@ -214,9 +178,7 @@ async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
     let patient =
         json!({ "time-limit": 3600, "max-states": 4_000_000_000_u32, "max-memory": 4096 });
     let patient = json!({ "settings": { "dotgen": { "verification": patient } } });
-    client
-        .notify("workspace/didChangeConfiguration", patient)
-        .await;
+    client.notify("workspace/didChangeConfiguration", patient).await;
     client.open(&uri, &endless()).await;
     while client.notification(STATUS).await["status"] != "running" {}
     // The search for limits does not end either, unless the request is cancelled.
@@ -224,9 +186,7 @@ async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
     question["workDoneToken"] = json!("limits");
     let search = client.begin("dotgen/sensitivity", question).await;
     client.notification("$/progress").await;
-    client
-        .notify("$/cancelRequest", json!({ "id": search }))
-        .await;
+    client.notify("$/cancelRequest", json!({ "id": search })).await;
     assert!(client.end(search).await.is_err());
     // The next request does not wait for the end of the first, which is far away.
     let third = "  task rest { codel<start> r() yield pause::start wcet 1 ms; };\n  task w { period 10 ms;\n    codel<start> a(inout level) yield b, pause::start wcet 2 ms;\n    codel<b> b(inout level) yield pause::start wcet 1 ms;\n  };\n  task t {";
@@ -237,24 +197,15 @@ async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
     // The text is unchanged, but its answer is not: the stored answer must not be used. With the published
     // semantics only exploration proves the check: the earlier tiers do not cover tasks without a period.
     let limits = json!({ "settings": { "dotgen": { "verification": { "max-states": 3, "semantics": "published" } } } });
-    client
-        .notify("workspace/didChangeConfiguration", limits)
-        .await;
+    client.notify("workspace/didChangeConfiguration", limits).await;
     // The number of cores may still arrive before.
     while client.notification(STATUS).await["status"] != "gave-up" {}
     let titles = lenses(&mut client, &uri).await;
-    assert!(
-        titles
-            .iter()
-            .any(|title| title.starts_with("? not settled")),
-        "{titles:?}"
-    );
+    assert!(titles.iter().any(|title| title.starts_with("? not settled")), "{titles:?}");
     // The diagnostic names a remedy, and its fix applies that.
     let report = client.ok("textDocument/diagnostic", document(&uri)).await;
     let items = report["items"].as_array().expect("a list").iter();
-    let told: Vec<&Value> = items
-        .filter(|json| json["code"] == "timing/gave-up")
-        .collect();
+    let told: Vec<&Value> = items.filter(|json| json["code"] == "timing/gave-up").collect();
     let [told] = told[..] else {
         panic!("one for all tasks: {told:?}");
     };
@@ -294,10 +245,7 @@ fn lamp_and_pump() -> String {
 async fn answered(client: &mut Client, number: u64) -> Value {
     loop {
         let notification = client.notification(STATUS).await;
-        assert!(
-            notification["answered"].as_u64() <= Some(number),
-            "{notification}"
-        );
+        assert!(notification["answered"].as_u64() <= Some(number), "{notification}");
         if notification["answered"].as_u64() == Some(number) {
             return notification;
         }
@@ -311,9 +259,7 @@ async fn answers_are_shown_as_they_are_found() {
     let patient =
         json!({ "time-limit": 3600, "max-states": 4_000_000_000_u32, "max-memory": 4096 });
     let patient = json!({ "settings": { "dotgen": { "verification": patient } } });
-    client
-        .notify("workspace/didChangeConfiguration", patient)
-        .await;
+    client.notify("workspace/didChangeConfiguration", patient).await;
     let (gen_uri, scn) = (folder.uri("lamp.gen"), folder.uri("lamp.scn"));
     client.open(&gen_uri, &lamp("1 ms")).await;
     client.open(&scn, &lamp_and_pump()).await;
@@ -339,10 +285,7 @@ async fn answers_are_shown_as_they_are_found() {
 
     // The same for a panel, which receives the version of the text.
     let answer = client.ok("dotgen/verification", document(&scn)).await;
-    assert_eq!(
-        (&answer["status"], &answer["earlier"]),
-        (&json!("running"), &json!(false))
-    );
+    assert_eq!((&answer["status"], &answer["earlier"]), (&json!("running"), &json!(false)));
     assert_eq!(answer["howFar"], "3 of 4 checks answered");
     assert_eq!(answer["checks"][3]["verdict"], "open");
     assert_eq!(answer["run"]["check"], 2, "the run that refutes it");
@@ -351,9 +294,7 @@ async fn answers_are_shown_as_they_are_found() {
     assert_eq!(odd.next().expect("it has one")["wcet"], 1007.0);
 
     // An edit makes all answers stale at once, and none is reported for the new text.
-    client
-        .change(&gen_uri, 2, json!([{ "text": lamp("9 ms") }]))
-        .await;
+    client.change(&gen_uri, 2, json!([{ "text": lamp("9 ms") }])).await;
     let said = client.notification(STATUS).await;
     let words = (&said["status"], &said["answered"]);
     assert_eq!(words, (&json!("stale"), &Value::Null));
@@ -382,10 +323,7 @@ async fn one_answer_has_everything_a_panel_needs() {
     let answer = client.ok("dotgen/verification", document(&scn)).await;
     assert_eq!(answer["status"], "proved");
     assert_eq!(answer["written"], true);
-    assert_eq!(
-        answer["platform"],
-        "2 cores, policy fifo, durations interval, semantics published"
-    );
+    assert_eq!(answer["platform"], "2 cores, policy fifo, durations interval, semantics published");
     let checks = answer["checks"].as_array().expect("a list");
     assert_eq!(checks.len(), 3);
     assert_eq!(checks[2]["value"], "4 ms");
@@ -397,39 +335,21 @@ async fn one_answer_has_everything_a_panel_needs() {
     assert_eq!(by["through"], "`level` of the ids");
     let events = answer["run"]["events"].as_array().expect("a list");
     let places = events.iter().map(|event| &event["location"]["uri"]);
-    assert!(
-        { places }.any(|place| *place == folder.uri("pump.gen")),
-        "{events:?}"
-    );
+    assert!({ places }.any(|place| *place == folder.uri("pump.gen")), "{events:?}");
 
     // A longer codel, only for this request.
     let mut question = document(&scn);
     question["whatIf"] = json!({ "cores": 1, "wcet": { "pump.t.main": 12000.0 } });
     question["check"] = json!(1);
     let answer = client.ok("dotgen/verification", question.clone()).await;
-    assert_eq!(
-        (&answer["status"], &answer["whatIf"]),
-        (&json!("refuted"), &json!(true))
-    );
-    assert_eq!(
-        answer["platform"],
-        "1 core, policy fifo, durations interval, semantics published"
-    );
+    assert_eq!((&answer["status"], &answer["whatIf"]), (&json!("refuted"), &json!(true)));
+    assert_eq!(answer["platform"], "1 core, policy fifo, durations interval, semantics published");
     assert_eq!(answer["run"]["check"], 1);
-    assert_eq!(
-        timing(&mut client, &scn).await,
-        [""; 0],
-        "the text is as it was"
-    );
+    assert_eq!(timing(&mut client, &scn).await, [""; 0], "the text is as it was");
     question["whatIf"]["cores"] = json!("many");
     let answer = client.ok("dotgen/verification", question).await;
     assert_eq!(answer["status"], "blocked");
-    assert!(
-        answer["errors"][0]
-            .as_str()
-            .expect("why")
-            .contains("`many`")
-    );
+    assert!(answer["errors"][0].as_str().expect("why").contains("`many`"));
     client.finish_ignoring(STATUS).await;
 }
 
@@ -488,17 +408,11 @@ async fn the_default_scenario_can_be_written_out() {
     assert_eq!(actions.as_array().map(Vec::len), Some(1), "{actions}");
     let write = &actions[0];
     assert_eq!(write["kind"], kind);
-    assert_eq!(
-        write["title"],
-        "Write the verification scenario to pump.scn"
-    );
+    assert_eq!(write["title"], "Write the verification scenario to pump.scn");
     let edits = &write["edit"]["documentChanges"];
     assert_eq!(edits[0]["kind"], "create");
     let text = edits[1]["edits"][0]["newText"].as_str().expect("text");
-    assert!(
-        text.starts_with("scenario pump {\n  use \"pump.gen\";\n"),
-        "{text}"
-    );
+    assert!(text.starts_with("scenario pump {\n  use \"pump.gen\";\n"), "{text}");
     let scn = folder.uri("pump.scn");
     client.open(&scn, text).await;
     until(&mut client, &scn, 1, "proved").await;
@@ -554,9 +468,6 @@ async fn an_answer_refreshes_what_shows_it_and_no_colours() {
     while asked(&client, diagnostics) < 5 || asked(&client, lens) < 5 {
         lenses(&mut client, &uri).await;
     }
-    assert!(
-        asked(&client, colours) <= 1,
-        "only once the folder was read"
-    );
+    assert!(asked(&client, colours) <= 1, "only once the folder was read");
     client.finish_ignoring(STATUS).await;
 }

@@ -69,10 +69,7 @@ async fn a_missed_deadline_says_why_and_what_would_help_and_the_fix_makes_it_hol
         "`control` waits 8 ms for `level` of the ids, held by `tell`",
         "it holds if `tell` takes at most 6 ms",
     );
-    assert!(
-        message.contains(cause) && message.contains(remedy),
-        "{message}"
-    );
+    assert!(message.contains(cause) && message.contains(remedy), "{message}");
     let answer = client.ok("dotgen/verification", document(&uri)).await;
     assert_eq!(answer["checks"][0]["cause"], cause);
     assert_eq!(answer["checks"][0]["remedy"], remedy);
@@ -130,9 +127,10 @@ async fn other_changes_that_make_it_hold_are_fixes_too() {
     let repairs = answer["repairs"].as_array().expect("a list").iter();
     let repairs: Vec<&str> = repairs.filter_map(Value::as_str).collect();
     assert!(
-        repairs.iter().any(|repair| repair
-            .contains("`steer` and `tell` do not wait for each other")
-            || repair.contains("`tell` and `steer` do not wait for each other")),
+        repairs
+            .iter()
+            .any(|repair| repair.contains("`steer` and `tell` do not wait for each other")
+                || repair.contains("`tell` and `steer` do not wait for each other")),
         "{repairs:?}"
     );
     client.change(&uri, 2, json!([edit_of(edit)])).await;
@@ -154,16 +152,10 @@ fn edit_of(edit: &Value) -> Value {
 async fn the_run_comes_as_data_with_its_places() {
     let (mut client, _folder, uri) = start().await;
     let trace = client.ok("dotgen/trace", document(&uri)).await;
-    assert_eq!(
-        (&trace["format"], &trace["unit"]),
-        (&json!(1), &json!("ms"))
-    );
+    assert_eq!((&trace["format"], &trace["unit"]), (&json!(1), &json!("ms")));
     let names = trace["lanes"].as_array().into_iter().flatten();
     let names: Vec<&str> = names.filter_map(|name| name["name"].as_str()).collect();
-    assert!(
-        names.ends_with(&["lift.control", "lift.report", "lift locks"]),
-        "{names:?}"
-    );
+    assert!(names.ends_with(&["lift.control", "lift.report", "lift locks"]), "{names:?}");
     let spans = trace["spans"].as_array().expect("a list");
     let wait = spans.iter().find(|span| span["kind"] == "wait-lock");
     let wait = wait.unwrap_or_else(|| panic!("{trace}"));
@@ -172,11 +164,7 @@ async fn the_run_comes_as_data_with_its_places() {
     assert_eq!(holder["through"], json!(["`level` of the ids"]));
     let step = &trace["steps"][wait["step"].as_u64().expect("a step") as usize];
     assert_eq!(step["rule"], "wait");
-    assert!(
-        trace["rules"]["wait"]
-            .as_str()
-            .is_some_and(|wait| wait.contains("excludes"))
-    );
+    assert!(trace["rules"]["wait"].as_str().is_some_and(|wait| wait.contains("excludes")));
     let place = &trace["places"][step["place"].as_u64().expect("a place") as usize];
     assert_eq!(place["uri"], uri.as_str());
     assert_eq!(place["range"]["start"]["line"], 3);
@@ -208,11 +196,6 @@ async fn a_run_goes_on_with_chosen_steps() {
     assert!(choices.iter().all(|choice| choice.is_string()) && !choices.is_empty());
     let taken = client.ok("dotgen/trace", asked(&[choices.len() - 1])).await;
     assert_eq!(taken["next"]["taken"], json!([steps(&first).len()]));
-    assert!(
-        taken["title"]
-            .as_str()
-            .expect("a title")
-            .ends_with("with chosen steps")
-    );
+    assert!(taken["title"].as_str().expect("a title").ends_with("with chosen steps"));
     client.finish_ignoring(STATUS).await;
 }

@@ -44,14 +44,7 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// True if a document is C or C++, by the language id of its client and by its name. A header belongs to a
 /// specification unless the language id is C or C++.
 pub(crate) fn is_code(path: &Utf8Path, language: Option<&str>) -> bool {
-    let languages = [
-        "c",
-        "cpp",
-        "c++",
-        "cuda-cpp",
-        "objective-c",
-        "objective-cpp",
-    ];
+    let languages = ["c", "cpp", "c++", "cuda-cpp", "objective-c", "objective-cpp"];
     Language::of(path) == Some(Language::Codel)
         || language.is_some_and(|language| languages.contains(&language))
 }
@@ -95,18 +88,12 @@ mod tests {
     #[test]
     fn the_home_of_a_source_is_where_its_specification_is() {
         let home = |folder: &str, source: &str| {
-            let config = FilesConfig {
-                folder: folder.into(),
-                ..FilesConfig::default()
-            };
+            let config = FilesConfig { folder: folder.into(), ..FilesConfig::default() };
             super::home(&config, source.into()).map(Utf8PathBuf::into_string)
         };
         assert_eq!(home("codels", "/a/codels/x.c").as_deref(), Some("/a"));
         assert_eq!(home("codels", "/a/codels/sub/x.c").as_deref(), Some("/a"));
-        assert_eq!(
-            home("src/codels", "/a/src/codels/x.c").as_deref(),
-            Some("/a")
-        );
+        assert_eq!(home("src/codels", "/a/src/codels/x.c").as_deref(), Some("/a"));
         assert_eq!(home("codels", "/a/other/x.c"), None);
         assert_eq!(home(".", "/a/x.c").as_deref(), Some("/a"));
     }

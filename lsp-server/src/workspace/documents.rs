@@ -59,10 +59,9 @@ impl Documents {
         edits: Vec<TextDocumentContentChangeEvent>,
         encoding: Encoding,
     ) -> EditEffect {
-        let (Some(text), Some(open)) = (
-            self.texts.get_mut(path),
-            Arc::make_mut(&mut self.open).get_mut(path),
-        ) else {
+        let (Some(text), Some(open)) =
+            (self.texts.get_mut(path), Arc::make_mut(&mut self.open).get_mut(path))
+        else {
             return EditEffect::Ignored;
         };
         open.version = version;
@@ -163,10 +162,7 @@ mod tests {
             edit(Some((0, 2, 1, 0)), "\n"),
             edit(Some((1, 3, 1, 4)), ""),
         ];
-        assert_eq!(
-            documents.edit(&path, 2, edits, Encoding::Utf16),
-            EditEffect::Changed
-        );
+        assert_eq!(documents.edit(&path, 2, edits, Encoding::Utf16), EditEffect::Changed);
         assert_eq!(documents.text(&path).map(|text| &**text), Some("ab\n😀x\n"));
         assert_eq!(documents.open_files()[&path].version, 2);
     }
@@ -178,16 +174,10 @@ mod tests {
         let bad = vec![edit(Some((7, 0, 7, 0)), "x")];
         assert_eq!(documents.edit(&path, 2, bad, encoding), EditEffect::Lost);
         let good = vec![edit(Some((0, 0, 0, 0)), "x")];
-        assert_eq!(
-            documents.edit(&path, 3, good, encoding),
-            EditEffect::Ignored
-        );
+        assert_eq!(documents.edit(&path, 3, good, encoding), EditEffect::Ignored);
         assert!(documents.is_lost(&path));
         let whole = vec![edit(None, "new")];
-        assert_eq!(
-            documents.edit(&path, 4, whole, encoding),
-            EditEffect::Changed
-        );
+        assert_eq!(documents.edit(&path, 4, whole, encoding), EditEffect::Changed);
         assert_eq!(documents.text(&path).map(|text| &**text), Some("new"));
     }
 }

@@ -55,12 +55,7 @@ struct ConfigFile {
 impl Folder {
     fn new(uri: Option<Uri>, path: Utf8PathBuf) -> Folder {
         let file = ConfigFile::read(&path);
-        Folder {
-            uri,
-            path,
-            file,
-            editor: None,
-        }
+        Folder { uri, path, file, editor: None }
     }
 }
 
@@ -69,17 +64,10 @@ impl ConfigFile {
         match vfs::read(&folder.join(config::FILE_NAME)) {
             FileContent::Text(text) => {
                 let read = config::from_toml(&text);
-                ConfigFile {
-                    text,
-                    settings: read.settings,
-                    problems: read.problems,
-                }
+                ConfigFile { text, settings: read.settings, problems: read.problems }
             }
             FileContent::Missing => ConfigFile::default(),
-            _ => ConfigFile {
-                problems: vec![Problem::unreadable()],
-                ..ConfigFile::default()
-            },
+            _ => ConfigFile { problems: vec![Problem::unreadable()], ..ConfigFile::default() },
         }
     }
 }
@@ -115,15 +103,10 @@ impl Workspace {
 
     /// `didChangeWorkspaceFolders`
     pub(crate) fn change_folders(&mut self, event: &WorkspaceFoldersChangeEvent) {
-        let removed: Vec<_> = event
-            .removed
-            .iter()
-            .map(|folder| uri::to_path(&folder.uri))
-            .collect();
-        self.folders
-            .retain(|folder| !removed.contains(&folder.path));
-        self.files
-            .retain(|file| !removed.iter().any(|folder| file.starts_with(folder)));
+        let removed: Vec<_> =
+            event.removed.iter().map(|folder| uri::to_path(&folder.uri)).collect();
+        self.folders.retain(|folder| !removed.contains(&folder.path));
+        self.files.retain(|file| !removed.iter().any(|folder| file.starts_with(folder)));
         let kept = |path: &Utf8Path| !removed.iter().any(|folder| path.starts_with(folder));
         self.projects.retain(|project| kept(&project.path));
         Arc::make_mut(&mut self.templates).retain(kept);
@@ -204,10 +187,7 @@ impl Workspace {
             read.settings
         });
         self.editor = values.next().unwrap_or_default();
-        let folders = self
-            .folders
-            .iter_mut()
-            .filter(|folder| folder.uri.is_some());
+        let folders = self.folders.iter_mut().filter(|folder| folder.uri.is_some());
         for folder in folders {
             folder.editor = values.next();
         }
@@ -222,8 +202,7 @@ impl Workspace {
         for folder in self.folders.iter_mut().chain(&mut self.projects) {
             folder.file = ConfigFile::read(&folder.path);
         }
-        self.projects
-            .retain(|project| project.path.join(config::FILE_NAME).is_file());
+        self.projects.retain(|project| project.path.join(config::FILE_NAME).is_file());
     }
 
     /// The configuration in force.
@@ -241,16 +220,10 @@ impl Workspace {
             let around = self.folders.iter();
             let around = around.filter(|folder| project.path.starts_with(&folder.path));
             let around = around.max_by_key(|folder| folder.path.as_str().len());
-            let editor = around
-                .and_then(|folder| folder.editor.as_ref())
-                .unwrap_or(&self.editor);
+            let editor = around.and_then(|folder| folder.editor.as_ref()).unwrap_or(&self.editor);
             // Paths in the editor's settings are relative to the workspace folder.
             let base = around.map_or(&project.path, |folder| &folder.path);
-            let own = project
-                .file
-                .settings
-                .clone()
-                .resolved_against(&project.path);
+            let own = project.file.settings.clone().resolved_against(&project.path);
             let settings = editor.clone().resolved_against(base).over(own);
             let own = Config::new(&settings, &project.path, self.trusted);
             all.with_project(&project.path, own)

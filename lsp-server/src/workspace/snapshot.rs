@@ -162,9 +162,7 @@ impl Snapshot {
             }
             None => None,
         };
-        self.lines
-            .borrow_mut()
-            .insert(path.to_owned(), lines.clone());
+        self.lines.borrow_mut().insert(path.to_owned(), lines.clone());
         Ok(lines)
     }
 
@@ -198,10 +196,7 @@ impl Snapshot {
         let Some(lines) = self.lines(&subject.path)? else {
             return Ok(None);
         };
-        Ok(lines.offset(position).map(|offset| FilePosition {
-            path: subject.path.clone(),
-            offset,
-        }))
+        Ok(lines.offset(position).map(|offset| FilePosition { path: subject.path.clone(), offset }))
     }
 
     /// The language of a document. Without another one, it is part of a specification.

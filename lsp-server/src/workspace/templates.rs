@@ -40,9 +40,7 @@ impl Templates {
 
     /// Removes a script. Returns true if it was known.
     pub(crate) fn remove(&mut self, script: &Utf8Path) -> bool {
-        script
-            .parent()
-            .is_some_and(|parent| self.0.remove(parent).is_some())
+        script.parent().is_some_and(|parent| self.0.remove(parent).is_some())
     }
 
     /// Keeps the templates in the directories for which `keep` is true.

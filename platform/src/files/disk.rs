@@ -30,11 +30,7 @@ impl Disk for SystemDisk {
             () if metadata.is_dir() => Kind::Directory,
             () => Kind::Other,
         };
-        Some(Status {
-            kind,
-            mode: mode(&metadata),
-            modified: metadata.modified().ok(),
-        })
+        Some(Status { kind, mode: mode(&metadata), modified: metadata.modified().ok() })
     }
 
     fn list(&self, directory: &Path) -> io::Result<Vec<Entry>> {

@@ -38,10 +38,8 @@ fn git(folder: &Utf8Path, question: &[&str]) -> Option<Vec<u8>> {
     // Without this option, git would fetch the missing objects of a partial clone.
     words.extend(["-c", "protocol.allow=never", "--literal-pathspecs"].map(Into::into));
     words.extend(question.iter().map(Into::into));
-    let environment = [
-        ("GIT_NO_LAZY_FETCH", "1".to_owned()),
-        ("GIT_OPTIONAL_LOCKS", "0".to_owned()),
-    ];
+    let environment =
+        [("GIT_NO_LAZY_FETCH", "1".to_owned()), ("GIT_OPTIONAL_LOCKS", "0".to_owned())];
     let process = process::ask("git", words, &environment).ok()?;
     let (status, printed) = process.output().ok()?;
     status.success().then_some(printed)
@@ -71,11 +69,8 @@ mod tests {
         let folder = Utf8Path::from_path(folder.path()).expect("UTF-8");
         let file = folder.join("a.gen");
         std::fs::write(&file, "component a {};\n").expect("written");
-        let stamp = || {
-            std::fs::metadata(&file)
-                .and_then(|metadata| metadata.modified())
-                .expect("a time")
-        };
+        let stamp =
+            || std::fs::metadata(&file).and_then(|metadata| metadata.modified()).expect("a time");
         assert_eq!(changed(&file), Some(stamp()), "no repository");
         run(folder, &["init", "-q"]);
         assert_eq!(changed(&file), Some(stamp()), "no commit");

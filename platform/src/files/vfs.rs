@@ -52,28 +52,19 @@ pub struct Vfs {
 impl Vfs {
     /// A loader with the package search of `packages`.
     pub fn new(packages: PackageConfig) -> Vfs {
-        Vfs {
-            packages: RwLock::new(packages),
-            for_editor: false,
-        }
+        Vfs { packages: RwLock::new(packages), for_editor: false }
     }
 
     /// A loader for a server. Text that is not UTF-8 is read with U+FFFD, as editors show it, so that
     /// positions agree. Such a text is never written: edits of the file are refused unless the file is open,
     /// in which case the client's text is used.
     pub fn for_editor() -> Vfs {
-        Vfs {
-            for_editor: true,
-            ..Vfs::default()
-        }
+        Vfs { for_editor: true, ..Vfs::default() }
     }
 
     /// Changes the package search. Returns true if it differs from the previous one.
     pub fn set_packages(&self, packages: &PackageConfig) -> bool {
-        let mut current = self
-            .packages
-            .write()
-            .unwrap_or_else(PoisonError::into_inner);
+        let mut current = self.packages.write().unwrap_or_else(PoisonError::into_inner);
         let changed = *current != *packages;
         if changed {
             packages.clone_into(&mut current);
@@ -97,21 +88,13 @@ impl Loader for Vfs {
     }
 
     fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String> {
-        let config = self
-            .packages
-            .read()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone();
+        let config = self.packages.read().unwrap_or_else(PoisonError::into_inner).clone();
         let _span = tracing::info_span!("packages", ?arguments).entered();
         query(&config, arguments)
     }
 
     fn installed_release(&self) -> Option<ReleaseChoice> {
-        let config = self
-            .packages
-            .read()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone();
+        let config = self.packages.read().unwrap_or_else(PoisonError::into_inner).clone();
         installed::release(&config)
     }
 
@@ -126,11 +109,7 @@ impl Loader for Vfs {
     }
 
     fn package_names(&self) -> Vec<String> {
-        let config = self
-            .packages
-            .read()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone();
+        let config = self.packages.read().unwrap_or_else(PoisonError::into_inner).clone();
         pkg_file::names(&config.paths)
     }
 }
@@ -182,9 +161,8 @@ fn missing(error: &std::io::Error) -> bool {
 pub fn specifications_in(directory: &Utf8Path) -> Vec<Utf8PathBuf> {
     let entries = directory.read_dir_utf8().into_iter().flatten().flatten();
     let paths = entries.map(|entry| directory.join(entry.file_name()));
-    let mut out: Vec<_> = paths
-        .filter(|path| language::is_specification(path) && path.is_file())
-        .collect();
+    let mut out: Vec<_> =
+        paths.filter(|path| language::is_specification(path) && path.is_file()).collect();
     out.sort();
     out
 }
@@ -204,10 +182,7 @@ pub fn files_below(directory: &Utf8Path, extensions: &[&str]) -> Vec<Utf8PathBuf
         .filter_map(Result::ok)
         .filter(|entry| entry.path().is_file())
         .filter_map(|entry| Utf8PathBuf::from_path_buf(entry.into_path()).ok())
-        .filter(|path| {
-            path.extension()
-                .is_some_and(|extension| extensions.contains(&extension))
-        })
+        .filter(|path| path.extension().is_some_and(|extension| extensions.contains(&extension)))
         .collect();
     files.sort();
     files

@@ -16,10 +16,7 @@ pub(super) use linux::{confine, gaps};
 pub(super) fn limit(resources: &Resources) -> io::Result<()> {
     use rustix::process::{Resource, Rlimit, setrlimit};
     let set = |what: Resource, value: u64| {
-        let limit = Rlimit {
-            current: Some(value),
-            maximum: Some(value),
-        };
+        let limit = Rlimit { current: Some(value), maximum: Some(value) };
         setrlimit(what, limit)
     };
     if *resources == Resources::default() {
@@ -85,9 +82,7 @@ mod linux {
         static GAPS: LazyLock<Vec<Gap>> = LazyLock::new(|| {
             let mut gaps = Vec::new();
             let files = Ruleset::default().set_compatibility(CompatLevel::HardRequirement);
-            let files = files
-                .handle_access(AccessFs::from_all(MIN_ABI))
-                .and_then(Ruleset::create);
+            let files = files.handle_access(AccessFs::from_all(MIN_ABI)).and_then(Ruleset::create);
             if files.is_err() {
                 gaps.push(Gap::Files);
             }
@@ -109,14 +104,8 @@ mod linux {
         }
         // The filter that is installed first must not refuse calls that the next ones need.
         install(emulated(), SeccompAction::Errno(0))?;
-        install(
-            missing(),
-            SeccompAction::Errno(libc::ENOSYS.cast_unsigned()),
-        )?;
-        install(
-            refused(program.is_none())?,
-            SeccompAction::Errno(libc::EPERM.cast_unsigned()),
-        )
+        install(missing(), SeccompAction::Errno(libc::ENOSYS.cast_unsigned()))?;
+        install(refused(program.is_none())?, SeccompAction::Errno(libc::EPERM.cast_unsigned()))
     }
 
     fn confine_files(
@@ -125,11 +114,8 @@ mod linux {
     ) -> Result<(), landlock::RulesetError> {
         let read: BitFlags<AccessFs> = AccessFs::ReadFile | AccessFs::ReadDir;
         let run = read | AccessFs::Execute;
-        let program = program.map(|program| {
-            program
-                .canonicalize()
-                .unwrap_or_else(|_| program.to_owned())
-        });
+        let program =
+            program.map(|program| program.canonicalize().unwrap_or_else(|_| program.to_owned()));
         let (libraries, data) = program.as_deref().map(needed).unwrap_or_default();
         Ruleset::default()
             .handle_access(AccessFs::from_all(REQUESTED_ABI))?
@@ -148,17 +134,10 @@ mod linux {
 
     /// Folders of libraries, including the dynamic loader, and files that Tcl reads.
     fn needed(program: &Path) -> (Vec<PathBuf>, Vec<PathBuf>) {
-        let mut libraries: Vec<PathBuf> = [
-            "/lib",
-            "/lib32",
-            "/lib64",
-            "/usr/lib",
-            "/usr/lib32",
-            "/usr/lib64",
-            "/usr/local/lib",
-        ]
-        .map(PathBuf::from)
-        .to_vec();
+        let mut libraries: Vec<PathBuf> =
+            ["/lib", "/lib32", "/lib64", "/usr/lib", "/usr/lib32", "/usr/lib64", "/usr/local/lib"]
+                .map(PathBuf::from)
+                .to_vec();
         let mut data: Vec<PathBuf> = [
             "/etc/ld.so.cache",
             "/etc/ld.so.preload",
@@ -203,13 +182,9 @@ mod linux {
             true => SeccompAction::Errno(libc::EPERM.cast_unsigned()),
             false => action,
         };
-        let architecture = std::env::consts::ARCH
-            .try_into()
-            .map_err(io::Error::other)?;
+        let architecture = std::env::consts::ARCH.try_into().map_err(io::Error::other)?;
         let filter = SeccompFilter::new(all, SeccompAction::Allow, action, architecture);
-        let program: BpfProgram = filter
-            .and_then(TryInto::try_into)
-            .map_err(io::Error::other)?;
+        let program: BpfProgram = filter.and_then(TryInto::try_into).map_err(io::Error::other)?;
         seccompiler::apply_filter(&program).map_err(io::Error::other)
     }
 
@@ -224,19 +199,10 @@ mod linux {
             not(target_arch = "x86_64"),
             expect(unused_mut, reason = "older calls are added")
         )]
-        let mut calls = vec![
-            libc::SYS_fchmod,
-            libc::SYS_fchmodat,
-            libc::SYS_fchmodat2,
-            libc::SYS_utimensat,
-        ];
+        let mut calls =
+            vec![libc::SYS_fchmod, libc::SYS_fchmodat, libc::SYS_fchmodat2, libc::SYS_utimensat];
         #[cfg(target_arch = "x86_64")]
-        calls.extend([
-            libc::SYS_chmod,
-            libc::SYS_utime,
-            libc::SYS_utimes,
-            libc::SYS_futimesat,
-        ]);
+        calls.extend([libc::SYS_chmod, libc::SYS_utime, libc::SYS_utimes, libc::SYS_futimesat]);
         all(&calls)
     }
 

@@ -54,12 +54,7 @@ pub(super) fn create(parent: Option<&Path>) -> io::Result<Box<dyn Folder>> {
     let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent)?;
     let path = folder.path().to_owned();
     let watched = Watcher::get().map(|watcher| watcher.folder(&path));
-    Ok(Box::new(Temporary {
-        _lock: lock(&path, false),
-        folder: Some(folder),
-        path,
-        watched,
-    }))
+    Ok(Box::new(Temporary { _lock: lock(&path, false), folder: Some(folder), path, watched }))
 }
 
 /// The space of a folder in bytes. Every entry counts as at least a block, so that many empty files count
@@ -88,11 +83,8 @@ fn clean_up_in(parent: &Path) {
             continue;
         }
         let changed = entry.metadata().and_then(|metadata| metadata.modified());
-        let age = changed.map(|metadata| {
-            SystemTime::now()
-                .duration_since(metadata)
-                .unwrap_or_default()
-        });
+        let age =
+            changed.map(|metadata| SystemTime::now().duration_since(metadata).unwrap_or_default());
         if !age.is_ok_and(|age| age > MIN_LEFTOVER_AGE) {
             continue;
         }

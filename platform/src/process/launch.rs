@@ -20,11 +20,7 @@ const NOT_FOUND: u8 = 127;
 
 /// The arguments that start a program.
 pub(super) fn arguments(program: &Program) -> Vec<OsString> {
-    let mut out = vec![
-        COMMAND.into(),
-        "--parent".into(),
-        std::process::id().to_string().into(),
-    ];
+    let mut out = vec![COMMAND.into(), "--parent".into(), std::process::id().to_string().into()];
     limits(&mut out, program.resources);
     if let Some(access) = &program.access {
         out.push("--confine".into());
@@ -42,11 +38,7 @@ pub(super) fn arguments(program: &Program) -> Vec<OsString> {
 
 /// The arguments that start the renderer of texts.
 pub(super) fn renderer_arguments(resources: Resources) -> Vec<OsString> {
-    let mut out = vec![
-        COMMAND.into(),
-        "--parent".into(),
-        std::process::id().to_string().into(),
-    ];
+    let mut out = vec![COMMAND.into(), "--parent".into(), std::process::id().to_string().into()];
     limits(&mut out, resources);
     out.extend(["--confine".into(), "--".into(), RENDER.into()]);
     out
@@ -54,11 +46,9 @@ pub(super) fn renderer_arguments(resources: Resources) -> Vec<OsString> {
 
 fn limits(out: &mut Vec<OsString>, resources: Resources) {
     let time = resources.time.map(|time| time.as_secs());
-    for (option, value) in [
-        ("--memory", resources.memory),
-        ("--time", time),
-        ("--file", resources.file),
-    ] {
+    for (option, value) in
+        [("--memory", resources.memory), ("--time", time), ("--file", resources.file)]
+    {
         if let Some(value) = value {
             out.extend([option.into(), value.to_string().into()]);
         }
@@ -96,11 +86,7 @@ impl LaunchArguments {
                 "--time" => order.resources.time = Some(Duration::from_secs(number()?)),
                 "--file" => order.resources.file = Some(number()?),
                 "--read" => order.access.get_or_insert_default().read.push(value.into()),
-                "--write" => order
-                    .access
-                    .get_or_insert_default()
-                    .write
-                    .push(value.into()),
+                "--write" => order.access.get_or_insert_default().write.push(value.into()),
                 _ => return None,
             }
         }
@@ -223,10 +209,7 @@ mod tests {
                 time: Some(Duration::from_secs(6)),
                 file: None,
             },
-            access: Some(Access {
-                read: vec!["/a".into(), "-b".into()],
-                write: vec!["/c".into()],
-            }),
+            access: Some(Access { read: vec!["/a".into(), "-b".into()], write: vec!["/c".into()] }),
         };
         let words = arguments(&program);
         assert_eq!(words[0], COMMAND);
@@ -234,16 +217,10 @@ mod tests {
         assert_eq!(order.parent, i32::try_from(std::process::id()).ok());
         assert_eq!(order.resources, program.resources);
         assert_eq!(order.access, program.access);
-        assert_eq!(
-            (order.program, order.arguments),
-            (program.path, program.arguments)
-        );
-        for bad in [
-            &["--read"][..],
-            &["--memory", "x", "--", "p"],
-            &["--other", "1", "--", "p"],
-            &["--"],
-        ] {
+        assert_eq!((order.program, order.arguments), (program.path, program.arguments));
+        for bad in
+            [&["--read"][..], &["--memory", "x", "--", "p"], &["--other", "1", "--", "p"], &["--"]]
+        {
             let words: Vec<OsString> = bad.iter().map(Into::into).collect();
             assert_eq!(LaunchArguments::read(&words), None, "{bad:?}");
         }

@@ -203,10 +203,7 @@ mod tests {
             from: make(name),
             to: Some(directory.path().join(name.replace("new", "file"))),
         });
-        let second = Move {
-            from: make("second"),
-            to: None,
-        };
+        let second = Move { from: make("second"), to: None };
         let whole = packed(&[moves[0].clone(), moves[1].clone(), second]);
         let mut told = [b"+", &*whole, b"\0+", &packed(&moves[2..]), b"\0"].concat();
         told.pop();
@@ -234,9 +231,6 @@ mod tests {
         }
         told.pop();
         serve(&*told);
-        assert_eq!(
-            (left.exists(), done.exists(), cut.exists()),
-            (false, true, true)
-        );
+        assert_eq!((left.exists(), done.exists(), cut.exists()), (false, true, true));
     }
 }

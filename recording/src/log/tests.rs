@@ -6,10 +6,7 @@ const PLAIN: &str = "0.020500000 0.020500001 0.023000000 pump report <permanent>
 #[test]
 fn a_line_has_its_nine_columns() {
     let line = line(PLAIN.as_bytes()).expect("a line");
-    assert_eq!(
-        (line.asked, line.began, line.ended),
-        (20_500_000, 20_500_001, 23_000_000)
-    );
+    assert_eq!((line.asked, line.began, line.ended), (20_500_000, 20_500_001, 23_000_000));
     let names = line.names().expect("six");
     assert_eq!(names[0], b"pump");
     assert_eq!(names[5], b"::pump::pause::start");
@@ -55,31 +52,12 @@ fn what_is_no_run_is_counted() {
         "1.000000000 1.000000000 2.000000000 genom profiling writer prof_writer wakeup sleep";
     let overload = PLAIN.replace("report_start", "genom_prof_record");
     let step = PLAIN.replace("0.023", "0.003");
-    for text in [
-        cut,
-        genom,
-        &overload,
-        &step,
-        "hello",
-        "",
-        "1.5 x 3",
-        "-1.0 2.0 3.0 a b c d e f",
-    ] {
-        assert_eq!(
-            left.classify(&mut kinds, text.as_bytes(), true),
-            None,
-            "{text}"
-        );
+    for text in [cut, genom, &overload, &step, "hello", "", "1.5 x 3", "-1.0 2.0 3.0 a b c d e f"] {
+        assert_eq!(left.classify(&mut kinds, text.as_bytes(), true), None, "{text}");
     }
     assert!(left.classify(&mut kinds, PLAIN.as_bytes(), true).is_some());
     assert!(left.classify(&mut kinds, PLAIN.as_bytes(), false).is_none());
-    let expected = SkippedLines {
-        recorder: 1,
-        overloads: 1,
-        clock_steps: 1,
-        cut: 2,
-        garbage: 3,
-    };
+    let expected = SkippedLines { recorder: 1, overloads: 1, clock_steps: 1, cut: 2, garbage: 3 };
     assert_eq!(left, expected);
     // One word too many.
     let more = format!("{PLAIN} more");
@@ -94,11 +72,7 @@ fn lines_come_whole_however_they_are_read() {
         for piece in text.as_bytes().chunks(size) {
             lines.feed(piece, |number, line| all.push((number, line.to_vec())));
         }
-        all.extend(
-            lines
-                .unterminated_line()
-                .map(|line| (line.0, line.1.to_vec())),
-        );
+        all.extend(lines.unterminated_line().map(|line| (line.0, line.1.to_vec())));
         all
     };
     let whole = read(text.len());
@@ -111,11 +85,7 @@ fn lines_come_whole_however_they_are_read() {
 
 #[test]
 fn a_log_is_read_up_to_any_byte() {
-    let text = format!(
-        "{}{PLAIN}\n{PLAIN}\n{}",
-        origins(false, [].into_iter()),
-        end()
-    );
+    let text = format!("{}{PLAIN}\n{PLAIN}\n{}", origins(false, [].into_iter()), end());
     for length in 0..=text.len() {
         let (mut lines, mut breaks) = (Lines::default(), TruncationCheck::default());
         let (mut left, mut kinds) = (SkippedLines::default(), LineKinds::default());

@@ -24,20 +24,11 @@ pub struct Deviation {
 #[allow(missing_docs, reason = "the words of each variant say it")]
 pub enum DeviationKind {
     /// The specifications have no such codel.
-    Unknown {
-        task: String,
-        service: String,
-        function: String,
-        from: String,
-        why: Mismatch,
-    },
+    Unknown { task: String, service: String, function: String, from: String, why: Mismatch },
     /// The codel took a transition that the specification does not declare.
     Transition { from: String, to: String },
     /// The codel was executed in a state that does not follow from the previous one.
-    Elsewhere {
-        state: String,
-        awaited: Option<String>,
-    },
+    Elsewhere { state: String, awaited: Option<String> },
     /// The codel took longer than its greatest time.
     Longer { took: i64, limit: i64 },
     /// The codel took less than its least time.

@@ -107,11 +107,7 @@ impl<'s> Model<'s> {
     }
 
     pub(super) fn of_task(&self, task: usize) -> Limits {
-        let period = self
-            .system
-            .tasks
-            .get(TaskId::from(task))
-            .and_then(|task| task.period);
+        let period = self.system.tasks.get(TaskId::from(task)).and_then(|task| task.period);
         let period = period.map(|period| self.nanos(period));
         let known = self.bounds.get(task).copied().flatten();
         let known = known.map(|bound| self.nanos(bound));
@@ -123,11 +119,7 @@ impl<'s> Model<'s> {
             // Ticks can be lost, and turns can be arbitrarily late.
             _ => None,
         };
-        Limits {
-            period,
-            bound: known.filter(|_| self.timed),
-            latest,
-        }
+        Limits { period, bound: known.filter(|_| self.timed), latest }
     }
 
     /// Returns the least and greatest time of a codel in nanoseconds, if its runs show them.
@@ -173,12 +165,7 @@ impl<'s> Model<'s> {
     pub(super) fn core(&self, task: usize, is_async: bool) -> Option<Option<u32>> {
         let own = is_async && self.system.platform.async_free;
         let needs = !own && !self.preempts && self.system.needs_core(TaskId::from(task));
-        needs.then(|| {
-            self.system
-                .tasks
-                .get(TaskId::from(task))
-                .and_then(|task| task.affinity)
-        })
+        needs.then(|| self.system.tasks.get(TaskId::from(task)).and_then(|task| task.affinity))
     }
 
     /// If threads with priorities are preempted, returns the core to which a task is bound, and its priority.
@@ -219,10 +206,7 @@ impl<'s> Model<'s> {
                         let service = parts.services.get(service as usize);
                         let service =
                             service.and_then(|&service| self.system.services.get(service));
-                        (
-                            service.and_then(|service| service.slots.first().copied()),
-                            false,
-                        )
+                        (service.and_then(|service| service.slots.first().copied()), false)
                     }
                 };
                 let automaton = automaton.and_then(|automaton| self.system.automata.get(automaton));
@@ -231,11 +215,7 @@ impl<'s> Model<'s> {
                 };
                 let at = self.at(usize::from(automaton.task), automaton.machine, state, kind);
                 at.map_or(none, |at| {
-                    ResolvedKind::State(StateOutcome {
-                        instance,
-                        permanent,
-                        ..at
-                    })
+                    ResolvedKind::State(StateOutcome { instance, permanent, ..at })
                 })
             }
             None => {
@@ -273,12 +253,9 @@ impl<'s> Model<'s> {
         let service = self.system.services.iter().find(of);
         let codel = service.and_then(|service| Some((service.component, *service.simple.first()?)));
         match codel {
-            Some((component, codel)) => ResolvedKind::Control {
-                codel,
-                component,
-                instance,
-                declared: true,
-            },
+            Some((component, codel)) => {
+                ResolvedKind::Control { codel, component, instance, declared: true }
+            }
             None => ResolvedKind::Mismatch(Mismatch::NoCodel),
         }
     }
@@ -291,10 +268,7 @@ impl<'s> Model<'s> {
         kind: &LineKind,
     ) -> Option<StateOutcome> {
         let machine = self.system.machines.get(number)?;
-        let place = machine
-            .states
-            .iter()
-            .position(|candidate| candidate.name == state)?;
+        let place = machine.states.iter().position(|candidate| candidate.name == state)?;
         let of = machine.states.get(place)?;
         let to = event(&kind.to);
         let is = |transition: &Yield| match *transition {
@@ -312,10 +286,7 @@ impl<'s> Model<'s> {
             None => CodelOutcome::Undeclared,
         };
         // The next state is expected, declared or not.
-        let next = machine
-            .states
-            .iter()
-            .position(|state| state.name == to.name);
+        let next = machine.states.iter().position(|state| state.name == to.name);
         let next = next.filter(|_| !matches!(led, CodelOutcome::Exception));
         Some(StateOutcome {
             instance: 0,
@@ -369,10 +340,7 @@ impl<'s> Model<'s> {
         let services =
             services.flat_map(|service| service.validate.iter().chain(&service.simple).copied());
         let real = |index: &CodelId| {
-            self.system
-                .codels
-                .get(*index)
-                .is_some_and(|codel| codel.site.is_some())
+            self.system.codels.get(*index).is_some_and(|codel| codel.site.is_some())
         };
         states.chain(services).filter(real)
     }

@@ -156,10 +156,7 @@ impl RunOrder {
                 out.push((run.codel, OrderViolation::Cores(max_cores_held, cores)));
             }
         }
-        let place = self
-            .recent
-            .iter()
-            .rposition(|earlier| earlier.ended <= run.ended);
+        let place = self.recent.iter().rposition(|earlier| earlier.ended <= run.ended);
         self.recent.insert(place.map_or(0, |place| place + 1), run);
         if self.recent.len() > MAX_KEPT_RUNS {
             self.recent.pop_front();
@@ -170,9 +167,8 @@ impl RunOrder {
     fn max_cores_held(&self, run: &CodelRun) -> usize {
         let recent = self.recent.iter().rev();
         let recent = recent.take_while(|earlier| earlier.ended > run.began);
-        let others: Vec<&CodelRun> = recent
-            .filter(|earlier| earlier.core.is_some() && earlier.overlaps(run))
-            .collect();
+        let others: Vec<&CodelRun> =
+            recent.filter(|earlier| earlier.core.is_some() && earlier.overlaps(run)).collect();
         let starts = others.iter().map(|run| run.began).chain([run.began]);
         let starts = starts.filter(|&start| run.executes_at(start));
         let at = |moment: i64| others.iter().filter(|run| run.executes_at(moment)).count() + 1;

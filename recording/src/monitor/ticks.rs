@@ -35,21 +35,15 @@ impl TickPhase {
         if self.turns <= MAX_IRREGULAR_TURNS {
             return None;
         }
-        let fresh = Phase {
-            number: 0,
-            earliest: at.saturating_sub(latest),
-            latest: at,
-        };
+        let fresh = Phase { number: 0, earliest: at.saturating_sub(latest), latest: at };
         let Some(known) = &mut self.known else {
             self.known = Some(fresh);
             return None;
         };
         known.number += 1;
         let ticks = known.number.saturating_mul(period);
-        let (earliest, last) = (
-            at.saturating_sub(ticks).saturating_sub(latest),
-            at.saturating_sub(ticks),
-        );
+        let (earliest, last) =
+            (at.saturating_sub(ticks).saturating_sub(latest), at.saturating_sub(ticks));
         known.earliest = known.earliest.max(earliest);
         known.latest = known.latest.min(last);
         let off = known.earliest - known.latest;
@@ -67,10 +61,6 @@ impl TickPhase {
     /// Returns a time in nanoseconds at which the tick of the last turn has certainly come.
     pub(super) fn tick(&self, period: i64) -> Option<i64> {
         let known = self.known?;
-        Some(
-            known
-                .latest
-                .saturating_add(known.number.saturating_mul(period)),
-        )
+        Some(known.latest.saturating_add(known.number.saturating_mul(period)))
     }
 }

@@ -48,14 +48,8 @@ fn a_recording_is_read_up_to_any_byte() {
     let data = read_data(&bytes).expect("a recording");
     let topics: Vec<&str> = data.topics.values().map(String::as_str).collect();
     assert_eq!((topics, data.broken), (vec!["/sail/wind"], None));
-    let messages = data
-        .messages
-        .iter()
-        .map(|message| (message.at, message.text.as_slice()));
-    assert_eq!(
-        messages.collect::<Vec<_>>(),
-        [(0, b"{}".as_slice()), (1, b"{}")]
-    );
+    let messages = data.messages.iter().map(|message| (message.at, message.text.as_slice()));
+    assert_eq!(messages.collect::<Vec<_>>(), [(0, b"{}".as_slice()), (1, b"{}")]);
     let mut counts = Vec::new();
     for length in 0..bytes.len() {
         let Ok(cut) = read(&bytes[..length]) else {

@@ -124,24 +124,17 @@ impl Step {
                 let to = work.map_or(none(), |work| outcome_of(system, &work, outcome));
                 (rule, thread(executor), what(executor), to)
             }
-            Action::Preempt { executor, by } => (
-                Rule::Preempt,
-                format!("#{by}"),
-                format!("#{executor}"),
-                none(),
-            ),
+            Action::Preempt { executor, by } => {
+                (Rule::Preempt, format!("#{by}"), format!("#{executor}"), none())
+            }
             Action::Ready { executor } => (Rule::Ready, format!("#{executor}"), none(), none()),
             Action::Reply { component: index } => (Rule::Reply, component(index), none(), none()),
             Action::Shut { component: index } => (Rule::Shut, component(index), none(), none()),
             Action::Signal { component: index } => (Rule::Signal, component(index), none(), none()),
-            Action::Proceed {
-                client: index,
-                next,
-            } => (Rule::Proceed, client(index), none(), next.to_string()),
-            Action::Request {
-                client: index,
-                next,
-            } => {
+            Action::Proceed { client: index, next } => {
+                (Rule::Proceed, client(index), none(), next.to_string())
+            }
+            Action::Request { client: index, next } => {
                 let what = stepper.requests(index);
                 let what = what.map_or(none(), |request| system.service_path(request));
                 (Rule::Request, client(index), what, next.to_string())
@@ -149,13 +142,7 @@ impl Step {
             // Not a step of a run.
             Action::Mark { .. } => (Rule::Proceed, none(), none(), none()),
         };
-        Step {
-            time: stepper.now(),
-            rule,
-            of,
-            what,
-            to,
-        }
+        Step { time: stepper.now(), rule, of, what, to }
     }
 
     /// Returns the step of an interruption from outside, by the place of the activity.
@@ -200,9 +187,9 @@ impl Step {
 fn subject_name(system: &TimedSystem, work: &Work) -> String {
     match *work {
         Work::State { task, .. } => system.task_path(TaskId::from(task)),
-        Work::Control { service, .. } => system.components[system.services[service].component]
-            .name
-            .clone(),
+        Work::Control { service, .. } => {
+            system.components[system.services[service].component].name.clone()
+        }
         Work::Delay { client } => system.clients[client].name.clone(),
     }
 }
@@ -218,20 +205,11 @@ fn describe_work(system: &TimedSystem, work: &Work) -> String {
 
 fn outcome_of(system: &TimedSystem, work: &Work, outcome: usize) -> String {
     match *work {
-        Work::State {
-            automaton, state, ..
-        } => {
+        Work::State { automaton, state, .. } => {
             let machine = system.machine_of(automaton);
-            let name = |index: usize| {
-                machine
-                    .states
-                    .get(index)
-                    .map_or("", |state| state.name.as_str())
-            };
-            let yields = machine
-                .states
-                .get(state)
-                .map(|state| state.yields.as_slice());
+            let name =
+                |index: usize| machine.states.get(index).map_or("", |state| state.name.as_str());
+            let yields = machine.states.get(state).map(|state| state.yields.as_slice());
             match yields.and_then(|state| state.get(outcome)) {
                 Some(&Yield::Next(to)) => name(to).to_owned(),
                 Some(&Yield::Pause(to)) => format!("pause::{}", name(to)),

@@ -96,19 +96,15 @@ impl<'s> HostedComponents<'s> {
             let definition = member.component.codel(site);
             out.functions[at] = definition.name.to_string();
             let events = definition.yields.iter();
-            out.declared[at] = events
-                .filter_map(|event| member.spec.full_name(event.event))
-                .collect();
+            out.declared[at] =
+                events.filter_map(|event| member.spec.full_name(event.event)).collect();
             if codel.upper != FOREVER && definition.wcet.is_some() {
                 let limit = (nanos * Ratio::from_integer(i128::from(codel.upper))).to_integer();
                 out.limits[at] = u64::try_from(limit).ok();
             }
             let part = out.components[codel.component].as_ref();
             if part.is_some_and(|part| !part.missing.contains(&definition.name)) {
-                let number = member
-                    .component
-                    .all_codels()
-                    .position(|codel| codel == site);
+                let number = member.component.all_codels().position(|codel| codel == site);
                 out.codels[at] = number.and_then(|number| u32::try_from(number).ok());
             }
         }
@@ -232,11 +228,7 @@ impl<'s> HostedComponents<'s> {
     pub fn counts(&self, system: &TimedSystem) -> (usize, usize) {
         let real = self.codels.iter().flatten().count();
         // The copies of attributes are codels of no specification, and count as neither.
-        let all = system
-            .codels
-            .iter()
-            .filter(|codel| codel.site.is_some())
-            .count();
+        let all = system.codels.iter().filter(|codel| codel.site.is_some()).count();
         (real, all.saturating_sub(real))
     }
 }
@@ -249,13 +241,8 @@ fn provider(names: &Names<'_>, asking: usize, remote: &Remote) -> Option<(usize,
     let all = names.components.iter().enumerate();
     let mut found = all.filter(|(name, member)| {
         let mut provided = member.component.provides.iter();
-        let named = |&of: &u32| {
-            member
-                .spec
-                .components
-                .get(of as usize)
-                .map(|component| &component.name)
-        };
+        let named =
+            |&of: &u32| member.spec.components.get(of as usize).map(|component| &component.name);
         let provides = provided.any(|of| named(of) == Some(interface));
         *name != asking && (member.component.name == *interface || provides)
     });
@@ -266,9 +253,7 @@ fn provider(names: &Names<'_>, asking: usize, remote: &Remote) -> Option<(usize,
     let mut services = (0u32..).zip(&member.component.services);
     let (number, service) = services.find(|service| service.1.name == remote.name)?;
     let shape = |spec, params: &[Param]| -> Vec<_> {
-        let crosses = params
-            .iter()
-            .filter(|param| is_input(param) || is_output(param));
+        let crosses = params.iter().filter(|param| is_input(param) || is_output(param));
         let layout = |param: &Param| (param.dir, Values::new(spec).layout(param.ty));
         crosses.map(layout).collect()
     };

@@ -117,9 +117,7 @@ impl Delegations {
     }
 
     fn of(&mut self, executor: usize) -> Option<&mut Delegated> {
-        self.tasks
-            .iter_mut()
-            .find(|delegated| delegated.executor == executor)
+        self.tasks.iter_mut().find(|delegated| delegated.executor == executor)
     }
 }
 
@@ -278,10 +276,7 @@ impl Live<'_> {
                 known.then(|| (event.clone(), next))
             };
             let next = self.parts.events(state.codel).iter().filter_map(follows);
-            Some(DelegatedState {
-                codel,
-                next: next.collect(),
-            })
+            Some(DelegatedState { codel, next: next.collect() })
         });
         states.collect()
     }

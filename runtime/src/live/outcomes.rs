@@ -38,22 +38,12 @@ impl Live<'_> {
 
     /// Returns the index of an exception among outcomes; if exceptions make no difference, that of the end.
     fn exception_index(&self, work: &Work, outcomes: &[usize]) -> usize {
-        let Work::State {
-            automaton, state, ..
-        } = *work
-        else {
-            return outcomes
-                .iter()
-                .position(|&outcome| outcome == 1)
-                .unwrap_or(0);
+        let Work::State { automaton, state, .. } = *work else {
+            return outcomes.iter().position(|&outcome| outcome == 1).unwrap_or(0);
         };
         let yields = &self.system.machine_of(automaton).states[state].yields;
         let exception = outcomes.iter().position(|&outcome| outcome == yields.len());
-        let end = || {
-            outcomes
-                .iter()
-                .position(|&outcome| yields.get(outcome) == Some(&Yield::End))
-        };
+        let end = || outcomes.iter().position(|&outcome| yields.get(outcome) == Some(&Yield::End));
         exception.or_else(end).unwrap_or(0)
     }
 
@@ -64,12 +54,7 @@ impl Live<'_> {
             (_, CodelEnd::Other) => None,
             (Work::Control { .. }, CodelEnd::Event) => ran.name.is_empty().then_some(0),
             (Work::Control { .. }, CodelEnd::Exception) => Some(1),
-            (
-                Work::State {
-                    automaton, state, ..
-                },
-                how,
-            ) => {
+            (Work::State { automaton, state, .. }, how) => {
                 let machine = self.system.machine_of(automaton);
                 let yields = &machine.states.get(state)?.yields;
                 if how == CodelEnd::Exception {

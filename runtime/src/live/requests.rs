@@ -63,9 +63,7 @@ impl Live<'_> {
             // The outside request may have been aborted meanwhile.
             true => {
                 let all = &mut self.wanted[component];
-                let first = all
-                    .front()
-                    .is_some_and(|request| request.service == service);
+                let first = all.front().is_some_and(|request| request.service == service);
                 first.then(|| all.pop_front()).flatten()
             }
             false => None,
@@ -127,14 +125,7 @@ impl Live<'_> {
     /// Copies the values of an attribute.
     fn copy(&mut self, component: ComponentId, codel: u32, instance: u32) {
         let ticket = u32::MAX;
-        self.hosts.run(&Call {
-            lane: u32::MAX,
-            component,
-            ticket,
-            codel,
-            instance,
-            core: None,
-        });
+        self.hosts.run(&Call { lane: u32::MAX, component, ticket, codel, instance, core: None });
         let until = self.work_deadline_nanos();
         while let Some(message) = self.hosts.wait(until) {
             match message {
@@ -165,10 +156,7 @@ impl Live<'_> {
         let Some(component) = self.parts.outside(client) else {
             return true;
         };
-        let wanted = self
-            .wanted
-            .get(component)
-            .and_then(|requests| requests.front());
+        let wanted = self.wanted.get(component).and_then(|requests| requests.front());
         let steps = &self.system.clients[client].steps;
         let requests = steps.get(step).and_then(|step| step.requests());
         wanted.is_some_and(|request| requests == Some(request.service))
@@ -178,9 +166,7 @@ impl Live<'_> {
     pub fn abort(&mut self, stepper: &mut Stepper, tell: &mut dyn FnMut(&Stepper, usize)) {
         for id in std::mem::take(&mut self.aborts) {
             let of = |instance: &Option<Instance>| {
-                instance
-                    .as_ref()
-                    .is_some_and(|instance| instance.wanted == Some(id))
+                instance.as_ref().is_some_and(|instance| instance.wanted == Some(id))
             };
             if let Some(place) = self.places.iter().position(of) {
                 tell(stepper, place);
@@ -200,10 +186,7 @@ impl Live<'_> {
 
     /// Reports the state of an activity from outside, if the activity was in another state before.
     pub(super) fn report_state(&mut self, work: &Work) {
-        let Work::State {
-            automaton, state, ..
-        } = *work
-        else {
+        let Work::State { automaton, state, .. } = *work else {
             return;
         };
         let Some(instance) = self.instance(work) else {
@@ -234,12 +217,7 @@ impl Live<'_> {
                 self.answer(id, RequestReply::Accepted);
             }
         }
-        told.retain(|number| {
-            self.places
-                .iter()
-                .flatten()
-                .any(|place| place.number == *number)
-        });
+        told.retain(|number| self.places.iter().flatten().any(|place| place.number == *number));
     }
 
     /// Handles the call of a remote service by a codel. On the virtual clock there is no answer, because no
@@ -258,11 +236,7 @@ impl Live<'_> {
         self.next_ask += 1;
         let id = CODEL_REQUEST_BIT | self.next_ask;
         self.asks.insert(id, (component, ask));
-        self.message(Message::OutsideRequest(OutsideRequest {
-            id,
-            service,
-            inputs,
-        }));
+        self.message(Message::OutsideRequest(OutsideRequest { id, service, inputs }));
     }
 
     /// Sends an answer to its destination: outside, or a codel.
@@ -284,10 +258,7 @@ impl Live<'_> {
     }
 
     pub(super) fn answer_failed(&mut self, id: u64, exception: &str) {
-        let answer = RequestReply::Failed {
-            exception: exception.to_owned(),
-            detail: Vec::new(),
-        };
+        let answer = RequestReply::Failed { exception: exception.to_owned(), detail: Vec::new() };
         self.answer(id, answer);
     }
 }

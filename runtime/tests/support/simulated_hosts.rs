@@ -126,14 +126,9 @@ impl<'s> Simulated<'s> {
     pub(crate) fn only_request(&mut self, name: &str, time: u64) {
         self.events.clear();
         let mut services = self.system.services.iter_enumerated();
-        let (service, _) = services
-            .find(|(_, service)| service.name == name)
-            .expect("the service exists");
-        let request = OutsideRequest {
-            id: 1_000,
-            service,
-            inputs: Vec::new(),
-        };
+        let (service, _) =
+            services.find(|(_, service)| service.name == name).expect("the service exists");
+        let request = OutsideRequest { id: 1_000, service, inputs: Vec::new() };
         self.plan(time, Event::Arrival(Message::OutsideRequest(request)));
     }
 
@@ -157,11 +152,7 @@ impl<'s> Simulated<'s> {
             }
             self.requests += 1;
             let inputs = Vec::new();
-            let request = OutsideRequest {
-                id,
-                service,
-                inputs,
-            };
+            let request = OutsideRequest { id, service, inputs };
             self.plan(time, Event::Arrival(Message::OutsideRequest(request)));
             if self.dice.in_ten(4) {
                 let later = u64::from(self.dice.below(30_000_000));
@@ -195,9 +186,7 @@ impl<'s> Simulated<'s> {
     fn codels(&self, component: ComponentId, number: u32) -> Vec<CodelId> {
         let all = self.system.codels.iter_enumerated();
         let own = all.filter(|(_, codel)| codel.component == component);
-        own.map(|(id, _)| id)
-            .filter(|&id| self.parts.codel(id) == Some(number))
-            .collect()
+        own.map(|(id, _)| id).filter(|&id| self.parts.codel(id) == Some(number)).collect()
     }
 
     fn begin(&mut self, lane: LaneId, ticket: u32, codel: u32) {
@@ -221,12 +210,7 @@ impl<'s> Simulated<'s> {
                 self.system.codels[own[0]].path, self.system.codels[running[0]].path
             );
         }
-        let period = self
-            .system
-            .tasks
-            .iter()
-            .filter_map(|task| task.period)
-            .min();
+        let period = self.system.tasks.iter().filter_map(|task| task.period).min();
         let unit = u64::from(period.unwrap_or(1_000)) * 1_000;
         let time = match self.dice.below(20) {
             0 if self.dice.below(10) == 0 => u64::from(self.dice.below(20)) * unit,
@@ -285,9 +269,8 @@ impl<'s> Simulated<'s> {
             Event::End(lane) | Event::Tick(lane, _) => lane.0,
             Event::Lost(_) | Event::Arrival(_) => return false,
         };
-        let stopped = self
-            .stopped
-            .is_some_and(|(of, since)| of == component && self.now.get() >= since);
+        let stopped =
+            self.stopped.is_some_and(|(of, since)| of == component && self.now.get() >= since);
         stopped || self.gone.contains(&component)
     }
 
@@ -326,11 +309,7 @@ impl<'s> Simulated<'s> {
             Event::Probe(lane, probe) => {
                 self.flush(lane);
                 let (component, until) = (lane.0, self.now.get());
-                let answer = Message::Probed {
-                    component,
-                    probe,
-                    until,
-                };
+                let answer = Message::Probed { component, probe, until };
                 self.tell(component, answer);
             }
             Event::Lost(component) => {

@@ -27,46 +27,38 @@ impl_trait!(HasBody for Module, Component, Exception, Struct, Union, Ids, Task, 
 impl Name {
     /// The name, after macro expansion; empty in a broken tree.
     pub fn text(&self, map: &ExpansionMap) -> SmolStr {
-        self.ident_token()
-            .map_or_else(SmolStr::default, |token| map.text(&token))
+        self.ident_token().map_or_else(SmolStr::default, |token| map.text(&token))
     }
 
     /// The range to report for this name: the identifier, or the macro call it comes from.
     pub fn range(&self, map: &ExpansionMap) -> TextRange {
-        self.ident_token()
-            .map_or_else(|| self.syntax().text_range(), |token| map.range(&token))
+        self.ident_token().map_or_else(|| self.syntax().text_range(), |token| map.range(&token))
     }
 }
 
 impl NameRef {
     /// The name, after macro expansion; empty in a broken tree.
     pub fn text(&self, map: &ExpansionMap) -> SmolStr {
-        self.ident_token()
-            .map_or_else(SmolStr::default, |token| map.text(&token))
+        self.ident_token().map_or_else(SmolStr::default, |token| map.text(&token))
     }
 
     /// The range to report for this name: the identifier, or the macro call it comes from.
     pub fn range(&self, map: &ExpansionMap) -> TextRange {
-        self.ident_token()
-            .map_or_else(|| self.syntax().text_range(), |token| map.range(&token))
+        self.ident_token().map_or_else(|| self.syntax().text_range(), |token| map.range(&token))
     }
 }
 
 impl Path {
     /// Starts with `::`.
     pub fn is_absolute(&self) -> bool {
-        significant(self.syntax())
-            .next()
-            .is_some_and(|element| element.kind() == COLON2)
+        significant(self.syntax()).next().is_some_and(|element| element.kind() == COLON2)
     }
 }
 
 impl BaseType {
     /// The words of the type, in order: `unsigned long long` has three.
     pub fn words(&self) -> impl Iterator<Item = SyntaxKind> {
-        tokens(self.syntax())
-            .map(|token| token.kind())
-            .filter(|kind| kind.is_reserved_word())
+        tokens(self.syntax()).map(|token| token.kind()).filter(|kind| kind.is_reserved_word())
     }
 }
 
@@ -143,10 +135,7 @@ impl BinaryExpr {
 }
 
 fn is_binary_operator(kind: SyntaxKind) -> bool {
-    matches!(
-        kind,
-        PIPE | CARET | AMP | SHL | SHR | PLUS | MINUS | STAR | SLASH | PERCENT
-    )
+    matches!(kind, PIPE | CARET | AMP | SHL | SHR | PLUS | MINUS | STAR | SLASH | PERCENT)
 }
 
 impl Component {
@@ -264,11 +253,7 @@ impl Directive {
 
     /// The meaning of the directive. `_Pragma("…")` in the text is a pragma.
     pub fn kind(&self) -> DirectiveKind {
-        match self
-            .keyword_token()
-            .as_ref()
-            .map_or("", |token| token.text())
-        {
+        match self.keyword_token().as_ref().map_or("", |token| token.text()) {
             "include" => DirectiveKind::Include,
             "define" => DirectiveKind::Define,
             "undef" => DirectiveKind::Undef,

@@ -53,10 +53,8 @@ fn generate(grammar: &Grammar) -> String {
          #![allow(missing_docs, reason = \"the names are those of the grammar\")]\n\n\
          use crate::{SyntaxKind::{self, *}, SyntaxNode, SyntaxToken, ast::traits::{AstChildren, AstNode, support}};\n",
     );
-    let enums: HashMap<Node, Vec<String>> = grammar
-        .iter()
-        .filter_map(|node| Some((node, enum_variants(grammar, node)?)))
-        .collect();
+    let enums: HashMap<Node, Vec<String>> =
+        grammar.iter().filter_map(|node| Some((node, enum_variants(grammar, node)?))).collect();
     for node in grammar.iter() {
         let name = &grammar[node].name;
         match enums.get(&node) {
@@ -104,13 +102,7 @@ fn collect(grammar: &Grammar, rule: &Rule, label: Option<&str>, many: bool, acc:
             if let Some(kind) = token_kind(text) {
                 let name = format!("{}_token", format!("{kind:?}").to_lowercase());
                 let name = name.replace("_kw_token", "_token");
-                push(
-                    acc,
-                    Field {
-                        name,
-                        shape: Shape::Token(kind),
-                    },
-                );
+                push(acc, Field { name, shape: Shape::Token(kind) });
             }
         }
         Rule::Seq(rules) => {
@@ -149,9 +141,7 @@ fn token_kind(text: &str) -> Option<SyntaxKind> {
         "#ident" => Some(SyntaxKind::IDENT),
         "#text" => None,
         _ => {
-            let found = SyntaxKind::spellings()
-                .iter()
-                .find(|(_, spelling)| *spelling == text);
+            let found = SyntaxKind::spellings().iter().find(|(_, spelling)| *spelling == text);
             Some(found.unwrap_or_else(|| panic!("unknown token {text}")).0)
         }
     }
@@ -209,10 +199,7 @@ fn generate_enum(
             .find(|node| grammar[*node].name == variant)
             .is_some_and(|grammar| enums.contains_key(&grammar))
     };
-    let _ = writeln!(
-        out,
-        "\n#[derive(Debug, Clone, PartialEq, Eq, Hash)]\npub enum {name} {{"
-    );
+    let _ = writeln!(out, "\n#[derive(Debug, Clone, PartialEq, Eq, Hash)]\npub enum {name} {{");
     for variant in variants {
         let _ = writeln!(out, "{variant}({variant}),");
     }
@@ -227,11 +214,7 @@ fn generate_enum(
             }
         })
         .collect();
-    let _ = writeln!(
-        out,
-        "fn can_cast(kind: SyntaxKind) -> bool {{ {} }}",
-        tests.join(" || ")
-    );
+    let _ = writeln!(out, "fn can_cast(kind: SyntaxKind) -> bool {{ {} }}", tests.join(" || "));
     out.push_str("fn cast(syntax: SyntaxNode) -> Option<Self> { match syntax.kind() {\n");
     for variant in variants {
         let _ = if nested(variant) {
@@ -241,10 +224,7 @@ fn generate_enum(
             )
         } else {
             let kind = snake(variant).to_uppercase();
-            writeln!(
-                out,
-                "{kind} => {variant}::cast(syntax).map({name}::{variant}),"
-            )
+            writeln!(out, "{kind} => {variant}::cast(syntax).map({name}::{variant}),")
         };
     }
     out.push_str("_ => None,\n} }\nfn syntax(&self) -> &SyntaxNode { match self {\n");
@@ -280,26 +260,13 @@ fn plural(name: &str) -> String {
 
 fn rustfmt(text: &str) -> String {
     let mut child = Command::new("rustfmt")
-        .args([
-            "--edition",
-            "2024",
-            "--config",
-            "use_field_init_shorthand=true",
-        ])
+        .args(["--edition", "2024", "--config", "use_field_init_shorthand=true"])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()
         .expect("rustfmt runs (rustup component add rustfmt)");
-    child
-        .stdin
-        .take()
-        .expect("piped")
-        .write_all(text.as_bytes())
-        .expect("rustfmt reads");
+    child.stdin.take().expect("piped").write_all(text.as_bytes()).expect("rustfmt reads");
     let output = child.wait_with_output().expect("rustfmt ends");
-    assert!(
-        output.status.success(),
-        "rustfmt rejects the generated text:\n{text}"
-    );
+    assert!(output.status.success(), "rustfmt rejects the generated text:\n{text}");
     String::from_utf8(output.stdout).expect("UTF-8")
 }

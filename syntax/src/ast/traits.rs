@@ -65,10 +65,7 @@ pub mod support {
 
     /// All children of a type.
     pub fn children<N: AstNode>(parent: &SyntaxNode) -> AstChildren<N> {
-        AstChildren {
-            inner: parent.children(),
-            marker: PhantomData,
-        }
+        AstChildren { inner: parent.children(), marker: PhantomData }
     }
 
     /// First token of a kind directly below a node.

@@ -34,10 +34,7 @@ fn check(text: &str, expect: Expect) {
             });
             let name = define.name.as_ref().map(|name| at(&name.range));
             let glued = if define.glued { " glued" } else { "" };
-            format!(
-                "define {name:?} {params:?} as {:?}{glued}",
-                tokens(&define.body)
-            )
+            format!("define {name:?} {params:?} as {:?}{glued}", tokens(&define.body))
         }
         DirectiveKind::Undef(undef) => format!("undef {}", operand(undef)),
         DirectiveKind::Ifdef(ifdef) => format!("ifdef {}", operand(ifdef)),
@@ -52,12 +49,7 @@ fn check(text: &str, expect: Expect) {
                 pragma.name.iter().map(|name| &name.text),
                 pragma.name.iter().map(|name| &name.range),
             )
-            .chain(
-                pragma
-                    .args
-                    .iter()
-                    .map(|argument| (&argument.text, &argument.range)),
-            )
+            .chain(pragma.args.iter().map(|argument| (&argument.text, &argument.range)))
             .map(|(text, range)| format!("{text:?} at {:?}", at(range)))
             .collect();
             format!("pragma {}", words.join(", "))
@@ -87,10 +79,7 @@ fn includes() {
         "#include FILE(1)\n",
         expect![[r##""#include FILE(1)": include Macro(3..7) at "FILE(1)" then """##]],
     );
-    check(
-        "#include",
-        expect![[r##""#include": include Macro(2..2) at "" then """##]],
-    );
+    check("#include", expect![[r##""#include": include Macro(2..2) at "" then """##]]);
 }
 
 #[test]
@@ -109,14 +98,8 @@ fn defines() {
             r##""#define F(a, ...) x\\\n y": define Some("F") Some("(a ...)") as "x\\\n y""##
         ]],
     );
-    check(
-        "#define F( ) x",
-        expect![[r##""#define F( ) x": define Some("F") Some("()") as "x""##]],
-    );
-    check(
-        "#define F (a)",
-        expect![[r##""#define F (a)": define Some("F") None as "(a)""##]],
-    );
+    check("#define F( ) x", expect![[r##""#define F( ) x": define Some("F") Some("()") as "x""##]]);
+    check("#define F (a)", expect![[r##""#define F (a)": define Some("F") None as "(a)""##]]);
     check(
         "#define F(a b) x",
         expect![[r##""#define F(a b) x": define Some("F") Some("(a broken)") as "x""##]],
@@ -125,39 +108,18 @@ fn defines() {
         "#define F(a, ",
         expect![[r##""#define F(a,": define Some("F") Some("(a broken)") as """##]],
     );
-    check(
-        "#define N+1",
-        expect![[r##""#define N+1": define Some("N") None as "+1" glued"##]],
-    );
-    check(
-        "#define 3",
-        expect![[r##""#define 3": define None None as "3""##]],
-    );
+    check("#define N+1", expect![[r##""#define N+1": define Some("N") None as "+1" glued"##]]);
+    check("#define 3", expect![[r##""#define 3": define None None as "3""##]]);
 }
 
 #[test]
 fn conditionals_and_others() {
-    check(
-        "#ifdef A B\n",
-        expect![[r##""#ifdef A B": ifdef Some("A") then "B""##]],
-    );
-    check(
-        "#ifndef +\n",
-        expect![[r##""#ifndef +": ifndef None then "+""##]],
-    );
-    check(
-        "#undef long",
-        expect![[r##""#undef long": undef Some("long") then """##]],
-    );
-    check(
-        "#if  A > 1 /* x */\n",
-        expect![[r##""#if  A > 1": if "A > 1""##]],
-    );
+    check("#ifdef A B\n", expect![[r##""#ifdef A B": ifdef Some("A") then "B""##]]);
+    check("#ifndef +\n", expect![[r##""#ifndef +": ifndef None then "+""##]]);
+    check("#undef long", expect![[r##""#undef long": undef Some("long") then """##]]);
+    check("#if  A > 1 /* x */\n", expect![[r##""#if  A > 1": if "A > 1""##]]);
     check("#else foo", expect![[r##""#else foo": else "foo""##]]);
-    check(
-        "#error don't  stop\n",
-        expect![[r##""#error don't  stop": Error("don't  stop")"##]],
-    );
+    check("#error don't  stop\n", expect![[r##""#error don't  stop": Error("don't  stop")"##]]);
     check("# 12 \"f\"", expect![[r##""# 12 \"f\"": Unknown"##]]);
     check("#import x", expect![[r##""#import x": Unknown"##]]);
     check("# /* */\nx", expect![[r##""#": Empty"##]]);
@@ -179,14 +141,7 @@ fn pragmas() {
     );
     check("#pragma", expect![[r##""#pragma": pragma "##]]);
     let pragma = Pragma::from_operator(r#""requires \"tiny\" \\\"x""#, TextRange::default());
-    let words: Vec<&str> = pragma
-        .args
-        .iter()
-        .map(|argument| argument.text.as_str())
-        .collect();
-    assert_eq!(
-        pragma.name.as_ref().map(|name| name.text.as_str()),
-        Some("requires")
-    );
+    let words: Vec<&str> = pragma.args.iter().map(|argument| argument.text.as_str()).collect();
+    assert_eq!(pragma.name.as_ref().map(|name| name.text.as_str()), Some("requires"));
     assert_eq!(words, ["tiny", "\\", "x"]);
 }

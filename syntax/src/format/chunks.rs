@@ -110,9 +110,7 @@ pub(super) fn chunks(root: &SyntaxNode, broken: &[TextRange]) -> Vec<Chunk> {
     }
     let mut out = cutter.out;
     for i in 0..out.len() {
-        let goes_on = out
-            .get(i + 1)
-            .is_some_and(|next| next.newlines == 0 && !starts_line(next));
+        let goes_on = out.get(i + 1).is_some_and(|next| next.newlines == 0 && !starts_line(next));
         if out[i].kind == ChunkKind::TrailingComment && !out[i].ends_line && goes_on {
             out[i].kind = ChunkKind::InlineComment;
         }
@@ -190,9 +188,7 @@ impl ErrorRanges {
     /// Returns true if an error is in a node. An error next to the node is not in it: otherwise white space
     /// between them, which formatting changes, would make a difference.
     fn touches(&self, range: TextRange) -> bool {
-        let before = self
-            .ranges
-            .partition_point(|other| other.start() < range.end());
+        let before = self.ranges.partition_point(|other| other.start() < range.end());
         before > 0 && range.start() < self.ends[before - 1]
     }
 }
@@ -225,9 +221,7 @@ impl Chunker {
         // line; other blocks stay as written.
         let large = above.is_some_and(|l| matches!(l.kind, COMPONENT | MODULE));
         let (in_opaque, blocks, lists, block, property) = above
-            .map_or_else(Default::default, |l| {
-                (l.opaque, l.blocks, l.lists, l.block, l.property)
-            });
+            .map_or_else(Default::default, |l| (l.opaque, l.blocks, l.lists, l.block, l.property));
         let in_flat = above.is_some_and(|l| l.flat);
         let flat = in_flat || (is_block(kind) && !large && !self.breaks_inside(node));
         let place = self.path.len();
@@ -266,11 +260,8 @@ impl Chunker {
                 self.push(ChunkKind::Opaque, range, false);
             }
             WHITESPACE | NEWLINE => {
-                self.newlines += token
-                    .text()
-                    .matches('\n')
-                    .count()
-                    .max(usize::from(token.kind() == NEWLINE));
+                self.newlines +=
+                    token.text().matches('\n').count().max(usize::from(token.kind() == NEWLINE));
                 self.spaced = true;
             }
             // A joined line is deliberate and stays as written.
@@ -284,31 +275,19 @@ impl Chunker {
 
     fn comment(&mut self, range: TextRange, ends_line: bool) {
         let own_line = self.newlines > 0 || self.out.is_empty();
-        let kind = if own_line {
-            ChunkKind::Comment
-        } else {
-            ChunkKind::TrailingComment
-        };
+        let kind = if own_line { ChunkKind::Comment } else { ChunkKind::TrailingComment };
         self.push(kind, range, ends_line);
     }
 
     fn push(&mut self, kind: ChunkKind, range: TextRange, ends_line: bool) {
-        let up = |n: usize| {
-            self.path
-                .len()
-                .checked_sub(n)
-                .map_or(SOURCE_FILE, |i| self.path[i].kind)
-        };
+        let up =
+            |n: usize| self.path.len().checked_sub(n).map_or(SOURCE_FILE, |i| self.path[i].kind);
         let closes = matches!(kind, ChunkKind::Token(R_CURLY)) && is_block(up(1));
         let opens_block = matches!(kind, ChunkKind::Token(L_CURLY)) && is_block(up(1));
         let last = self.path.last();
         let (blocks, lists) = last.map_or((0, 0), |l| (l.blocks, l.lists));
         // Braces belong to the level outside.
-        let indent = if closes || opens_block {
-            blocks.saturating_sub(1)
-        } else {
-            blocks
-        };
+        let indent = if closes || opens_block { blocks.saturating_sub(1) } else { blocks };
         let closes_list = matches!(kind, ChunkKind::Token(R_PAREN | R_CURLY)) && is_list(up(1));
         let opens_list = matches!(kind, ChunkKind::Token(L_PAREN | L_CURLY)) && is_list(up(1));
         let comment = matches!(kind, ChunkKind::Comment | ChunkKind::TrailingComment);
@@ -320,11 +299,7 @@ impl Chunker {
         let item = last.and_then(|l| l.block).map_or(1, |b| b + 1);
         let fresh = |l: &Level| l.pieces == self.pieces && !is_block(l.kind);
         let first_of_item = !comment && self.path.get(item).is_some_and(fresh);
-        let listed = item > 0
-            && self
-                .path
-                .get(item - 1)
-                .is_some_and(|l| l.kind == ENUMERATOR_LIST);
+        let listed = item > 0 && self.path.get(item - 1).is_some_and(|l| l.kind == ENUMERATOR_LIST);
         let flat = last.is_some_and(|l| l.flat);
         let frozen = last.is_some_and(|l| l.frozen);
         self.out.push(Chunk {
@@ -332,11 +307,8 @@ impl Chunker {
             range,
             parent: up(1),
             indent,
-            list_depth: if closes_list || opens_list {
-                lists - 1
-            } else {
-                lists
-            } + usize::from(value || in_value),
+            list_depth: if closes_list || opens_list { lists - 1 } else { lists }
+                + usize::from(value || in_value),
             opens_list: opens_list.then_some(lists + usize::from(in_value)),
             opens_hang: value.then_some(lists + 1),
             frozen,
@@ -399,8 +371,6 @@ pub(super) fn starts_line(chunk: &Chunk) -> bool {
 
 /// The range of the white space before a piece.
 pub(super) fn gap_span(chunks: &[Chunk], i: usize) -> Range<usize> {
-    let start = i
-        .checked_sub(1)
-        .map_or(0, |before| chunks[before].span().end);
+    let start = i.checked_sub(1).map_or(0, |before| chunks[before].span().end);
     start..chunks[i].span().start
 }

@@ -113,10 +113,7 @@ pub(super) fn targets(page: &Page<'_>, runs: &mut AlignedColumns) -> Vec<Option<
     };
     let numbers: Vec<usize> = page.printed.iter().map(number).collect();
     let (shifts, ends) = (shifts(page), page.line_ends());
-    let parts = runs
-        .runs
-        .iter()
-        .flat_map(|run| consecutive_parts(&numbers, page, run));
+    let parts = runs.runs.iter().flat_map(|run| consecutive_parts(&numbers, page, run));
     runs.runs = parts.collect();
     for run in &runs.runs {
         let least = run.iter().map(|&i| page.end_before(i) + 1).max();
@@ -142,11 +139,7 @@ fn consecutive_parts(numbers: &[usize], page: &Page<'_>, run: &[usize]) -> Vec<V
     let mut out: Vec<Vec<usize>> = Vec::new();
     for i in run.iter().copied().filter(in_line) {
         match out.last_mut() {
-            Some(part)
-                if part
-                    .last()
-                    .is_some_and(|&index| numbers[i] - numbers[index] == 1) =>
-            {
+            Some(part) if part.last().is_some_and(|&index| numbers[i] - numbers[index] == 1) => {
                 part.push(i)
             }
             _ => out.push(vec![i]),

@@ -142,11 +142,7 @@ impl<'a> Printer<'a> {
         let chunk = &self.page.chunks[i];
         let before = i.checked_sub(1).map(|index| &self.page.chunks[index]);
         // Depths only grow from one open list to the next.
-        while self
-            .open
-            .pop_if(|open| open.depth > chunk.list_depth)
-            .is_some()
-        {}
+        while self.open.pop_if(|open| open.depth > chunk.list_depth).is_some() {}
         match rules::gap(self.page.text, before, chunk) {
             Gap::Keep => self.page.original(i).to_owned(),
             Gap::None => String::new(),
@@ -180,10 +176,7 @@ impl<'a> Printer<'a> {
                 self.item = i;
             }
         }
-        self.page.printed.push(ChunkLayout {
-            space,
-            column: self.column,
-        });
+        self.page.printed.push(ChunkLayout { space, column: self.column });
         if let Some(depth) = chunk.opens_hang {
             let first = (self.page.old_columns[i], self.column);
             self.open_list(depth, first, Continuation::Units(1));
@@ -193,11 +186,7 @@ impl<'a> Printer<'a> {
             let old = self.page.old_columns[i] + chunk.span().len();
             // A list that begins on the line of its name is indented by two units, to distinguish it from the
             // body.
-            let goes_on = self
-                .page
-                .chunks
-                .get(i + 1)
-                .is_some_and(|chunk| chunk.newlines == 0);
+            let goes_on = self.page.chunks.get(i + 1).is_some_and(|chunk| chunk.newlines == 0);
             let usual = if goes_on && chunk.is(L_PAREN) { 2 } else { 1 };
             self.open_list(depth, (old, self.column), Continuation::Units(usual));
         }
@@ -218,11 +207,7 @@ impl<'a> Printer<'a> {
     /// otherwise like the line before, or the usual continuation.
     fn line_break_inside(&mut self, i: usize) -> String {
         let (anchor, first, usual) = match self.open.last() {
-            Some(open) => (
-                open.anchor,
-                Some(open.first),
-                open.last.unwrap_or(open.usual),
-            ),
+            Some(open) => (open.anchor, Some(open.first), open.last.unwrap_or(open.usual)),
             None => {
                 let item = self.item;
                 let anchor = (self.page.old_columns[item], self.page.printed[item].column);
@@ -272,9 +257,8 @@ impl<'a> Printer<'a> {
         let end = end.unwrap_or(self.page.chunks.len());
         let last = &self.page.chunks[end - 1];
         let old_end = self.old_ends[end - 1];
-        let length = self.page.text[self.page.chunks[i].span().start..last.span().end]
-            .chars()
-            .count();
+        let length =
+            self.page.text[self.page.chunks[i].span().start..last.span().end].chars().count();
         self.column + 1 + length > self.page.width && old_end <= self.page.width
     }
 
@@ -336,11 +320,7 @@ impl<'a> Printer<'a> {
         let (old, new) = (self.page.old_columns[i], self.page.printed[i].column);
         let comment = matches!(chunk.kind, ChunkKind::Comment | ChunkKind::TrailingComment);
         // A token on the last line of the comment would move as well.
-        let ends = self
-            .page
-            .chunks
-            .get(i + 1)
-            .is_none_or(|chunk| chunk.newlines > 0);
+        let ends = self.page.chunks.get(i + 1).is_none_or(|chunk| chunk.newlines > 0);
         if !comment || !ends || chunk.ends_line || chunk.frozen || old == new {
             return;
         }
@@ -354,10 +334,7 @@ impl<'a> Printer<'a> {
                 continue;
             }
             let column = advance(0, &rest[..blanks], self.page.unit.tab());
-            let moved = self
-                .page
-                .unit
-                .indentation((column + new).saturating_sub(old));
+            let moved = self.page.unit.indentation((column + new).saturating_sub(old));
             if moved != rest[..blanks] {
                 out.push(edit(start..start + blanks, moved));
             }
@@ -367,8 +344,5 @@ impl<'a> Printer<'a> {
 
 fn edit(span: Range<usize>, new_text: String) -> TextEdit {
     let offset = |at: usize| TextSize::try_from(at).unwrap_or_else(|_| TextSize::from(u32::MAX));
-    TextEdit {
-        range: TextRange::new(offset(span.start), offset(span.end)),
-        new_text,
-    }
+    TextEdit { range: TextRange::new(offset(span.start), offset(span.end)), new_text }
 }

@@ -32,11 +32,7 @@ pub(super) enum Gap {
 /// The white space between two neighbouring pieces.
 pub(super) fn gap(text: &str, before: Option<&Chunk>, chunk: &Chunk) -> Gap {
     let Some(before) = before else {
-        return if is_unchanged(chunk) {
-            Gap::Keep
-        } else {
-            Gap::Line { blank: false }
-        };
+        return if is_unchanged(chunk) { Gap::Keep } else { Gap::Line { blank: false } };
     };
     if (before.frozen && (chunk.frozen || !chunk.first_of_item))
         || is_unchanged(before)
@@ -44,9 +40,7 @@ pub(super) fn gap(text: &str, before: Option<&Chunk>, chunk: &Chunk) -> Gap {
     {
         return Gap::Keep;
     }
-    let line = Gap::Line {
-        blank: chunk.newlines > 1 && !before.is(L_CURLY) && !chunk.is(R_CURLY),
-    };
+    let line = Gap::Line { blank: chunk.newlines > 1 && !before.is(L_CURLY) && !chunk.is(R_CURLY) };
     match chunk.kind {
         ChunkKind::TrailingComment => return Gap::Comment,
         ChunkKind::Comment if chunk.list_depth > 0 => return Gap::Continue,
@@ -56,11 +50,7 @@ pub(super) fn gap(text: &str, before: Option<&Chunk>, chunk: &Chunk) -> Gap {
         _ => {}
     }
     if before.ends_line || matches!(before.kind, ChunkKind::Comment | ChunkKind::TrailingComment) {
-        return if starts_line(chunk) {
-            line
-        } else {
-            Gap::Continue
-        };
+        return if starts_line(chunk) { line } else { Gap::Continue };
     }
     if starts_line(chunk)
         && (!chunk.listed || chunk.newlines > 0 || before.is(L_CURLY) || chunk.is(R_CURLY))
@@ -84,11 +74,7 @@ fn within_line(before: &Chunk, chunk: &Chunk) -> Gap {
         return Gap::Space;
     };
     let ChunkKind::Token(last) = before.kind else {
-        return if matches!(kind, SEMICOLON | COMMA | R_PAREN) {
-            Gap::None
-        } else {
-            Gap::Space
-        };
+        return if matches!(kind, SEMICOLON | COMMA | R_PAREN) { Gap::None } else { Gap::Space };
     };
     // Line breaks in the text stay where a list or statement may be broken.
     let breakable = match () {
@@ -153,18 +139,12 @@ fn is_documentation(before: &Chunk, chunk: &Chunk) -> bool {
 
 /// Returns true if a line may be broken before a piece, by the author or because it is too long.
 pub(super) fn may_break(text: &str, before: &Chunk, chunk: &Chunk) -> bool {
-    matches!(
-        gap(text, Some(before), chunk),
-        Gap::Break | Gap::Continue | Gap::Line { .. }
-    )
+    matches!(gap(text, Some(before), chunk), Gap::Break | Gap::Continue | Gap::Line { .. })
 }
 
 /// Returns true if the author may have padded the white space before a piece to put it in a column.
 pub(super) fn may_pad(text: &str, before: &Chunk, chunk: &Chunk) -> bool {
-    matches!(
-        gap(text, Some(before), chunk),
-        Gap::Space | Gap::Break | Gap::Comment
-    )
+    matches!(gap(text, Some(before), chunk), Gap::Space | Gap::Break | Gap::Comment)
 }
 
 fn is_direction(chunk: &Chunk) -> bool {

@@ -101,12 +101,7 @@ pub(super) struct Ruler<'a> {
 
 impl<'a> Ruler<'a> {
     pub(super) fn new(text: &'a str, tab: usize) -> Ruler<'a> {
-        Ruler {
-            text,
-            tab,
-            at: 0,
-            column: 0,
-        }
+        Ruler { text, tab, at: 0, column: 0 }
     }
 
     /// Column of an offset. The offset must not be before the last one.
@@ -123,10 +118,9 @@ pub(super) fn advance(column: usize, text: &str, tab: usize) -> usize {
         Some(at) => (0, &text[at + 1..]),
         None => (column, text),
     };
-    line.chars()
-        .fold(start, |column, character| match character {
-            '\t' => column / tab * tab + tab,
-            '\r' => column,
-            _ => column + 1,
-        })
+    line.chars().fold(start, |column, character| match character {
+        '\t' => column / tab * tab + tab,
+        '\r' => column,
+        _ => column + 1,
+    })
 }

@@ -6,9 +6,7 @@ use super::*;
 fn dump(text: &str) -> String {
     let raw = lex(text);
     let tokens = (0..raw.len()).filter(|&i| raw.kind(i) != WHITESPACE);
-    tokens
-        .map(|i| format!("{:?} {:?}\n", raw.kind(i), raw.text(text, i)))
-        .collect()
+    tokens.map(|i| format!("{:?} {:?}\n", raw.kind(i), raw.text(text, i))).collect()
 }
 
 fn check(text: &str, expect: Expect) {
@@ -20,10 +18,7 @@ fn assert_covers(text: &str) {
     let raw = lex(text);
     let joined: String = (0..raw.len()).map(|i| raw.text(text, i)).collect();
     assert_eq!(joined, text);
-    assert!(
-        (0..raw.len()).all(|i| !raw.range(i).is_empty()),
-        "an empty token in {text:?}"
-    );
+    assert!((0..raw.len()).all(|i| !raw.range(i).is_empty()), "an empty token in {text:?}");
 }
 
 #[test]

@@ -22,25 +22,10 @@ fn columns_depend_on_the_encoding() {
     assert_eq!(index.line_col(x, Utf16).col, 3);
     assert_eq!(index.line_col(x, Utf32).col, 2);
     // Inside the surrogate pair, and beyond the line.
-    assert_eq!(
-        index.offset(LineCol { line: 0, col: 2 }, Utf16),
-        Some(2.into())
-    );
-    assert_eq!(
-        index.offset(LineCol { line: 0, col: 99 }, Utf16),
-        Some(7.into())
-    );
+    assert_eq!(index.offset(LineCol { line: 0, col: 2 }, Utf16), Some(2.into()));
+    assert_eq!(index.offset(LineCol { line: 0, col: 99 }, Utf16), Some(7.into()));
     assert_eq!(index.offset(LineCol { line: 2, col: 0 }, Utf16), None);
-    assert_eq!(
-        index.offset(
-            LineCol {
-                line: 1,
-                col: u32::MAX
-            },
-            Utf32
-        ),
-        Some(10.into())
-    );
+    assert_eq!(index.offset(LineCol { line: 1, col: u32::MAX }, Utf32), Some(10.into()));
 }
 
 /// Position of a character boundary, by counting.
@@ -59,10 +44,7 @@ fn naive(text: &str, offset: usize, encoding: PositionEncoding) -> LineCol {
             chars.next();
         }
         if matches!(char, '\n' | '\r') {
-            position = LineCol {
-                line: position.line + 1,
-                col: 0,
-            };
+            position = LineCol { line: position.line + 1, col: 0 };
         } else {
             position.col += match encoding {
                 Utf8 => char.len_utf8(),

@@ -27,9 +27,6 @@ pub(crate) enum Event {
 
 impl Event {
     pub(crate) fn tombstone() -> Event {
-        Event::Start {
-            kind: SyntaxKind::TOMBSTONE,
-            forward_parent: 0,
-        }
+        Event::Start { kind: SyntaxKind::TOMBSTONE, forward_parent: 0 }
     }
 }

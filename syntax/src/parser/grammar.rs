@@ -207,18 +207,10 @@ fn semicolon_or(p: &mut Parser<'_>, after: &str, others: &'static str) {
         if p.is_after_long_literal() && !spec::at_item(p) {
             p.mark_exchanged();
             // The missing quote is at the start of the string.
-            p.error_before(Parsing::NoSemicolonOrQuote {
-                after,
-                others,
-                found,
-            });
+            p.error_before(Parsing::NoSemicolonOrQuote { after, others, found });
             return;
         } else {
-            Parsing::NoSemicolon {
-                after,
-                others,
-                found,
-            }
+            Parsing::NoSemicolon { after, others, found }
         }
     };
     let another = spec::at_item(p) || types::begins_member(p);

@@ -110,12 +110,11 @@ impl<'a> Input<'a> {
         };
         let before = self.text.get(..self.raw.start(*raw as usize))?;
         let line = &before[before.rfind('\n').map_or(0, |index| index + 1)..];
-        line.chars()
-            .try_fold(0, |column, character| match character {
-                ' ' => Some(column + 1),
-                '\t' => Some(column / TAB * TAB + TAB),
-                _ => None,
-            })
+        line.chars().try_fold(0, |column, character| match character {
+            ' ' => Some(column + 1),
+            '\t' => Some(column / TAB * TAB + TAB),
+            _ => None,
+        })
     }
 
     fn push(&mut self, kind: SyntaxKind, text: &str, element: usize) {
@@ -203,20 +202,15 @@ impl<'a> Input<'a> {
 
     fn call_range(&self, element: usize) -> TextRange {
         self.call(element)
-            .map_or_else(TextRange::default, |(first, end)| {
-                self.raw_range(first, end)
-            })
+            .map_or_else(TextRange::default, |(first, end)| self.raw_range(first, end))
     }
 
     /// The raw tokens of the macro call that a virtual token comes from.
     fn call(&self, element: usize) -> Option<(u32, u32)> {
-        self.elements[..element]
-            .iter()
-            .rev()
-            .find_map(|element| match element {
-                Element::Call { first, end } => Some((*first, *end)),
-                _ => None,
-            })
+        self.elements[..element].iter().rev().find_map(|element| match element {
+            Element::Call { first, end } => Some((*first, *end)),
+            _ => None,
+        })
     }
 
     fn raw_range(&self, first: u32, end: u32) -> TextRange {

@@ -22,9 +22,7 @@ impl Marker {
             *slot = kind;
         }
         p.events.push(Event::Finish);
-        CompletedMarker {
-            position: self.position,
-        }
+        CompletedMarker { position: self.position }
     }
 
     /// Ends the node if it holds something, abandons it otherwise.

@@ -77,10 +77,8 @@ impl Parser<'_> {
         let Some(spelling) = nearest(&word, candidates.map(|candidate| candidate.1)) else {
             return false;
         };
-        let Some(kind) = all
-            .iter()
-            .find(|candidate| candidate.1 == spelling)
-            .map(|spelling| spelling.0)
+        let Some(kind) =
+            all.iter().find(|candidate| candidate.1 == spelling).map(|spelling| spelling.0)
         else {
             return false;
         };

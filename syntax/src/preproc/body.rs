@@ -30,26 +30,20 @@ pub(crate) fn lower_define(
     };
     if name.text.contains('-') {
         // One of the hyphenated keywords, which the preprocessor does not know.
-        problems.push(Preprocessing::Hyphen {
-            name: name.text.clone(),
-        });
+        problems.push(Preprocessing::Hyphen { name: name.text.clone() });
         return (None, problems);
     }
 
     let kind = match &define.params {
         None => {
             if define.glued {
-                problems.push(Preprocessing::NoBlank {
-                    name: name.text.clone(),
-                });
+                problems.push(Preprocessing::NoBlank { name: name.text.clone() });
             }
             MacroKind::Object
         }
         Some(params) => {
             if !params.well_formed {
-                problems.push(Preprocessing::BrokenParameters {
-                    name: name.text.clone(),
-                });
+                problems.push(Preprocessing::BrokenParameters { name: name.text.clone() });
             } else if params.names.len() > MAX_PARAMS {
                 problems.push(Preprocessing::TooManyParameters {
                     name: name.text.clone(),
@@ -73,19 +67,8 @@ pub(crate) fn lower_define(
         }
     };
     let body = lower_body(text, raw, define, &kind, name, &mut problems);
-    let site = MacroSite {
-        file: file.cloned(),
-        ordinal: define.ordinal,
-    };
-    (
-        Some(Macro {
-            name: name.text.clone(),
-            kind,
-            body,
-            site,
-        }),
-        problems,
-    )
+    let site = MacroSite { file: file.cloned(), ordinal: define.ordinal };
+    (Some(Macro { name: name.text.clone(), kind, body, site }), problems)
 }
 
 fn lower_body(
@@ -121,9 +104,7 @@ fn lower_body(
                 if variadic {
                     token.role = Role::Param(params.map_or(0, Vec::len) as u32);
                 } else if problems.is_empty() {
-                    problems.push(Preprocessing::NotVariadic {
-                        name: name.text.clone(),
-                    });
+                    problems.push(Preprocessing::NotVariadic { name: name.text.clone() });
                 }
             }
         }
@@ -136,9 +117,7 @@ fn lower_body(
     let edge = |token: Option<&BodyToken>| token.is_some_and(BodyToken::is_paste);
     if edge(body.first()) || edge(body.last()) {
         if problems.is_empty() {
-            problems.push(Preprocessing::PasteAtEdge {
-                name: name.text.clone(),
-            });
+            problems.push(Preprocessing::PasteAtEdge { name: name.text.clone() });
         }
         while edge(body.first()) {
             body.remove(0);
@@ -164,9 +143,7 @@ fn stringized(
                 token.role = Role::Stringize(param);
                 token.spaced = hash.spaced;
             } else if problems.is_empty() {
-                problems.push(Preprocessing::Stringize {
-                    name: name.text.clone(),
-                });
+                problems.push(Preprocessing::Stringize { name: name.text.clone() });
             }
         }
         if token.kind == HASH && token.role == Role::Plain {
@@ -176,9 +153,7 @@ fn stringized(
         }
     }
     if hash.is_some() && problems.is_empty() {
-        problems.push(Preprocessing::Stringize {
-            name: name.text.clone(),
-        });
+        problems.push(Preprocessing::Stringize { name: name.text.clone() });
     }
     lowered
 }

@@ -17,16 +17,10 @@ pub(crate) fn evaluate(
     is_defined: impl Fn(&str) -> bool,
 ) -> Result<bool, Preprocessing> {
     let lexemes = lexemes(tokens, is_defined)?;
-    let mut parser = Parser {
-        lexemes: &lexemes,
-        at: 0,
-        depth: 0,
-    };
+    let mut parser = Parser { lexemes: &lexemes, at: 0, depth: 0 };
     let value = parser.comma_expression()?;
     if let Some(extra) = parser.peek() {
-        return Err(Preprocessing::Unexpected {
-            found: extra.describe().into(),
-        });
+        return Err(Preprocessing::Unexpected { found: extra.describe().into() });
     }
     match value {
         Some(value) => Ok(value.bits != 0),
@@ -45,10 +39,7 @@ type MaybeValue = Option<Value>;
 
 impl Value {
     fn signed(value: i64) -> Value {
-        Value {
-            bits: value as u64,
-            unsigned: false,
-        }
+        Value { bits: value as u64, unsigned: false }
     }
 
     fn bool_value(value: bool) -> Value {
@@ -133,9 +124,7 @@ fn lexemes(
                 } else if let Some(single) = SINGLES.into_iter().find(|&text| text == token.text) {
                     lexemes.push(Lexeme::Operator(single));
                 } else {
-                    return Err(Preprocessing::BadToken {
-                        token: token.text.clone(),
-                    });
+                    return Err(Preprocessing::BadToken { token: token.text.clone() });
                 }
             }
         }
@@ -155,44 +144,27 @@ fn number(text: &str) -> Result<Value, Preprocessing> {
         [b'0', ..] => (text, 8),
         _ => (text, 10),
     };
-    let len = digits
-        .find(|digit: char| !digit.is_digit(radix))
-        .unwrap_or(digits.len());
+    let len = digits.find(|digit: char| !digit.is_digit(radix)).unwrap_or(digits.len());
     let (digits, suffix) = digits.split_at(len);
     let suffix = suffix.to_ascii_lowercase();
-    let valid = matches!(
-        suffix.as_str(),
-        "" | "u" | "l" | "ll" | "ul" | "lu" | "ull" | "llu"
-    );
+    let valid = matches!(suffix.as_str(), "" | "u" | "l" | "ll" | "ul" | "lu" | "ull" | "llu");
     if !valid || (digits.is_empty() && whole) {
-        return Err(Preprocessing::NoInteger {
-            text: spelled.into(),
-        });
+        return Err(Preprocessing::NoInteger { text: spelled.into() });
     }
     let mut bits = 0u64;
-    for digit in digits
-        .chars()
-        .filter_map(|character| character.to_digit(radix))
-    {
+    for digit in digits.chars().filter_map(|character| character.to_digit(radix)) {
         bits = bits
             .checked_mul(u64::from(radix))
             .and_then(|number| number.checked_add(u64::from(digit)))
-            .ok_or_else(|| Preprocessing::TooLarge {
-                number: spelled.into(),
-            })?;
+            .ok_or_else(|| Preprocessing::TooLarge { number: spelled.into() })?;
     }
-    Ok(Value {
-        bits,
-        unsigned: suffix.contains('u') || i64::try_from(bits).is_err(),
-    })
+    Ok(Value { bits, unsigned: suffix.contains('u') || i64::try_from(bits).is_err() })
 }
 
 /// Value of a character constant.
 fn character(text: &str) -> Result<Value, Preprocessing> {
     let wrong = || Preprocessing::NoCharacter { text: text.into() };
-    let content = text
-        .get(1..text.len().saturating_sub(1))
-        .ok_or_else(wrong)?;
+    let content = text.get(1..text.len().saturating_sub(1)).ok_or_else(wrong)?;
     let mut chars = content.chars();
     let value = match (chars.next().ok_or_else(wrong)?, chars.as_str()) {
         ('\\', escape) => match escape {
@@ -296,9 +268,7 @@ impl Parser<'_> {
             && power >= min_power
         {
             if power == last && !associates {
-                return Err(Preprocessing::NoChain {
-                    operator: operator.into(),
-                });
+                return Err(Preprocessing::NoChain { operator: operator.into() });
             }
             last = power;
             self.at += 1;
@@ -314,9 +284,7 @@ impl Parser<'_> {
             match operator {
                 "!" | "~" | "-" | "+" => operators.push(operator),
                 "++" | "--" => {
-                    return Err(Preprocessing::BadOperator {
-                        operator: operator.into(),
-                    });
+                    return Err(Preprocessing::BadOperator { operator: operator.into() });
                 }
                 _ => break,
             }
@@ -326,14 +294,8 @@ impl Parser<'_> {
         for operator in operators.into_iter().rev() {
             value = value.map(|value| match operator {
                 "!" => Value::bool_value(value.bits == 0),
-                "~" => Value {
-                    bits: !value.bits,
-                    ..value
-                },
-                "-" => Value {
-                    bits: value.bits.wrapping_neg(),
-                    ..value
-                },
+                "~" => Value { bits: !value.bits, ..value },
+                "-" => Value { bits: value.bits.wrapping_neg(), ..value },
                 _ => value,
             });
         }
@@ -356,9 +318,7 @@ impl Parser<'_> {
                 }
                 Ok(Some(value))
             }
-            Some(lexeme) => Err(Preprocessing::NoValue {
-                found: lexeme.describe().into(),
-            }),
+            Some(lexeme) => Err(Preprocessing::NoValue { found: lexeme.describe().into() }),
             None if self.lexemes.is_empty() => Err(Preprocessing::EmptyCondition),
             None => Err(Preprocessing::ShortCondition),
         }
@@ -391,11 +351,7 @@ fn apply(operator: &str, lhs: MaybeValue, rhs: MaybeValue) -> MaybeValue {
     let (a, b) = (lhs.bits, rhs.bits);
     let (sa, sb) = (a as i64, b as i64);
     let less = |a: u64, b: u64| {
-        if unsigned {
-            a < b
-        } else {
-            (a as i64) < b as i64
-        }
+        if unsigned { a < b } else { (a as i64) < b as i64 }
     };
     let bits = match operator {
         "|" => a | b,
@@ -422,11 +378,7 @@ fn apply(operator: &str, lhs: MaybeValue, rhs: MaybeValue) -> MaybeValue {
 /// A shift; a negative count shifts in the other direction, as in C compilers.
 fn shift(left: bool, value: Value, count: Value) -> Value {
     let negative = !count.unsigned && (count.bits as i64) < 0;
-    let by = if negative {
-        count.bits.wrapping_neg()
-    } else {
-        count.bits
-    };
+    let by = if negative { count.bits.wrapping_neg() } else { count.bits };
     let by = u32::try_from(by).unwrap_or(u32::MAX);
     let bits = if left != negative {
         value.bits.checked_shl(by).unwrap_or(0)

@@ -46,13 +46,8 @@ impl Macro {
         Macro {
             name: name.into(),
             kind: MacroKind::Object,
-            body: (0..raw.len())
-                .map(|i| BodyToken::plain(body, &raw, i as u32))
-                .collect(),
-            site: MacroSite {
-                file: None,
-                ordinal: 0,
-            },
+            body: (0..raw.len()).map(|i| BodyToken::plain(body, &raw, i as u32)).collect(),
+            site: MacroSite { file: None, ordinal: 0 },
         }
     }
 
@@ -130,9 +125,6 @@ impl BodyToken {
 
 /// Returns true if there is a blank before the token `i`.
 pub(crate) fn spaced(raw: &RawTokens, i: usize) -> bool {
-    let before = (0..i)
-        .rev()
-        .map(|i| raw.kind(i))
-        .find(|&kind| kind != SPLICE);
+    let before = (0..i).rev().map(|i| raw.kind(i)).find(|&kind| kind != SPLICE);
     before.is_none_or(is_trivia)
 }

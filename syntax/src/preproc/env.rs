@@ -39,11 +39,7 @@ pub struct MacroEnv {
 impl MacroEnv {
     /// An environment without macros, not even the predefined ones.
     pub fn empty() -> MacroEnv {
-        MacroEnv {
-            macros: Arc::default(),
-            fingerprint: 0,
-            first_bytes: 0,
-        }
+        MacroEnv { macros: Arc::default(), fingerprint: 0, first_bytes: 0 }
     }
 
     /// The predefined macros (language reference, 2.2), of the default release.
@@ -63,10 +59,7 @@ impl MacroEnv {
                 env.define(Macro::from_text(name, value));
             }
             for (name, kind) in [("__FILE__", MacroKind::File), ("__LINE__", MacroKind::Line)] {
-                env.define(Macro {
-                    kind,
-                    ..Macro::from_text(name, "")
-                });
+                env.define(Macro { kind, ..Macro::from_text(name, "") });
             }
             env
         });
@@ -119,11 +112,7 @@ impl MacroEnv {
     #[inline]
     pub fn get(&self, name: &str) -> Option<&Arc<Macro>> {
         let first = *name.as_bytes().first()?;
-        if self.may_start(first) {
-            self.macros.get(name)
-        } else {
-            None
-        }
+        if self.may_start(first) { self.macros.get(name) } else { None }
     }
 
     /// Adds or replaces a definition.
@@ -133,12 +122,7 @@ impl MacroEnv {
 
     fn insert(&mut self, definition: Arc<Macro>) {
         self.undef(&definition.name);
-        let first = definition
-            .name
-            .as_bytes()
-            .first()
-            .copied()
-            .unwrap_or_default();
+        let first = definition.name.as_bytes().first().copied().unwrap_or_default();
         self.first_bytes |= 1 << (first & 127);
         self.fingerprint = self.fingerprint.wrapping_add(fingerprint(&definition));
         Arc::make_mut(&mut self.macros).insert(definition.name.clone(), definition);
@@ -178,15 +162,9 @@ impl MacroEnv {
         }
         let mut kept = MacroEnv::empty();
         let mut queue: Vec<&Arc<Macro>> = if mentioned.words.len() < self.len() {
-            mentioned
-                .words
-                .iter()
-                .filter_map(|word| self.get(word))
-                .collect()
+            mentioned.words.iter().filter_map(|word| self.get(word)).collect()
         } else {
-            self.iter()
-                .filter(|definition| mentioned.words.contains(&definition.name))
-                .collect()
+            self.iter().filter(|definition| mentioned.words.contains(&definition.name)).collect()
         };
         while let Some(definition) = queue.pop() {
             if kept.get(&definition.name).is_some() {
@@ -196,12 +174,7 @@ impl MacroEnv {
                 return self.clone();
             }
             kept.insert(Arc::clone(definition));
-            queue.extend(
-                definition
-                    .body
-                    .iter()
-                    .filter_map(|token| self.get(&token.text)),
-            );
+            queue.extend(definition.body.iter().filter_map(|token| self.get(&token.text)));
         }
         kept
     }

@@ -136,13 +136,7 @@ impl<'a> Expander<'a> {
                 return None;
             }
         }
-        let mut run = Expansion {
-            env,
-            stack: Vec::new(),
-            source: Some(source),
-            depth: 0,
-            at: i,
-        };
+        let mut run = Expansion { env, stack: Vec::new(), source: Some(source), depth: 0, at: i };
         run.push(vec![token], None);
         let tokens = self.run(&mut run, &mut Disabled::default());
         // A call with errors is left as it is.
@@ -153,13 +147,7 @@ impl<'a> Expander<'a> {
 
     /// Expands the operand of a directive.
     pub(crate) fn operand(&mut self, env: &MacroEnv, tokens: Vec<Token>, at: u32) -> Vec<Token> {
-        let mut run = Expansion {
-            env,
-            stack: Vec::new(),
-            source: None,
-            depth: 0,
-            at,
-        };
+        let mut run = Expansion { env, stack: Vec::new(), source: None, depth: 0, at };
         run.push(tokens, None);
         self.run(&mut run, &mut Disabled::default())
     }
@@ -241,9 +229,7 @@ impl<'a> Expander<'a> {
             if self.open_call {
                 return false;
             }
-            self.limit(Preprocessing::TooManyTokens {
-                name: definition.name.clone(),
-            });
+            self.limit(Preprocessing::TooManyTokens { name: definition.name.clone() });
         }
         false
     }
@@ -255,11 +241,7 @@ impl<'a> Expander<'a> {
     fn record(&mut self, token: &Token, site: Option<&MacroSite>) {
         if let Origin::Argument(i) = token.origin {
             let range = self.raw_range(i);
-            self.uses.push(MacroUse {
-                name: token.text.clone(),
-                range,
-                site: site.cloned(),
-            });
+            self.uses.push(MacroUse { name: token.text.clone(), range, site: site.cloned() });
         }
     }
 
@@ -282,10 +264,7 @@ impl<'a> Expander<'a> {
             let is_name = is_word(token.kind, &token.text);
             let is_paren = token.kind == L_PAREN;
             if is_name {
-                let site = run
-                    .env
-                    .get(&token.text)
-                    .map(|environment| environment.site.clone());
+                let site = run.env.get(&token.text).map(|environment| environment.site.clone());
                 self.record(&token, site.as_ref());
             }
             out.push(token);
@@ -309,13 +288,7 @@ impl<'a> Expander<'a> {
             }
         };
         let text = text.into();
-        Token {
-            kind,
-            text,
-            spaced: name.spaced,
-            origin: Origin::Synthetic,
-            painted: true,
-        }
+        Token { kind, text, spaced: name.spaced, origin: Origin::Synthetic, painted: true }
     }
 
     /// Returns true if the next token to read is a parenthesis.
@@ -325,10 +298,7 @@ impl<'a> Expander<'a> {
                 return token.kind == L_PAREN;
             }
         }
-        let next = run
-            .source
-            .as_deref()
-            .and_then(|source| self.skip_blanks(*source));
+        let next = run.source.as_deref().and_then(|source| self.skip_blanks(*source));
         next.is_some_and(|next| self.raw.kind(next as usize) == L_PAREN)
     }
 
@@ -365,24 +335,18 @@ impl<'a> Expander<'a> {
                 }],
                 Role::Stringize(param) => {
                     vec![stringize(
-                        args.spelled
-                            .get(param as usize)
-                            .map_or(&[][..], |spelled| spelled),
+                        args.spelled.get(param as usize).map_or(&[][..], |spelled| spelled),
                     )]
                 }
-                Role::Param(param) if pasted => args
-                    .spelled
-                    .get(param as usize)
-                    .cloned()
-                    .unwrap_or_default(),
+                Role::Param(param) if pasted => {
+                    args.spelled.get(param as usize).cloned().unwrap_or_default()
+                }
                 Role::Param(param) => self.argument(run, disabled, args, param as usize),
             };
             if let Some(first) = operand.first_mut() {
                 first.spaced = token.spaced;
             }
-            let too_long = operand
-                .iter()
-                .any(|operand| operand.text.len() > MAX_TOKEN_LEN);
+            let too_long = operand.iter().any(|operand| operand.text.len() > MAX_TOKEN_LEN);
             if too_long || operand.len() + out.len() > self.budget {
                 self.take_from_budget(usize::MAX, definition);
                 return Vec::new();
@@ -428,9 +392,7 @@ impl<'a> Expander<'a> {
         if run.depth >= MAX_DEPTH {
             if !self.exhausted {
                 self.exhausted = true;
-                self.limit(Preprocessing::TooManyCalls {
-                    most: MAX_DEPTH as usize,
-                });
+                self.limit(Preprocessing::TooManyCalls { most: MAX_DEPTH as usize });
             }
             return spelled.clone();
         }
@@ -450,10 +412,7 @@ impl<'a> Expander<'a> {
 
 impl Expansion<'_> {
     fn push(&mut self, tokens: Vec<Token>, name: Option<SmolStr>) {
-        self.stack.push(PendingTokens {
-            tokens: tokens.into_iter(),
-            name,
-        });
+        self.stack.push(PendingTokens { tokens: tokens.into_iter(), name });
     }
 
     /// The next token of the lists. A list that is used up enables its macro again.

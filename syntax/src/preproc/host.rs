@@ -50,9 +50,7 @@ pub struct NoIncludes;
 
 impl Host for NoIncludes {
     fn include(&mut self, _: &IncludeRequest, _: &MacroEnv) -> Result<MacroEnv, IncludeError> {
-        Err(IncludeError::NotFound {
-            searched: Vec::new(),
-        })
+        Err(IncludeError::NotFound { searched: Vec::new() })
     }
 
     fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<RequiredPackages, String> {

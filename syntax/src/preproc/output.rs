@@ -86,9 +86,7 @@ impl Preprocessed {
 
     /// The ordinal of an active `#include`, by the index of its directive.
     pub fn include_ordinal(&self, directive: u32) -> Option<u32> {
-        let found = self
-            .includes
-            .binary_search_by_key(&directive, |include| include.directive);
+        let found = self.includes.binary_search_by_key(&directive, |include| include.directive);
         found.ok().map(|ordinal| ordinal as u32)
     }
 }

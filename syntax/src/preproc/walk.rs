@@ -38,10 +38,7 @@ pub fn preprocess(
         env,
         host,
         expander: Expander::new(file, text, raw),
-        out: Preprocessed {
-            elements: Vec::with_capacity(raw.len()),
-            ..Preprocessed::default()
-        },
+        out: Preprocessed { elements: Vec::with_capacity(raw.len()), ..Preprocessed::default() },
         conditionals: Vec::new(),
         live: true,
         at: 0,
@@ -114,10 +111,7 @@ impl Walker<'_> {
                     self.at += 1;
                 }
                 _ => {
-                    let first = bytes
-                        .get(self.raw.start(self.at))
-                        .copied()
-                        .unwrap_or_default();
+                    let first = bytes.get(self.raw.start(self.at)).copied().unwrap_or_default();
                     let name = (self.env.may_start(first) || first == b'_') && self.word();
                     if !name {
                         self.real(i);
@@ -144,11 +138,7 @@ impl Walker<'_> {
         for word in self.body_words.drain(..) {
             if let Some(definition) = self.env.get(&word.text) {
                 let site = Some(definition.site.clone());
-                uses.push(MacroUse {
-                    name: word.text,
-                    range: word.range,
-                    site,
-                });
+                uses.push(MacroUse { name: word.text, range: word.range, site });
             }
         }
         uses.sort_by_key(|usage| usage.range.start());
@@ -185,16 +175,9 @@ impl Walker<'_> {
         if number || self.env.get(&word).is_none() {
             return false;
         }
-        let mut source = Source {
-            next: i as u32 + 1,
-            end: self.raw.len() as u32,
-        };
+        let mut source = Source { next: i as u32 + 1, end: self.raw.len() as u32 };
         let expansion = self.expander.call(&self.env, i as u32, &mut source);
-        let end = if expansion.is_some() {
-            source.next
-        } else {
-            i as u32 + 1
-        };
+        let end = if expansion.is_some() { source.next } else { i as u32 + 1 };
         self.report_calls(self.span(i as u32, end));
         let Some(tokens) = expansion else {
             return false;
@@ -238,14 +221,12 @@ impl Walker<'_> {
                     );
                 }
                 kind => {
-                    self.out
-                        .elements
-                        .push(Element::Virtual(Box::new(VirtualToken {
-                            kind,
-                            text: token.text,
-                            origin: token.origin,
-                            glued: !token.spaced,
-                        })));
+                    self.out.elements.push(Element::Virtual(Box::new(VirtualToken {
+                        kind,
+                        text: token.text,
+                        origin: token.origin,
+                        glued: !token.spaced,
+                    })));
                 }
             }
         }
@@ -254,17 +235,12 @@ impl Walker<'_> {
     /// `_Pragma ( "…" )` in the text.
     fn pragma_operator(&mut self) {
         let first = self.at;
-        let significant: Vec<usize> = (first + 1..self.raw.len())
-            .filter(|&i| !is_trivia(self.raw.kind(i)))
-            .take(3)
-            .collect();
+        let significant: Vec<usize> =
+            (first + 1..self.raw.len()).filter(|&i| !is_trivia(self.raw.kind(i))).take(3).collect();
         let (end, literal) = match significant[..] {
             [open, literal, close]
-                if (
-                    self.raw.kind(open),
-                    self.raw.kind(literal),
-                    self.raw.kind(close),
-                ) == (L_PAREN, STRING, R_PAREN) =>
+                if (self.raw.kind(open), self.raw.kind(literal), self.raw.kind(close))
+                    == (L_PAREN, STRING, R_PAREN) =>
             {
                 (close + 1, Some(literal))
             }
@@ -280,12 +256,8 @@ impl Walker<'_> {
         };
         self.at = end;
         let (first, end) = (first as u32, end as u32);
-        let literal = literal.map(|i| {
-            (
-                self.raw.clean_text(self.text, i).into(),
-                self.expander.raw_range(i as u32),
-            )
-        });
+        let literal = literal
+            .map(|i| (self.raw.clean_text(self.text, i).into(), self.expander.raw_range(i as u32)));
         self.emit_pragma_operator(first, end, self.span(first, end), literal);
     }
 
@@ -298,12 +270,7 @@ impl Walker<'_> {
     ) {
         let pragma = match &literal {
             Some((literal, range)) => Pragma::from_operator(literal, *range),
-            None => Pragma {
-                name: None,
-                args: Vec::new(),
-                operator: true,
-                misspelt: None,
-            },
+            None => Pragma { name: None, args: Vec::new(), operator: true, misspelt: None },
         };
         if literal.is_none() {
             self.error(range, Preprocessing::PragmaOperator);
@@ -321,9 +288,7 @@ impl Walker<'_> {
             active: true,
             taken: None,
         });
-        self.out
-            .elements
-            .push(Element::Directive { first, end, index });
+        self.out.elements.push(Element::Directive { first, end, index });
     }
 
     // ---- Directives ----
@@ -342,11 +307,7 @@ impl Walker<'_> {
         if let Some(directive) = self.out.directives.get_mut(index) {
             directive.taken = taken;
         }
-        self.out.elements.push(Element::Directive {
-            first,
-            end,
-            index: index as u32,
-        });
+        self.out.elements.push(Element::Directive { first, end, index: index as u32 });
     }
 
     // ---- Text left out ----
@@ -445,21 +406,11 @@ impl Walker<'_> {
     }
 
     fn error(&mut self, range: TextRange, kind: Preprocessing) {
-        self.report(PpError {
-            kind,
-            range,
-            severity: Severity::Error,
-            related: None,
-        });
+        self.report(PpError { kind, range, severity: Severity::Error, related: None });
     }
 
     fn warning(&mut self, range: TextRange, kind: Preprocessing) {
-        self.report(PpError {
-            kind,
-            range,
-            severity: Severity::Warning,
-            related: None,
-        });
+        self.report(PpError { kind, range, severity: Severity::Warning, related: None });
     }
 
     /// Reports the errors in macro calls; `range` is the range of the calls.
@@ -502,11 +453,7 @@ fn report_stray_directive(text: &str) -> Preprocessing {
     if text.starts_with('\u{feff}') {
         return Preprocessing::ByteOrderMark;
     }
-    let mut shown: String = text
-        .chars()
-        .take(SHOWN)
-        .flat_map(char::escape_debug)
-        .collect();
+    let mut shown: String = text.chars().take(SHOWN).flat_map(char::escape_debug).collect();
     if text.chars().nth(SHOWN).is_some() {
         shown.push('…');
     }

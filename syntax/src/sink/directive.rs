@@ -50,11 +50,7 @@ impl Sink<'_> {
             name.iter().map(|name| of_range(name.range, kind)).collect()
         };
         let of_tokens = |range: &std::ops::Range<u32>, kind| {
-            vec![DirectiveNode {
-                first: range.start,
-                end: range.end,
-                kind,
-            }]
+            vec![DirectiveNode { first: range.start, end: range.end, kind }]
         };
         match &directive.kind {
             DirectiveKind::Include(include) => match &include.form {
@@ -78,10 +74,7 @@ impl Sink<'_> {
             DirectiveKind::Pragma(pragma) if !pragma.operator => {
                 let mut parts: Vec<DirectiveNode> = of_name(&pragma.name, NAME_REF);
                 parts.extend(
-                    pragma
-                        .args
-                        .iter()
-                        .map(|argument| of_range(argument.range, PRAGMA_ARG)),
+                    pragma.args.iter().map(|argument| of_range(argument.range, PRAGMA_ARG)),
                 );
                 parts
             }
@@ -107,9 +100,8 @@ impl Sink<'_> {
         if define.params.is_some()
             && let Some(name) = parts.last()
         {
-            let last = (name.end..define.body.start)
-                .rev()
-                .find(|&i| self.raw.kind(i as usize) == R_PAREN);
+            let last =
+                (name.end..define.body.start).rev().find(|&i| self.raw.kind(i as usize) == R_PAREN);
             parts.push(DirectiveNode {
                 first: name.end,
                 end: last.map_or(name.end, |index| index + 1),
@@ -143,11 +135,7 @@ impl Sink<'_> {
             return None;
         }
         let name = self.raw.token_at(name.range.start().into()) as u32;
-        Some(
-            (name + 1..end)
-                .find(|&i| !self.raw.kind(i as usize).is_trivia())
-                .unwrap_or(end),
-        )
+        Some((name + 1..end).find(|&i| !self.raw.kind(i as usize).is_trivia()).unwrap_or(end))
     }
 
     /// The arguments of a `#pragma wcet`, read by the grammar. The model reports their errors
@@ -164,10 +152,7 @@ impl Sink<'_> {
             .collect();
         let (events, errors) = parse_wcet_pragma(self.text, self.raw, &elements);
         self.errors.extend(errors);
-        let pre = Preprocessed {
-            elements,
-            ..Preprocessed::default()
-        };
+        let pre = Preprocessed { elements, ..Preprocessed::default() };
         let (arguments, ..) = build(self.text, self.raw, &pre, events);
         for child in arguments.children() {
             self.green(child);
@@ -185,9 +170,9 @@ impl Sink<'_> {
                 node.children().for_each(|child| self.green(child));
                 self.builder.finish_node();
             }
-            rowan::NodeOrToken::Token(token) => self
-                .builder
-                .token(SyntaxKind::from_raw(token.kind().0), token.text()),
+            rowan::NodeOrToken::Token(token) => {
+                self.builder.token(SyntaxKind::from_raw(token.kind().0), token.text())
+            }
         }
     }
 }

@@ -60,10 +60,7 @@ impl Loader for Disk {
 /// The message of its first error.
 pub fn unit(text: &str) -> Result<UnitResult, String> {
     let input = BatchInput {
-        inputs: vec![Input::Text {
-            name: "test.gen".into(),
-            text: text.into(),
-        }],
+        inputs: vec![Input::Text { name: "test.gen".into(), text: text.into() }],
         ..BatchInput::default()
     };
     let host = AnalysisHost::new(Arc::new(EmptyLoader));

@@ -34,9 +34,7 @@ fn place() -> Option<PathBuf> {
         Some(folder) if !folder.is_empty() => Some(PathBuf::from(folder)),
         _ => {
             let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-            let workspace = here
-                .ancestors()
-                .find(|folder| folder.join("Cargo.lock").is_file())?;
+            let workspace = here.ancestors().find(|folder| folder.join("Cargo.lock").is_file())?;
             Some(workspace.parent()?.join("shared"))
         }
     }
@@ -58,10 +56,7 @@ fn log(name: &str, found: bool) {
         thread.name().unwrap_or("main"),
         if found { "found" } else { "missing" },
     );
-    let file = std::fs::OpenOptions::new()
-        .append(true)
-        .create(true)
-        .open(path);
+    let file = std::fs::OpenOptions::new().append(true).create(true).open(path);
     // One write a line: lines of several tests do not mix.
     let _ = file.and_then(|mut file| file.write_all(line.as_bytes()));
 }

@@ -48,20 +48,14 @@ pub(super) fn compare(input: &[u8]) {
     let root = Utf8PathBuf::from("/tank.gen");
     let texts = BTreeMap::from([
         (root.clone(), Arc::from(SPECIFICATION)),
-        (
-            "/codels/tank_codels.c".into(),
-            Arc::from(&*encoding::decode(input.to_vec())),
-        ),
+        ("/codels/tank_codels.c".into(), Arc::from(&*encoding::decode(input.to_vec()))),
     ]);
     let memory = Memory(Arc::new(texts));
     let mut host = AnalysisHost::new(Arc::new(memory.clone()));
     let config = FilesConfig::default();
     let mut project = Project::new(&mut host, &memory, config, StubOptions::default());
     let before = command::check(&mut project, std::slice::from_ref(&root));
-    let options = SyncOptions {
-        remove_yields: Vec::new(),
-        only: Vec::new(),
-    };
+    let options = SyncOptions { remove_yields: Vec::new(), only: Vec::new() };
     let report = command::sync(&mut project, std::slice::from_ref(&root), &options);
     let after = command::check(&mut project, &[root]);
     drop((before, report, after));

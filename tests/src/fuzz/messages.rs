@@ -70,15 +70,9 @@ fn frames(mut output: &[u8]) {
         let end = output.windows(4).position(|window| window == b"\r\n\r\n");
         let end = end.unwrap_or_else(|| panic!("no end of the header: {text}"));
         let head = String::from_utf8_lossy(&output[..end]);
-        let length = head
-            .lines()
-            .find_map(|line| line.strip_prefix("Content-Length: "));
-        let length: usize = length
-            .and_then(|length| length.parse().ok())
-            .expect("a length");
-        let body = output
-            .get(end + 4..end + 4 + length)
-            .expect("a whole message");
+        let length = head.lines().find_map(|line| line.strip_prefix("Content-Length: "));
+        let length: usize = length.and_then(|length| length.parse().ok()).expect("a length");
+        let body = output.get(end + 4..end + 4 + length).expect("a whole message");
         let message: Value = serde_json::from_slice(body).expect("JSON");
         assert_eq!(message["jsonrpc"], "2.0", "{message}");
         output = &output[end + 4 + length..];

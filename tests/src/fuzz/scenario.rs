@@ -20,46 +20,26 @@ pub(super) fn read(input: &[u8]) {
     }
     if let Some(once) = scn::format(&text) {
         let solid = |text: &str| -> String { text.split_whitespace().collect() };
-        assert_eq!(
-            solid(&text),
-            solid(&once),
-            "the formatter changed more than blanks"
-        );
+        assert_eq!(solid(&text), solid(&once), "the formatter changed more than blanks");
         let twice = scn::format(&once).unwrap_or_else(|| once.clone());
         assert_eq!(once, twice, "formatted twice is not formatted once");
     }
     let host = AnalysisHost::new(Arc::new(EmptyLoader));
-    let input_of = Input::Text {
-        name: "/pump.gen".into(),
-        text: COMPONENT.into(),
-    };
+    let input_of = Input::Text { name: "/pump.gen".into(), text: COMPONENT.into() };
     let unit = host
         .analysis()
-        .batch(&BatchInput {
-            inputs: vec![input_of],
-            ..BatchInput::default()
-        })
+        .batch(&BatchInput { inputs: vec![input_of], ..BatchInput::default() })
         .expect("nothing cancels");
     let names = scn::names::Names::new(&[&unit.spec]);
     for unknown_name in names.unknown_names(&parse.scenario) {
-        assert!(
-            text.get(unknown_name.range.clone()).is_some(),
-            "{unknown_name:?}"
-        );
+        assert!(text.get(unknown_name.range.clone()).is_some(), "{unknown_name:?}");
     }
     drop(names.references(&parse.scenario));
     drop(scn::outline::outline(&text, &parse.scenario));
-    let sum = input.iter().fold(0usize, |sum, byte| {
-        sum.wrapping_mul(31) + usize::from(*byte)
-    });
+    let sum = input.iter().fold(0usize, |sum, byte| sum.wrapping_mul(31) + usize::from(*byte));
     let mut offset = sum % (text.len() + 1);
     while !text.is_char_boundary(offset) {
         offset -= 1;
     }
-    drop(scn::complete::complete(
-        &text,
-        &parse.scenario,
-        &names,
-        offset,
-    ));
+    drop(scn::complete::complete(&text, &parse.scenario, &names, offset));
 }

@@ -45,10 +45,7 @@ pub(super) fn analyse(input: &[u8]) {
     let analysis = host.analysis();
     let diagnostics = analysis.diagnostics(path).expect("nothing cancels");
     for diagnostic in &diagnostics {
-        assert!(
-            !diagnostic.message.is_empty(),
-            "a finding without words: {diagnostic:?}"
-        );
+        assert!(!diagnostic.message.is_empty(), "a finding without words: {diagnostic:?}");
         is_in(&text, &diagnostic.range);
         for fix in &diagnostic.fixes {
             for edit in fix.edits.iter().filter(|edit| edit.path == path) {
@@ -57,17 +54,12 @@ pub(super) fn analyse(input: &[u8]) {
         }
     }
     // The place depends on the text alone, so that a fault repeats.
-    let sum = input.iter().fold(0usize, |sum, byte| {
-        sum.wrapping_mul(31) + usize::from(*byte)
-    });
+    let sum = input.iter().fold(0usize, |sum, byte| sum.wrapping_mul(31) + usize::from(*byte));
     let mut offset = sum % (text.len() + 1);
     while !text.is_char_boundary(offset) {
         offset -= 1;
     }
-    let at = FilePosition {
-        path: path.to_owned(),
-        offset,
-    };
+    let at = FilePosition { path: path.to_owned(), offset };
     let hover = analysis.hover(&at).expect("nothing cancels");
     if let Some(hover) = hover {
         is_in(&text, &hover.range);
@@ -88,26 +80,11 @@ pub(super) fn analyse(input: &[u8]) {
 pub(super) fn format(input: &[u8]) {
     let text = encoding::decode(input.to_vec());
     let once = formatted(&text);
-    let solid = |text: &str| -> String {
-        text.chars()
-            .filter(|character| !is_blank(*character))
-            .collect()
-    };
-    assert_eq!(
-        solid(&text),
-        solid(&once),
-        "the formatter changed more than blanks"
-    );
-    assert_eq!(
-        once,
-        formatted(&once),
-        "formatted twice is not formatted once"
-    );
-    assert_eq!(
-        encoding::encode(&text),
-        input,
-        "reading and writing changes bytes"
-    );
+    let solid =
+        |text: &str| -> String { text.chars().filter(|character| !is_blank(*character)).collect() };
+    assert_eq!(solid(&text), solid(&once), "the formatter changed more than blanks");
+    assert_eq!(once, formatted(&once), "formatted twice is not formatted once");
+    assert_eq!(encoding::encode(&text), input, "reading and writing changes bytes");
 }
 
 fn formatted(text: &str) -> String {
@@ -115,10 +92,7 @@ fn formatted(text: &str) -> String {
     let root = parse.syntax();
     assert_eq!(root.text().to_string(), text, "the tree is not its text");
     let broken: Vec<_> = parse.errors.iter().map(|error| error.range).collect();
-    format::apply(
-        text,
-        &format::format(&root, &broken, None, &Options::default()),
-    )
+    format::apply(text, &format::format(&root, &broken, None, &Options::default()))
 }
 
 fn is_blank(character: char) -> bool {
@@ -127,9 +101,5 @@ fn is_blank(character: char) -> bool {
 
 /// Ranges are of the text, between characters.
 fn is_in(text: &str, range: &Range<usize>) {
-    assert!(
-        text.get(range.clone()).is_some(),
-        "{range:?} is no part of {} bytes",
-        text.len()
-    );
+    assert!(text.get(range.clone()).is_some(), "{range:?} is no part of {} bytes", text.len());
 }

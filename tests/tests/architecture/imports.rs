@@ -30,10 +30,7 @@ impl Imports {
                 module.clear();
             }
             let of_tests = |text: &String| {
-                matches!(
-                    text.as_str(),
-                    "tests" | "fixture" | "generator" | "test_support"
-                )
+                matches!(text.as_str(), "tests" | "fixture" | "generator" | "test_support")
             };
             if !module.iter().any(of_tests) {
                 let text = std::fs::read_to_string(entry.path()).expect("UTF-8");
@@ -107,9 +104,7 @@ impl Imports {
             }
             let passed = path.get(length).and_then(|name| {
                 let aliases = self.aliases.get(&path[..length])?;
-                aliases
-                    .get(name)
-                    .filter(|alias| alias[..] != path[..=length])
+                aliases.get(name).filter(|alias| alias[..] != path[..=length])
             });
             match passed {
                 Some(to) => path = [&to[..], &path[length + 1..]].concat(),
@@ -130,9 +125,7 @@ impl Imports {
             for path in named {
                 let home = self.home(path);
                 let in_circle = |names: &[String]| {
-                    names
-                        .strip_prefix(&folder[..])
-                        .and_then(|rest| circle.get(rest.first()?))
+                    names.strip_prefix(&folder[..]).and_then(|rest| circle.get(rest.first()?))
                 };
                 let (from, to) = (in_circle(module), in_circle(&home));
                 if from.is_some() && to.is_some() && from != to {
@@ -151,9 +144,7 @@ impl Imports {
         for (module, named) in &self.named {
             for path in named {
                 let home = self.home(path);
-                let common = std::iter::zip(module, &home)
-                    .take_while(|(a, b)| a == b)
-                    .count();
+                let common = std::iter::zip(module, &home).take_while(|(a, b)| a == b).count();
                 if let (Some(from), Some(to)) = (module.get(common), home.get(common)) {
                     let graph = folders.entry(module[..common].to_vec()).or_default();
                     graph.entry(from.clone()).or_default().insert(to.clone());
@@ -194,10 +185,7 @@ pub(crate) fn script_import_cycles(folder: &Path) -> Vec<(String, BTreeSet<Strin
         }
         let text = std::fs::read_to_string(path).expect("UTF-8");
         let directory = path.parent().unwrap_or(folder);
-        let imports = text
-            .split(" from './")
-            .skip(1)
-            .map(|part| (directory, part));
+        let imports = text.split(" from './").skip(1).map(|part| (directory, part));
         let above = directory.parent().unwrap_or(folder);
         let above = text.split(" from '../").skip(1).map(|part| (above, part));
         let named = imports.chain(above).filter_map(|(directory, rest)| {
@@ -211,9 +199,7 @@ pub(crate) fn script_import_cycles(folder: &Path) -> Vec<(String, BTreeSet<Strin
     assert!(!graph.is_empty(), "no scripts in {}", folder.display());
     let in_circle = |text: &&String| reached(&graph, text).contains(text);
     let names = graph.keys().filter(in_circle);
-    names
-        .map(|name| (name.clone(), graph[name].clone()))
-        .collect()
+    names.map(|name| (name.clone(), graph[name].clone())).collect()
 }
 
 /// What can be reached from a node by at least one arrow.
@@ -284,10 +270,7 @@ fn tree(before: &[String], text: &str, out: &mut Vec<(Module, String)>) {
         Some((path, alias)) => (path, Some(alias.trim())),
         None => (path, None),
     };
-    let own = path
-        .split("::")
-        .map(str::trim)
-        .filter(|part| !part.is_empty() && *part != "*");
+    let own = path.split("::").map(str::trim).filter(|part| !part.is_empty() && *part != "*");
     let mut full: Module = before.to_vec();
     full.extend(own.map(str::to_owned));
     if full.len() > 1 && full.last().is_some_and(|module| module == "self") {
@@ -320,10 +303,9 @@ fn tree(before: &[String], text: &str, out: &mut Vec<(Module, String)>) {
 fn paths(code: &str) -> impl Iterator<Item = Module> {
     let is_path =
         |character: char| character.is_alphanumeric() || character == '_' || character == ':';
-    code.split(move |character| !is_path(character))
-        .filter_map(|word| {
-            let path: Module = word.split("::").map(str::to_owned).collect();
-            let relative = matches!(path[0].as_str(), "crate" | "super") && path.len() > 1;
-            relative.then_some(path)
-        })
+    code.split(move |character| !is_path(character)).filter_map(|word| {
+        let path: Module = word.split("::").map(str::to_owned).collect();
+        let relative = matches!(path[0].as_str(), "crate" | "super") && path.len() > 1;
+        relative.then_some(path)
+    })
 }

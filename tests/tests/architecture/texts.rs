@@ -23,13 +23,7 @@ const TEXT_SEARCHES: [&str; 14] = [
 ];
 
 /// Names of texts that people read.
-const TEXTS: [&str; 5] = [
-    "message",
-    "message()",
-    "wording()",
-    "wording().what",
-    "advice",
-];
+const TEXTS: [&str; 5] = ["message", "message()", "wording()", "wording().what", "advice"];
 
 /// Places of a source that look into a message, by line.
 fn text_searches(source: &str) -> Vec<usize> {
@@ -53,9 +47,7 @@ fn text_searches(source: &str) -> Vec<usize> {
             }
             let rest = &text[i + subject.len()..];
             let text_searches = through.iter().any(|text| {
-                let rest = rest
-                    .strip_prefix(text)
-                    .and_then(|rest| rest.strip_prefix('.'));
+                let rest = rest.strip_prefix(text).and_then(|rest| rest.strip_prefix('.'));
                 rest.is_some_and(|rest| TEXT_SEARCHES.iter().any(|search| rest.starts_with(search)))
             });
             if text_searches {
@@ -98,17 +90,10 @@ fn nothing_looks_into_a_message() {
                 continue;
             }
             let source = std::fs::read_to_string(&path).unwrap();
-            bad.extend(
-                text_searches(&source)
-                    .iter()
-                    .map(|line| format!("{name}:{line}")),
-            );
+            bad.extend(text_searches(&source).iter().map(|line| format!("{name}:{line}")));
         }
     }
-    assert!(
-        bad.is_empty(),
-        "a message is read back; let the finding say it: {bad:#?}"
-    );
+    assert!(bad.is_empty(), "a message is read back; let the finding say it: {bad:#?}");
 }
 
 #[test]
@@ -160,19 +145,14 @@ const PARTS_OF_TEXT: [&str; 20] = [
 fn taken_apart(source: &str) -> Vec<usize> {
     let code = |line: &str| {
         let code = line.split("//").next().unwrap_or_default();
-        code.chars()
-            .filter(|character| !character.is_whitespace())
-            .collect()
+        code.chars().filter(|character| !character.is_whitespace()).collect()
     };
     let has_parts = |line: &str| {
         let code: String = code(line);
         PARTS_OF_TEXT.iter().any(|part| code.contains(part))
     };
     let lines = (1..).zip(source.lines());
-    lines
-        .filter(|line| has_parts(line.1))
-        .map(|line| line.0)
-        .collect()
+    lines.filter(|line| has_parts(line.1)).map(|line| line.0).collect()
 }
 
 /// The parts of a run are data: `CodelName`, `ThreadName`, `TimeUnit`.
@@ -206,10 +186,7 @@ fn names_and_times_are_not_taken_apart() {
         let lines = taken_apart(&source);
         bad.extend(lines.iter().map(|line| format!("{name}:{line}")));
     }
-    assert!(
-        bad.is_empty(),
-        "a name or time is read back; pass the data: {bad:#?}"
-    );
+    assert!(bad.is_empty(), "a name or time is read back; pass the data: {bad:#?}");
 }
 
 #[test]

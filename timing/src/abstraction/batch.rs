@@ -69,11 +69,7 @@ impl<'m> Batches<'m> {
             }
             all.push(turns);
         }
-        Some(Batches {
-            model,
-            cores,
-            turns: all,
-        })
+        Some(Batches { model, cores, turns: all })
     }
 
     /// Takes the busy window at the beginning of a state, if the window proves all its deadlines.
@@ -114,9 +110,7 @@ impl<'m> Batches<'m> {
             s.when[index].ready = Span::at(tick);
             s.when[index].since = tick;
         }
-        s.free_to
-            .iter_mut()
-            .for_each(|number| *number = over.max(*number));
+        s.free_to.iter_mut().for_each(|number| *number = over.max(*number));
         s.normalise(self.model);
         out.states.push(s);
         true
@@ -206,27 +200,20 @@ impl<'m> Batches<'m> {
         };
         let others = || {
             let all = jobs.iter().enumerate();
-            all.filter(|&(index, _)| index != number)
-                .map(|(_, job)| job)
+            all.filter(|&(index, _)| index != number).map(|(_, job)| job)
         };
         let under_way = |other: &&Job| other.release <= job.release && other.end > job.release;
         // While the job waits, all cores work: on earlier work …
         let left = (begin + rest - job.release).max(0).min(rest);
-        let mut last: Vec<i64> = others()
-            .filter(under_way)
-            .filter(|job| !first(job))
-            .map(|job| job.work)
-            .collect();
+        let mut last: Vec<i64> =
+            others().filter(under_way).filter(|job| !first(job)).map(|job| job.work).collect();
         last.sort_unstable_by_key(|work| -work);
         if self.model.policy == Policy::Fifo {
             last.clear();
         }
         let last: i64 = last.iter().take(self.cores as usize).sum();
-        let before: i64 = others()
-            .filter(under_way)
-            .filter(|job| first(job))
-            .map(|job| job.work)
-            .sum();
+        let before: i64 =
+            others().filter(under_way).filter(|job| first(job)).map(|job| job.work).sum();
         let mut present = left + last + before;
         if self.cores == 1 {
             present = present.min(backlog);

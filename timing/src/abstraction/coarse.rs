@@ -21,11 +21,7 @@ impl<'s> Model<'s> {
         let mut model = self.clone();
         let groups: Vec<usize> = model.threads.iter().map(|thread| thread.group).collect();
         for thread in &mut model.threads {
-            let is_single = groups
-                .iter()
-                .filter(|&&group| group == thread.group)
-                .count()
-                == 1;
+            let is_single = groups.iter().filter(|&&group| group == thread.group).count() == 1;
             let interference = self.interference[thread.group].as_ref();
             let longest = |codel: CodelId| match interference.filter(|_| thread.contends) {
                 Some(interference) => interference.longest[codel],
@@ -59,10 +55,7 @@ fn coarse(automaton: &CycleAutomaton, wait: &dyn Fn(CodelId) -> Option<i64>) -> 
     let skips = builder.ends || automaton.rests.iter().skip(1).any(|rest| rest.skips);
     CycleAutomaton {
         rests: vec![
-            Rest {
-                begins: first,
-                skips: automaton.rests[0].skips,
-            },
+            Rest { begins: first, skips: automaton.rests[0].skips },
             Rest { begins, skips },
         ],
         places: builder.places,
@@ -106,14 +99,10 @@ impl Builder<'_> {
         while let Some(&place) = todo.last() {
             let automaton = self.automaton;
             let from = &automaton.places[place];
-            let open = from
-                .then
-                .iter()
-                .chain(&from.thrown)
-                .filter_map(|next| match next {
-                    Successor::Goes(next) if self.numbers[*next].is_none() => Some(*next),
-                    _ => None,
-                });
+            let open = from.then.iter().chain(&from.thrown).filter_map(|next| match next {
+                Successor::Goes(next) if self.numbers[*next].is_none() => Some(*next),
+                _ => None,
+            });
             let open: Vec<usize> = open.collect();
             if !open.is_empty() {
                 todo.extend(open);
@@ -151,21 +140,14 @@ impl Builder<'_> {
         let mut spans: Vec<Option<Span>> = Vec::new();
         // Successors have lower numbers.
         for place in &self.places {
-            let rest = place
-                .then
-                .iter()
-                .chain(&place.thrown)
-                .map(|next| match next {
-                    Successor::Goes(next) => spans[*next],
-                    _ => Some(Span::default()),
-                });
+            let rest = place.then.iter().chain(&place.thrown).map(|next| match next {
+                Successor::Goes(next) => spans[*next],
+                _ => Some(Span::default()),
+            });
             let rest = rest.reduce(|one, other| Some(one?.hull(other?))).flatten();
             let span = rest.zip(wait(place.codel)).map(|(rest, wait)| {
                 let span = place.time.plus(rest);
-                Span {
-                    to: span.to + wait,
-                    ..span
-                }
+                Span { to: span.to + wait, ..span }
             });
             spans.push(span);
         }

@@ -60,9 +60,7 @@ pub(super) struct Rest {
 impl CycleAutomaton {
     /// Returns the rest in which the permanent activity, alone, has paused at a state.
     pub(super) fn paused_at(&self, state: usize) -> Option<usize> {
-        self.paused
-            .iter()
-            .position(|candidate| *candidate == Some(state))
+        self.paused.iter().position(|candidate| *candidate == Some(state))
     }
 }
 
@@ -110,11 +108,7 @@ pub(super) fn cycle_automaton(
         activities,
         known: FxHashMap::default(),
         todo: Vec::new(),
-        out: CycleAutomaton {
-            places: Vec::new(),
-            rests: Vec::new(),
-            paused: Vec::new(),
-        },
+        out: CycleAutomaton { places: Vec::new(), rests: Vec::new(), paused: Vec::new() },
     };
     builder.first();
     while let Some((situation, number)) = builder.todo.pop() {
@@ -152,11 +146,7 @@ impl Builder<'_> {
         self.out.rests.push(Rest::default());
         self.out.paused.push(None);
         let mut at = vec![ActivityPosition::Before; self.activities.len()];
-        if self
-            .activities
-            .first()
-            .is_some_and(|activity| activity.permanent)
-        {
+        if self.activities.first().is_some_and(|activity| activity.permanent) {
             at[0] = ActivityPosition::Next(self.begins(0, self.machine(0).start), false);
         }
         self.out.rests[0].begins = self.proceed(&at);
@@ -173,11 +163,7 @@ impl Builder<'_> {
                 let number = self.out.places.len() - 1;
                 (Successor::Goes(number), number)
             }
-            None if situation
-                .0
-                .iter()
-                .all(|position| *position == ActivityPosition::Over) =>
-            {
+            None if situation.0.iter().all(|position| *position == ActivityPosition::Over) => {
                 return Successor::Ends;
             }
             None => {
@@ -208,16 +194,11 @@ impl Builder<'_> {
             .into_iter()
             .map(|follower| ActivityPosition::Goes(follower, *stops))
             .collect();
-        next.extend(
-            state
-                .yields
-                .iter()
-                .filter_map(|transition| match *transition {
-                    Yield::Next(_) => None,
-                    Yield::Pause(to) => Some(ActivityPosition::Pauses(to, *stops)),
-                    Yield::End => Some(over.clone()),
-                }),
-        );
+        next.extend(state.yields.iter().filter_map(|transition| match *transition {
+            Yield::Next(_) => None,
+            Yield::Pause(to) => Some(ActivityPosition::Pauses(to, *stops)),
+            Yield::End => Some(over.clone()),
+        }));
         let throws = self.system.codels[codel].throws;
         let with = |position: ActivityPosition| {
             let mut at = at.to_vec();
@@ -226,19 +207,14 @@ impl Builder<'_> {
         };
         let all: Vec<Vec<ActivityPosition>> = next.into_iter().map(with).collect();
         let thrown = throws.then(|| with(self.after_failure(executes, *stops).unwrap_or(over)));
-        let mut then: Vec<Successor> = all
-            .iter()
-            .flat_map(|position| self.proceed(position))
-            .collect();
+        let mut then: Vec<Successor> =
+            all.iter().flat_map(|position| self.proceed(position)).collect();
         then.dedup();
         let thrown = thrown.map_or(Vec::new(), |exception| self.proceed(&exception));
         let Codel { lower, upper, .. } = self.system.codels[codel];
         self.out.places[number] = Place {
             codel,
-            time: Span {
-                from: i64::from(lower),
-                to: i64::from(upper),
-            },
+            time: Span { from: i64::from(lower), to: i64::from(upper) },
             waits: true,
             then,
             thrown,
@@ -259,10 +235,7 @@ impl Builder<'_> {
             ActivityPosition::Pauses(_, stops) => self.after_failure(activity, *stops).is_none(),
             _ => false,
         });
-        self.out.rests[number] = Rest {
-            begins,
-            skips: !paused,
-        };
+        self.out.rests[number] = Rest { begins, skips: !paused };
     }
 
     /// Returns the state of an activity that has ended.
@@ -292,12 +265,8 @@ impl Builder<'_> {
 
     /// Returns the possible successors in a pass, or after it.
     fn proceed(&mut self, at: &[ActivityPosition]) -> Vec<Successor> {
-        let next = at
-            .iter()
-            .any(|position| matches!(position, ActivityPosition::Next(..)));
-        let goes = at
-            .iter()
-            .any(|position| matches!(position, ActivityPosition::Goes(..)));
+        let next = at.iter().any(|position| matches!(position, ActivityPosition::Next(..)));
+        let goes = at.iter().any(|position| matches!(position, ActivityPosition::Goes(..)));
         if next || !goes {
             return self.proceed_in_pass(at);
         }
@@ -320,13 +289,8 @@ impl Builder<'_> {
         if next.is_empty() {
             return vec![self.number((at.to_vec(), None))];
         }
-        let all = next
-            .into_iter()
-            .map(|position| (at.to_vec(), Some(position)));
-        all.collect::<Vec<_>>()
-            .into_iter()
-            .map(|pair| self.number(pair))
-            .collect()
+        let all = next.into_iter().map(|position| (at.to_vec(), Some(position)));
+        all.collect::<Vec<_>>().into_iter().map(|pair| self.number(pair)).collect()
     }
 
     /// Returns the possible beginnings of a pass. Only the first pass of a cycle begins and resumes

@@ -79,10 +79,8 @@ pub(super) fn models<'s>(
         return Err(Refusal::Preemption);
     }
     let activities = activities(system, left);
-    let codels: TiVec<TaskId, CodelSet> = activities
-        .iter()
-        .map(|activity| codels(system, activity))
-        .collect();
+    let codels: TiVec<TaskId, CodelSet> =
+        activities.iter().map(|activity| codels(system, activity)).collect();
     let mut threads: Vec<Thread> = Vec::new();
     for (task, entry) in system.tasks.iter_enumerated() {
         if servers && system.runs_apart(task) {
@@ -118,9 +116,7 @@ pub(super) fn models<'s>(
             let own = |thread: &&Thread| thread.group == group && thread.contends;
             let component = threads.iter().find(own);
             let component = component.map(|component| system.tasks[component.task].component);
-            let of_group = others
-                .iter()
-                .filter(|thread| Some(thread.component) == component);
+            let of_group = others.iter().filter(|thread| Some(thread.component) == component);
             let of_group: Vec<OtherThread> = of_group.cloned().collect();
             interference.push(self::interference(system, &of_group));
         }
@@ -128,10 +124,7 @@ pub(super) fn models<'s>(
         let lent = system.tasks.keys().filter(lends).count();
         if cores.is_some_and(|cores| cores <= lent) {
             // The reason that counts is that of a task with a period, if there is one.
-            let periodic = system
-                .tasks
-                .keys()
-                .filter(|&task| system.tasks[task].period.is_some());
+            let periodic = system.tasks.keys().filter(|&task| system.tasks[task].period.is_some());
             return Err(periodic
                 .filter_map(|task| left[task])
                 .next()
@@ -172,9 +165,8 @@ pub(super) fn models<'s>(
         let tasks: Vec<TaskId> = own.iter().map(|thread| thread.task).collect();
         for thread in &mut own {
             thread.group = numbers.binary_search(&thread.group).unwrap_or(0);
-            thread.successor = thread
-                .next_task
-                .and_then(|next| tasks.iter().position(|&task| task == next));
+            thread.successor =
+                thread.next_task.and_then(|next| tasks.iter().position(|&task| task == next));
         }
         (tasks, whole(own, None, numbers.len()))
     });
@@ -302,16 +294,12 @@ fn group(
     // True if others of its component wait for a task, or the task for them, or others for each other.
     let disturbed = |thread: usize| {
         let own = component(tasks[thread]);
-        let others: Vec<&OtherThread> = others
-            .iter()
-            .filter(|thread| thread.component == own)
-            .collect();
+        let others: Vec<&OtherThread> =
+            others.iter().filter(|thread| thread.component == own).collect();
         let mut all = others.iter().enumerate();
         all.any(|(number, candidate)| {
             candidate.meets(system, &codels[tasks[thread]])
-                || others[..number]
-                    .iter()
-                    .any(|other| candidate.meets(system, &other.codels))
+                || others[..number].iter().any(|other| candidate.meets(system, &other.codels))
         })
     };
     let waits = |one: usize, other: usize| {
@@ -328,9 +316,7 @@ fn group(
             let joined = |thread: usize| {
                 thread == one || thread == other || (servers && of_component(thread))
             };
-            let joined: Vec<usize> = (0..threads.len())
-                .filter(|&thread| joined(thread))
-                .collect();
+            let joined: Vec<usize> = (0..threads.len()).filter(|&thread| joined(thread)).collect();
             let old: Vec<usize> = joined.iter().map(|&thread| of[thread]).collect();
             let into = of[one];
             for thread in &mut of {
@@ -360,9 +346,7 @@ fn parts(threads: &[Thread]) -> Vec<Vec<TaskId>> {
     let mut of: Vec<usize> = (0..threads.len()).collect();
     let mut join = |one: usize, other: usize| {
         let (from, to) = (of[one].max(of[other]), of[one].min(of[other]));
-        of.iter_mut()
-            .filter(|thread| **thread == from)
-            .for_each(|thread| *thread = to);
+        of.iter_mut().filter(|thread| **thread == from).for_each(|thread| *thread = to);
     };
     for (one, thread) in threads.iter().enumerate() {
         if let Some(next) = thread.next_task
@@ -395,15 +379,13 @@ fn hyperperiod(threads: &[Thread]) -> Result<i64, Refusal> {
     let jobs: i64 = threads.iter().map(|thread| all / thread.period).sum();
     let beginnings = |thread: &Thread| {
         let after = thread.start.after.filter(|_| !thread.started);
-        let ticks = after.map_or(0, |after| {
-            (after.to - thread.first).div_euclid(thread.period) + 1
-        });
+        let ticks =
+            after.map_or(0, |after| (after.to - thread.first).div_euclid(thread.period) + 1);
         let started = ticks.max(0) as usize + 1 + usize::from(thread.start.fails);
         thread.paused.len().max(started)
     };
-    let beginnings = threads
-        .iter()
-        .try_fold(1usize, |all, thread| all.checked_mul(beginnings(thread)));
+    let beginnings =
+        threads.iter().try_fold(1usize, |all, thread| all.checked_mul(beginnings(thread)));
     match jobs > JOBS {
         true => Err(Refusal::Hyperperiod),
         false if beginnings.is_none_or(|beginning| beginning > MAX_INITIAL_COMBINATIONS) => {

@@ -11,10 +11,7 @@ use crate::system::{CodelSet, FOREVER, TaskId, TimedSystem};
 /// Sets the starts and successors of all tasks, and the interference with their first passes.
 /// `enough`: no task waits for a core.
 pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) {
-    let periodic = system
-        .tasks
-        .keys()
-        .filter(|&task| system.tasks[task].period.is_some());
+    let periodic = system.tasks.keys().filter(|&task| system.tasks[task].period.is_some());
     let first_tick = periodic.map(|task| first_tick(system, task)).min();
     for component in &system.components {
         let mut before: Option<usize> = None;
@@ -23,10 +20,7 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
         for &task in &component.tasks {
             let number = threads.iter().position(|thread| thread.task == task);
             if let Some(number) = number {
-                let others = earlier
-                    .iter()
-                    .filter(|pair| !pair.1)
-                    .map(|pair| pair.0.clone());
+                let others = earlier.iter().filter(|pair| !pair.1).map(|pair| pair.0.clone());
                 let thread = &mut threads[number];
                 thread.early = interference(system, &others.collect::<Vec<_>>());
                 thread.start = start;
@@ -42,12 +36,7 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
                         .is_some_and(|span| first_tick.is_none_or(|tick| span.to < tick));
                 let has_core = enough || alone || !system.needs_core(task);
                 let others = earlier.iter().map(|pair| pair.0.clone());
-                start = start.then(first_pass(
-                    system,
-                    task,
-                    &others.collect::<Vec<_>>(),
-                    has_core,
-                ));
+                start = start.then(first_pass(system, task, &others.collect::<Vec<_>>(), has_core));
             }
             let mut codels = CodelSet::default();
             if let Some(automaton) = system.tasks[task].permanent {
@@ -71,10 +60,7 @@ pub(super) fn first_tick(system: &TimedSystem, task: TaskId) -> i64 {
 
 /// Returns the length of the first pass of a task that is not followed. `others` are the tasks before it.
 fn first_pass(system: &TimedSystem, task: TaskId, others: &[OtherThread], has_core: bool) -> Start {
-    let unknown = Start {
-        after: None,
-        fails: true,
-    };
+    let unknown = Start { after: None, fails: true };
     let task = &system.tasks[task];
     if task.period.is_some() || !has_core {
         return unknown;
@@ -89,10 +75,7 @@ fn first_pass(system: &TimedSystem, task: TaskId, others: &[OtherThread], has_co
     match waits.filter(|_| codel.upper != FOREVER) {
         None => unknown,
         Some(waits) => Start {
-            after: Some(Span {
-                from: i64::from(codel.lower),
-                to: waits + i64::from(codel.upper),
-            }),
+            after: Some(Span { from: i64::from(codel.lower), to: waits + i64::from(codel.upper) }),
             fails: codel.throws,
         },
     }

@@ -84,20 +84,13 @@ pub(super) fn interference(system: &TimedSystem, others: &[OtherThread]) -> Opti
             one.insert(codel);
             rest.any(|(_, other)| waits(system, &other.codels, &one))
         };
-        let own: Vec<(CodelId, bool)> = thread
-            .codels
-            .iter()
-            .map(|codel| (codel, awaited(codel)))
-            .collect();
+        let own: Vec<(CodelId, bool)> =
+            thread.codels.iter().map(|codel| (codel, awaited(codel))).collect();
         for (codel, longest) in out.longest.iter_mut_enumerated() {
             let conflicts = &system.codels[codel].conflicts;
-            let waits = own
-                .iter()
-                .filter(|(index, awaited)| *awaited || conflicts.contains(*index));
-            let longest_of_it = waits
-                .map(|wait| system.codels[wait.0].upper)
-                .max()
-                .unwrap_or(0);
+            let waits =
+                own.iter().filter(|(index, awaited)| *awaited || conflicts.contains(*index));
+            let longest_of_it = waits.map(|wait| system.codels[wait.0].upper).max().unwrap_or(0);
             *longest = longest
                 .filter(|_| longest_of_it != FOREVER)
                 .map(|number| number + i64::from(longest_of_it));

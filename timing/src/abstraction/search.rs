@@ -62,10 +62,7 @@ impl<'m> Search<'m> {
             next: BinaryHeap::new(),
             worst: vec![0; model.threads.len()],
         };
-        model
-            .initial()
-            .into_iter()
-            .for_each(|state| search.add(state));
+        model.initial().into_iter().for_each(|state| search.add(state));
         search
     }
 
@@ -94,14 +91,8 @@ impl<'m> Search<'m> {
                 return Err(Refusal::Cancelled);
             }
             let s = self.states[number].clone();
-            let mut out = Out {
-                states: &mut following,
-                worst: &mut self.worst,
-            };
-            let batch = self
-                .batches
-                .as_ref()
-                .is_some_and(|batch| batch.follow(&s, &mut out));
+            let mut out = Out { states: &mut following, worst: &mut self.worst };
+            let batch = self.batches.as_ref().is_some_and(|batch| batch.follow(&s, &mut out));
             if !batch {
                 let followed = self.model.follow(&s, &mut out);
                 if let Err(refusal) = followed {

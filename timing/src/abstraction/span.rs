@@ -9,34 +9,22 @@ pub(super) struct Span {
 
 impl Span {
     pub(super) fn at(time: i64) -> Self {
-        Span {
-            from: time,
-            to: time,
-        }
+        Span { from: time, to: time }
     }
 
     /// Returns the later of two times.
     pub(super) fn max(self, other: Span) -> Self {
-        Span {
-            from: self.from.max(other.from),
-            to: self.to.max(other.to),
-        }
+        Span { from: self.from.max(other.from), to: self.to.max(other.to) }
     }
 
     /// Returns the sum of a time and a duration.
     pub(super) fn plus(self, other: Span) -> Self {
-        Span {
-            from: self.from + other.from,
-            to: self.to + other.to,
-        }
+        Span { from: self.from + other.from, to: self.to + other.to }
     }
 
     /// Returns the smallest interval that contains both.
     pub(super) fn hull(self, other: Span) -> Self {
-        Span {
-            from: self.from.min(other.from),
-            to: self.to.max(other.to),
-        }
+        Span { from: self.from.min(other.from), to: self.to.max(other.to) }
     }
 
     /// Widens the interval to contain another one. Returns true if it already did.

@@ -37,13 +37,8 @@ impl Model<'_> {
     /// Returns the initial states, in which no task has done anything.
     pub(super) fn initial(&self) -> Vec<State> {
         let threads = self.threads.len();
-        let off = TaskProgress {
-            stage: Stage::Off,
-            cycle: Cycle::FirstPass,
-            at: 0,
-            next: 0,
-            held: 0,
-        };
+        let off =
+            TaskProgress { stage: Stage::Off, cycle: Cycle::FirstPass, at: 0, next: 0, held: 0 };
         let blank = State {
             done: vec![off; threads],
             when: vec![TaskTimes::default(); threads],
@@ -92,9 +87,7 @@ impl Model<'_> {
     ) {
         // In its first pass a task asks for a core whether it has work or not.
         let skips = cycle == Cycle::Measured
-            && self
-                .cycle_automaton(thread)
-                .is_some_and(|automaton| automaton.rests[at].skips);
+            && self.cycle_automaton(thread).is_some_and(|automaton| automaton.rests[at].skips);
         let progress = &mut s.done[thread];
         progress.stage = match skips {
             true => Stage::Idle,
@@ -112,10 +105,7 @@ impl Model<'_> {
     /// Lets a task be started at any time between a tick and the next one, or later.
     fn may_start(&self, s: &mut State, thread: usize, tick: i64) {
         let entry = &self.threads[thread];
-        let between = Span {
-            from: entry.tick(tick),
-            to: entry.tick(tick + 1),
-        };
+        let between = Span { from: entry.tick(tick), to: entry.tick(tick + 1) };
         self.release(s, thread, (between, tick + 1), Cycle::FirstPass, 0);
         s.done[thread].stage = Stage::Idle;
     }
@@ -192,10 +182,7 @@ impl Model<'_> {
         if cycle == Cycle::FirstPass
             && let Some(successor) = self.threads[thread].successor
         {
-            all = all
-                .into_iter()
-                .flat_map(|s| self.start(s, successor, end, how))
-                .collect();
+            all = all.into_iter().flat_map(|s| self.start(s, successor, end, how)).collect();
         }
         for s in all {
             for mut s in self.settle(s) {
@@ -337,10 +324,7 @@ impl Model<'_> {
             }
         };
         match self.threads[thread].successor.filter(|_| first) {
-            Some(next) => all
-                .into_iter()
-                .flat_map(|s| self.start(s, next, when, how))
-                .collect(),
+            Some(next) => all.into_iter().flat_map(|s| self.start(s, next, when, how)).collect(),
             None => all,
         }
     }

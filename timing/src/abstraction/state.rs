@@ -137,12 +137,8 @@ impl State {
             return;
         };
         // No core is granted before some task is ready.
-        self.free_from
-            .iter_mut()
-            .for_each(|number| *number = now.max(*number));
-        self.free_to
-            .iter_mut()
-            .for_each(|number| *number = now.max(*number));
+        self.free_from.iter_mut().for_each(|number| *number = now.max(*number));
+        self.free_to.iter_mut().for_each(|number| *number = now.max(*number));
         self.given = self.given.max(now);
         let mut earliest = vec![i64::MAX; model.groups];
         for thread in self.live() {

@@ -70,10 +70,7 @@ impl Model<'_> {
             *group = (*group).min(self.latest(s, thread));
             holder = holder.min(s.when[thread].ready.from);
         }
-        let core = s
-            .free_from
-            .first()
-            .map_or(holder, |number| holder.min(*number));
+        let core = s.free_from.first().map_or(holder, |number| holder.min(*number));
         let core = core.max(s.given);
         for thread in s.all(Stage::Waiting) {
             let group = &mut until[self.threads[thread].group];
@@ -93,10 +90,7 @@ impl Model<'_> {
 
     /// Returns the next codel of an active task.
     fn codel(&self, s: &State, thread: usize) -> Option<CodelId> {
-        let place = self
-            .cycle_automaton(thread)?
-            .places
-            .get(s.done[thread].at as usize)?;
+        let place = self.cycle_automaton(thread)?.places.get(s.done[thread].at as usize)?;
         Some(place.codel)
     }
 
@@ -118,9 +112,7 @@ impl Model<'_> {
         });
         let holders =
             others.filter(|&other| codels.contains(CodelId::from(s.done[other].held as usize - 1)));
-        holders
-            .map(|other| s.when[other].held)
-            .reduce(|one, other| one.max(other))
+        holders.map(|other| s.when[other].held).reduce(|one, other| one.max(other))
     }
 
     /// Returns the earliest time of the next step of an active task: taking a ticket, or beginning.
@@ -160,10 +152,8 @@ impl Model<'_> {
         };
         let mut s = s.clone();
         s.steps += 1;
-        let mut begin = Span {
-            from: self.earliest(&s, thread),
-            to: self.latest(&s, thread).min(until),
-        };
+        let mut begin =
+            Span { from: self.earliest(&s, thread), to: self.latest(&s, thread).min(until) };
         let contends = entry.contends && place.waits;
         if contends {
             let ticket = begin;
@@ -220,10 +210,7 @@ impl Model<'_> {
     /// Returns the latest time of the next grant of a core, if a task waits for one and a core is known to be
     /// free by then.
     fn next_core_grant(&self, s: &State) -> Option<i64> {
-        let released = s
-            .all(Stage::Waiting)
-            .map(|index| s.when[index].ready.to)
-            .min()?;
+        let released = s.all(Stage::Waiting).map(|index| s.when[index].ready.to).min()?;
         // Other threads may hold the cores that are free first.
         Some(released.max(*s.free_to.get(self.lent)?))
     }
@@ -261,10 +248,8 @@ impl Model<'_> {
         let entry = &self.threads[thread];
         let times = &s.when[thread];
         let tick = entry.tick(i64::from(s.done[thread].next) - 1);
-        (!times.kept_from_start_up).then(|| Span {
-            from: times.since.min(tick) + entry.period,
-            to: tick + entry.period,
-        })
+        (!times.kept_from_start_up)
+            .then(|| Span { from: times.since.min(tick) + entry.period, to: tick + entry.period })
     }
 
     fn give_core(

@@ -16,17 +16,12 @@ pub(super) struct Start {
 }
 
 impl Start {
-    pub(super) const AT_ONCE: Start = Start {
-        after: Some(Span { from: 0, to: 0 }),
-        fails: false,
-    };
+    pub(super) const AT_ONCE: Start = Start { after: Some(Span { from: 0, to: 0 }), fails: false };
 
     /// Returns the start after this one and another first pass.
     pub(super) fn then(self, pass: Start) -> Self {
         Start {
-            after: self
-                .after
-                .and_then(|span| pass.after.map(|pass| span.plus(pass))),
+            after: self.after.and_then(|span| pass.after.map(|pass| span.plus(pass))),
             fails: self.fails || pass.fails,
         }
     }

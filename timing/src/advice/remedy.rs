@@ -18,9 +18,7 @@ const STATES: (usize, usize) = (4, 20_000);
 /// Returns the limits for each question, given the effort of the verification in a report.
 pub(super) fn limits(report: &Report, options: &Options) -> Limits {
     Limits {
-        states: (report.states * STATES.0)
-            .max(STATES.1)
-            .min(options.limits.states),
+        states: (report.states * STATES.0).max(STATES.1).min(options.limits.states),
         ..options.limits
     }
 }
@@ -63,11 +61,6 @@ pub fn remedy(
     let trial = Trial::new(&names, settings, limits(report, options), cancel, None);
     let suspects = suspects(check).into_iter().take(MAX_CODELS_TRIED);
     let by_codel = { suspects }.find_map(|codel| trial.wcet(&codel));
-    let waits = || {
-        check
-            .reason
-            .iter()
-            .any(|reason| reason.awaited == Awaited::Core)
-    };
+    let waits = || check.reason.iter().any(|reason| reason.awaited == Awaited::Core);
     by_codel.or_else(|| waits().then(|| trial.cores()).flatten())
 }

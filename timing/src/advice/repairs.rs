@@ -107,10 +107,7 @@ pub fn repairs(
     let mut settings = settings(scenario, options);
     // A check without an answer cannot be required of a change.
     let asked = |written: usize| {
-        let mut own = report
-            .checks
-            .iter()
-            .filter(|check| check.id.written == written);
+        let mut own = report.checks.iter().filter(|check| check.id.written == written);
         let kept = |report: &CheckReport| {
             let limited = report.kind.is_deadline() || report.kind.is_time();
             limited && matches!(report.verdict, Verdict::Proved | Verdict::Refuted)
@@ -118,15 +115,10 @@ pub fn repairs(
         own.clone().next().is_some() && own.all(kept)
     };
     let mut written = 0..;
-    settings
-        .checks
-        .retain(|_| written.next().is_some_and(&asked));
+    settings.checks.retain(|_| written.next().is_some_and(&asked));
     let limits = limits(report, options);
     let together = limits.threads.max(1);
-    let limits = Limits {
-        bytes: limits.bytes / together,
-        ..limits
-    };
+    let limits = Limits { bytes: limits.bytes / together, ..limits };
     let end = time_limit.map(|limit| Instant::now() + limit);
     let trial = Trial::new(&names, settings, limits, cancel, end);
     let candidates = candidates(&trial, &missed);
@@ -150,10 +142,7 @@ pub fn repairs(
         let ((kind, size), (other, than)) = (a.size(), b.size());
         kind.cmp(&other).then(size.total_cmp(&than))
     });
-    Repairs {
-        changes,
-        incomplete: cancel.is_over() || late(),
-    }
+    Repairs { changes, incomplete: cancel.is_over() || late() }
 }
 
 /// Returns the changes to try: first the causes named by runs, then the longest codels. Codels that are never
@@ -167,17 +156,11 @@ fn candidates(trial: &Trial, missed: &[&CheckReport]) -> Vec<Candidate> {
         .collect();
     codels.sort_by_key(|codel| std::cmp::Reverse(codel.upper));
     let of_system = |path: &CodelName| codels.iter().any(|codel| codel.path == *path);
-    let blamed = missed
-        .iter()
-        .flat_map(|report| suspects(report))
-        .filter(of_system);
+    let blamed = missed.iter().flat_map(|report| suspects(report)).filter(of_system);
     let others = codels.iter().map(|codel| codel.path.clone());
     let blamed_tasks = distinct(missed.iter().flat_map(|report| tasks(report)));
-    let mut tasks: Vec<TaskId> = system
-        .tasks
-        .keys()
-        .filter(|&task| system.tasks[task].period.is_some())
-        .collect();
+    let mut tasks: Vec<TaskId> =
+        system.tasks.keys().filter(|&task| system.tasks[task].period.is_some()).collect();
     let place = |index: &TaskId| {
         let path = system.task_name(*index);
         let place = blamed_tasks.iter().position(|task| *task == path);

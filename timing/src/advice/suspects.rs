@@ -27,12 +27,7 @@ pub(super) fn suspects(check: &CheckReport) -> Vec<CodelName> {
             };
             let begins =
                 |event: &&Event| event.kind == MomentKind::Release && event.thread == *task;
-            let job = check
-                .run()
-                .iter()
-                .rev()
-                .find(begins)
-                .map_or(0.0, |run| run.time);
+            let job = check.run().iter().rev().find(begins).map_or(0.0, |run| run.time);
             all.extend(executed(check.run(), task, job, f64::INFINITY));
         }
     }
@@ -89,10 +84,6 @@ fn executed(run: &[Event], by: &ThreadName, from: f64, until: f64) -> Vec<(f64, 
             _ => {}
         }
     }
-    out.extend(
-        begun
-            .into_iter()
-            .map(|(since, codel)| (end - since, codel.clone())),
-    );
+    out.extend(begun.into_iter().map(|(since, codel)| (end - since, codel.clone())));
     out
 }

@@ -146,10 +146,7 @@ impl<'t> Trial<'t> {
         });
         let (longer, fails) = found?;
         let needed = self.seconds(bisect(longer, fails, holds, &mut false));
-        let src = self.names.components[c].component.tasks[declared]
-            .period
-            .as_ref()?
-            .src;
+        let src = self.names.components[c].component.tasks[declared].period.as_ref()?.src;
         Some(Change::Period {
             task: path,
             now: self.shown(self.seconds(now)),
@@ -163,16 +160,11 @@ impl<'t> Trial<'t> {
     pub(super) fn delay(&self, task: TaskId) -> Option<Change> {
         let (c, declared) = self.declared(task)?;
         let definition = &self.built.system.tasks[task];
-        let (path, period, now) = (
-            self.built.system.task_path(task),
-            definition.period?,
-            definition.delay,
-        );
+        let (path, period, now) =
+            (self.built.system.task_path(task), definition.period?, definition.delay);
         let parts =
             (1..OFFSETS).map(|offset| u64::from(period) * u64::from(offset) / u64::from(OFFSETS));
-        let mut parts: Vec<Ticks> = parts
-            .filter_map(|ticks| Ticks::try_from(ticks).ok())
-            .collect();
+        let mut parts: Vec<Ticks> = parts.filter_map(|ticks| Ticks::try_from(ticks).ok()).collect();
         parts.retain(|&index| index > now);
         parts.dedup();
         let with = |ticks: &Ticks| {
@@ -187,10 +179,7 @@ impl<'t> Trial<'t> {
             now: self.shown(self.seconds(now)),
             needed: self.shown(needed),
             seconds: needed,
-            src: Some((
-                member.spec_index,
-                task.delay.as_ref().map_or(task.src, |delay| delay.src),
-            )),
+            src: Some((member.spec_index, task.delay.as_ref().map_or(task.src, |delay| delay.src))),
         })
     }
 
@@ -207,12 +196,11 @@ impl<'t> Trial<'t> {
         };
         let others = codels.iter().filter(shares_less);
         let others: Vec<CodelName> = others.map(|codel| codel.path.clone()).collect();
-        self.with(|settings| settings.apart = Some((codel.clone(), others)))
-            .then(|| Change::Lock {
-                codel: codel.clone(),
-                other: other.clone(),
-                through: through.iter().map(ToString::to_string).collect(),
-            })
+        self.with(|settings| settings.apart = Some((codel.clone(), others))).then(|| Change::Lock {
+            codel: codel.clone(),
+            other: other.clone(),
+            through: through.iter().map(ToString::to_string).collect(),
+        })
     }
 
     /// Finds the least number of additional cores with which the checks hold.

@@ -21,10 +21,7 @@ impl Analysis<'_> {
         if !system.needs_core(task) {
             return Some(0);
         }
-        let others = system
-            .tasks
-            .keys()
-            .filter(|&index| index != task && system.needs_core(index));
+        let others = system.tasks.keys().filter(|&index| index != task && system.needs_core(index));
         let mut demand = Demand::default();
         // Number of other tasks that may hold a core for ever, and of those that do so even after a single
         // grant.

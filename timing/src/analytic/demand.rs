@@ -55,9 +55,7 @@ impl Jobs {
             }
             Kind::Punctual(response) => {
                 let least = u64::from(self.period) - response;
-                let most = self
-                    .released
-                    .map_or(0, |number| self.releases(number, least));
+                let most = self.released.map_or(0, |number| self.releases(number, least));
                 let offset = least + self.work;
                 let count = most.min(self.releases(window, offset));
                 let Some(before) = count.checked_sub(1) else {
@@ -65,10 +63,7 @@ impl Jobs {
                 };
                 let last = window - offset - before * u64::from(self.period);
                 let demand = (1 + before).saturating_mul(self.work);
-                (
-                    demand.saturating_add(last.min(self.work)),
-                    u64::from(last < self.work),
-                )
+                (demand.saturating_add(last.min(self.work)), u64::from(last < self.work))
             }
         }
     }
@@ -122,9 +117,7 @@ impl Demand {
         // During every break another task must be at work.
         let mut done = vec![0u64; self.stretches.len()];
         for _ in 0..ROUNDS {
-            let all = done
-                .iter()
-                .try_fold(jobs, |sum, &number| sum.checked_add(number))?;
+            let all = done.iter().try_fold(jobs, |sum, &number| sum.checked_add(number))?;
             if all > HORIZON {
                 return None;
             }

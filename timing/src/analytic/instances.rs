@@ -16,11 +16,8 @@ const COMBINATIONS: usize = 32;
 /// An activity that has had a turn in a job keeps its slot until the job has ended, so all of these slots are
 /// in use at its end.
 pub(super) fn of_one_job(system: &TimedSystem) -> TiVec<TaskId, Vec<Vec<AutomatonId>>> {
-    let live: Vec<Option<FxHashSet<ActiveInstances>>> = system
-        .clients
-        .iter()
-        .map(|client| situations(system, client))
-        .collect();
+    let live: Vec<Option<FxHashSet<ActiveInstances>>> =
+        system.clients.iter().map(|client| situations(system, client)).collect();
     let of_task = |task: TaskId| {
         let definition = &system.tasks[task];
         let permanent: Vec<AutomatonId> = definition.permanent.into_iter().collect();
@@ -45,9 +42,7 @@ pub(super) fn of_one_job(system: &TimedSystem) -> TiVec<TaskId, Vec<Vec<Automato
             let within = |one: &Vec<AutomatonId>, other: &Vec<AutomatonId>| {
                 one.len() < other.len() && one.iter().all(|index| other.contains(index))
             };
-            let most = sets
-                .iter()
-                .filter(|&names| !sets.iter().any(|other| within(names, other)));
+            let most = sets.iter().filter(|&names| !sets.iter().any(|other| within(names, other)));
             sets = most.cloned().collect();
             if sets.len() > COMBINATIONS {
                 sets = all();
@@ -88,11 +83,8 @@ type ActiveInstances = Vec<(ServiceId, Vec<usize>)>;
 /// lists already contain as many more instances as would find a slot.
 fn situations(system: &TimedSystem, client: &Client) -> Option<FxHashSet<ActiveInstances>> {
     let mut seen: FxHashSet<(usize, ActiveInstances)> = FxHashSet::default();
-    let mut stack: Vec<(usize, ActiveInstances)> = client
-        .first
-        .iter()
-        .map(|&index| (index, Vec::new()))
-        .collect();
+    let mut stack: Vec<(usize, ActiveInstances)> =
+        client.first.iter().map(|&index| (index, Vec::new())).collect();
     while let Some((at, live)) = stack.pop() {
         if !seen.insert((at, live.clone())) {
             continue;
@@ -105,11 +97,7 @@ fn situations(system: &TimedSystem, client: &Client) -> Option<FxHashSet<ActiveI
         };
         let mut live = live;
         match step.action {
-            ClientAction::Send {
-                service,
-                ref trackers,
-                ..
-            } => {
+            ClientAction::Send { service, ref trackers, .. } => {
                 for (_, instances) in &mut live {
                     instances.retain(|instance| !trackers.contains(instance));
                 }

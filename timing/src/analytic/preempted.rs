@@ -35,11 +35,7 @@ struct Thread {
 /// The greatest work of a thread.
 enum Work {
     /// A task with a period: greatest work of each cycle.
-    Cycles {
-        task: TaskId,
-        period: u64,
-        each: u64,
-    },
+    Cycles { task: TaskId, period: u64, each: u64 },
     /// A control task: greatest work in total.
     Total(u64),
     /// Not known.
@@ -58,11 +54,8 @@ pub(super) fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Tick
     let requests = requests(system);
     let priorities = system.priorities();
     let threads = threads(system, &priorities, &requests);
-    let lengths: TiVec<TaskId, Option<Ticks>> = system
-        .tasks
-        .keys()
-        .map(|task| cycle(system, task, &requests))
-        .collect();
+    let lengths: TiVec<TaskId, Option<Ticks>> =
+        system.tasks.keys().map(|task| cycle(system, task, &requests)).collect();
     let mut bounds: TiVec<TaskId, Option<u64>> =
         lengths.iter().map(|length| length.map(u64::from)).collect();
     for _ in 0..ROUNDS {
@@ -100,11 +93,7 @@ fn after_tick(
 ) -> Option<u64> {
     let definition = &system.tasks[task];
     let first = system.components[definition.component].tasks.first() == Some(&task);
-    let most = if first {
-        bounds[task]?
-    } else {
-        bounds[task]?.checked_mul(2)?
-    };
+    let most = if first { bounds[task]? } else { bounds[task]?.checked_mul(2)? };
     (most < u64::from(definition.period?)).then_some(most)
 }
 
@@ -123,10 +112,7 @@ fn meanwhile(
     bounds: &TiSlice<TaskId, Option<u64>>,
     window: u64,
 ) -> Option<WindowWork> {
-    let mut out = WindowWork {
-        work: 0,
-        endless: 0,
-    };
+    let mut out = WindowWork { work: 0, endless: 0 };
     for thread in threads {
         let work = match thread.work {
             Work::Endless => {
@@ -171,22 +157,15 @@ fn threads(
     let upper = |codel: CodelId| u64::from(system.codels[codel].upper);
     let mut out = Vec::new();
     for (task, entry) in system.tasks.iter_enumerated() {
-        let machines = entry
-            .permanent
-            .iter()
-            .chain(&entry.slots)
-            .map(|&a| system.machine_of(a));
-        let idles = machines
-            .flat_map(|machine| &machine.states)
-            .all(|state| upper(state.codel) == 0);
+        let machines = entry.permanent.iter().chain(&entry.slots).map(|&a| system.machine_of(a));
+        let idles =
+            machines.flat_map(|machine| &machine.states).all(|state| upper(state.codel) == 0);
         let each = work(system, task, requests, 0);
         let work = match (entry.period, each) {
             _ if idles => continue,
-            (Some(period), Some(each)) => Work::Cycles {
-                task,
-                period: u64::from(period),
-                each: u64::from(each),
-            },
+            (Some(period), Some(each)) => {
+                Work::Cycles { task, period: u64::from(period), each: u64::from(each) }
+            }
             _ => Work::Endless,
         };
         if system.needs_core(task) {
@@ -198,12 +177,8 @@ fn threads(
         let mut total = Some(0u64);
         for &service in entry.services.iter().filter(|&&service| requested(service)) {
             let of = &system.services[service];
-            let each: u64 = of
-                .validate
-                .iter()
-                .chain(&of.simple)
-                .map(|&validate| upper(validate))
-                .sum();
+            let each: u64 =
+                of.validate.iter().chain(&of.simple).map(|&validate| upper(validate)).sum();
             if each > 0 {
                 let all = requests[service].and_then(|count| each.checked_mul(u64::from(count)));
                 total = total.zip(all).and_then(|(sum, all)| sum.checked_add(all));
@@ -230,13 +205,8 @@ fn delaying<'t>(
         |thread: &Thread| matches!(thread.work, Work::Cycles { task: of, .. } if of == task);
     // Threads of the same component can delay the task, even at the head of the queue without a core.
     let own = system.components[system.tasks[task].component].tasks.iter();
-    let last = own
-        .map(|&task| priorities[usize::from(task)])
-        .max()
-        .unwrap_or(u64::MAX);
+    let last = own.map(|&task| priorities[usize::from(task)]).max().unwrap_or(u64::MAX);
     let any = system.platform.policy != Policy::Priority;
     let others = threads.iter().filter(|thread| !is_own(thread));
-    others
-        .filter(|thread| any || thread.priority <= last)
-        .collect()
+    others.filter(|thread| any || thread.priority <= last).collect()
 }

@@ -29,18 +29,13 @@ use crate::system::{
 pub(super) fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Ticks>> {
     let requests = requests(system);
     let tasks = system.tasks.keys();
-    let cycles: TiVec<TaskId, Option<Ticks>> = (tasks.clone())
-        .map(|task| cycle(system, task, &requests))
-        .collect();
+    let cycles: TiVec<TaskId, Option<Ticks>> =
+        (tasks.clone()).map(|task| cycle(system, task, &requests)).collect();
     let bound = |task: TaskId| {
         let length = cycles[task]?.checked_add(core_wait(system, task, &cycles)?)?;
         let definition = &system.tasks[task];
         let first = system.components[definition.component].tasks.first() == Some(&task);
-        let most = if first {
-            length
-        } else {
-            length.checked_mul(2)?
-        };
+        let most = if first { length } else { length.checked_mul(2)? };
         (most < definition.period?).then_some(length)
     };
     let simple = is_within_components(system);
@@ -55,14 +50,11 @@ fn core_wait(
     cycles: &TiSlice<TaskId, Option<Ticks>>,
 ) -> Option<Ticks> {
     let needing = |index: &TaskId| system.needs_core(*index);
-    let others = cycles
-        .keys()
-        .filter(|cycle| *cycle != task && needing(cycle));
+    let others = cycles.keys().filter(|cycle| *cycle != task && needing(cycle));
     // An aperiodic task that is woken continues its cycle, and may begin more in it.
     let is_bounded = |task: &TaskId| system.tasks[*task].period.is_some();
-    let others: Vec<Option<Ticks>> = others
-        .map(|cycle| cycles[cycle].filter(|_| is_bounded(&cycle)))
-        .collect();
+    let others: Vec<Option<Ticks>> =
+        others.map(|cycle| cycles[cycle].filter(|_| is_bounded(&cycle))).collect();
     let cores = system.platform.cores.map(|core| core as usize);
     if !needing(&task) || cores.is_none_or(|cores| cores > others.len()) {
         return Some(0);
@@ -138,9 +130,7 @@ pub(super) fn work(
     // At most as many instances as places, and of each service at most as many as are requested.
     let mut instances: Vec<(Ticks, u32)> = Vec::new();
     for &a in &task.slots {
-        let most = system.automata[a]
-            .service
-            .and_then(|service| requests[service]);
+        let most = system.automata[a].service.and_then(|service| requests[service]);
         let time = turn(system, system.machine_of(a), blocking)?;
         instances.push((time, most.unwrap_or(task.places).min(task.places)));
     }
@@ -163,17 +153,9 @@ fn codels_of(system: &TimedSystem, task: TaskId) -> Vec<CodelId> {
 
 /// Returns the longest time of the given codels, among those for which some codel waits.
 fn longest_waited_for(system: &TimedSystem, codels: &[CodelId]) -> Option<Ticks> {
-    let waited_for = |id: CodelId| {
-        system
-            .codels
-            .iter()
-            .any(|codel| codel.conflicts.contains(id))
-    };
+    let waited_for = |id: CodelId| system.codels.iter().any(|codel| codel.conflicts.contains(id));
     let times = codels.iter().filter(|&&codel| waited_for(codel));
-    let longest = times
-        .map(|&time| system.codels[time].upper)
-        .max()
-        .unwrap_or(0);
+    let longest = times.map(|&time| system.codels[time].upper).max().unwrap_or(0);
     (longest != FOREVER).then_some(longest)
 }
 
@@ -182,17 +164,13 @@ fn longest_waited_for(system: &TimedSystem, codels: &[CodelId]) -> Option<Ticks>
 fn turn(system: &TimedSystem, machine: &Machine, blocking: Ticks) -> Option<Ticks> {
     let time = |state: usize| {
         let upper = system.codels[machine.states[state].codel].upper;
-        (upper != FOREVER)
-            .then(|| upper.checked_add(blocking))
-            .flatten()
+        (upper != FOREVER).then(|| upper.checked_add(blocking)).flatten()
     };
     let times: Vec<Ticks> = (0..machine.states.len()).map(time).collect::<Option<_>>()?;
     if !pauseless_cycles(machine).is_empty() {
         // A turn enters every state at most this often; after an interruption another turn begins.
         let limit = machine.loop_limit.filter(|_| !machine.rounds)?;
-        let once = times
-            .iter()
-            .try_fold(0u32, |sum, &time| sum.checked_add(time))?;
+        let once = times.iter().try_fold(0u32, |sum, &time| sum.checked_add(time))?;
         return once.checked_mul(2)?.checked_mul(u32::from(limit));
     }
     // After an interruption, the machine continues with `stop` between two codels.

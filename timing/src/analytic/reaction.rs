@@ -32,10 +32,7 @@ pub fn reaction_bound(system: &TimedSystem, ways: &[Vec<CodelId>]) -> Option<Tic
         return None;
     }
     let requests = queue::requests(system);
-    let tasks = Tasks {
-        system,
-        requests: &requests,
-    };
+    let tasks = Tasks { system, requests: &requests };
     ways.iter().filter_map(|way| tasks.way(way)).min()
 }
 
@@ -65,12 +62,7 @@ impl Tasks<'_> {
                 continue;
             }
             let (task, machine) = self.executes(codel)?;
-            stages.push(Stage {
-                task,
-                machine,
-                first: codel,
-                last: codel,
-            });
+            stages.push(Stage { task, machine, first: codel, last: codel });
         }
         let mut at: Ticks = 0;
         for stage in &stages {

@@ -34,11 +34,8 @@ pub(super) struct Rival {
 /// Returns, by codel, the codels whose execution can keep it waiting. With locks in order of arrival it also
 /// waits for the codels that earlier ones wait for.
 pub(super) fn excluded(system: &TimedSystem) -> TiVec<CodelId, CodelSet> {
-    let mut sets: TiVec<CodelId, CodelSet> = system
-        .codels
-        .iter()
-        .map(|codel| codel.conflicts.clone())
-        .collect();
+    let mut sets: TiVec<CodelId, CodelSet> =
+        system.codels.iter().map(|codel| codel.conflicts.clone()).collect();
     let mut changed = system.platform.semantics.locks == LockRule::Fifo;
     while std::mem::take(&mut changed) {
         for i in system.codels.keys() {
@@ -67,10 +64,7 @@ impl Analysis<'_> {
         own: Option<TaskId>,
         of: &dyn Fn(TaskId) -> bool,
     ) -> Rivals {
-        let mut out = Rivals {
-            control: Some(0),
-            ..Rivals::default()
-        };
+        let mut out = Rivals { control: Some(0), ..Rivals::default() };
         if excluded.is_empty() {
             return out;
         }
@@ -78,12 +72,7 @@ impl Analysis<'_> {
             true => self.upper(codel),
             false => Some(0),
         };
-        for (task, entry) in self
-            .system
-            .tasks
-            .iter_enumerated()
-            .filter(|pair| of(pair.0))
-        {
+        for (task, entry) in self.system.tasks.iter_enumerated().filter(|pair| of(pair.0)) {
             if entry.period.is_some() {
                 let start = entry.permanent.map_or(Some(0), |a| self.start_up(a, &cost));
                 let parties = match own == Some(task) && !self.system.runs_apart(task) {
@@ -100,11 +89,7 @@ impl Analysis<'_> {
             }
             for &automaton in entry.permanent.iter().chain(&entry.slots) {
                 let machine = self.system.machine_of(automaton);
-                if machine
-                    .states
-                    .iter()
-                    .any(|state| cost(state.codel) != Some(0))
-                {
+                if machine.states.iter().any(|state| cost(state.codel) != Some(0)) {
                     // Activities begin again at any time.
                     let alone = entry.slots.is_empty();
                     let found = alone.then(|| self.stretches(machine, &cost));

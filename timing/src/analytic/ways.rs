@@ -70,26 +70,18 @@ impl Ways {
                 }));
             }
             following.retain(|follower| through(follower.0));
-            let numbers = following
-                .into_iter()
-                .map(|follower| number(&mut vertices, follower));
+            let numbers = following.into_iter().map(|follower| number(&mut vertices, follower));
             next.push(numbers.collect());
             if vertices.len() > COMBINATIONS {
                 let limit = machine.loop_limit;
                 return Ways {
-                    at: (0..machine.states.len())
-                        .filter(|&state| through(state))
-                        .collect(),
+                    at: (0..machine.states.len()).filter(|&state| through(state)).collect(),
                     next: Vec::new(),
                     often: Some(limit.filter(|_| !machine.rounds && !beyond_pauses)),
                 };
             }
         }
-        Ways {
-            at: vertices.into_iter().map(|vertex| vertex.0).collect(),
-            next,
-            often: None,
-        }
+        Ways { at: vertices.into_iter().map(|vertex| vertex.0).collect(), next, often: None }
     }
 
     /// Returns the states on the paths.
@@ -100,9 +92,7 @@ impl Ways {
     /// Returns the greatest cost of a path; `None` if there is none, or it is not found.
     pub(super) fn costliest(&self, cost: &dyn Fn(usize) -> Option<u64>) -> Option<u64> {
         let costs: Vec<u64> = self.states().map(cost).collect::<Option<_>>()?;
-        let sum = costs
-            .iter()
-            .try_fold(0u64, |sum, &cost| sum.checked_add(cost));
+        let sum = costs.iter().try_fold(0u64, |sum, &cost| sum.checked_add(cost));
         if sum == Some(0) {
             return sum;
         }

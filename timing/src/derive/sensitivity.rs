@@ -116,10 +116,7 @@ pub fn sensitivity(
         },
     );
     let mut out = Sensitivity {
-        minimum_cores: MinimumCores {
-            cores: None,
-            tried: Vec::new(),
-        },
+        minimum_cores: MinimumCores { cores: None, tried: Vec::new() },
         wcet: Vec::new(),
         period: Vec::new(),
         next_to_break: None,
@@ -160,15 +157,10 @@ fn questions(system: &TimedSystem) -> Vec<Parameter> {
         if system.tasks[task].period.is_some() {
             out.push(Parameter::Period(Path::of(&system.task_path(task))));
         }
-        let automata = system
-            .automata
-            .iter()
-            .filter(|automaton| automaton.task == task);
+        let automata = system.automata.iter().filter(|automaton| automaton.task == task);
         let machines: Vec<MachineId> = automata.map(|automaton| automaton.machine).collect();
         let is_own = |codel: &CodelId| {
-            let mut states = machines
-                .iter()
-                .flat_map(|&machine| &system.machines[machine].states);
+            let mut states = machines.iter().flat_map(|&machine| &system.machines[machine].states);
             states.any(|state| state.codel == *codel)
         };
         let (own, others) = codels.into_iter().partition(is_own);

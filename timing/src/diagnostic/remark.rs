@@ -81,10 +81,9 @@ pub enum Sighting {
 impl std::fmt::Display for Sighting {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         match self {
-            Sighting::NoSlot { service } => write!(
-                f,
-                "a request of {service} can be refused because all its slots are in use"
-            ),
+            Sighting::NoSlot { service } => {
+                write!(f, "a request of {service} can be refused because all its slots are in use")
+            }
             Sighting::RestartsEndBoth { service } => write!(
                 f,
                 "two requests of {service} that come while an instance of it is being stopped interrupt each other, and \
@@ -101,14 +100,9 @@ impl Remark {
     /// Returns the remark as a warning: at a place of the scenario, if there is one, and about places of the
     /// specifications.
     pub(crate) fn warning(self, range: Range<usize>, places: Vec<Place>) -> Diagnostic {
-        let about = Diagnostic {
-            places,
-            ..Diagnostic::warning(self.code(), range, words(&self, &[]))
-        };
-        Diagnostic {
-            remark: Some(Box::new(self)),
-            ..about
-        }
+        let about =
+            Diagnostic { places, ..Diagnostic::warning(self.code(), range, words(&self, &[])) };
+        Diagnostic { remark: Some(Box::new(self)), ..about }
     }
 
     fn code(&self) -> &'static str {
@@ -161,10 +155,7 @@ pub fn together(all: &[Diagnostic]) -> Vec<Diagnostic> {
             None => groups.push(vec![diagnostic]),
         }
     }
-    groups
-        .into_iter()
-        .map(|diagnostics| joined(&diagnostics))
-        .collect()
+    groups.into_iter().map(|diagnostics| joined(&diagnostics)).collect()
 }
 
 fn joined(group: &[&Diagnostic]) -> Diagnostic {
@@ -210,11 +201,7 @@ fn words(first: &Remark, others: &[&Remark]) -> String {
             };
             format!("{what}; add the measured worst case, or a `duration` in a scenario")
         }
-        Remark::StateCycle {
-            machine,
-            can_be_limited,
-            ..
-        } => {
+        Remark::StateCycle { machine, can_be_limited, .. } => {
             let what = match count {
                 1 => "state cycle without pause".to_owned(),
                 _ => format!("{count} state cycles without pause"),
@@ -230,13 +217,7 @@ fn words(first: &Remark, others: &[&Remark]) -> String {
             };
             format!("{machine}: {what}: {names}; a turn may take arbitrarily long {advice}")
         }
-        Remark::LockQueue {
-            codel,
-            time,
-            head,
-            task,
-            period,
-        } => {
+        Remark::LockQueue { codel, time, head, task, period } => {
             let [time, period] = [time, period].map(|time| quantity::time(*time));
             format!(
                 "while {head} waits for {codel}, which takes up to {time}, the lock queue stands still: {task}, which shares \
@@ -251,13 +232,7 @@ fn words(first: &Remark, others: &[&Remark]) -> String {
                 missing.join(", ")
             )
         }
-        Remark::PortHold {
-            codel,
-            time,
-            other,
-            task,
-            period,
-        } => {
+        Remark::PortHold { codel, time, other, task, period } => {
             let [time, period] = [time, period].map(|time| quantity::time(*time));
             format!(
                 "{codel} holds a port for up to {time}; {other} waits for it meanwhile, and {task} can miss its period of \

@@ -46,12 +46,8 @@ struct Walk<'r, R> {
 
 fn continued<R: Rules>(rules: &R, run: &Run, steps: usize, choices: &[usize]) -> Continued {
     let steps = run.steps[..steps.min(run.steps.len())].to_vec();
-    let mut walk = Walk {
-        rules,
-        s: rules.initial(),
-        enabled: Enabled::default(),
-        run: Run::default(),
-    };
+    let mut walk =
+        Walk { rules, s: rules.initial(), enabled: Enabled::default(), run: Run::default() };
     for (time, action) in steps {
         if time > walk.run.end {
             advance(rules, &mut walk.s, (time - walk.run.end) as Ticks);
@@ -76,11 +72,7 @@ fn continued<R: Rules>(rules: &R, run: &Run, steps: usize, choices: &[usize]) ->
         walk.settle();
     }
     Continued {
-        next: walk
-            .steps()
-            .into_iter()
-            .map(|step| (step, walk.first_moment(step)))
-            .collect(),
+        next: walk.steps().into_iter().map(|step| (step, walk.first_moment(step))).collect(),
         run: walk.run,
         before,
     }

@@ -80,8 +80,6 @@ impl Findings {
         self.bytes = self.bytes.max(other.bytes);
         // A complete answer of one exploration says nothing about the next exploration.
         let given_up = |stop: Option<Stop>| stop.filter(|&stop| stop != Stop::Answered);
-        self.stopped = given_up(self.stopped)
-            .or(given_up(other.stopped))
-            .or(self.stopped);
+        self.stopped = given_up(self.stopped).or(given_up(other.stopped)).or(self.stopped);
     }
 }

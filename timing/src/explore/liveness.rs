@@ -51,10 +51,7 @@ pub fn liveness(
 
 fn decide<R: Rules>(rules: &R, query: &LivenessQuery, limits: Limits, cancel: &Cancel) -> Liveness {
     let clocks = Clocks {
-        within: vec![Stages {
-            count: 1,
-            measured: false,
-        }],
+        within: vec![Stages { count: 1, measured: false }],
         ..Clocks::none(rules.system().tasks.len())
     };
     let rules = rules.with_clocks(&clocks);
@@ -69,14 +66,7 @@ fn decide<R: Rules>(rules: &R, query: &LivenessQuery, limits: Limits, cancel: &C
         trigger: query.trigger.clone().unwrap_or_else(always),
         responses: vec![query.response.clone()],
     }];
-    Graph {
-        rules,
-        observers,
-        once: query.trigger.is_none(),
-        limits,
-        cancel,
-    }
-    .search()
+    Graph { rules, observers, once: query.trigger.is_none(), limits, cancel }.search()
 }
 
 /// Number of states between two polls of the limits.
@@ -119,12 +109,7 @@ impl<R: Rules> Graph<'_, R> {
         let mut bytes = weight(&first);
         let first = Rc::new(first);
         ids.insert(first.clone(), 0);
-        visits.push(Visit {
-            state: first,
-            parent: u32::MAX,
-            edge: Edge::Pass(0),
-            time: 0,
-        });
+        visits.push(Visit { state: first, parent: u32::MAX, edge: Edge::Pass(0), time: 0 });
         let mut enabled = Enabled::default();
         let mut stopped = None;
         let mut at = 0;
@@ -139,11 +124,7 @@ impl<R: Rules> Graph<'_, R> {
                     break;
                 }
             }
-            let s = decode(
-                self.rules.frame(),
-                &visits[at].state.key,
-                &visits[at].state.dims,
-            );
+            let s = decode(self.rules.frame(), &visits[at].state.key, &visits[at].state.dims);
             let mut next_ids = Vec::new();
             if self.open(&s) || !self.once {
                 for (edge, next, forever) in self.successors(&s, &mut enabled) {
@@ -166,12 +147,7 @@ impl<R: Rules> Graph<'_, R> {
                             bytes += weight(&encoding);
                             let state = Rc::new(encoding);
                             ids.insert(state.clone(), visits.len() as u32);
-                            visits.push(Visit {
-                                state,
-                                parent: at as u32,
-                                edge,
-                                time,
-                            });
+                            visits.push(Visit { state, parent: at as u32, edge, time });
                             visits.len() as u32 - 1
                         }
                     };
@@ -192,13 +168,7 @@ impl<R: Rules> Graph<'_, R> {
             stopped = Stop::reason(visits.len(), bytes, self.limits, self.cancel);
         }
         self.cancel.ended(visits.len());
-        Liveness {
-            counterexample,
-            triggered,
-            states: visits.len(),
-            bytes,
-            stopped,
-        }
+        Liveness { counterexample, triggered, states: visits.len(), bytes, stopped }
     }
 
     /// Returns, by state, whether the obligation is still open; `None` if the search must end.

@@ -91,38 +91,23 @@ impl Gauge {
     pub(super) fn of(watch: &Watch, how: &MeasurementMode) -> Vec<Gauge> {
         let responses = watch.response.iter();
         let responses = responses.map(|response| {
-            (
-                Timing::Response(usize::from(response.task)),
-                response.limit,
-                response.most,
-            )
+            (Timing::Response(usize::from(response.task)), response.limit, response.most)
         });
         let withins = watch.within.iter().enumerate();
         let withins = withins.map(|(i, bound)| (Timing::Within(i), bound.limit, None));
         responses
             .chain(withins)
-            .map(|(of, limit, most)| Gauge {
-                of,
-                limit,
-                most,
-                how: how.clone(),
-                excess: None,
-            })
+            .map(|(of, limit, most)| Gauge { of, limit, most, how: how.clone(), excess: None })
             .collect()
     }
 
     /// Returns true if the gauge is measured in the next exploration.
     pub(super) fn active(&self) -> bool {
-        matches!(
-            self.how,
-            MeasurementMode::Shared | MeasurementMode::UntilRepetition
-        )
+        matches!(self.how, MeasurementMode::Shared | MeasurementMode::UntilRepetition)
     }
 
     pub(super) fn note(&mut self, diverging: Divergence) {
-        self.how = diverging
-            .proof
-            .map_or(MeasurementMode::Alone, MeasurementMode::Unbounded);
+        self.how = diverging.proof.map_or(MeasurementMode::Alone, MeasurementMode::Unbounded);
         self.excess = self.excess.take().or(diverging.excess);
     }
 }

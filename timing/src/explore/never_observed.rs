@@ -35,10 +35,7 @@ impl NeverObserved {
                 jobs.push(TaskWithoutJob { task, start_up });
             }
         }
-        NeverObserved {
-            jobs,
-            ..NeverObserved::of_predicates(&watch.reach, orbits)
-        }
+        NeverObserved { jobs, ..NeverObserved::of_predicates(&watch.reach, orbits) }
     }
 
     /// Returns the atoms of predicates.
@@ -57,8 +54,7 @@ impl NeverObserved {
     /// Removes the subjects that occur in a state.
     pub(super) fn look<R: Rules>(&mut self, rules: &R, s: &State, orbits: &Orbits) {
         let has_job = |&task: &usize| rules.job(s, task) != TaskStatus::Idle;
-        self.jobs
-            .retain(|job| !orbits.of_task(usize::from(job.task)).iter().any(has_job));
+        self.jobs.retain(|job| !orbits.of_task(usize::from(job.task)).iter().any(has_job));
         for job in &mut self.jobs {
             let now = rules.awaits_start_up(s, job.task);
             // Tasks are started in order, so the later one counts.

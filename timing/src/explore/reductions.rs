@@ -87,10 +87,7 @@ pub(crate) trait Reduction: Sized {
             true => Err(Reason::SwitchedOff),
             false => Self::applies(setting),
         };
-        notes.push(Activity {
-            kind: Self::KIND,
-            off: result.as_ref().err().copied(),
-        });
+        notes.push(Activity { kind: Self::KIND, off: result.as_ref().err().copied() });
         result.ok()
     }
 }
@@ -185,10 +182,7 @@ pub(crate) struct NoReductions(Orbits, Vec<Activity>);
 
 impl<R: Rules> Reductions<R> for NoReductions {
     fn new(rules: &R, _: &Watched, _: Kinds) -> Self {
-        let off = |kind| Activity {
-            kind,
-            off: Some(Reason::Chain),
-        };
+        let off = |kind| Activity { kind, off: Some(Reason::Chain) };
         let kinds = [
             Kind::PersistentSets,
             Kind::PersistentRequests,

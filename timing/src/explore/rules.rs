@@ -255,10 +255,8 @@ pub(crate) trait Rules: Sized {
     /// Returns true if a job waits for a core for at least the period of its task. The response time of the
     /// task must be measured.
     fn overdue(&self, s: &State, task: usize) -> bool {
-        let (period, clock) = (
-            self.system().tasks[TaskId::from(task)].period,
-            self.frame().response[task],
-        );
+        let (period, clock) =
+            (self.system().tasks[TaskId::from(task)].period, self.frame().response[task]);
         let (Some(period), Some(clock)) = (period, clock) else {
             return false;
         };

@@ -36,8 +36,7 @@ pub struct SystemRun {
 
 impl Run {
     pub(crate) fn extend(&mut self, time: u64, actions: Vec<Action>) {
-        self.steps
-            .extend(actions.into_iter().map(|action| (time, action)));
+        self.steps.extend(actions.into_iter().map(|action| (time, action)));
         self.end = time;
     }
 
@@ -76,11 +75,7 @@ impl Run {
                     let elapsed = time - began[e];
                     // Without an upper bound, the codel can end at any time after its lower bound. Longer
                     // times make no difference.
-                    if upper == FOREVER {
-                        elapsed.min(u64::from(lower))
-                    } else {
-                        elapsed
-                    }
+                    if upper == FOREVER { elapsed.min(u64::from(lower)) } else { elapsed }
                 })
                 .collect();
             let times = rules.frame().key_times(s).to_vec();
@@ -95,12 +90,7 @@ impl Run {
     pub(crate) fn repeating(&self, (from, to): (u64, u64)) -> Run {
         let steps = self.steps.iter().copied();
         let steps: Vec<_> = steps.take_while(|step| step.0 <= to).collect();
-        Run {
-            cycle: steps.iter().position(|step| step.0 > from),
-            steps,
-            end: to,
-            left_out: false,
-        }
+        Run { cycle: steps.iter().position(|step| step.0 > from), steps, end: to, left_out: false }
     }
 
     /// Returns the run with the part between two moments repeated until the run is longer by `more`; `None`
@@ -112,12 +102,7 @@ impl Run {
             steps.filter(move |step| a < step.0 && step.0 <= b)
         };
         let mut run = Run {
-            steps: self
-                .steps
-                .iter()
-                .copied()
-                .filter(|step| step.0 <= to)
-                .collect(),
+            steps: self.steps.iter().copied().filter(|step| step.0 <= to).collect(),
             end,
             cycle: None,
             left_out: false,

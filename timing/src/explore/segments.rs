@@ -22,11 +22,7 @@ pub(crate) struct Segments<T> {
 
 impl<T> Default for Segments<T> {
     fn default() -> Self {
-        Segments {
-            segments: vec![Vec::new()],
-            current: 0,
-            capacity: 0,
-        }
+        Segments { segments: vec![Vec::new()], current: 0, capacity: 0 }
     }
 }
 

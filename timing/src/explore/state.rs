@@ -26,10 +26,7 @@ pub(crate) struct State {
 // Implemented by hand: states are copied all the time, and `clone_from` of a derived `Clone` keeps no memory.
 impl Clone for State {
     fn clone(&self) -> Self {
-        State {
-            d: self.d.clone(),
-            t: self.t.clone(),
-        }
+        State { d: self.d.clone(), t: self.t.clone() }
     }
 
     fn clone_from(&mut self, source: &Self) {
@@ -81,11 +78,7 @@ pub(crate) struct Stages {
 impl Clocks {
     /// Returns the absence of clocks and observers.
     pub(crate) fn none(tasks: usize) -> Self {
-        Clocks {
-            response: vec![false; tasks],
-            within: Vec::new(),
-            token: 0,
-        }
+        Clocks { response: vec![false; tasks], within: Vec::new(), token: 0 }
     }
 }
 
@@ -247,9 +240,7 @@ impl Frame {
     #[inline]
     pub(crate) fn executing<'s>(&self, s: &'s State) -> impl Iterator<Item = usize> + 's {
         let phases = self.phases(s).iter().enumerate();
-        phases
-            .filter(|&(_, &number)| number & phase::EXECUTING != 0)
-            .map(|(e, _)| e)
+        phases.filter(|&(_, &number)| number & phase::EXECUTING != 0).map(|(e, _)| e)
     }
 
     #[inline]
@@ -337,11 +328,7 @@ impl Frame {
         for executor in 0..self.executors {
             if self.is_executing(s, executor) {
                 let (a, b) = self.window(s, executor);
-                let b = if b == crate::system::FOREVER {
-                    b
-                } else {
-                    b - time
-                };
+                let b = if b == crate::system::FOREVER { b } else { b - time };
                 self.set_window(s, executor, (a.saturating_sub(time), b));
             }
         }

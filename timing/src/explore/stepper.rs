@@ -195,8 +195,7 @@ impl<'s> Stepper<'s> {
         can_be_deferred: &dyn Fn(usize) -> bool,
         is_skipped: &dyn Fn(usize) -> bool,
     ) -> Option<Ticks> {
-        self.walk
-            .next_moment_without_ticks(can_be_deferred, is_skipped)
+        self.walk.next_moment_without_ticks(can_be_deferred, is_skipped)
     }
 
     /// Returns the only work of a task in its next cycle; `None` if the task is in a cycle, may have to wait
@@ -262,9 +261,7 @@ impl<'s> Stepper<'s> {
 
 impl std::fmt::Debug for Stepper<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Stepper")
-            .field("now", &self.now())
-            .finish_non_exhaustive()
+        f.debug_struct("Stepper").field("now", &self.now()).finish_non_exhaustive()
     }
 }
 
@@ -303,10 +300,7 @@ fn walk<'s, R: Rules + 's>(rules: &R, watched: &Watched) -> Stepper<'s> {
     let clocks = Clocks {
         response: vec![true; rules.system().tasks.len()],
         within: (watched.within.iter())
-            .map(|(_, responses)| Stages {
-                count: responses.len(),
-                measured: true,
-            })
+            .map(|(_, responses)| Stages { count: responses.len(), measured: true })
             .collect(),
         token: 0,
     };
@@ -324,9 +318,7 @@ fn walk<'s, R: Rules + 's>(rules: &R, watched: &Watched) -> Stepper<'s> {
         now: 0,
         rules,
     };
-    Stepper {
-        walk: Box::new(walker),
-    }
+    Stepper { walk: Box::new(walker) }
 }
 
 struct Walker<R: Rules> {
@@ -360,11 +352,7 @@ impl<R: Rules> Walker<R> {
             }
             if l.is_executing(&self.s, executor) {
                 let time = self.rules.duration(&self.s, executor);
-                seen.push(Seen::Begun {
-                    executor,
-                    work,
-                    time,
-                });
+                seen.push(Seen::Begun { executor, work, time });
             }
         }
     }
@@ -434,11 +422,7 @@ impl<R: Rules> Walk for Walker<R> {
             Action::Finish { executor, outcome } => {
                 ended = Some(executor);
                 if let Some(work) = self.rules.work(&self.before, executor) {
-                    seen.push(Seen::Ended {
-                        executor,
-                        work,
-                        outcome,
-                    });
+                    seen.push(Seen::Ended { executor, work, outcome });
                 }
             }
             Action::Request { client, .. } => {

@@ -140,10 +140,7 @@ pub(crate) struct Covering {
 
 impl Default for Covering {
     fn default() -> Self {
-        Covering {
-            union: true,
-            inclusion: true,
-        }
+        Covering { union: true, inclusion: true }
     }
 }
 
@@ -151,21 +148,14 @@ impl Shape {
     fn covers(self, cover: &[Ticks], ticks: &[Ticks]) -> bool {
         let at = 2 * self.windows;
         match self.covering {
-            Covering {
-                inclusion: true, ..
-            } => {}
+            Covering { inclusion: true, .. } => {}
             // A joined box stands for all of its parts.
             Covering { union: true, .. } if cover[at..] == ticks[at..] => {}
             _ => return cover == ticks,
         }
         let (wide, narrow) = (&cover[..2 * self.windows], &ticks[..2 * self.windows]);
-        wide.chunks_exact(2)
-            .zip(narrow.chunks_exact(2))
-            .all(|(w, n)| w[0] <= n[0] && n[1] <= w[1])
-            && cover[2 * self.windows..]
-                .iter()
-                .zip(&ticks[2 * self.windows..])
-                .all(|(c, i)| c >= i)
+        wide.chunks_exact(2).zip(narrow.chunks_exact(2)).all(|(w, n)| w[0] <= n[0] && n[1] <= w[1])
+            && cover[2 * self.windows..].iter().zip(&ticks[2 * self.windows..]).all(|(c, i)| c >= i)
     }
 
     /// If the union of two boxes is a box, makes `it` that box.
@@ -226,11 +216,7 @@ struct Cover {
 impl Store {
     /// Creates an empty set of states with this many clocks.
     pub(crate) fn new(clocks: usize, covering: Covering) -> Self {
-        Store {
-            clocks,
-            covering,
-            ..Store::default()
-        }
+        Store { clocks, covering, ..Store::default() }
     }
 
     /// Removes all states, and keeps the memory.
@@ -251,10 +237,8 @@ impl Store {
         mut on_join: impl FnMut(u32, u32) -> u32,
     ) -> Option<u32> {
         let hash = hash(&encoding.key);
-        let shape = Shape {
-            windows: (encoding.dims.len() - self.clocks) / 2,
-            covering: self.covering,
-        };
+        let shape =
+            Shape { windows: (encoding.dims.len() - self.clocks) / 2, covering: self.covering };
         let found = self.table.find(hash, |k| {
             let key = &self.keys[k as usize];
             key.hash == hash && self.bytes_of(key) == encoding.key
@@ -300,11 +284,7 @@ impl Store {
                 let covered = shape.covers(&dims, other);
                 if covered || shape.join(other, &mut dims) {
                     again |= !covered;
-                    tag = if covered {
-                        tag
-                    } else {
-                        on_join(tag, record.tag)
-                    };
+                    tag = if covered { tag } else { on_join(tag, record.tag) };
                     if before == NONE {
                         self.keys[k as usize].first = next;
                     } else {
@@ -329,12 +309,8 @@ impl Store {
     /// Returns true if one of the covers contains a state.
     pub(crate) fn holds(&self, encoding: &Encoded) -> bool {
         let windows = (encoding.dims.len() - self.clocks) / 2;
-        let shape = Shape {
-            windows,
-            covering: self.covering,
-        };
-        self.find(&encoding.key)
-            .any(|(dims, _)| shape.covers(dims, &encoding.dims))
+        let shape = Shape { windows, covering: self.covering };
+        self.find(&encoding.key).any(|(dims, _)| shape.covers(dims, &encoding.dims))
     }
 
     /// Returns the covers of the key with these bytes.
@@ -399,9 +375,6 @@ fn hash(key: &[u8]) -> u64 {
 /// Returns true if a box of this layout contains a point (or smaller box).
 pub(crate) fn holds(layout: &Frame, cover: &[Ticks], ticks: &[Ticks]) -> bool {
     let clocks = layout.clocks();
-    Shape {
-        windows: (ticks.len() - clocks) / 2,
-        covering: Covering::default(),
-    }
-    .covers(cover, ticks)
+    Shape { windows: (ticks.len() - clocks) / 2, covering: Covering::default() }
+        .covers(cover, ticks)
 }

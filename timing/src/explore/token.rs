@@ -40,17 +40,10 @@ pub fn explore_chain(
 ) -> Findings {
     let never = || {
         let atom = Predicate::Atom(Atom::Task(TaskId::default(), TaskState::Idle));
-        Predicate::And(
-            Box::new(atom.clone()),
-            Box::new(Predicate::Not(Box::new(atom))),
-        )
+        Predicate::And(Box::new(atom.clone()), Box::new(Predicate::Not(Box::new(atom))))
     };
     let watch = Watch {
-        within: vec![Within {
-            trigger: never(),
-            responses: vec![never()],
-            limit,
-        }],
+        within: vec![Within { trigger: never(), responses: vec![never()], limit }],
         ..Watch::default()
     };
     let mut found = explore_tracked(&SystemRules::new(system), chain, &watch, limits, cancel);
@@ -64,13 +57,8 @@ pub fn explore_chain(
 /// unbounded, or nearly so.
 pub(super) fn greatest_age(system: &TimedSystem) -> Ticks {
     let periods = system.tasks.iter().filter_map(|task| task.period);
-    let uppers = (system.codels.iter()).map(|codel| {
-        if codel.upper == FOREVER {
-            codel.lower
-        } else {
-            codel.upper
-        }
-    });
+    let uppers = (system.codels.iter())
+        .map(|codel| if codel.upper == FOREVER { codel.lower } else { codel.upper });
     let sum = periods.chain(uppers).fold(16, Ticks::saturating_add);
     sum.saturating_mul(32)
 }
@@ -350,17 +338,9 @@ impl<'c, R: Rules> Tracked<'c, R> {
             match (self.chain.external, executor) {
                 (true, Some(executor)) => set(s, self.marked_executor(executor), true),
                 (external, _) => {
-                    set(
-                        s,
-                        self.marked_place(DataPlace::Shared(self.chain.first), 0),
-                        true,
-                    );
+                    set(s, self.marked_place(DataPlace::Shared(self.chain.first), 0), true);
                     // An executor that began by the same step sees the written datum.
-                    let seen = if external {
-                        Vec::new()
-                    } else {
-                        self.readers(s)
-                    };
+                    let seen = if external { Vec::new() } else { self.readers(s) };
                     for executor in seen {
                         set(s, self.marked_executor(executor), true);
                     }
@@ -423,8 +403,7 @@ impl<R: Rules> Rules for Tracked<'_, R> {
                 out.actions.push(mark(None, false));
                 if self.chain.external && self.chain.kind == ChainKind::Age {
                     let readers = self.readers(s).into_iter();
-                    out.actions
-                        .extend(readers.map(|reader| mark(Some(reader), true)));
+                    out.actions.extend(readers.map(|reader| mark(Some(reader), true)));
                 } else {
                     out.actions.push(mark(None, true));
                 }

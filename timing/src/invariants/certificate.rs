@@ -139,10 +139,7 @@ impl SystemCertificate {
             entries: Vec::new(),
         };
         let checks = (claims.iter())
-            .map(|(check, never)| CheckEntry {
-                check: check.clone(),
-                never: atoms.formula(never),
-            })
+            .map(|(check, never)| CheckEntry { check: check.clone(), never: atoms.formula(never) })
             .collect();
         SystemCertificate {
             cores: parts.cores(),
@@ -194,10 +191,7 @@ fn part_entry(parts: &Parts, part: &Part, name: &str, names: &Names) -> PartEntr
         core: parts.has_core(part, local),
         service: parts.service(local).map(service),
         void: match *local {
-            Local::Slots {
-                service: of,
-                void: true,
-            } => Some(service(of)),
+            Local::Slots { service: of, void: true } => Some(service(of)),
             _ => None,
         },
     };

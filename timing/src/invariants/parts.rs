@@ -43,13 +43,7 @@ pub(super) enum Local {
     /// A task without a codel.
     Task(TaskId, TaskState),
     /// A codel of a state machine: waiting for locks, or executing.
-    Codel {
-        task: TaskId,
-        machine: MachineId,
-        state: usize,
-        codel: CodelId,
-        executes: bool,
-    },
+    Codel { task: TaskId, machine: MachineId, state: usize, codel: CodelId, executes: bool },
     /// An automaton without a codel.
     Rest,
     /// The slots of a service: all free, or not.
@@ -59,11 +53,7 @@ pub(super) enum Local {
     /// A control task before its first message, or between codels.
     Busy,
     /// A control task with a codel: waiting for locks, or executing.
-    Handling {
-        service: ServiceId,
-        codel: CodelId,
-        executes: bool,
-    },
+    Handling { service: ServiceId, codel: CodelId, executes: bool },
     /// A step of a client.
     At(ClientId, usize),
 }
@@ -71,10 +61,7 @@ pub(super) enum Local {
 impl Local {
     /// Returns true if a codel is executed.
     pub(super) fn executes(&self) -> bool {
-        matches!(
-            self,
-            Local::Codel { executes: true, .. } | Local::Handling { executes: true, .. }
-        )
+        matches!(self, Local::Codel { executes: true, .. } | Local::Handling { executes: true, .. })
     }
 
     /// Returns the codel, waiting or executing.
@@ -105,12 +92,7 @@ impl<'s> Parts<'s> {
     /// Returns the parts of a system.
     pub(super) fn of(system: &'s TimedSystem) -> Self {
         let jobs = system.platform.semantics.is_published();
-        let mut out = Parts {
-            system,
-            jobs,
-            requested: system.requested(),
-            parts: Vec::new(),
-        };
+        let mut out = Parts { system, jobs, requested: system.requested(), parts: Vec::new() };
         for task in system.tasks.keys() {
             if jobs {
                 out.push(PartKind::Status(task));
@@ -121,10 +103,7 @@ impl<'s> Parts<'s> {
                 out.push(PartKind::Thread(task));
             }
         }
-        system
-            .services
-            .keys()
-            .for_each(|service| out.push(PartKind::Slots(service)));
+        system.services.keys().for_each(|service| out.push(PartKind::Slots(service)));
         let components = system.components.keys();
         components.for_each(|component| out.push(PartKind::Control(component)));
         let clients = system.clients.keys();
@@ -200,32 +179,15 @@ impl<'s> Parts<'s> {
                 matches!(wanted, TaskState::Running | TaskState::Active)
             }
             (
-                Atom::State {
-                    machine,
-                    state,
-                    phase,
-                },
-                Local::Codel {
-                    machine: own,
-                    state: at,
-                    executes,
-                    ..
-                },
+                Atom::State { machine, state, phase },
+                Local::Codel { machine: own, state: at, executes, .. },
             ) => machine == own && state == at && in_phase(*executes, *phase),
             (Atom::Slot(_, status), Local::Slots { void, .. }) => {
                 *void == (*status == SlotStatus::Void)
             }
             (
-                Atom::Handling {
-                    service,
-                    codel,
-                    phase,
-                },
-                Local::Handling {
-                    service: own,
-                    codel: at,
-                    executes,
-                },
+                Atom::Handling { service, codel, phase },
+                Local::Handling { service: own, codel: at, executes },
             ) => {
                 service == own
                     && codel.is_none_or(|codel| codel == *at)
@@ -271,8 +233,7 @@ impl<'s> Parts<'s> {
     pub(super) fn are_too_many(&self, present: &[(&Part, Vec<&Local>)]) -> bool {
         let on_core = (present.iter())
             .filter(|(part, locals)| locals.iter().all(|local| self.has_core(part, local)));
-        self.cores()
-            .is_some_and(|cores| on_core.count() > cores as usize)
+        self.cores().is_some_and(|cores| on_core.count() > cores as usize)
     }
 
     /// Returns the service whose codel a local state has, if the codel is one of an activity.
@@ -281,9 +242,7 @@ impl<'s> Parts<'s> {
             return None;
         };
         let mut automata = self.system.automata.iter();
-        automata
-            .find(|automaton| automaton.machine == machine)?
-            .service
+        automata.find(|automaton| automaton.machine == machine)?.service
     }
 }
 

@@ -16,20 +16,12 @@ pub(crate) fn components_of(names: &Names, built: &Built, pred: &Pred, out: &mut
             if let Some(&Target::Component(c)) = names.follow(path).first() {
                 out.push(c);
             } else if let Some(first) = path.names.first() {
-                let client = built
-                    .system
-                    .clients
-                    .iter()
-                    .find(|client| client.name == first.value);
+                let client = built.system.clients.iter().find(|client| client.name == first.value);
                 for step in client.iter().flat_map(|client| &client.steps) {
                     if let crate::system::ClientAction::Send { service, .. } = step.action {
                         let number = built.system.services[service].component;
                         out.extend(
-                            built
-                                .components
-                                .iter()
-                                .filter(|(_, n)| **n == number)
-                                .map(|(c, _)| *c),
+                            built.components.iter().filter(|(_, n)| **n == number).map(|(c, _)| *c),
                         );
                     }
                 }
@@ -101,13 +93,7 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
                 "running" => TaskState::Running,
                 _ => return wrong(),
             };
-            Atom::Task(
-                built.tasks[&DeclaredTask {
-                    component: *c,
-                    index: *t,
-                }],
-                state,
-            )
+            Atom::Task(built.tasks[&DeclaredTask { component: *c, index: *t }], state)
         }
         Target::Service(c, s) => {
             let service = built.services[&(*c, *s)];
@@ -127,11 +113,7 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
                     Some(phase) => phase,
                     None => return wrong(),
                 };
-                Atom::Handling {
-                    service,
-                    codel: None,
-                    phase,
-                }
+                Atom::Handling { service, codel: None, phase }
             }
         }
         Target::State(c, owner, _, state) => {
@@ -146,26 +128,16 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
             let Some(state) = states.iter().position(|candidate| candidate.name == *state) else {
                 return Err(names.unknown(path, &targets));
             };
-            Atom::State {
-                machine,
-                state,
-                phase,
-            }
+            Atom::State { machine, state, phase }
         }
         &Target::Codel(c, s, index) => {
             let Some(phase) = phase(word) else {
                 return wrong();
             };
-            let site = CodelRef {
-                owner: Owner::Service(s),
-                index,
-            };
+            let site = CodelRef { owner: Owner::Service(s), index };
             Atom::Handling {
                 service: built.services[&(c, s)],
-                codel: built
-                    .system
-                    .codels
-                    .position(|codel| codel.site == Some((c, site))),
+                codel: built.system.codels.position(|codel| codel.site == Some((c, site))),
                 phase,
             }
         }
@@ -216,17 +188,9 @@ pub(crate) fn task(names: &Names, path: &Path) -> Result<DeclaredTask, Diagnosti
     let message = match names.resolve(path)? {
         Target::Task(component, index) => return Ok(DeclaredTask { component, index }),
         Target::State(c, Owner::Task(_), ..) | Target::Component(c) => {
-            let tasks: Vec<&str> = names.components[c]
-                .component
-                .tasks
-                .iter()
-                .map(|task| task.name.as_str())
-                .collect();
-            format!(
-                "`{}` is no task; there is {}",
-                path.text(),
-                tasks.join(", ")
-            )
+            let tasks: Vec<&str> =
+                names.components[c].component.tasks.iter().map(|task| task.name.as_str()).collect();
+            format!("`{}` is no task; there is {}", path.text(), tasks.join(", "))
         }
         _ => format!("`{}` is no task", path.text()),
     };

@@ -20,10 +20,7 @@ pub struct TimeUnit {
 
 impl Default for TimeUnit {
     fn default() -> Self {
-        TimeUnit {
-            count: 1,
-            base: Unit::Milliseconds,
-        }
+        TimeUnit { count: 1, base: Unit::Milliseconds }
     }
 }
 
@@ -97,14 +94,8 @@ mod tests {
     fn a_unit_of_one_base_unit_has_no_number() {
         let unit = TimeUnit::default();
         assert_eq!(unit.to_string(), "ms");
-        let unit = TimeUnit {
-            count: 10,
-            base: Unit::Microseconds,
-        };
-        assert_eq!(
-            serde_json::to_string(&unit).ok().as_deref(),
-            Some("\"10 us\"")
-        );
+        let unit = TimeUnit { count: 10, base: Unit::Microseconds };
+        assert_eq!(serde_json::to_string(&unit).ok().as_deref(), Some("\"10 us\""));
         assert_eq!(unit.in_base(150.0, Unit::Milliseconds), 1.5);
         assert_eq!(unit.show(5.0), "50 µs");
     }

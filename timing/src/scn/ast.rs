@@ -54,13 +54,8 @@ impl Path {
 
     /// Returns a path that is not part of a text.
     pub fn of(text: &str) -> Path {
-        let names = text.split('.').map(|part| Spanned {
-            value: part.to_owned(),
-            range: 0..0,
-        });
-        Path {
-            names: names.collect(),
-        }
+        let names = text.split('.').map(|part| Spanned { value: part.to_owned(), range: 0..0 });
+        Path { names: names.collect() }
     }
 
     /// Returns the path as written, without blanks.

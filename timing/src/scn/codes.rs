@@ -39,16 +39,7 @@ const fn error(
     example: &'static str,
     corrected: &'static str,
 ) -> Code {
-    Code {
-        id,
-        severity: Severity::Error,
-        meaning,
-        why,
-        fix,
-        specification: "",
-        example,
-        corrected,
-    }
+    Code { id, severity: Severity::Error, meaning, why, fix, specification: "", example, corrected }
 }
 
 const fn warning(
@@ -59,18 +50,12 @@ const fn warning(
     example: &'static str,
     corrected: &'static str,
 ) -> Code {
-    Code {
-        severity: Severity::Warning,
-        ..error(id, meaning, why, fix, example, corrected)
-    }
+    Code { severity: Severity::Warning, ..error(id, meaning, why, fix, example, corrected) }
 }
 
 /// Adds the specification of the example.
 const fn of_specification(specification: &'static str, code: Code) -> Code {
-    Code {
-        specification,
-        ..code
-    }
+    Code { specification, ..code }
 }
 
 /// All codes of scenarios.

@@ -85,13 +85,8 @@ enum PathKind {
 /// Returns the proposals at an offset. There are none inside comments.
 pub fn complete(text: &str, scenario: &Scenario, names: &Names, offset: usize) -> Completions {
     let tokens = lex(text);
-    let at = tokens
-        .iter()
-        .find(|token| token.range.start < offset && offset <= token.range.end);
-    let nothing = Completions::Of {
-        replace: offset..offset,
-        items: Vec::new(),
-    };
+    let at = tokens.iter().find(|token| token.range.start < offset && offset <= token.range.end);
+    let nothing = Completions::Of { replace: offset..offset, items: Vec::new() };
     match at.map(|token| (token.kind, &token.range)) {
         Some((Kind::LineComment | Kind::UnclosedComment, _)) => return nothing,
         Some((Kind::BlockComment, range)) if offset < range.end => return nothing,
@@ -110,25 +105,13 @@ pub fn complete(text: &str, scenario: &Scenario, names: &Names, offset: usize) -
     let under = at.filter(|token| token.kind == Kind::Name);
     let replace = under.map_or(offset..offset, |token| token.range.clone());
     let done = match under {
-        Some(token) => before
-            .iter()
-            .filter(|b| b.range.end <= token.range.start)
-            .count(),
+        Some(token) => before.iter().filter(|b| b.range.end <= token.range.start).count(),
         None => before.len(),
     };
     let (block, statement) = statement(text, &before[..done]);
-    let mut finder = Finder {
-        text,
-        scenario,
-        names,
-        replace,
-        items: Vec::new(),
-    };
+    let mut finder = Finder { text, scenario, names, replace, items: Vec::new() };
     finder.fill(block, statement);
-    Completions::Of {
-        replace: finder.replace,
-        items: finder.items,
-    }
+    Completions::Of { replace: finder.replace, items: finder.items }
 }
 
 /// Returns the block around a place, and the tokens of the statement before it.
@@ -155,10 +138,7 @@ fn statement<'t, 's>(text: &str, tokens: &'s [&'t Token]) -> (Block, &'s [&'t To
             _ => {}
         }
     }
-    (
-        blocks.last().copied().unwrap_or(Block::File),
-        &tokens[start..],
-    )
+    (blocks.last().copied().unwrap_or(Block::File), &tokens[start..])
 }
 
 fn word<'t>(text: &'t str, token: Option<&&Token>) -> &'t str {
@@ -180,9 +160,7 @@ impl<'f> Finder<'f> {
     fn fill(&mut self, block: Block, mut statement: &[&Token]) {
         // `NAME :` before a step.
         if block == Block::Steps
-            && statement
-                .get(1)
-                .is_some_and(|statement| statement.kind == Kind::Colon)
+            && statement.get(1).is_some_and(|statement| statement.kind == Kind::Colon)
         {
             statement = &statement[2..];
         }
@@ -250,9 +228,7 @@ impl<'f> Finder<'f> {
                 self.path(PathKind::TaskOrActivity, rest);
             }
             "connect" => {
-                let to = rest
-                    .iter()
-                    .position(|token| word(self.text, Some(token)) == "to");
+                let to = rest.iter().position(|token| word(self.text, Some(token)) == "to");
                 match to {
                     Some(to) => {
                         if rest[to + 1..].is_empty() {
@@ -352,9 +328,7 @@ impl<'f> Finder<'f> {
         let name = word(self.text, before.get(client + 1)).to_owned();
         let mut labels: Vec<String> = Vec::new();
         for at in client..before.len() {
-            let colon = before
-                .get(at + 1)
-                .is_some_and(|token| token.kind == Kind::Colon);
+            let colon = before.get(at + 1).is_some_and(|token| token.kind == Kind::Colon);
             let label = word(self.text, before.get(at)).to_owned();
             if colon && is(at + 2, "send") && !labels.contains(&label) {
                 labels.push(label);

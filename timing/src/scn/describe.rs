@@ -31,33 +31,20 @@ pub fn describe(
 ) -> Option<Description> {
     let touches = |range: &Range<usize>| range.start <= offset && offset <= range.end;
     let references = names.references(scenario);
-    if let Some(reference) = references
-        .into_iter()
-        .find(|reference| touches(&reference.range))
-    {
+    if let Some(reference) = references.into_iter().find(|reference| touches(&reference.range)) {
         if let Target::Status(status) = &reference.target {
             return of_word(status, reference.range);
         }
         let (form, meaning) = names.describe(&reference.target);
-        return Some(Description {
-            range: reference.range,
-            form,
-            meaning,
-        });
+        return Some(Description { range: reference.range, form, meaning });
     }
-    let token = lex(text)
-        .into_iter()
-        .find(|lex| lex.kind == Kind::Name && touches(&lex.range))?;
+    let token = lex(text).into_iter().find(|lex| lex.kind == Kind::Name && touches(&lex.range))?;
     of_word(&text[token.range.clone()], token.range)
 }
 
 fn of_word(word: &str, range: Range<usize>) -> Option<Description> {
     let word = words::find(word)?;
-    Some(Description {
-        range,
-        form: word.form.to_owned(),
-        meaning: word.meaning.to_owned(),
-    })
+    Some(Description { range, form: word.form.to_owned(), meaning: word.meaning.to_owned() })
 }
 
 impl Names<'_> {
@@ -91,10 +78,7 @@ impl Names<'_> {
                     Some(task) => format!("runs in task `{}`", task.name),
                     None => "runs in the control task".to_owned(),
                 };
-                (
-                    format!("{kind} {}.{}", component(c).name, service.name),
-                    meaning,
-                )
+                (format!("{kind} {}.{}", component(c).name, service.name), meaning)
             }
             &Target::Port(c, p) => {
                 let port = &component(c).ports[p as usize];
@@ -103,18 +87,13 @@ impl Names<'_> {
                     PortDir::Out => "out",
                 };
                 let form = format!("port {dir} {}.{}", component(c).name, port.name);
-                (
-                    form,
-                    "an output port is one lock for all that use it".to_owned(),
-                )
+                (form, "an output port is one lock for all that use it".to_owned())
             }
             Target::State(c, owner, index, state) => {
                 let codel = codel_at(component(*c), *owner, *index);
                 let meaning = codel.map_or(String::new(), |codel| of_codel(codel, Some(state)));
                 (
-                    codel.map_or(String::new(), |codel| {
-                        format!("codel<{state}> {}", codel.name)
-                    }),
+                    codel.map_or(String::new(), |codel| format!("codel<{state}> {}", codel.name)),
                     meaning,
                 )
             }
@@ -124,25 +103,18 @@ impl Names<'_> {
                     CodelKind::Validate => format!("validate {}", codel.name),
                     _ => format!("codel {}", codel.name),
                 });
-                (
-                    form,
-                    codel.map_or(String::new(), |codel| of_codel(codel, None)),
-                )
+                (form, codel.map_or(String::new(), |codel| of_codel(codel, None)))
             }
-            Target::Client(name) => (
-                format!("client {name}"),
-                "a client of this scenario".to_owned(),
-            ),
+            Target::Client(name) => {
+                (format!("client {name}"), "a client of this scenario".to_owned())
+            }
             Target::Step(client, name) => (
                 format!("{client}.{name}"),
                 "a step of a client: true while the client is at it".to_owned(),
             ),
             Target::Status(status) => {
                 let known = words::find(status);
-                (
-                    status.clone(),
-                    known.map_or(String::new(), |word| word.meaning.to_owned()),
-                )
+                (status.clone(), known.map_or(String::new(), |word| word.meaning.to_owned()))
             }
         }
     }
@@ -153,14 +125,9 @@ impl Names<'_> {
         let (c, src) = match target {
             &Target::Component(c) => (c, Some(member(c).1.src)),
             &Target::Task(c, t) => (c, member(c).1.tasks.get(t as usize).map(|task| task.src)),
-            &Target::Service(c, s) => (
-                c,
-                member(c)
-                    .1
-                    .services
-                    .get(s as usize)
-                    .map(|service| service.src),
-            ),
+            &Target::Service(c, s) => {
+                (c, member(c).1.services.get(s as usize).map(|service| service.src))
+            }
             &Target::Port(c, p) => (c, member(c).1.ports.get(p as usize).map(|port| port.src)),
             Target::State(c, owner, index, state) => {
                 let codel = codel_at(member(*c).1, *owner, *index);

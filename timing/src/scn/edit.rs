@@ -14,15 +14,8 @@ use super::parse;
 /// this word, which is the one that counts, or adds an item behind the last `use`. Returns `None` if the text
 /// has no such place.
 pub fn setting(text: &str, word: &str, value: &str) -> Option<(Range<usize>, String)> {
-    let tokens: Vec<Token> = lex(text)
-        .into_iter()
-        .filter(|lex| !lex.kind.is_trivia())
-        .collect();
-    let of = |at: usize| {
-        tokens
-            .get(at)
-            .map_or("", |token: &Token| &text[token.range.clone()])
-    };
+    let tokens: Vec<Token> = lex(text).into_iter().filter(|lex| !lex.kind.is_trivia()).collect();
+    let of = |at: usize| tokens.get(at).map_or("", |token: &Token| &text[token.range.clone()]);
     let mut depth = 0;
     let (mut found, mut last_use) = (None, None);
     for at in 0..tokens.len() {
@@ -93,10 +86,7 @@ mod tests {
         let more = made(text, setting(text, "cores", "3"));
         assert!(more.contains("cores 1; cores 3;"), "{more}");
         let other = made(text, setting(text, "policy", "fifo"));
-        assert!(
-            other.contains("use \"a.gen\";\n  policy fifo; // policy edf;"),
-            "{other}"
-        );
+        assert!(other.contains("use \"a.gen\";\n  policy fifo; // policy edf;"), "{other}");
         // An action of a client is not a setting.
         let delay = made(text, setting(text, "delay", "9"));
         assert!(delay.contains("client k { delay 3 ms; }"), "{delay}");
@@ -109,10 +99,7 @@ mod tests {
         let text = "scenario s { duration a.t.main 4 ms; duration a.t.main [1, 5] ms; duration b.t.x 2 ms; }";
         let time = Seconds::new(7, 2000);
         let new = made(text, longest(text, "a.t.main", time));
-        assert!(
-            new.contains("duration a.t.main [1000, 3500] us; duration b.t.x 2 ms;"),
-            "{new}"
-        );
+        assert!(new.contains("duration a.t.main [1000, 3500] us; duration b.t.x 2 ms;"), "{new}");
         assert_eq!(longest(text, "a.t.other", time), None);
         assert_eq!(longest(text, "b.t.x", Seconds::new(1, 3_000_000)), None);
     }

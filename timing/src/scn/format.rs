@@ -18,11 +18,7 @@ pub fn format_edits(text: &str) -> Option<Vec<(Range<usize>, String)>> {
     }
     let changed = old.into_iter().zip(new);
     let changed = changed.filter(|(old, new)| text[old.clone()] != formatted[new.clone()]);
-    Some(
-        changed
-            .map(|(old, new)| (old, formatted[new].to_owned()))
-            .collect(),
-    )
+    Some(changed.map(|(old, new)| (old, formatted[new].to_owned())).collect())
 }
 
 /// The ranges between the tokens of a text, which contain only blanks. Blanks after a comment do not belong
@@ -137,10 +133,8 @@ pub fn format(text: &str) -> Option<String> {
 }
 
 fn space_between(before: Option<Kind>, now: Kind) -> bool {
-    let tight_after = matches!(
-        before,
-        None | Some(Kind::Dot | Kind::OpenParen | Kind::OpenBracket)
-    );
+    let tight_after =
+        matches!(before, None | Some(Kind::Dot | Kind::OpenParen | Kind::OpenBracket));
     let tight_before = matches!(
         now,
         Kind::Semicolon

@@ -94,10 +94,7 @@ pub struct Token {
 impl Kind {
     /// Returns true for blanks and comments.
     pub fn is_trivia(self) -> bool {
-        matches!(
-            self,
-            Kind::Space | Kind::LineComment | Kind::BlockComment | Kind::UnclosedComment
-        )
+        matches!(self, Kind::Space | Kind::LineComment | Kind::BlockComment | Kind::UnclosedComment)
     }
 }
 
@@ -105,9 +102,6 @@ impl Kind {
 pub fn lex(text: &str) -> Vec<Token> {
     Kind::lexer(text)
         .spanned()
-        .map(|(kind, range)| Token {
-            kind: kind.unwrap_or(Kind::Unknown),
-            range,
-        })
+        .map(|(kind, range)| Token { kind: kind.unwrap_or(Kind::Unknown), range })
         .collect()
 }

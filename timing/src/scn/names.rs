@@ -59,9 +59,8 @@ pub struct Reference {
 }
 
 /// Words that may follow a task, service or codel state in a predicate.
-pub const STATUSES: &[&str] = &[
-    "waiting", "running", "idle", "exec", "lock", "run", "stop", "void",
-];
+pub const STATUSES: &[&str] =
+    &["waiting", "running", "idle", "exec", "lock", "run", "stop", "void"];
 
 impl<'a> Names<'a> {
     /// Collects the components (not the interfaces) of some specifications.
@@ -73,11 +72,7 @@ impl<'a> Names<'a> {
                 let members = spec.components.iter();
                 members
                     .filter(|member| member.kind == ComponentKind::Component)
-                    .map(move |component| Member {
-                        spec_index,
-                        spec,
-                        component,
-                    })
+                    .map(move |component| Member { spec_index, spec, component })
             })
             .collect();
         Names { components }
@@ -90,10 +85,8 @@ impl<'a> Names<'a> {
         let Some(first) = names.next() else {
             return out;
         };
-        let Some(c) = self
-            .components
-            .iter()
-            .position(|component| component.component.name == first)
+        let Some(c) =
+            self.components.iter().position(|component| component.component.name == first)
         else {
             return out;
         };
@@ -104,10 +97,7 @@ impl<'a> Names<'a> {
         };
         let third = names.next();
         let task = component.tasks.iter().position(|task| task.name == second);
-        let service = component
-            .services
-            .iter()
-            .position(|service| service.name == second);
+        let service = component.services.iter().position(|service| service.name == second);
         let port = component.ports.iter().position(|port| port.name == second);
         // Tasks and services may share a name; the one with the requested state is meant.
         let has = |owner: Owner| third.is_some_and(|name| self.state(c, owner, name).is_some());
@@ -178,18 +168,13 @@ impl<'a> Names<'a> {
         let Some(name) = path.names.get(followed.len()) else {
             return Diagnostic::error("scn-path", path.range(), "incomplete path".to_owned());
         };
-        let candidates: Vec<String> = self
-            .after(followed.last())
-            .into_iter()
-            .map(|(name, _)| name)
-            .collect();
+        let candidates: Vec<String> =
+            self.after(followed.last()).into_iter().map(|(name, _)| name).collect();
         let place = match followed.last() {
             None => "the system has no component".to_owned(),
             Some(_) => {
-                let before: Vec<&str> = path.names[..followed.len()]
-                    .iter()
-                    .map(|name| name.value.as_str())
-                    .collect();
+                let before: Vec<&str> =
+                    path.names[..followed.len()].iter().map(|name| name.value.as_str()).collect();
                 format!("`{}` has nothing called", before.join("."))
             }
         };
@@ -280,19 +265,13 @@ impl<'a> Names<'a> {
             }
             let followed = targets.len();
             for (name, target) in path.names.iter().zip(targets) {
-                out.push(Reference {
-                    range: name.range.clone(),
-                    target,
-                });
+                out.push(Reference { range: name.range.clone(), target });
             }
             if let Some(name) = path.names.get(followed)
                 && STATUSES.contains(&name.value.as_str())
             {
                 let target = Target::Status(name.value.clone());
-                out.push(Reference {
-                    range: name.range.clone(),
-                    target,
-                });
+                out.push(Reference { range: name.range.clone(), target });
             }
         });
         for item in &scenario.items {
@@ -336,16 +315,10 @@ fn client_references(scenario: &Scenario, path: &Path, out: &mut Vec<Reference>)
     });
     let Some(client) = client else { return };
     let name = client.name.value.clone();
-    out.push(Reference {
-        range: first.range.clone(),
-        target: Target::Client(name.clone()),
-    });
+    out.push(Reference { range: first.range.clone(), target: Target::Client(name.clone()) });
     if let Some(second) = path.names.get(1) {
         let target = Target::Step(name, second.value.clone());
-        out.push(Reference {
-            range: second.range.clone(),
-            target,
-        });
+        out.push(Reference { range: second.range.clone(), target });
     }
 }
 

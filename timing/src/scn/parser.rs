@@ -28,10 +28,7 @@ pub struct Parse {
 pub fn parse(text: &str) -> Parse {
     let mut parser = Parser::new(text);
     let scenario = parser.scenario();
-    Parse {
-        scenario,
-        errors: parser.errors,
-    }
+    Parse { scenario, errors: parser.errors }
 }
 
 /// Parses a check: the text after `check`, without the `;`.
@@ -48,11 +45,9 @@ pub fn parse_check(text: &str) -> Result<Check, Diagnostic> {
     match (parser.errors.into_iter().next(), check) {
         (None, Some(check)) => Ok(check),
         (Some(error), _) => Err(error),
-        (None, None) => Err(Diagnostic::error(
-            "scn-syntax",
-            0..text.len(),
-            "not a check".to_owned(),
-        )),
+        (None, None) => {
+            Err(Diagnostic::error("scn-syntax", 0..text.len(), "not a check".to_owned()))
+        }
     }
 }
 
@@ -78,31 +73,20 @@ impl<'t> Parser<'t> {
                 Kind::Unknown => "this character means nothing here; remove it",
                 _ => continue,
             };
-            errors.push(Diagnostic::error(
-                "scn-lexical",
-                token.range.clone(),
-                message.to_owned(),
-            ));
+            errors.push(Diagnostic::error("scn-lexical", token.range.clone(), message.to_owned()));
         }
         errors.truncate(50);
         let tokens = tokens
             .into_iter()
             .filter(|token| !token.kind.is_trivia() && token.kind != Kind::Unknown)
             .collect();
-        Parser {
-            text,
-            tokens,
-            at: 0,
-            errors,
-            depth: 0,
-        }
+        Parser { text, tokens, at: 0, errors, depth: 0 }
     }
 
     fn nested<T>(&mut self, body: impl FnOnce(&mut Self) -> Option<T>) -> Option<T> {
         if self.depth == DEPTH {
             let message = "nested too deeply; write it simpler".to_owned();
-            self.errors
-                .push(Diagnostic::error("scn-nesting", self.range(), message));
+            self.errors.push(Diagnostic::error("scn-nesting", self.range(), message));
             return None;
         }
         self.depth += 1;

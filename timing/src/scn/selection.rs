@@ -74,10 +74,7 @@ struct Level {
 
 impl Level {
     fn at(bracket: usize) -> Level {
-        Level {
-            bracket,
-            item: None,
-        }
+        Level { bracket, item: None }
     }
 }
 
@@ -95,10 +92,7 @@ mod tests {
         let offset = text.find('$').expect("a cursor");
         let text = text.replace('$', "");
         let ranges = selections(&text, offset);
-        ranges
-            .into_iter()
-            .map(|range| text[range].to_owned())
-            .collect()
+        ranges.into_iter().map(|range| text[range].to_owned()).collect()
     }
 
     #[test]

@@ -132,12 +132,7 @@ impl Semantics {
     /// of the two orders of locks that these rules support.
     pub fn is_published(self) -> bool {
         let locks = self.locks;
-        locks != LockRule::Queue
-            && self
-                == Semantics {
-                    locks,
-                    ..Semantics::PUBLISHED
-                }
+        locks != LockRule::Queue && self == Semantics { locks, ..Semantics::PUBLISHED }
     }
 
     /// Returns the preset, then the points that differ from it, as scenarios write them.
@@ -151,9 +146,8 @@ impl Semantics {
             ("pause", self.pause.name(), preset.pause.name()),
         ];
         let others = points.iter().filter(|(_, this, usual)| this != usual);
-        let others: Vec<String> = others
-            .map(|(point, this, _)| format!("{point} {this}"))
-            .collect();
+        let others: Vec<String> =
+            others.map(|(point, this, _)| format!("{point} {this}")).collect();
         match others.is_empty() {
             true => self.preset.name().to_owned(),
             false => format!("{} with {}", self.preset.name(), others.join(", ")),
@@ -203,13 +197,7 @@ mod tests {
             ports: Some(PortRule::Copy),
             ..Points::default()
         };
-        assert_eq!(
-            points.over(Preset::Servers).text(),
-            "servers with locks fifo"
-        );
-        assert_eq!(
-            points.over(Preset::Published).text(),
-            "published with locks fifo, ports copy"
-        );
+        assert_eq!(points.over(Preset::Servers).text(), "servers with locks fifo");
+        assert_eq!(points.over(Preset::Published).text(), "published with locks fifo, ports copy");
     }
 }

@@ -10,11 +10,7 @@ pub(super) struct Word {
 }
 
 const fn word(word: &'static str, form: &'static str, meaning: &'static str) -> Word {
-    Word {
-        word,
-        form,
-        meaning,
-    }
+    Word { word, form, meaning }
 }
 
 /// Returns true for a word of the language.
@@ -38,16 +34,8 @@ const WORDS: &[Word] = &[
         "use \"FILE.gen\";",
         "A specification to verify; the path starts at the directory of the scenario.",
     ),
-    word(
-        "unit",
-        "unit 10 us;",
-        "Unit of results (default 1 ms); durations are rounded up to it.",
-    ),
-    word(
-        "cores",
-        "cores 4;  cores free;",
-        "Number of cores. `free` (default): one core per task.",
-    ),
+    word("unit", "unit 10 us;", "Unit of results (default 1 ms); durations are rounded up to it."),
+    word("cores", "cores 4;  cores free;", "Number of cores. `free` (default): one core per task."),
     word(
         "semantics",
         "semantics servers;  semantics published;",
@@ -193,16 +181,8 @@ const WORDS: &[Word] = &[
         "Of each component that is named here, only these codels carry the data, or only codels that write \
          these ports.",
     ),
-    word(
-        "leadsto",
-        "check leadsto P => Q;",
-        "Whenever P becomes true, Q follows on every run.",
-    ),
-    word(
-        "eventually",
-        "check eventually P;",
-        "P becomes true on every run.",
-    ),
+    word("leadsto", "check leadsto P => Q;", "Whenever P becomes true, Q follows on every run."),
+    word("eventually", "check eventually P;", "P becomes true on every run."),
     word("always", "check always P;", "P holds in every state."),
     word("reachable", "check reachable P;", "P holds in some state."),
     word(
@@ -250,39 +230,19 @@ const WORDS: &[Word] = &[
         "repeat 3 { … }  repeat * { … }",
         "Executes the steps this many times; `*`: for ever.",
     ),
-    word(
-        "choice",
-        "choice { … } or { … }",
-        "Executes one of the branches; all are explored.",
-    ),
+    word("choice", "choice { … } or { … }", "Executes one of the branches; all are explored."),
     word(
         "then",
         "check within P => Q then R <= 5 ms;",
         "The next predicate: it is true when the one before it is, or later.",
     ),
-    word(
-        "leave",
-        "leave PATH",
-        "The moment at which PATH stops being true.",
-    ),
-    word(
-        "waiting",
-        "TASK.waiting",
-        "The task waits for a core (an activity: is held back).",
-    ),
+    word("leave", "leave PATH", "The moment at which PATH stops being true."),
+    word("waiting", "TASK.waiting", "The task waits for a core (an activity: is held back)."),
     word("running", "TASK.running", "The task has its core."),
     word("idle", "TASK.idle", "The task has nothing to do."),
     word("exec", "STATE.exec", "The codel executes."),
     word("lock", "STATE.lock", "The codel waits for its locks."),
     word("run", "ACTIVITY.run", "An instance of the activity runs."),
-    word(
-        "stop",
-        "ACTIVITY.stop",
-        "An instance of the activity is being interrupted.",
-    ),
-    word(
-        "void",
-        "ACTIVITY.void",
-        "There is no instance of the activity.",
-    ),
+    word("stop", "ACTIVITY.stop", "An instance of the activity is being interrupted."),
+    word("void", "ACTIVITY.void", "There is no instance of the activity."),
 ];

@@ -72,9 +72,8 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
             shared: OnceLock::new(),
         },
     };
-    let included: Vec<usize> = (0..names.components.len())
-        .filter(|&component| include(component))
-        .collect();
+    let included: Vec<usize> =
+        (0..names.components.len()).filter(|&component| include(component)).collect();
     builder.choose_rules();
     builder.override_durations();
     builder.number_slots();
@@ -90,24 +89,13 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
     let out = &mut builder.out;
     exclude_codels(names, settings, &included, out);
     if let Some((one, others)) = &settings.apart {
-        others
-            .iter()
-            .for_each(|name| out.system.separate(one, name));
+        others.iter().for_each(|name| out.system.separate(one, name));
     }
     let preempts = matches!(settings.policy(), ast::Policy::Priority | ast::Policy::Fair);
     // If an operating system grants cores, control tasks need cores as well.
-    let control_tasks = if preempts {
-        out.system.components.len()
-    } else {
-        0
-    };
-    let needing = control_tasks
-        + out
-            .system
-            .tasks
-            .keys()
-            .filter(|&task| out.system.needs_core(task))
-            .count();
+    let control_tasks = if preempts { out.system.components.len() } else { 0 };
+    let needing =
+        control_tasks + out.system.tasks.keys().filter(|&task| out.system.needs_core(task)).count();
     // Tasks bound to the same core wait for each other, however many other cores there are.
     let tied = out.system.tasks.iter().any(|task| task.affinity.is_some());
     let cores = out.system.platform.cores.filter(|_| !tied);
@@ -141,11 +129,7 @@ struct Builder<'b> {
 
 impl Builder<'_> {
     fn place(&self, c: usize, src: Src, what: &str) -> Place {
-        Place {
-            spec: self.names.components[c].spec_index,
-            src,
-            what: what.to_owned(),
-        }
+        Place { spec: self.names.components[c].spec_index, src, what: what.to_owned() }
     }
 
     fn report(&mut self, diagnostic: Diagnostic) {

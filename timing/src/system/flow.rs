@@ -64,11 +64,7 @@ pub(crate) fn chain(
     asked: &ChainQuery,
 ) -> Result<FoundChain, Diagnostic> {
     let connections = connections(names, settings, &mut Vec::new());
-    let flow = Flow {
-        names,
-        built,
-        connections,
-    };
+    let flow = Flow { names, built, connections };
     let first = flow.source(asked.from)?;
     let last = flow.source(asked.to)?;
     if flow.is_input(&last) {
@@ -76,11 +72,7 @@ pub(crate) fn chain(
             "`{}` is an input that nothing in the system writes; name the output at which the chain ends",
             asked.to.text()
         );
-        return Err(Diagnostic::error(
-            "scn-chain-end",
-            asked.to.range(),
-            message,
-        ));
+        return Err(Diagnostic::error("scn-chain-end", asked.to.range(), message));
     }
     let external = flow.is_input(&first);
     let mut uses = flow.uses();
@@ -111,9 +103,7 @@ pub(crate) fn chain(
     let place = |key: &Key| match &key.0 {
         Root::Variable(c, s, _) => {
             let list = local.get(&(*c, *s))?;
-            Some(DataPlace::Local(
-                list.iter().position(|local| *local == key)?,
-            ))
+            Some(DataPlace::Local(list.iter().position(|local| *local == key)?))
         }
         _ => shared.get(key).map(|&index| DataPlace::Shared(index)),
     };
@@ -132,20 +122,12 @@ pub(crate) fn chain(
     };
     let on_way =
         |accesses: &&DataAccesses| !accesses.writes.is_empty() || !accesses.reads.is_empty();
-    let mut components: Vec<usize> = uses
-        .iter()
-        .filter(on_way)
-        .map(|usage| usage.component)
-        .collect();
+    let mut components: Vec<usize> =
+        uses.iter().filter(on_way).map(|usage| usage.component).collect();
     components.extend([first.0, last.0]);
     components.sort_unstable();
     components.dedup();
-    Ok(FoundChain {
-        chain,
-        components,
-        ways,
-        more,
-    })
+    Ok(FoundChain { chain, components, ways, more })
 }
 
 fn no_path_diagnostic(asked: &ChainQuery) -> Diagnostic {
@@ -158,11 +140,7 @@ fn no_path_diagnostic(asked: &ChainQuery) -> Diagnostic {
         "no data go from `{from}` to `{to}`{via}: no codel that is executed reads what depends on the one and writes the \
          other; request the activities that do, `connect` the ports between, or name other ports"
     );
-    Diagnostic::error(
-        "scn-no-way",
-        asked.from.range().start..asked.to.range().end,
-        message,
-    )
+    Diagnostic::error("scn-no-way", asked.from.range().start..asked.to.range().end, message)
 }
 
 /// The data accesses of a codel.
@@ -233,10 +211,7 @@ impl Flow<'_> {
         keys.extend(&whole);
         let parts = |of: &Key| {
             let inside = |key: &&&Key| key.0 == of.0 && key.1.starts_with(&of.1);
-            keys.iter()
-                .filter(inside)
-                .map(|key| (*key).clone())
-                .collect::<Vec<Key>>()
+            keys.iter().filter(inside).map(|key| (*key).clone()).collect::<Vec<Key>>()
         };
         let of_codel = |(id, list): (CodelId, &Vec<(ParamDir, Key)>)| {
             let mut out = DataAccesses {
@@ -265,8 +240,7 @@ impl Flow<'_> {
     fn component_of(&self, id: CodelId) -> usize {
         let number = self.built.system.codels[id].component;
         let mut all = self.built.components.iter();
-        all.find(|component| *component.1 == number)
-            .map_or(0, |component| *component.0)
+        all.find(|component| *component.1 == number).map_or(0, |component| *component.0)
     }
 
     /// Returns the places that a codel names. An attribute without a codel copies the values of a request,
@@ -310,11 +284,7 @@ impl Flow<'_> {
                 (ParamSource::Ids, _) => out.push((param.dir, (Root::Ids(c), path(param)))),
                 (ParamSource::Port(p), _) => {
                     let sources = locks_of(self.names, &self.connections, (c, p));
-                    let sources = if sources.is_empty() {
-                        vec![(c, p)]
-                    } else {
-                        sources
-                    };
+                    let sources = if sources.is_empty() { vec![(c, p)] } else { sources };
                     let of = |(c, p)| (param.dir, (Root::Port(c, p), path(param)));
                     out.extend(sources.into_iter().map(of));
                 }
@@ -353,14 +323,9 @@ impl Flow<'_> {
             codels.entry(uses[one].component).or_default().extend(named);
         }
         for (id, usage) in uses.iter_mut_enumerated() {
-            usage.carries = codels
-                .get(&usage.component)
-                .is_none_or(|list| list.contains(&id));
+            usage.carries = codels.get(&usage.component).is_none_or(|list| list.contains(&id));
             if let Some(list) = ports.get(&usage.component)
-                && usage
-                    .writes
-                    .iter()
-                    .any(|key| matches!(&key.0, Root::Port(..)))
+                && usage.writes.iter().any(|key| matches!(&key.0, Root::Port(..)))
             {
                 let named = |key: &Key| matches!(&key.0, Root::Port(_, p) if list.contains(p));
                 usage.carries &= usage.writes.iter().any(named);
@@ -427,11 +392,7 @@ fn ways(
     let mut out: Vec<Vec<CodelId>> = Vec::new();
     let mut steps = 0;
     let begins = |usage: &CodelId| uses[*usage].carries && uses[*usage].reads.contains(first);
-    let mut open: Vec<Vec<CodelId>> = uses
-        .keys()
-        .filter(begins)
-        .map(|usage| vec![usage])
-        .collect();
+    let mut open: Vec<Vec<CodelId>> = uses.keys().filter(begins).map(|usage| vec![usage]).collect();
     open.reverse();
     while let Some(way) = open.pop() {
         steps += 1;
@@ -446,10 +407,7 @@ fn ways(
         for next in uses.keys().rev() {
             let goes_on = uses[next].carries
                 && !way.contains(&next)
-                && uses[at]
-                    .writes
-                    .intersection(&uses[next].reads)
-                    .any(|pair| pair != first);
+                && uses[at].writes.intersection(&uses[next].reads).any(|pair| pair != first);
             if goes_on {
                 open.push(way.iter().copied().chain([next]).collect());
             }

@@ -94,10 +94,7 @@ pub struct SharedPorts<'n> {
 impl<'n> SharedPorts<'n> {
     /// Looks up the connections of a scenario.
     pub fn new(names: &'n Names<'n>, settings: &Settings) -> Self {
-        SharedPorts {
-            names,
-            connections: connections(names, settings, &mut Vec::new()),
-        }
+        SharedPorts { names, connections: connections(names, settings, &mut Vec::new()) }
     }
 
     /// Returns the connections that both codels (component, codel) use, as `sensor.scan → control.scan`: the
@@ -270,9 +267,8 @@ fn tickets(names: &Names, c: usize, out: &mut Built) {
         };
         for other in mutex::service_exclusions(member.spec, component, s) {
             let what = Some((component.task_of(other), &component.codel(other).name));
-            let same: Vec<CodelId> = (own.iter().copied())
-                .filter(|&codel| function(codel, out) == what)
-                .collect();
+            let same: Vec<CodelId> =
+                (own.iter().copied()).filter(|&codel| function(codel, out) == what).collect();
             let conflicts = &mut out.system.codels[copy].conflicts;
             same.into_iter().for_each(|codel| conflicts.insert(codel));
         }
@@ -314,20 +310,12 @@ pub(super) fn connections(
                 if port.dir == dir {
                     Ok((c, p))
                 } else {
-                    let word = if dir == PortDir::In {
-                        "an input"
-                    } else {
-                        "an output"
-                    };
+                    let word = if dir == PortDir::In { "an input" } else { "an output" };
                     let message = format!(
                         "`{}` is not {word} port; write `connect INPUT to OUTPUT;`",
                         path.text()
                     );
-                    Err(Diagnostic::error(
-                        "scn-port-direction",
-                        path.range(),
-                        message,
-                    ))
+                    Err(Diagnostic::error("scn-port-direction", path.range(), message))
                 }
             }
             Ok(_) => Err(not_a("port", path)),
@@ -363,10 +351,7 @@ pub(super) fn locks_of(names: &Names, connections: &Connections, (c, p): Port) -
     if port.dir == PortDir::Out {
         return vec![(c, p)];
     }
-    let mut stated = connections
-        .iter()
-        .filter(|(input, _)| *input == (c, p))
-        .peekable();
+    let mut stated = connections.iter().filter(|(input, _)| *input == (c, p)).peekable();
     if stated.peek().is_some() {
         return stated.filter_map(|(_, output)| *output).collect();
     }

@@ -109,23 +109,16 @@ fn stuck_states(machine: &Machine, limit: u16) -> (Vec<usize>, bool) {
     let mut begins: Vec<usize> = vec![machine.start];
     begins.extend(machine.stop);
     for state in &machine.states {
-        begins.extend(
-            state
-                .yields
-                .iter()
-                .filter_map(|transition| match *transition {
-                    Yield::Pause(state) => Some(state),
-                    _ => None,
-                }),
-        );
+        begins.extend(state.yields.iter().filter_map(|transition| match *transition {
+            Yield::Pause(state) => Some(state),
+            _ => None,
+        }));
     }
     let mut found: Vec<usize> = Vec::new();
     let mut all = true;
     let mut seen = FxHashSet::default();
-    let mut stack: Vec<Visited> = begins
-        .into_iter()
-        .map(|at| beginning(machine, Some(limit), at))
-        .collect();
+    let mut stack: Vec<Visited> =
+        begins.into_iter().map(|at| beginning(machine, Some(limit), at)).collect();
     while let Some((at, visits)) = stack.pop() {
         if seen.len() == COMBINATIONS {
             all = false;
@@ -191,8 +184,7 @@ fn begins_round(machine: &Machine, at: usize, within: &[Visited]) -> Vec<Visited
         Yield::Next(next) if next != at => Some(next),
         _ => None,
     });
-    next.map(|next| beginning(machine, machine.loop_limit, next))
-        .collect()
+    next.map(|next| beginning(machine, machine.loop_limit, next)).collect()
 }
 
 /// Returns the successors of a state in the same turn.

@@ -81,18 +81,12 @@ pub struct ThreadName {
 impl ThreadName {
     /// Returns the name of a task.
     pub fn of_task(component: &str, task: &str) -> ThreadName {
-        ThreadName {
-            component: component.to_owned(),
-            task: Some(task.to_owned()),
-        }
+        ThreadName { component: component.to_owned(), task: Some(task.to_owned()) }
     }
 
     /// Returns the name of the control task of a component, or of a client.
     pub fn of_component(component: &str) -> ThreadName {
-        ThreadName {
-            component: component.to_owned(),
-            task: None,
-        }
+        ThreadName { component: component.to_owned(), task: None }
     }
 
     /// Returns the last name: the task, or else the component or client.
@@ -143,9 +137,6 @@ mod tests {
             ("lift.abort".into(), "abort", "abort")
         );
         let task = ThreadName::of_task("lift", "control");
-        assert_eq!(
-            (task.to_string(), task.own()),
-            ("lift.control".into(), "control")
-        );
+        assert_eq!((task.to_string(), task.own()), ("lift.control".into(), "control"));
     }
 }

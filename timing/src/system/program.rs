@@ -42,14 +42,8 @@ pub(crate) fn compile(
 ) -> Result<Client, Diagnostic> {
     let mut labels = Vec::new();
     labelled(&client.steps, &mut labels);
-    let mut program = Program {
-        steps: Vec::new(),
-        trackers: Vec::new(),
-        labels,
-        resolve,
-        ticks,
-        loops: 0,
-    };
+    let mut program =
+        Program { steps: Vec::new(), trackers: Vec::new(), labels, resolve, ticks, loops: 0 };
     program.followed(&client.steps)?;
     let first = program.sequence(&client.steps, vec![DONE])?;
     let done = program.steps.len();
@@ -60,11 +54,7 @@ pub(crate) fn compile(
     finish_list(&mut first, done);
     if done > STEPS {
         let message = format!("this client has more than {STEPS} steps; repeat less often");
-        return Err(Diagnostic::error(
-            "scn-client-size",
-            client.name.range.clone(),
-            message,
-        ));
+        return Err(Diagnostic::error("scn-client-size", client.name.range.clone(), message));
     }
     Ok(Client {
         name: client.name.value.clone(),
@@ -148,11 +138,7 @@ impl Program<'_> {
     /// Returns the request that `abort` names: one for an activity, or one with a label.
     fn aborted(&self, path: &Path) -> Result<TrackedRequest, Diagnostic> {
         if let [name] = path.names.as_slice() {
-            let mut requests = self
-                .labels
-                .iter()
-                .filter(|label| label.0 == name.value)
-                .peekable();
+            let mut requests = self.labels.iter().filter(|label| label.0 == name.value).peekable();
             if requests.peek().is_none() {
                 let message = format!(
                     "`{0}` is no label of a request of this client; write `abort COMPONENT.ACTIVITY;`, or \
@@ -170,10 +156,7 @@ impl Program<'_> {
     }
 
     fn tracker(&self, of: &TrackedRequest) -> usize {
-        self.trackers
-            .iter()
-            .position(|tracker| tracker == of)
-            .unwrap_or(0)
+        self.trackers.iter().position(|tracker| tracker == of).unwrap_or(0)
     }
 
     /// Returns the action of a request of any kind.
@@ -185,9 +168,7 @@ impl Program<'_> {
     ) -> ClientAction {
         let trackers = |follows: &dyn Fn(&TrackedRequest) -> bool| {
             let all = self.trackers.iter().enumerate();
-            all.filter(|pair| follows(pair.1))
-                .map(|pair| pair.0)
-                .collect()
+            all.filter(|pair| follows(pair.1)).map(|pair| pair.0).collect()
         };
         ClientAction::Send {
             service,
@@ -261,11 +242,7 @@ impl Program<'_> {
                 };
                 let action = ClientAction::AwaitOutcome(tracker, succeeded);
                 let outcome = self.push(action, next, label.clone());
-                return Ok(vec![self.push(
-                    ClientAction::AwaitAny,
-                    vec![outcome],
-                    label,
-                )]);
+                return Ok(vec![self.push(ClientAction::AwaitAny, vec![outcome], label)]);
             }
             StepKind::Delay(Interval { lower, upper }, unit) => ClientAction::Delay(
                 (self.ticks)(*lower, *unit),
@@ -318,11 +295,7 @@ impl Program<'_> {
         let first = self.sequence(body, vec![beginning])?;
         if first.contains(&beginning) {
             let message = "this repetition may do nothing for ever; add a step".to_owned();
-            return Err(Diagnostic::error(
-                "scn-empty-repeat",
-                step.range.clone(),
-                message,
-            ));
+            return Err(Diagnostic::error("scn-empty-repeat", step.range.clone(), message));
         }
         for step in &mut self.steps {
             if step.next.contains(&beginning) {
@@ -334,11 +307,7 @@ impl Program<'_> {
     }
 
     fn push(&mut self, action: ClientAction, next: Vec<usize>, label: Option<String>) -> usize {
-        self.steps.push(ClientStep {
-            action,
-            next,
-            label,
-        });
+        self.steps.push(ClientStep { action, next, label });
         self.steps.len() - 1
     }
 }

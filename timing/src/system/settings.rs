@@ -128,8 +128,7 @@ impl Settings {
 
     /// Returns true if `before` and `after` apply.
     pub fn order(&self) -> bool {
-        self.stated_order
-            .unwrap_or(!self.semantics().is_published())
+        self.stated_order.unwrap_or(!self.semantics().is_published())
     }
 
     /// Returns the order in which cores are granted.

@@ -44,14 +44,10 @@ pub(crate) fn ticks(time: Seconds, unit: Seconds) -> Option<Ticks> {
 /// Returns a time as scenarios write it: a whole number of the greatest possible unit. `None` if no unit is
 /// fine enough.
 pub(crate) fn as_written(time: Seconds) -> Option<String> {
-    [Unit::Seconds, Unit::Milliseconds, Unit::Microseconds]
-        .into_iter()
-        .find_map(|unit| {
-            let count = time / unit.seconds();
-            count
-                .is_integer()
-                .then(|| format!("{} {}", count.to_integer(), unit.name()))
-        })
+    [Unit::Seconds, Unit::Milliseconds, Unit::Microseconds].into_iter().find_map(|unit| {
+        let count = time / unit.seconds();
+        count.is_integer().then(|| format!("{} {}", count.to_integer(), unit.name()))
+    })
 }
 
 /// Rounds up to a multiple of `unit`.

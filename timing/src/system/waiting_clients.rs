@@ -52,10 +52,7 @@ impl Client {
         let steps = self.steps.iter().zip(&reached).filter(|pair| *pair.1);
         Client {
             steps: steps
-                .map(|(step, _)| ClientStep {
-                    next: renumbered(&step.next),
-                    ..step.clone()
-                })
+                .map(|(step, _)| ClientStep { next: renumbered(&step.next), ..step.clone() })
                 .collect(),
             first: renumbered(&self.first),
             ..self.clone()
@@ -69,12 +66,9 @@ impl TimedSystem {
     pub(crate) fn waiting_forever_after(&self, most: usize) -> Option<TimedSystem> {
         let stays = |client: &Client| (0..client.steps.len()).any(|step| client.may_stay(step));
         self.clients.iter().any(stays).then(|| TimedSystem {
-            clients: (self
-                .clients
-                .iter()
-                .map(|client| client.waiting_forever_after(most)))
-            .filter(|waiting_forever| !waiting_forever.steps.is_empty())
-            .collect(),
+            clients: (self.clients.iter().map(|client| client.waiting_forever_after(most)))
+                .filter(|waiting_forever| !waiting_forever.steps.is_empty())
+                .collect(),
             ..self.clone()
         })
     }
@@ -96,11 +90,8 @@ mod tests {
             next: vec![0],
             label: None,
         };
-        let stay = ClientStep {
-            action: ClientAction::Delay(0, FOREVER),
-            next: vec![1, 2],
-            label: None,
-        };
+        let stay =
+            ClientStep { action: ClientAction::Delay(0, FOREVER), next: vec![1, 2], label: None };
         Client {
             name: "any".to_owned(),
             steps: vec![stay, send(0), send(1)],
@@ -115,9 +106,8 @@ mod tests {
             _ => "stay".to_owned(),
         };
         let steps = client.steps.iter();
-        let steps: Vec<String> = steps
-            .map(|step| format!("{} {:?}", word(step), step.next))
-            .collect();
+        let steps: Vec<String> =
+            steps.map(|step| format!("{} {:?}", word(step), step.next)).collect();
         format!("{:?}: {}", client.first, steps.join(", "))
     }
 

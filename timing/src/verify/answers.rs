@@ -50,10 +50,7 @@ impl Group<'_> {
         let rounded = !self.built.rounded.is_empty();
         let preempts = self.built.system.preempts();
         CheckReport {
-            id: CheckId {
-                written: check.written,
-                task: check.what.task(),
-            },
+            id: CheckId { written: check.written, task: check.what.task() },
             name: check.check.name.as_ref().map(|name| name.value.clone()),
             kind: check.what.kind(),
             of,
@@ -93,10 +90,7 @@ impl Group<'_> {
 
     /// Returns the report of a check without an answer.
     pub(super) fn open(&self, check: &Single) -> CheckReport {
-        CheckReport {
-            verdict: Verdict::Open,
-            ..self.blank(check)
-        }
+        CheckReport { verdict: Verdict::Open, ..self.blank(check) }
     }
 
     pub(super) fn one(&self, check: &Single, place: usize, found: &Findings) -> CheckReport {
@@ -170,27 +164,17 @@ impl Group<'_> {
     fn loop_of(&self, task: DeclaredTask) -> Option<String> {
         let system = &self.built.system;
         let task = &system.tasks[self.built.tasks[&task]];
-        let machines = task
-            .permanent
-            .iter()
-            .chain(&task.slots)
-            .map(|&a| system.machine_of(a));
+        let machines = task.permanent.iter().chain(&task.slots).map(|&a| system.machine_of(a));
         let mut free = machines.filter(|machine| machine.loop_limit.is_none());
         let (machine, cycle) = free
             .find_map(|machine| Some((machine, pauseless_cycles(machine).into_iter().next()?)))?;
         let names: Vec<&str> = cycle.iter().map(|&at| &*machine.states[at].name).collect();
         let advice = match can_be_limited(machine) {
-            true => format!(
-                "`loop once {};` in a scenario limits its rounds",
-                machine.name
-            ),
+            true => format!("`loop once {};` in a scenario limits its rounds", machine.name),
             false => "a `pause::` or `ether` among its yields ends it".to_owned(),
         };
         let loops = names.join(" → ");
-        Some(format!(
-            "{} may go round {loops} without a pause; {advice}",
-            machine.name
-        ))
+        Some(format!("{} may go round {loops} without a pause; {advice}", machine.name))
     }
 
     pub(super) fn bounded(
@@ -202,12 +186,7 @@ impl Group<'_> {
     ) {
         let Some(measurement) = measurement else {
             out.note = Some(never.to_owned());
-            self.unless_stopped(
-                found.stopped,
-                (found.states, found.bytes),
-                Verdict::Proved,
-                out,
-            );
+            self.unless_stopped(found.stopped, (found.states, found.bytes), Verdict::Proved, out);
             out.vacuous = out.verdict == Verdict::Proved;
             return;
         };
@@ -230,12 +209,7 @@ impl Group<'_> {
             self.refute(&measurement.longest.run, out);
         } else {
             self.witness(&measurement.longest.run, out);
-            self.unless_stopped(
-                found.stopped,
-                (found.states, found.bytes),
-                Verdict::Proved,
-                out,
-            );
+            self.unless_stopped(found.stopped, (found.states, found.bytes), Verdict::Proved, out);
         }
     }
 
@@ -251,10 +225,7 @@ impl Group<'_> {
         let Some(response) = predicate(response) else {
             return out;
         };
-        let query = LivenessQuery {
-            trigger: trigger.and_then(predicate),
-            response,
-        };
+        let query = LivenessQuery { trigger: trigger.and_then(predicate), response };
         let found = liveness(&self.built.system, &query, self.limits, self.cancel);
         report.states += found.states;
         report.memory = report.memory.max(found.bytes);
@@ -303,10 +274,7 @@ impl Group<'_> {
             format!(": the start-up of `{starting}` never completes")
         });
         let path = system.task_path(task);
-        Some(format!(
-            "`{path}` is never released{}",
-            why.unwrap_or_default()
-        ))
+        Some(format!("`{path}` is never released{}", why.unwrap_or_default()))
     }
 
     /// Returns the part of a predicate that was never true, if the predicate always holds for that reason.

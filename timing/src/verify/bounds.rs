@@ -46,10 +46,7 @@ impl<'b> ResponseBounds<'b> {
         bytes: usize,
         cancel: &Cancel,
     ) -> Result<Vec<(TaskId, Refusal)>, Refusal> {
-        let budget = Budget {
-            bytes,
-            ..Budget::default()
-        };
+        let budget = Budget { bytes, ..Budget::default() };
         let system = &self.built.system;
         let found = abstract_bounds(system, budget, cancel);
         let periodic = |task: &TaskId| system.tasks[*task].period.is_some();
@@ -133,8 +130,7 @@ impl<'b> ResponseBounds<'b> {
 
     /// Returns true if the task certainly has jobs.
     fn is_released(&self, task: TaskId) -> bool {
-        self.released
-            .get_or_init(|| tasks_with_jobs(&self.built.system))[task]
+        self.released.get_or_init(|| tasks_with_jobs(&self.built.system))[task]
     }
 
     /// Returns a bound on the response time of the task, for a check of a deadline or a response time.
@@ -223,9 +219,7 @@ impl Group<'_> {
         };
         let (bound_text, by) = (self.describe(bound), analysed.layer(check));
         if self.ticks(limit).is_some_and(|limit| bound > limit) {
-            out.note = Some(format!(
-                "for ends at any time analysis knows a bound of {bound_text}"
-            ));
+            out.note = Some(format!("for ends at any time analysis knows a bound of {bound_text}"));
         } else if out.value == Some(self.time(bound)) {
             out.soundness = Soundness::Exact;
             out.by = Some(by);
@@ -301,9 +295,7 @@ impl Group<'_> {
             (out.note, out.gave_up) = (None, None);
             return;
         }
-        let why = out
-            .gave_up
-            .map_or(String::new(), |gave_up| format!(": {gave_up}"));
+        let why = out.gave_up.map_or(String::new(), |gave_up| format!(": {gave_up}"));
         let reached = match out.value {
             Some(value @ Value::Time(time)) if time > 0.0 => {
                 format!(", and {} is reached", self.unit.show_value(value))

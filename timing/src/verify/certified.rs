@@ -86,9 +86,5 @@ fn uncertified(check: &CheckReport) -> Uncertified {
         },
         _ => None,
     };
-    Uncertified {
-        check: words(check),
-        verdict: verdict(check).to_owned(),
-        by,
-    }
+    Uncertified { check: words(check), verdict: verdict(check).to_owned(), by }
 }

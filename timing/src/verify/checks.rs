@@ -99,40 +99,25 @@ pub(super) fn expand<'c>(
     let mut out = Vec::new();
     let tasks = |path: &Option<Path>, periodic: bool| -> Result<Vec<DeclaredTask>, Diagnostic> {
         let has_period = |task: &DeclaredTask| {
-            names.components[task.component].component.tasks[task.index as usize]
-                .period
-                .is_some()
+            names.components[task.component].component.tasks[task.index as usize].period.is_some()
         };
         if let Some(path) = path {
             let task = resolve::task(names, path)?;
             if periodic && !has_period(&task) {
-                let message = format!(
-                    "`{}` has no period, so this does not apply to it",
-                    path.text()
-                );
+                let message =
+                    format!("`{}` has no period, so this does not apply to it", path.text());
                 return Err(Diagnostic::error("scn-aperiodic", path.range(), message));
             }
             return Ok(vec![task]);
         }
-        let all = names
-            .components
-            .iter()
-            .enumerate()
-            .flat_map(|(component, member)| {
-                let indices = 0..member.component.tasks.len() as u32;
-                indices.map(move |index| DeclaredTask { component, index })
-            });
+        let all = names.components.iter().enumerate().flat_map(|(component, member)| {
+            let indices = 0..member.component.tasks.len() as u32;
+            indices.map(move |index| DeclaredTask { component, index })
+        });
         Ok(all.filter(|task| !periodic || has_period(task)).collect())
     };
     for (written, check) in settings.checks.iter().enumerate() {
-        let mut push = |what, components| {
-            out.push(Single {
-                check,
-                written,
-                what,
-                components,
-            })
-        };
+        let mut push = |what, components| out.push(Single { check, written, what, components });
         let mut preds = |list: &[&Pred]| -> Vec<usize> {
             let mut components = Vec::new();
             for pred in list {
@@ -149,8 +134,7 @@ pub(super) fn expand<'c>(
                     .for_each(|task| push(What::Schedulable(task), vec![task.component]))
             }),
             CheckKind::NoOverdue(path) => tasks(path, true).map(|task| {
-                task.into_iter()
-                    .for_each(|task| push(What::NoOverdue(task), vec![task.component]))
+                task.into_iter().for_each(|task| push(What::NoOverdue(task), vec![task.component]))
             }),
             CheckKind::Response(path, bound) => tasks(path, false).map(|task| {
                 task.into_iter()
@@ -163,11 +147,7 @@ pub(super) fn expand<'c>(
                 Ok(())
             }
             CheckKind::Chain(kind, path, bound) => {
-                let chain_of = ChainOf {
-                    kind: *kind,
-                    path,
-                    bound: *bound,
-                };
+                let chain_of = ChainOf { kind: *kind, path, bound: *bound };
                 flow::chain(names, settings, whole, &chain_of.asked())
                     .map(|found| push(What::Chain(chain_of), found.components))
             }

@@ -17,10 +17,7 @@ impl Group<'_> {
         out.left_out = run.left_out;
         out.kept = self.kept(run);
         out.cycle = run.cycle.map(|at| {
-            let prefix = Run {
-                steps: run.steps[..at].to_vec(),
-                ..run.clone()
-            };
+            let prefix = Run { steps: run.steps[..at].to_vec(), ..run.clone() };
             self.events(&prefix).len()
         });
     }

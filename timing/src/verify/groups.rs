@@ -27,10 +27,7 @@ pub(super) fn groups(names: &Names, whole: &Built, checks: &[Single]) -> Vec<Vec
     }
     for codel in &system.codels {
         for other in codel.conflicts.iter() {
-            join(
-                outer[codel.component],
-                outer[system.codels[other].component],
-            );
+            join(outer[codel.component], outer[system.codels[other].component]);
         }
     }
     if system.platform.cores.is_some() {
@@ -40,9 +37,7 @@ pub(super) fn groups(names: &Names, whole: &Built, checks: &[Single]) -> Vec<Vec
             .filter(|&task| system.needs_core(task))
             .map(|task| outer[system.tasks[task].component])
             .collect();
-        on_cores
-            .windows(2)
-            .for_each(|window| join(window[0], window[1]));
+        on_cores.windows(2).for_each(|window| join(window[0], window[1]));
     }
     for client in &system.clients {
         let addressed: Vec<usize> = client
@@ -55,15 +50,10 @@ pub(super) fn groups(names: &Names, whole: &Built, checks: &[Single]) -> Vec<Vec
                 _ => None,
             })
             .collect();
-        addressed
-            .windows(2)
-            .for_each(|window| join(window[0], window[1]));
+        addressed.windows(2).for_each(|window| join(window[0], window[1]));
     }
     for check in checks {
-        check
-            .components
-            .windows(2)
-            .for_each(|window| join(window[0], window[1]));
+        check.components.windows(2).for_each(|window| join(window[0], window[1]));
         if matches!(check.what, What::Deadlock) {
             (1..n).for_each(|index| join(0, index));
         }

@@ -19,9 +19,8 @@ impl Group<'_> {
     /// Answers the checks of predicates that invariants prove, and whose parts become true.
     pub(super) fn invariants(&self, checks: &[Single], of_group: &[usize], report: &mut Report) {
         let open = of_group.iter().copied();
-        let proved: Vec<usize> = open
-            .filter(|&i| report.is_open(i) && self.is_invariant(&checks[i]))
-            .collect();
+        let proved: Vec<usize> =
+            open.filter(|&i| report.is_open(i) && self.is_invariant(&checks[i])).collect();
         if proved.is_empty() {
             return;
         }
@@ -91,9 +90,7 @@ impl Group<'_> {
         };
         *out = self.by_invariants(check);
         if let Some(unseen) = unseen {
-            out.note = Some(format!(
-                "{NOTE}; in the states that were explored, {unseen}"
-            ));
+            out.note = Some(format!("{NOTE}; in the states that were explored, {unseen}"));
         }
     }
 

@@ -32,9 +32,7 @@ impl Group<'_> {
             verdict: Verdict::Proved,
             vacuous: true,
             limit: None,
-            note: Some(format!(
-                "`{path}` has no period, so its cycles have no response time"
-            )),
+            note: Some(format!("`{path}` has no period, so its cycles have no response time")),
             ..self.blank(check)
         })
     }
@@ -58,13 +56,8 @@ impl Group<'_> {
             return None;
         }
         let cycles = loops::pauseless_cycles(machine);
-        let cycle = cycles
-            .iter()
-            .find(|cycle| cycle.iter().all(|state| states.contains(state)))?;
-        let names: Vec<&str> = cycle
-            .iter()
-            .map(|&state| &*machine.states[state].name)
-            .collect();
+        let cycle = cycles.iter().find(|cycle| cycle.iter().all(|state| states.contains(state)))?;
+        let names: Vec<&str> = cycle.iter().map(|&state| &*machine.states[state].name).collect();
         let path = system.task_path(id);
         let note = format!(
             "the permanent activity of `{path}` goes round {} and never pauses, so its first cycle never ends and no job of the \

@@ -83,10 +83,7 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
         tell: &|_| {},
     };
     let checks = singles.iter().filter_map(|expand| {
-        Some(PreparedCheck {
-            report: group.open(expand),
-            question: group.question(expand)?,
-        })
+        Some(PreparedCheck { report: group.open(expand), question: group.question(expand)? })
     });
     let checks = checks.collect();
     let report = Report {
@@ -94,24 +91,16 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
         semantics: settings.semantics().text(),
         unit,
         assumptions: built.assumptions.clone(),
-        notes: (rounding::note(&built).into_iter())
-            .chain(not_followed(&group, &singles))
-            .collect(),
+        notes: (rounding::note(&built).into_iter()).chain(not_followed(&group, &singles)).collect(),
         diagnostics,
         ..Report::default()
     };
-    Prepared {
-        checks,
-        report,
-        built,
-    }
+    Prepared { checks, report, built }
 }
 
 /// Returns the note about checks of chains, which cannot be checked along a run.
 fn not_followed(group: &Group, checks: &[Single]) -> Option<String> {
-    let chains = checks
-        .iter()
-        .filter(|check| matches!(check.what, What::Chain(_)));
+    let chains = checks.iter().filter(|check| matches!(check.what, What::Chain(_)));
     let shown = |single: &Single| {
         let report = group.open(single);
         format!("`{} {}`", report.kind, report.of)

@@ -18,12 +18,8 @@ use crate::system::indexed::Built;
 use crate::system::{TaskId, Ticks};
 
 /// How often clients that may wait for ever go on; `None`: as often as they like.
-const STAGES: [(Option<usize>, usize); 4] = [
-    (Some(0), 100_000),
-    (None, 20_000),
-    (Some(1), 100_000),
-    (Some(2), 100_000),
-];
+const STAGES: [(Option<usize>, usize); 4] =
+    [(Some(0), 100_000), (None, 20_000), (Some(1), 100_000), (Some(2), 100_000)];
 
 /// A stage with requests takes at most this part of the states that the whole may have.
 const SHARE: usize = 4;
@@ -100,18 +96,13 @@ impl Group<'_> {
                 (None, None) if alone => break,
                 (None, _) => self.built,
                 (Some(_), None) => continue,
-                (Some(_), Some(system)) => &Built {
-                    system,
-                    shared: OnceLock::new(),
-                    ..self.built.clone()
-                },
+                (Some(_), Some(system)) => {
+                    &Built { system, shared: OnceLock::new(), ..self.built.clone() }
+                }
             };
             let stage = Group {
                 built,
-                limits: Limits {
-                    states: (self.limits.states / share).min(states),
-                    ..self.limits
-                },
+                limits: Limits { states: (self.limits.states / share).min(states), ..self.limits },
                 ..*self
             };
             let open = of_group.iter().copied();
@@ -138,15 +129,8 @@ impl Group<'_> {
         if self.limits.without.contains(Kind::RandomSearch) {
             return;
         }
-        let open: Vec<usize> = of_group
-            .iter()
-            .copied()
-            .filter(|&i| report.is_open(i))
-            .collect();
-        let settled = open
-            .iter()
-            .copied()
-            .filter(|&i| self.is_settled(&checks[i], analysed));
+        let open: Vec<usize> = of_group.iter().copied().filter(|&i| report.is_open(i)).collect();
+        let settled = open.iter().copied().filter(|&i| self.is_settled(&checks[i], analysed));
         let (mut watch, places) = self.watch(checks, settled, analysed);
         let on_condition = open.iter().filter_map(|&i| {
             let bound = analysed.deadline_on_condition(&checks[i])?;
@@ -193,10 +177,7 @@ impl Group<'_> {
 
     /// Returns true if an exploration soon comes to its end.
     fn is_small(&self, watch: &Watch) -> bool {
-        let limits = Limits {
-            steps: self.limits.steps.min(SMALL),
-            ..self.limits
-        };
+        let limits = Limits { steps: self.limits.steps.min(SMALL), ..self.limits };
         let explored = explore(&self.built.system, watch, limits, self.cancel);
         matches!(explored.stopped, None | Some(Stop::Answered))
     }

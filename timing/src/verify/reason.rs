@@ -75,10 +75,7 @@ struct Intervals {
 
 impl Intervals {
     fn new(system: &TimedSystem, moments: &[Moment], task: TaskId, end: u64) -> Self {
-        let mut out = Intervals {
-            waits: Vec::new(),
-            possessions: Vec::new(),
-        };
+        let mut out = Intervals { waits: Vec::new(), possessions: Vec::new() };
         let mut waiting: Option<Wait> = None;
         for moment in moments {
             let own = moment.task == Some(task);
@@ -90,22 +87,14 @@ impl Intervals {
             match moment.kind {
                 MomentKind::Release if own => {
                     out.waits.clear();
-                    waiting = system.needs_core(task).then_some(Wait {
-                        codel: None,
-                        from: moment.time,
-                    });
+                    waiting =
+                        system.needs_core(task).then_some(Wait { codel: None, from: moment.time });
                 }
                 // The event occurs once for each holder; only the first one counts.
                 MomentKind::Wait
-                    if own
-                        && waiting
-                            .as_ref()
-                            .is_some_and(|wait| wait.codel == moment.codel) => {}
+                    if own && waiting.as_ref().is_some_and(|wait| wait.codel == moment.codel) => {}
                 MomentKind::Wait if own => {
-                    waiting = Some(Wait {
-                        codel: moment.codel,
-                        from: moment.time,
-                    });
+                    waiting = Some(Wait { codel: moment.codel, from: moment.time });
                 }
                 MomentKind::Begin | MomentKind::Grant => {
                     if own && let Some(wait) = waiting.take() {

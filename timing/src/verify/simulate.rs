@@ -37,10 +37,7 @@ pub enum Choice {
 impl Group<'_> {
     /// Keeps a run, to be continued.
     pub(super) fn kept(&self, run: &Run) -> Option<Arc<SystemRun>> {
-        let arc = SystemRun {
-            system: self.built.shared(),
-            run: run.clone(),
-        };
+        let arc = SystemRun { system: self.built.shared(), run: run.clone() };
         (!run.left_out).then(|| Arc::new(arc))
     }
 }
@@ -71,16 +68,13 @@ impl SystemRun {
             |ticks: u64| unit.from_seconds(system.unit * Ratio::from_integer(i128::from(ticks)));
         let (_, ends) = continued.run.moments_by_step(system);
         let events = events::told(&names, system, unit, &continued.run);
-        let choices = continued
-            .next
-            .iter()
-            .map(|(next, first)| match (next, first) {
-                (NextStep::Wait(ticks), _) => Choice::Wait(time(u64::from(*ticks))),
-                (NextStep::Action(_), Some(moment)) => {
-                    Choice::Step(events::thread(system, moment), moment.what.clone())
-                }
-                (NextStep::Action(action), None) => Choice::Silent(silent(system, *action)),
-            });
+        let choices = continued.next.iter().map(|(next, first)| match (next, first) {
+            (NextStep::Wait(ticks), _) => Choice::Wait(time(u64::from(*ticks))),
+            (NextStep::Action(_), Some(moment)) => {
+                Choice::Step(events::thread(system, moment), moment.what.clone())
+            }
+            (NextStep::Action(action), None) => Choice::Silent(silent(system, *action)),
+        });
         Simulation {
             choices: choices.collect(),
             taken: continued.before.iter().map(|&index| ends[index]).collect(),
@@ -103,10 +97,7 @@ fn silent(system: &TimedSystem, action: Action) -> String {
         Action::Ready { executor: index } => format!("{} becomes ready", executor(index)),
         Action::Begin { task } => format!("{} begins a pass", system.task_path(task.into())),
         Action::Wake { task } => {
-            format!(
-                "{} wakes the other tasks of its component",
-                system.task_path(task.into())
-            )
+            format!("{} wakes the other tasks of its component", system.task_path(task.into()))
         }
         Action::Signal { component: index } => {
             format!("{} handles the ends of activities", component(index))

@@ -22,9 +22,7 @@ impl Group<'_> {
     /// range of [`Ticks`].
     pub(super) fn ticks(&self, limit: Bound) -> Option<Ticks> {
         let ticks = (seconds(limit?) / self.built.system.unit).to_integer();
-        Ticks::try_from(ticks)
-            .ok()
-            .filter(|&tick| tick < Ticks::MAX)
+        Ticks::try_from(ticks).ok().filter(|&tick| tick < Ticks::MAX)
     }
 }
 

@@ -36,12 +36,10 @@ impl Group<'_> {
             let mut task = |list: fn(&mut Watch) -> &mut Vec<TaskId>, of| {
                 let task = self.built.tasks[&of];
                 let list = list(&mut watch);
-                list.iter()
-                    .position(|&index| index == task)
-                    .unwrap_or_else(|| {
-                        list.push(task);
-                        list.len() - 1
-                    })
+                list.iter().position(|&index| index == task).unwrap_or_else(|| {
+                    list.push(task);
+                    list.len() - 1
+                })
             };
             let place = match checks[i].what {
                 What::Schedulable(pair) => task(|watch| &mut watch.schedulable, pair),
@@ -52,10 +50,7 @@ impl Group<'_> {
                         limit: self.ticks(bound),
                         most: analysed.response(&checks[i]),
                     };
-                    let same = watch
-                        .response
-                        .iter()
-                        .position(|other| *other == response_time);
+                    let same = watch.response.iter().position(|other| *other == response_time);
                     same.unwrap_or_else(|| {
                         watch.response.push(response_time);
                         watch.response.len() - 1
@@ -66,11 +61,7 @@ impl Group<'_> {
                     let (Some(trigger), Some(responses)) = (predicate(p), responses) else {
                         continue;
                     };
-                    watch.within.push(Within {
-                        trigger,
-                        responses,
-                        limit: self.ticks(bound),
-                    });
+                    watch.within.push(Within { trigger, responses, limit: self.ticks(bound) });
                     watch.within.len() - 1
                 }
                 What::Always(p) => {

@@ -55,10 +55,7 @@ fn compare(name: &str, texts: &Texts) -> Option<Result<(), String>> {
 }
 
 fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(), String>> {
-    let Texts {
-        specifications,
-        scenario,
-    } = texts;
+    let Texts { specifications, scenario } = texts;
     let shown = || format!("{name}\n{}\n{scenario}", specifications.join("\n"));
     let units: Result<Vec<UnitResult>, String> =
         specifications.iter().map(|file| unit(file)).collect();
@@ -99,10 +96,7 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
     for (check, want) in expected {
         let found = report.checks.iter().find(|report| {
             let name = format!("{} {}", report.kind, report.of);
-            report
-                .name
-                .as_ref()
-                .map_or(name == check, |name| *name == check)
+            report.name.as_ref().map_or(name == check, |name| *name == check)
         });
         let Some(found) = found else {
             wrong.push(format!("{check} is not answered"));
@@ -144,22 +138,13 @@ fn beyond_abstraction(system: &TimedSystem, expected: &[(String, Json)]) -> Vec<
         None => 40_000,
         Some(_) => Budget::default().states,
     };
-    let small = Budget {
-        states,
-        ..Budget::default()
-    };
+    let small = Budget { states, ..Budget::default() };
     wrong.extend(beyond_bounds(system, small, expected));
     // With busy windows from the start.
-    let batches = Budget {
-        before_coarse: 0,
-        ..small
-    };
+    let batches = Budget { before_coarse: 0, ..small };
     wrong.extend(beyond_bounds(system, batches, expected));
     // With a coarser model from the start.
-    let coarse = Budget {
-        batches: false,
-        ..batches
-    };
+    let coarse = Budget { batches: false, ..batches };
     wrong.extend(beyond_bounds(system, coarse, expected));
     wrong
 }
@@ -179,10 +164,7 @@ fn beyond_bounds(system: &TimedSystem, budget: Budget, expected: &[(String, Json
         let first = tasks.iter().position(|task| !has_period(&task));
         first.is_some_and(|at| tasks[at..].iter().any(|task| bounds[*task].is_ok()))
     };
-    let late = system
-        .components
-        .iter()
-        .any(|component| late(&component.tasks));
+    let late = system.components.iter().any(|component| late(&component.tasks));
     LATE.fetch_add(usize::from(late), Ordering::Relaxed);
     let mut tasks = system.tasks.iter().zip(&bounds);
     let open = tasks.any(|task| task.0.period.is_some() && task.1.is_err());
@@ -267,10 +249,8 @@ fn the_middle_tier_is_never_below_the_interpreter_of_the_servers() {
             false => compare_without(&format!("seed {seed}"), &texts, Kinds::NONE),
         }
     });
-    let (abstracted, reached) = (
-        ABSTRACTED.load(Ordering::Relaxed),
-        REACHED.load(Ordering::Relaxed),
-    );
+    let (abstracted, reached) =
+        (ABSTRACTED.load(Ordering::Relaxed), REACHED.load(Ordering::Relaxed));
     eprintln!("{abstracted} systems have bounds, {reached} of which are reached");
     assert!(abstracted as u64 >= cases() / 5, "bounds are compared");
 }
@@ -298,10 +278,7 @@ fn cases() -> u64 {
 #[test]
 fn the_verifier_agrees_with_the_interpreter_of_the_servers() {
     all_agree(first(), cases(), 2, |seed| {
-        compare(
-            &format!("seed {seed}"),
-            &texts(&mut systems::Dice::new(seed)),
-        )
+        compare(&format!("seed {seed}"), &texts(&mut systems::Dice::new(seed)))
     });
 }
 
@@ -336,10 +313,7 @@ fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_equal_parts() {
 #[test]
 fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_cores_given_in_order() {
     all_agree(first(), cases(), 3, |seed| {
-        compare(
-            &format!("seed {seed}"),
-            &quiet(&mut systems::Dice::new(seed)),
-        )
+        compare(&format!("seed {seed}"), &quiet(&mut systems::Dice::new(seed)))
     });
     let bounded = QUICK_ON_CORES.load(Ordering::Relaxed);
     eprintln!("{bounded} systems with a number of cores have bounds of response-time analysis");
@@ -361,54 +335,26 @@ fn compare_chains(seed: u64) -> Option<Result<(), String>> {
 }
 
 fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
-    let shown = || {
-        format!(
-            "seed {seed}\n{}\n{}",
-            texts.specifications.join("\n"),
-            texts.scenario
-        )
-    };
+    let shown = || format!("seed {seed}\n{}\n{}", texts.specifications.join("\n"), texts.scenario);
     let units = texts.specifications.iter().map(|file| unit(file));
     let units: Vec<UnitResult> = units.collect::<Result<_, _>>().ok()?;
     let specs: Vec<_> = units.iter().map(|unit| &*unit.spec).collect();
     let parsed = parse(&texts.scenario);
     let system = read(&specs, &parsed.scenario);
     let options = Options {
-        limits: Limits {
-            states: 400_000,
-            bytes: 1 << 28,
-            threads: 1,
-            ..Limits::default()
-        },
+        limits: Limits { states: 400_000, bytes: 1 << 28, threads: 1, ..Limits::default() },
         ..Options::default()
     };
-    let report = verify(
-        &SystemInput { specs },
-        &parsed.scenario,
-        &options,
-        &Cancel::default(),
-    );
-    if report
-        .diagnostics
-        .iter()
-        .any(|diagnostic| diagnostic.code == "scn-no-way")
-    {
+    let report = verify(&SystemInput { specs }, &parsed.scenario, &options, &Cancel::default());
+    if report.diagnostics.iter().any(|diagnostic| diagnostic.code == "scn-no-way") {
         return None;
     }
     if report.has_errors() || !parsed.errors.is_empty() {
         return Some(Err(format!("{:?}: {}", report.diagnostics, shown())));
     }
     // Bounds of analysis alone.
-    let none = Options {
-        limits: Limits {
-            states: 1,
-            ..options.limits
-        },
-        ..options
-    };
-    let input = SystemInput {
-        specs: units.iter().map(|unit| &*unit.spec).collect(),
-    };
+    let none = Options { limits: Limits { states: 1, ..options.limits }, ..options };
+    let input = SystemInput { specs: units.iter().map(|unit| &*unit.spec).collect() };
     let quick = verify(&input, &parsed.scenario, &none, &Cancel::default());
     let interpreter = Interpreter::new(&system, &[], &[]);
     let checks = parsed.scenario.items.iter().filter_map(|item| match item {
@@ -423,11 +369,7 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
             let text = path.text();
             let (component, port) = text.split_once('.').expect("a port");
             let alone = texts.specifications.len() == 1;
-            let component = if port == "q" && !alone {
-                "d"
-            } else {
-                component
-            };
+            let component = if port == "q" && !alone { "d" } else { component };
             Datum::Port(component.to_owned(), port.to_owned())
         };
         let first = datum(&path.from);
@@ -455,10 +397,7 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
         };
         if want != got {
             let what = format!("{} {}", found.kind, found.of);
-            return Some(Err(format!(
-                "{what}: expected {want}, found {got}: {}",
-                shown()
-            )));
+            return Some(Err(format!("{what}: expected {want}, found {got}: {}", shown())));
         }
     }
     Some(Ok(()))
@@ -467,9 +406,7 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
 /// Reports a bound of analysis below the exact value.
 fn below(quick: &Report, check: &CheckReport, expected: Option<u32>) -> Option<String> {
     let bound = quick.checks.iter().find(|report| report.id == check.id)?;
-    let Some(Value::Time(time)) = bound
-        .value
-        .filter(|_| bound.soundness == Soundness::UpperBound)
+    let Some(Value::Time(time)) = bound.value.filter(|_| bound.soundness == Soundness::UpperBound)
     else {
         return None;
     };
@@ -486,10 +423,7 @@ fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_chains() {
     let cases = cases_or(100);
     all_agree(first(), cases, 50, compare_chains);
     let bounds = BOUNDS.load(Ordering::Relaxed);
-    assert!(
-        bounds >= cases as usize / 50,
-        "bounds are compared: {bounds}"
-    );
+    assert!(bounds >= cases as usize / 50, "bounds are compared: {bounds}");
 }
 
 fn agree_on(specification: &str, scenario: &str) {
@@ -539,9 +473,7 @@ fn a_task_that_is_woken_asks_for_a_core_before_it_is_free() {
         agree_on(specification, &longest);
         let unit = unit(specification).expect("it has no errors");
         let parsed = parse(&format!("scenario s {{ semantics servers; {longest} }}"));
-        let input = SystemInput {
-            specs: vec![&unit.spec],
-        };
+        let input = SystemInput { specs: vec![&unit.spec] };
         let (options, cancel) = (Options::default(), Cancel::default());
         let report = verify(&input, &parsed.scenario, &options, &cancel);
         let of_x = report.checks.iter().find(|check| check.of == "d.x");

@@ -110,11 +110,7 @@ fn mutated_certificates_are_refused() {
                 };
                 let found = outcomes(&mutated);
                 let accepted = found.is_some_and(|all| all.iter().any(is_accepted));
-                assert!(
-                    !accepted,
-                    "seed {seed}, {}: {mutated:#}",
-                    mutate::KINDS[kind]
-                );
+                assert!(!accepted, "seed {seed}, {}: {mutated:#}", mutate::KINDS[kind]);
                 changed += 1;
                 *number += 1;
             }

@@ -15,10 +15,8 @@ fn chain(system: &TimedSystem, dice: &mut Dice) -> Chain {
     let shared = 2 + dice.below(3) as usize;
     let locals = dice.below(2) as usize;
     let external = dice.in_ten(4);
-    let places: Vec<DataPlace> = (0..shared)
-        .map(DataPlace::Shared)
-        .chain((0..locals).map(DataPlace::Local))
-        .collect();
+    let places: Vec<DataPlace> =
+        (0..shared).map(DataPlace::Shared).chain((0..locals).map(DataPlace::Local)).collect();
     let n = system.codels.len();
     let mut some = |share: u32, not: &[DataPlace]| -> TiVec<CodelId, Vec<DataPlace>> {
         let mut of_codel = || -> Vec<DataPlace> {
@@ -50,11 +48,7 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
     let mut dice = Dice::new(seed);
     let (system, _) = systems::random(&mut dice);
     let chain = chain(&system, &mut dice);
-    let brute = Brute {
-        system: &system,
-        within: &[],
-        reach: &[],
-    };
+    let brute = Brute { system: &system, within: &[], reach: &[] };
     let expected = brute.chain(&chain, 30_000)?;
     let limit = match (seed % 3, expected) {
         (0, Some(brute)) => Some(brute / 2),
@@ -78,9 +72,7 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
     let exceeded = measured.is_some_and(|measurement| measurement.excess.is_some());
     let unknown = limit >= Some(CAP);
     if !unknown && exceeded != limit.is_some_and(|limit| expected > Some(limit)) {
-        return failed(format!(
-            "limit {limit:?}: exceeded {exceeded}, brute {expected:?}"
-        ));
+        return failed(format!("limit {limit:?}: exceeded {exceeded}, brute {expected:?}"));
     }
     // Its runs are runs of the system.
     for excess in measured

@@ -82,12 +82,12 @@ pub(crate) fn answers(
                 let holds = reached.next().copied().unwrap_or(false);
                 out.push((name.unwrap_or_default(), verdict(holds)));
             }
-            CheckKind::Schedulable(None) => of_tasks(system, &mut out, "schedulable", |c, t| {
-                verdict(!found.missed[c][t])
-            }),
-            CheckKind::NoOverdue(None) => of_tasks(system, &mut out, "no-overdue", |c, t| {
-                verdict(!found.overdue[c][t])
-            }),
+            CheckKind::Schedulable(None) => {
+                of_tasks(system, &mut out, "schedulable", |c, t| verdict(!found.missed[c][t]))
+            }
+            CheckKind::NoOverdue(None) => {
+                of_tasks(system, &mut out, "no-overdue", |c, t| verdict(!found.overdue[c][t]))
+            }
             CheckKind::Response(None, None) => {
                 of_tasks(system, &mut out, "response", |c, t| response(&found, c, t));
             }

@@ -26,38 +26,23 @@ static SYSTEMS: AtomicUsize = AtomicUsize::new(0);
 /// Returns a random atom of a system.
 fn atom(system: &TimedSystem, dice: &mut Dice) -> Atom {
     let below = |dice: &mut Dice, n: usize| dice.below(n as u32) as usize;
-    let phases = [
-        StatePhase::Lock,
-        StatePhase::Exec,
-        StatePhase::Exec,
-        StatePhase::Any,
-    ];
+    let phases = [StatePhase::Lock, StatePhase::Exec, StatePhase::Exec, StatePhase::Any];
     let phase = dice.pick(&phases);
     match dice.below(8) {
         0 => {
             let states = [TaskState::Idle, TaskState::Waiting, TaskState::Running];
-            Atom::Task(
-                TaskId::from(below(dice, system.tasks.len())),
-                dice.pick(&states),
-            )
+            Atom::Task(TaskId::from(below(dice, system.tasks.len())), dice.pick(&states))
         }
         1 if !system.services.is_empty() => {
             let statuses = [SlotStatus::Void, SlotStatus::Run, SlotStatus::Active];
-            Atom::Slot(
-                below(dice, system.services.len()).into(),
-                dice.pick(&statuses),
-            )
+            Atom::Slot(below(dice, system.services.len()).into(), dice.pick(&statuses))
         }
         2 if !system.services.is_empty() => {
             let service = ServiceId::from(below(dice, system.services.len()));
             let it = &system.services[service];
             let codels: Vec<CodelId> = it.validate.iter().chain(&it.simple).copied().collect();
             let codel = (!codels.is_empty()).then(|| codels[below(dice, codels.len())]);
-            Atom::Handling {
-                service,
-                codel,
-                phase,
-            }
+            Atom::Handling { service, codel, phase }
         }
         3 => Atom::ControlBusy(below(dice, system.components.len()).into()),
         4 if !system.clients.is_empty() => {
@@ -69,11 +54,7 @@ fn atom(system: &TimedSystem, dice: &mut Dice) -> Atom {
         _ => {
             let machine = MachineId::from(below(dice, system.machines.len()));
             let state = below(dice, system.machines[machine].states.len());
-            Atom::State {
-                machine,
-                state,
-                phase,
-            }
+            Atom::State { machine, state, phase }
         }
     }
 }
@@ -95,11 +76,7 @@ fn waiting_pairs(system: &TimedSystem) -> Vec<Predicate> {
             let states = it.states.iter().enumerate();
             states.map(move |(state, of)| {
                 let phase = StatePhase::Exec;
-                let atom = Atom::State {
-                    machine,
-                    state,
-                    phase,
-                };
+                let atom = Atom::State { machine, state, phase };
                 (atom, of.codel)
             })
         })
@@ -135,23 +112,12 @@ fn compare(seed: u64, system: &TimedSystem) -> Option<Result<(), String>> {
     }
     EXCLUDED.fetch_add(excluded.len(), Ordering::Relaxed);
     SYSTEMS.fetch_add(1, Ordering::Relaxed);
-    let watch = Watch {
-        reach: excluded,
-        ..Watch::default()
-    };
-    let limits = Limits {
-        states: 100_000,
-        bytes: 1 << 28,
-        threads: 1,
-        ..Limits::default()
-    };
+    let watch = Watch { reach: excluded, ..Watch::default() };
+    let limits = Limits { states: 100_000, bytes: 1 << 28, threads: 1, ..Limits::default() };
     let found = explore(system, &watch, limits, &Cancel::default());
     let reached = found.reached.iter().position(Option::is_some);
     Some(match reached {
-        Some(at) => Err(format!(
-            "seed {seed}: {:?} is reached\n{system:#?}",
-            watch.reach[at]
-        )),
+        Some(at) => Err(format!("seed {seed}: {:?} is reached\n{system:#?}", watch.reach[at])),
         None => Ok(()),
     })
 }

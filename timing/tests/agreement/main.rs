@@ -46,11 +46,7 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
 }
 
 fn withins(pairs: Vec<(Predicate, Predicate)>) -> Vec<Within> {
-    let within = |(trigger, response)| Within {
-        trigger,
-        responses: vec![response],
-        limit: None,
-    };
+    let within = |(trigger, response)| Within { trigger, responses: vec![response], limit: None };
     pairs.into_iter().map(within).collect()
 }
 
@@ -63,11 +59,7 @@ fn compare_system(
     measured: &[usize],
     vary: usize,
 ) -> Option<Result<(), String>> {
-    let brute = Brute {
-        system,
-        within,
-        reach: &[],
-    };
+    let brute = Brute { system, within, reach: &[] };
     let expected = brute.explore(30_000)?;
     let all: Vec<usize> = (0..system.tasks.len()).collect();
     // Limits that are never, sometimes, or soon exceeded.
@@ -88,10 +80,7 @@ fn compare_system(
             })
             .collect(),
         within: (within.iter().enumerate())
-            .map(|(i, bound)| Within {
-                limit: limit(i + 1, expected.within[i]),
-                ..bound.clone()
-            })
+            .map(|(i, bound)| Within { limit: limit(i + 1, expected.within[i]), ..bound.clone() })
             .collect(),
         deadlock: true,
         ..Watch::default()
@@ -120,12 +109,7 @@ fn compare_system(
         };
         for t in 0..system.tasks.len() {
             agree("missed", t, expected.missed[t], found.missed[t].is_some())?;
-            agree(
-                "overdue",
-                t,
-                expected.overdue[t],
-                found.overdue[t].is_some(),
-            )?;
+            agree("overdue", t, expected.overdue[t], found.overdue[t].is_some())?;
             for (list, pick) in [
                 (
                     &found.missed,
@@ -143,22 +127,9 @@ fn compare_system(
         for (asked, response) in watch.response.iter().zip(&found.response) {
             let t = asked.task;
             let age = |found: &Found| Ok(replay(found)?.response[usize::from(t)]);
-            bound(
-                "response",
-                usize::from(t),
-                expected.response[usize::from(t)],
-                response,
-                age,
-            )?;
+            bound("response", usize::from(t), expected.response[usize::from(t)], response, age)?;
             let first = &expected.response_at[usize::from(t)];
-            excess(
-                "response",
-                usize::from(t),
-                asked.limit,
-                first,
-                response,
-                age,
-            )?;
+            excess("response", usize::from(t), asked.limit, first, response, age)?;
         }
         for (i, asked) in watch.within.iter().enumerate() {
             let age = |found: &Found| Ok(replay(found)?.within[i]);
@@ -181,23 +152,15 @@ fn compare_system(
             if meets_deadlines(system, TaskId::from(t), quick[TaskId::from(t)])
                 && expected.missed[t]
             {
-                return Err(format!(
-                    "task {t} misses a deadline, its quick bound is {quick:?}"
-                ));
+                return Err(format!("task {t} misses a deadline, its quick bound is {quick:?}"));
             }
         }
         abstracted(system, Budget::default(), &expected)?;
         // With busy windows from the start.
-        let batches = Budget {
-            before_coarse: 0,
-            ..Budget::default()
-        };
+        let batches = Budget { before_coarse: 0, ..Budget::default() };
         abstracted(system, batches, &expected)?;
         // With a coarser model from the start.
-        let coarse = Budget {
-            batches: false,
-            ..batches
-        };
+        let coarse = Budget { batches: false, ..batches };
         abstracted(system, coarse, &expected)?;
         agree("deadlock", 0, expected.deadlock, found.deadlock.is_some())?;
         if let Some(deadlock) = &found.deadlock
@@ -207,14 +170,10 @@ fn compare_system(
         }
         knowing_bounds(seed, system, measured, &expected.response)?;
         chased(seed, &brute, &expected)?;
-        let refused: Vec<bool> = (system.services.keys())
-            .map(|service| found.refused.contains(&service))
-            .collect();
+        let refused: Vec<bool> =
+            (system.services.keys()).map(|service| found.refused.contains(&service)).collect();
         if !answered && refused != expected.refused {
-            return Err(format!(
-                "refused: brute {:?}, found {refused:?}",
-                expected.refused
-            ));
+            return Err(format!("refused: brute {:?}, found {refused:?}", expected.refused));
         }
         Ok(())
     };
@@ -234,9 +193,7 @@ fn abstracted(system: &TimedSystem, budget: Budget, expected: &Results) -> Resul
         };
         let exact = expected.response[task];
         if exact.is_some_and(|response| response > bound) {
-            return Err(format!(
-                "response {task} is {exact:?}, the middle tier says {bound}"
-            ));
+            return Err(format!("response {task} is {exact:?}, the middle tier says {bound}"));
         }
         REACHED.fetch_add(usize::from(exact == Some(bound)), Ordering::Relaxed);
         let meets = meets_deadlines(system, TaskId::from(task), Some(bound));
@@ -261,10 +218,8 @@ fn compare_periodic(seed: u64) -> Option<Result<(), String>> {
 #[test]
 fn the_middle_tier_is_never_below_brute_force() {
     all_agree(first(), cases(), 3, compare_periodic);
-    let (abstracted, reached) = (
-        ABSTRACTED.load(Ordering::Relaxed),
-        REACHED.load(Ordering::Relaxed),
-    );
+    let (abstracted, reached) =
+        (ABSTRACTED.load(Ordering::Relaxed), REACHED.load(Ordering::Relaxed));
     eprintln!("{abstracted} systems have bounds, {reached} of which are reached");
     assert!(abstracted as u64 >= cases() / 5, "bounds are compared");
 }
@@ -277,28 +232,18 @@ fn knowing_bounds(
     longest: &[Option<u32>],
 ) -> Result<(), String> {
     let known = |task: usize| longest[task].filter(|&number| number < CAP);
-    let tasks: Vec<usize> = measured
-        .iter()
-        .copied()
-        .filter(|&ty| known(ty).is_some())
-        .collect();
+    let tasks: Vec<usize> = measured.iter().copied().filter(|&ty| known(ty).is_some()).collect();
     let response = tasks.iter().map(|&task| ResponseTime {
         task: TaskId::from(task),
         limit: None,
         most: known(task),
     });
-    let watch = Watch {
-        response: response.collect(),
-        ..Watch::default()
-    };
+    let watch = Watch { response: response.collect(), ..Watch::default() };
     let found = explore(system, &watch, limits(seed), &Cancel::default());
     for (&task, response) in tasks.iter().zip(&found.response) {
         let bound = response.as_ref().map(|measurement| measurement.bound);
         if bound != known(task).map(Bound::Finite) {
-            return Err(format!(
-                "response of {task}, known to be {:?}, is {bound:?}",
-                known(task)
-            ));
+            return Err(format!("response of {task}, known to be {:?}, is {bound:?}", known(task)));
         }
     }
     Ok(())
@@ -314,13 +259,7 @@ fn chased(seed: u64, brute: &Brute, expected: &Results) -> Result<(), String> {
     };
     for number in 0..5 {
         let cancel = Cancel::default();
-        let found = search_once(
-            brute.system,
-            &watch,
-            (number, 1_000_000),
-            limits(seed),
-            &cancel,
-        );
+        let found = search_once(brute.system, &watch, (number, 1_000_000), limits(seed), &cancel);
         if found.stopped.is_some() {
             return Err(format!("search {number} gave up"));
         }
@@ -330,10 +269,7 @@ fn chased(seed: u64, brute: &Brute, expected: &Results) -> Result<(), String> {
                 .map_err(|why| format!("search {number}: {why}: {:?}", found.run))
         };
         let lists = [
-            (
-                &found.missed,
-                (|results| &results.missed) as fn(&Results) -> &Vec<bool>,
-            ),
+            (&found.missed, (|results| &results.missed) as fn(&Results) -> &Vec<bool>),
             (&found.overdue, |results| &results.overdue),
         ];
         for (found_in, pick) in lists {
@@ -373,10 +309,9 @@ fn bound(
     let longest = &found.longest;
     let reached = replay(longest)?;
     match found.bound {
-        Bound::Finite(value) if reached != Some(value.min(CAP)) => Err(format!(
-            "{what} {i} is {value}, its run reaches {reached:?}: {:?}",
-            longest.run
-        )),
+        Bound::Finite(value) if reached != Some(value.min(CAP)) => {
+            Err(format!("{what} {i} is {value}, its run reaches {reached:?}: {:?}", longest.run))
+        }
         _ => Ok(()),
     }
 }
@@ -392,9 +327,7 @@ fn excess(
     replay: impl Fn(&Found) -> Result<Option<u32>, String>,
 ) -> Result<(), String> {
     let expected = limit.and_then(|limit| first.get(limit as usize + 1));
-    let run = found
-        .as_ref()
-        .and_then(|measurement| measurement.excess.as_ref());
+    let run = found.as_ref().and_then(|measurement| measurement.excess.as_ref());
     let (Some(limit), Some(run)) = (limit, run) else {
         // Brute force knows nothing beyond the cap.
         let unknown = limit == Some(CAP) && expected.is_none();
@@ -406,9 +339,7 @@ fn excess(
         };
     };
     let reached = replay(run)?;
-    let unbounded = found
-        .as_ref()
-        .is_some_and(|measurement| measurement.bound == Bound::Unbounded);
+    let unbounded = found.as_ref().is_some_and(|measurement| measurement.bound == Bound::Unbounded);
     let as_early = expected
         .is_none_or(|&it_ends| run.run.end == it_ends || (unbounded && run.run.end > it_ends));
     if reached <= Some(limit).min(Some(CAP - 1)) || !as_early {
@@ -426,10 +357,7 @@ const CASES: &str = "DOTGEN_TIMING_CASES";
 
 /// Returns the number of systems that the environment states, or else `ordinary`.
 fn cases_or(ordinary: u64) -> u64 {
-    std::env::var(CASES)
-        .ok()
-        .and_then(|variable| variable.parse().ok())
-        .unwrap_or(ordinary)
+    std::env::var(CASES).ok().and_then(|variable| variable.parse().ok()).unwrap_or(ordinary)
 }
 
 /// Returns the number of systems that are compared with brute force, by default a hundred.
@@ -440,9 +368,7 @@ fn cases() -> u64 {
 /// Returns the first seed, which the environment can set to repeat a system.
 fn first() -> u64 {
     let given = std::env::var("DOTGEN_TIMING_SEED").ok();
-    given
-        .and_then(|variable| variable.parse().ok())
-        .unwrap_or(0)
+    given.and_then(|variable| variable.parse().ok()).unwrap_or(0)
 }
 
 /// Compares systems from seed `first` on; at least one in `share` must be small enough for brute force.
@@ -460,10 +386,7 @@ fn all_agree(
             None => {}
         }
     }
-    assert!(
-        compared * share >= cases,
-        "only {compared} of {cases} systems were small enough"
-    );
+    assert!(compared * share >= cases, "only {compared} of {cases} systems were small enough");
 }
 
 /// Returns all tasks, or only periodic ones: some reductions apply only if no response time of an aperiodic
@@ -535,11 +458,7 @@ fn explorer_agrees_on_any_requests() {
 fn compare_reachable(seed: u64) -> Option<Result<(), String>> {
     let dice = &mut systems::Dice::new(seed);
     let (system, goals) = systems::aperiodic(dice);
-    let brute = Brute {
-        system: &system,
-        within: &[],
-        reach: &goals,
-    };
+    let brute = Brute { system: &system, within: &[], reach: &goals };
     let expected = brute.explore(30_000)?;
     let refused =
         (system.services.keys()).filter(|&service| expected.refused[usize::from(service)]);
@@ -548,11 +467,7 @@ fn compare_reachable(seed: u64) -> Option<Result<(), String>> {
         refused: refused.collect(),
         reached: expected.reached,
     };
-    let watch = Watch {
-        reach: goals.clone(),
-        deadlock: true,
-        ..Watch::default()
-    };
+    let watch = Watch { reach: goals.clone(), deadlock: true, ..Watch::default() };
     let check = || -> Result<(), String> {
         let zones = search_zones(&system, &goals, 1_000_000, limits(seed).without)
             .ok_or("zones gave up")?;

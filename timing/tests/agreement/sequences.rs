@@ -9,9 +9,7 @@ use crate::{all_agree, cases, compare_system, first, measured, walks};
 
 fn responses(system: &dotgen_timing::system::TimedSystem, dice: &mut Dice) -> Vec<Predicate> {
     let more = 1 + dice.below(2);
-    (0..more)
-        .map(|_| systems::predicate(system, dice))
-        .collect()
+    (0..more).map(|_| systems::predicate(system, dice)).collect()
 }
 
 #[test]
@@ -21,18 +19,13 @@ fn explorer_agrees_on_sequences() {
         let (system, within) = systems::random(&mut dice);
         let (trigger, response) = match within.into_iter().next() {
             Some(pair) => pair,
-            None => (
-                systems::predicate(&system, &mut dice),
-                systems::predicate(&system, &mut dice),
-            ),
+            None => {
+                (systems::predicate(&system, &mut dice), systems::predicate(&system, &mut dice))
+            }
         };
         let mut list = vec![response];
         list.extend(responses(&system, &mut dice));
-        let within = [Within {
-            trigger,
-            responses: list,
-            limit: None,
-        }];
+        let within = [Within { trigger, responses: list, limit: None }];
         let measured = measured(seed, &system);
         compare_system(seed, &system, &within, &measured, 1)
     });
@@ -50,10 +43,7 @@ fn a_walk_sees_when_sequences_are_answered() {
                 (p, list)
             })
             .collect();
-        let watched = Watched {
-            reach: Vec::new(),
-            within,
-        };
+        let watched = Watched { reach: Vec::new(), within };
         Some(walks::agrees(seed, &system, &watched, &mut dice))
     });
 }

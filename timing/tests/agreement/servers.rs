@@ -65,12 +65,7 @@ impl<'s> Interpreter<'s> {
         // Under preemption there are never "enough" cores: if a task is bound to one of them, others do not
         // help.
         let limits = |cores: &usize| system.preempts() || *cores < needing;
-        Interpreter {
-            system,
-            within,
-            reach,
-            cores: system.cores.filter(limits),
-        }
+        Interpreter { system, within, reach, cores: system.cores.filter(limits) }
     }
 
     fn needs_core(&self, c: usize, t: usize) -> bool {

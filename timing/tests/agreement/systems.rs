@@ -62,11 +62,8 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
         },
     };
     let tasks = 1 + dice.below(3) as usize;
-    let split = if tasks > 1 && dice.in_ten(4) {
-        1 + dice.below(tasks as u32 - 1) as usize
-    } else {
-        tasks
-    };
+    let split =
+        if tasks > 1 && dice.in_ten(4) { 1 + dice.below(tasks as u32 - 1) as usize } else { tasks };
     for c in 0..if split < tasks { 2 } else { 1 } {
         let range = if c == 0 { 0..split } else { split..tasks };
         let component = system.components.push_and_get_key(Component {
@@ -126,11 +123,7 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
         system.codels.iter_mut().for_each(|codel| codel.lower = 0);
     }
     let mut within = Vec::new();
-    for _ in 0..if from_zero {
-        dice.below(4) / 3
-    } else {
-        dice.below(3)
-    } {
+    for _ in 0..if from_zero { dice.below(4) / 3 } else { dice.below(3) } {
         let p = predicate(&system, dice);
         let q = predicate(&system, dice);
         within.push((p, q));
@@ -206,11 +199,7 @@ pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {
         if codel.upper != FOREVER {
             codel.upper = codel.upper.min(2);
         }
-        codel.lower = if from_zero {
-            0
-        } else {
-            codel.lower.min(codel.upper)
-        };
+        codel.lower = if from_zero { 0 } else { codel.lower.min(codel.upper) };
     }
     for one in 0..system.codels.len() {
         for other in 0..one {
@@ -251,12 +240,7 @@ pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
                     (_, 1) if dice.in_ten(5) => vec![Yield::Pause(1), Yield::Next(2)],
                     _ => vec![Yield::Pause(1)],
                 };
-                State {
-                    name: format!("s{i}"),
-                    codel,
-                    yields,
-                    is_async: false,
-                }
+                State { name: format!("s{i}"), codel, yields, is_async: false }
             })
             .collect();
         let machine = system.machines.push_and_get_key(Machine {
@@ -336,11 +320,7 @@ fn automaton(
     machine: MachineId,
     service: Option<ServiceId>,
 ) -> AutomatonId {
-    system.automata.push_and_get_key(Automaton {
-        task: TaskId::from(task),
-        machine,
-        service,
-    })
+    system.automata.push_and_get_key(Automaton { task: TaskId::from(task), machine, service })
 }
 
 fn codel(
@@ -350,11 +330,7 @@ fn codel(
     path: String,
 ) -> CodelId {
     let upper = dice.below(4);
-    let lower = if dice.in_ten(5) {
-        upper
-    } else {
-        dice.below(upper + 1)
-    };
+    let lower = if dice.in_ten(5) { upper } else { dice.below(upper + 1) };
     let forever = dice.below(40) == 0;
     system.codels.push_and_get_key(Codel {
         throws: false,
@@ -390,12 +366,7 @@ fn machine(
                     yields.push(end);
                 }
             }
-            State {
-                name: format!("s{i}"),
-                codel,
-                yields,
-                is_async: dice.in_ten(2),
-            }
+            State { name: format!("s{i}"), codel, yields, is_async: dice.in_ten(2) }
         })
         .collect();
     let mut machine = Machine {
@@ -417,21 +388,15 @@ fn service(system: &mut TimedSystem, dice: &mut Dice, v: usize) {
     let component = system.tasks[TaskId::from(task)].component;
     let name = format!("v{v}");
     let path = format!("c{}.{name}", usize::from(component));
-    let validate = dice
-        .in_ten(2)
-        .then(|| codel(system, dice, component, format!("{path}.validate")));
+    let validate =
+        dice.in_ten(2).then(|| codel(system, dice, component, format!("{path}.validate")));
     let activity = dice.in_ten(7);
     let mut slots = Vec::new();
     let mut simple = Vec::new();
     if activity {
         let machine = machine(system, dice, component, path);
         for _ in 0..1 + dice.below(2) {
-            slots.push(automaton(
-                system,
-                task,
-                machine,
-                Some(system.services.next_key()),
-            ));
+            slots.push(automaton(system, task, machine, Some(system.services.next_key())));
         }
         system.tasks[TaskId::from(task)].slots.extend(&slots);
     } else {
@@ -465,11 +430,7 @@ fn client(system: &TimedSystem, dice: &mut Dice, k: u32) -> Client {
                 1 => ClientAction::AwaitEnded(dice.below(trackers as u32) as usize),
                 2 => {
                     let a = dice.below(3);
-                    let b = if dice.in_ten(2) {
-                        FOREVER
-                    } else {
-                        a + dice.below(3)
-                    };
+                    let b = if dice.in_ten(2) { FOREVER } else { a + dice.below(3) };
                     ClientAction::Delay(a, b)
                 }
                 _ => ClientAction::Send {
@@ -486,19 +447,10 @@ fn client(system: &TimedSystem, dice: &mut Dice, k: u32) -> Client {
                     next.push(other);
                 }
             }
-            ClientStep {
-                action,
-                next,
-                label: None,
-            }
+            ClientStep { action, next, label: None }
         })
         .collect();
-    Client {
-        name: format!("k{k}"),
-        steps,
-        first: vec![0],
-        trackers,
-    }
+    Client { name: format!("k{k}"), steps, first: vec![0], trackers }
 }
 
 pub(crate) fn predicate(system: &TimedSystem, dice: &mut Dice) -> Predicate {
@@ -509,10 +461,7 @@ pub(crate) fn predicate(system: &TimedSystem, dice: &mut Dice) -> Predicate {
             TaskState::Running,
             TaskState::Active,
         ]);
-        Atom::Task(
-            TaskId::from(dice.below(system.tasks.len() as u32) as usize),
-            state,
-        )
+        Atom::Task(TaskId::from(dice.below(system.tasks.len() as u32) as usize), state)
     } else if system.machines.is_empty() {
         Atom::Task(TaskId::default(), TaskState::Active)
     } else {
@@ -528,10 +477,7 @@ pub(crate) fn predicate(system: &TimedSystem, dice: &mut Dice) -> Predicate {
     match dice.below(8) {
         0 => Predicate::Leave(atom),
         1 => Predicate::Not(Box::new(Predicate::Atom(atom))),
-        2 => Predicate::Or(
-            Box::new(Predicate::Atom(atom)),
-            Box::new(predicate(system, dice)),
-        ),
+        2 => Predicate::Or(Box::new(Predicate::Atom(atom)), Box::new(predicate(system, dice))),
         _ => Predicate::Atom(atom),
     }
 }

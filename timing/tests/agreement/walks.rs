@@ -27,19 +27,11 @@ fn walk(system: &TimedSystem, watched: &Watched, dice: &mut Dice) -> Walk {
     let (mut all, mut fresh) = (Vec::new(), Vec::new());
     let mut steps = Vec::new();
     let mut possible = Possible::default();
-    let mut open = (
-        vec![None; system.tasks.len()],
-        vec![None; watched.within.len()],
-    );
+    let mut open = (vec![None; system.tasks.len()], vec![None; watched.within.len()]);
     stepper.begin(&mut fresh);
     loop {
         for observation in &fresh {
-            if let &Seen::Begun {
-                executor,
-                time: (least, greatest),
-                ..
-            } = observation
-            {
+            if let &Seen::Begun { executor, time: (least, greatest), .. } = observation {
                 let greatest = greatest.min(least + 20);
                 let time = least + dice.below(greatest - least + 1);
                 stepper.decide(executor, time);
@@ -75,9 +67,7 @@ fn walk(system: &TimedSystem, watched: &Watched, dice: &mut Dice) -> Walk {
         end: stepper.now(),
         seen: all,
         open,
-        refused: (system.services.keys())
-            .map(|service| stepper.has_refused(service))
-            .collect(),
+        refused: (system.services.keys()).map(|service| stepper.has_refused(service)).collect(),
     }
 }
 
@@ -86,9 +76,7 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
     let (system, within) = systems::random(&mut dice);
     let watched = Watched {
         reach: within.iter().flat_map(|(p, q)| [p, q]).cloned().collect(),
-        within: (within.iter().cloned())
-            .map(|(p, q)| (p, vec![q]))
-            .collect(),
+        within: (within.iter().cloned()).map(|(p, q)| (p, vec![q])).collect(),
     };
     Some(agrees(seed, &system, &watched, &mut dice))
 }
@@ -102,51 +90,19 @@ pub(crate) fn agrees(
 ) -> Result<(), String> {
     let done = walk(system, watched, dice);
     let withins: Vec<Within> = (watched.within.iter().cloned())
-        .map(|(trigger, responses)| Within {
-            trigger,
-            responses,
-            limit: None,
-        })
+        .map(|(trigger, responses)| Within { trigger, responses, limit: None })
         .collect();
-    let brute = Brute {
-        system,
-        within: &withins,
-        reach: &watched.reach,
-    };
+    let brute = Brute { system, within: &withins, reach: &watched.reach };
     let agree = || -> Result<(), String> {
         let along = brute.along(&done.steps, done.end)?;
         let told = told(&along, &done);
         for (what, along, told) in [
-            (
-                "missed",
-                format!("{:?}", along.missed),
-                format!("{:?}", told.missed),
-            ),
-            (
-                "overdue",
-                format!("{:?}", along.overdue),
-                format!("{:?}", told.overdue),
-            ),
-            (
-                "response",
-                format!("{:?}", along.response),
-                format!("{:?}", told.response),
-            ),
-            (
-                "within",
-                format!("{:?}", along.within),
-                format!("{:?}", told.within),
-            ),
-            (
-                "reached",
-                format!("{:?}", along.reached),
-                format!("{:?}", told.reached),
-            ),
-            (
-                "refused",
-                format!("{:?}", along.refused),
-                format!("{:?}", told.refused),
-            ),
+            ("missed", format!("{:?}", along.missed), format!("{:?}", told.missed)),
+            ("overdue", format!("{:?}", along.overdue), format!("{:?}", told.overdue)),
+            ("response", format!("{:?}", along.response), format!("{:?}", told.response)),
+            ("within", format!("{:?}", along.within), format!("{:?}", told.within)),
+            ("reached", format!("{:?}", along.reached), format!("{:?}", told.reached)),
+            ("refused", format!("{:?}", along.refused), format!("{:?}", told.refused)),
         ] {
             if along != told {
                 return Err(format!("{what}: brute {along}, seen {told}"));

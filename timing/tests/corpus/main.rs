@@ -16,10 +16,7 @@ use serde_json::Value as Json;
 
 /// The options of these tests: the published models.
 fn published() -> Options {
-    Options {
-        semantics: Some(Preset::Published),
-        ..Options::default()
-    }
+    Options { semantics: Some(Preset::Published), ..Options::default() }
 }
 
 fn shared() -> Option<PathBuf> {
@@ -30,9 +27,7 @@ fn load(path: &Path) -> (Scenario, UnitResult) {
     let text = std::fs::read_to_string(path).unwrap();
     let parsed = parse(&text);
     assert_eq!(parsed.errors, []);
-    let folder = Utf8Path::from_path(path.parent().unwrap())
-        .unwrap()
-        .to_owned();
+    let folder = Utf8Path::from_path(path.parent().unwrap()).unwrap().to_owned();
     let inputs = parsed
         .scenario
         .items
@@ -62,24 +57,16 @@ fn load(path: &Path) -> (Scenario, UnitResult) {
 /// Describes a report, for failures.
 fn in_words(report: &Report) -> String {
     let checks = report.checks.iter().map(|check| {
-        let value = check
-            .value
-            .map(|value| value.to_string())
-            .unwrap_or_default();
+        let value = check.value.map(|value| value.to_string()).unwrap_or_default();
         let note = check.note.as_deref().unwrap_or_default();
-        format!(
-            "{:?} {} {} {value} {note}",
-            check.verdict, check.kind, check.of
-        )
+        format!("{:?} {} {} {value} {note}", check.verdict, check.kind, check.of)
     });
     checks.collect::<Vec<_>>().join("\n")
 }
 
 fn run(path: &Path, options: &Options) -> Report {
     let (scenario, unit) = load(path);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     verify(&input, &scenario, options, &Cancel::default())
 }
 
@@ -92,21 +79,17 @@ fn ground_truth() {
     for case in truth["cases"].as_array().unwrap() {
         let id = case["id"].as_str().unwrap();
         let options = Options {
-            cores: case["with"]["cores"]
-                .as_u64()
-                .map(|number| Some(number as u32)),
+            cores: case["with"]["cores"].as_u64().map(|number| Some(number as u32)),
             policy: case["with"]["policy"].as_str().map(|policy| match policy {
                 "edf" => Policy::Edf,
                 "any" => Policy::Any,
                 _ => Policy::Fifo,
             }),
-            durations: case["with"]["durations"]
-                .as_str()
-                .map(|duration| match duration {
-                    "fixed" => Durations::Fixed,
-                    "open" => Durations::Open,
-                    _ => Durations::Interval,
-                }),
+            durations: case["with"]["durations"].as_str().map(|duration| match duration {
+                "fixed" => Durations::Fixed,
+                "open" => Durations::Open,
+                _ => Durations::Interval,
+            }),
             ..published()
         };
         let report = run(&shared.join(case["scenario"].as_str().unwrap()), &options);
@@ -116,21 +99,14 @@ fn ground_truth() {
             .iter()
             .map(|check| ((check.kind.word(), check.of.as_str()), check))
             .collect();
-        for (kind, key) in [
-            ("schedulable", "schedulable"),
-            ("no-overdue", "no_overdue"),
-            ("response", "response"),
-        ] {
+        for (kind, key) in
+            [("schedulable", "schedulable"), ("no-overdue", "no_overdue"), ("response", "response")]
+        {
             for (task, expected) in case[key].as_object().into_iter().flatten() {
                 let check = &found[&(kind, task.as_str())];
                 let same = match expected {
                     Json::Bool(holds) => {
-                        check.verdict
-                            == if *holds {
-                                Verdict::Proved
-                            } else {
-                                Verdict::Refuted
-                            }
+                        check.verdict == if *holds { Verdict::Proved } else { Verdict::Refuted }
                     }
                     Json::String(_) => check.value == Some(Value::Unbounded),
                     _ => check.value == expected.as_f64().map(Value::Time),
@@ -159,10 +135,7 @@ fn the_scenarios_of_the_examples_hold_under_both_semantics() {
                 continue;
             }
             for preset in [Preset::Servers, Preset::Published] {
-                let options = Options {
-                    semantics: Some(preset),
-                    ..published()
-                };
+                let options = Options { semantics: Some(preset), ..published() };
                 let report = run(&path, &options);
                 let proved = |report: &CheckReport| report.verdict == Verdict::Proved;
                 assert!(
@@ -187,9 +160,7 @@ fn look() {
         return;
     };
     let options = Options {
-        cores: std::env::var("CORES")
-            .ok()
-            .map(|variable| variable.parse().ok()),
+        cores: std::env::var("CORES").ok().map(|variable| variable.parse().ok()),
         durations: match std::env::var("DURATIONS").as_deref() {
             Ok("fixed") => Some(Durations::Fixed),
             Ok("interval") => Some(Durations::Interval),

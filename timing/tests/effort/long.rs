@@ -14,10 +14,8 @@ fn asked(within: u32, wait: u32) -> (String, String) {
     let (mut genom, mut scenario) = (String::new(), String::new());
     let lease = wait + 20 * wait / 10;
     for i in 1..=4 {
-        let others: Vec<String> = (1..=4)
-            .filter(|&number| number != i)
-            .map(|number| format!("use{number}"))
-            .collect();
+        let others: Vec<String> =
+            (1..=4).filter(|&number| number != i).map(|number| format!("use{number}")).collect();
         genom += &format!(
             "task look{i} {{ }}; task lease{i} {{ }};
              activity ask{i}() {{ task look{i}; codel <start> ask(inout room) yield ether wcet 0 ms; }};
@@ -58,9 +56,7 @@ fn answer_all(within: u32, wait: u32, checks: &str, options: &Options) -> (Repor
     let unit = load(&genom);
     let scenario = parse(&scenario.replace(" check", &format!(" {checks} check")));
     assert_eq!(scenario.errors, []);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     counting::peak(|| verify(&input, &scenario.scenario, options, &Cancel::default()))
 }
 
@@ -77,13 +73,7 @@ fn long_times_cost_nothing() {
 
 #[test]
 fn what_is_proved_in_zones_stays_proved_when_the_rest_is_given_up() {
-    let options = Options {
-        limits: Limits {
-            states: 40_000,
-            ..Limits::default()
-        },
-        ..published()
-    };
+    let options = Options { limits: Limits { states: 40_000, ..Limits::default() }, ..published() };
     let checks = "check deadlock; check reachable house.look1 and house.look1.idle;
       check within tenant1.ask1 => house.use1.void <= 1 s;";
     let (report, _) = answer_all(10_000, 11_000, checks, &options);

@@ -24,10 +24,7 @@ use dotgen_timing::verify::{Cancel, Options, SystemInput, settings, verify};
 
 /// The options of these tests: the published models.
 fn published() -> Options {
-    Options {
-        semantics: Some(Preset::Published),
-        ..Options::default()
-    }
+    Options { semantics: Some(Preset::Published), ..Options::default() }
 }
 
 #[global_allocator]
@@ -96,20 +93,12 @@ const MORE: &str = "check within sensor.record.run => sensor.record.void <= 5 ms
 
 fn with<T>(more: &str, ask: impl Fn(&SystemInput, &Scenario) -> T) -> T {
     let unit = load(ROBOT);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     ask(&input, &scenario(more))
 }
 
 fn limited(bytes: usize) -> Options {
-    Options {
-        limits: Limits {
-            bytes,
-            ..Limits::default()
-        },
-        ..published()
-    }
+    Options { limits: Limits { bytes, ..Limits::default() }, ..published() }
 }
 
 // ---- Ending -----------------------------------------------------------------------------------
@@ -122,10 +111,7 @@ struct Looks {
 }
 
 fn raised_at(look: u64) -> (Cancel, Looks) {
-    let looks = Looks {
-        seen: Arc::default(),
-        gap: Arc::default(),
-    };
+    let looks = Looks { seen: Arc::default(), gap: Arc::default() };
     let (seen, gap) = (looks.seen.clone(), looks.gap.clone());
     counting::mark();
     let cancel = Cancel::asking(move || {
@@ -161,11 +147,7 @@ fn a_search_looks_every_few_steps_and_ends_when_cancelled() {
             let ((one, seen), (other, _)) = (run(look), run(look + 1));
             let steps = other.steps - one.steps;
             assert!(steps <= 64, "{steps} steps after look {look}");
-            assert!(
-                seen - look < 50,
-                "{} looks after number {look}",
-                seen - look
-            );
+            assert!(seen - look < 50, "{} looks after number {look}", seen - look);
         }
     });
 }
@@ -183,11 +165,7 @@ fn cancelled_anywhere(more: &str, ask: impl Fn(&SystemInput, &Scenario, &Cancel)
             looks
         };
         let whole = run(u64::MAX);
-        assert!(
-            whole.gap() < WORK,
-            "{} allocations without a look",
-            whole.gap()
-        );
+        assert!(whole.gap() < WORK, "{} allocations without a look", whole.gap());
         let all = whole.seen();
         assert!(all > 100, "only {all} looks");
         for look in [1, 2, all / 10, all / 2, all - all / 10] {
@@ -256,10 +234,7 @@ fn bytes_are_counted_truly() {
             let ask = || verify(input, scenario, &published(), &Cancel::default());
             let (report, peak) = counting::peak(ask);
             let counted = report.memory;
-            assert!(
-                counted > 5 * FIXED,
-                "only {counted} bytes: this shows nothing"
-            );
+            assert!(counted > 5 * FIXED, "only {counted} bytes: this shows nothing");
             assert!(
                 counted / 4 * 3 < peak && peak < counted / 4 * 5 + FIXED,
                 "{counted} bytes counted, {peak} used"
@@ -270,9 +245,8 @@ fn bytes_are_counted_truly() {
 
 #[test]
 fn a_search_without_memory_gives_up_honestly() {
-    let whole = with(MORE, |input, scenario| {
-        verify(input, scenario, &published(), &Cancel::default())
-    });
+    let whole =
+        with(MORE, |input, scenario| verify(input, scenario, &published(), &Cancel::default()));
     for bytes in [50_000, 200_000, 400_000, 800_000, 1_200_000] {
         let (report, peak) = counting::peak(|| {
             with(MORE, |input, scenario| {
@@ -281,18 +255,12 @@ fn a_search_without_memory_gives_up_honestly() {
         });
         // The specification is parsed within the measurement as well; lists of states double when they are
         // full.
-        assert!(
-            peak < 2 * bytes + 5 * FIXED,
-            "{peak} bytes used with a limit of {bytes}"
-        );
+        assert!(peak < 2 * bytes + 5 * FIXED, "{peak} bytes used with a limit of {bytes}");
         assert!(report.unknown());
         for (check, known) in report.checks.iter().zip(&whole.checks) {
             let text = format!("{bytes}: {} {}, {:?}", check.kind, check.of, check.value);
             // Never a proof, never a refutation of a valid check, and times are lower bounds.
-            assert!(
-                check.verdict == Verdict::Unknown || check.verdict == known.verdict,
-                "{text}"
-            );
+            assert!(check.verdict == Verdict::Unknown || check.verdict == known.verdict, "{text}");
             assert!(check.verdict != Verdict::Proved, "{text}");
             if let (Some(Value::Time(time)), Some(Value::Time(known))) = (check.value, known.value)
             {
@@ -303,10 +271,7 @@ fn a_search_without_memory_gives_up_honestly() {
             {
                 assert!(time > limit, "{text}");
             }
-            let says_so = check
-                .note
-                .as_deref()
-                .is_some_and(|note| note.starts_with("gave up at"));
+            let says_so = check.note.as_deref().is_some_and(|note| note.starts_with("gave up at"));
             let has_run = !check.counterexample.is_empty();
             assert!(says_so || has_run, "{text}");
             let shown = check.verdict == Verdict::Refuted && check.value == Some(Value::Unbounded);
@@ -329,34 +294,19 @@ fn a_large_search_stays_within_its_memory() {
         )
     });
     let tasks: String = tasks.collect();
-    let unit = load(&format!(
-        "component ten {{ version \"1\"; lang \"c\"; ids {{ {ids} }}; {tasks} }};"
-    ));
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let unit =
+        load(&format!("component ten {{ version \"1\"; lang \"c\"; ids {{ {ids} }}; {tasks} }};"));
+    let input = SystemInput { specs: vec![&unit.spec] };
     let scenario = parse("scenario ten { cores 1; check schedulable *; check response *; }");
     let bytes = 80 << 20;
-    let options = Options {
-        limits: Limits {
-            bytes,
-            ..Limits::default()
-        },
-        ..Options::default()
-    };
+    let options = Options { limits: Limits { bytes, ..Limits::default() }, ..Options::default() };
     let ask = || verify(&input, &scenario.scenario, &options, &Cancel::default());
     let (report, peak) = counting::peak(ask);
-    let stopped = |report: &CheckReport| {
-        report
-            .gave_up
-            .is_some_and(|gave_up| gave_up.reason == Stop::Memory)
-    };
+    let stopped =
+        |report: &CheckReport| report.gave_up.is_some_and(|gave_up| gave_up.reason == Stop::Memory);
     assert!(report.checks.iter().any(stopped), "{:?}", report.checks);
     // One more segment of each sequence, at most.
-    assert!(
-        peak < bytes + bytes / 8,
-        "{peak} bytes used with a limit of {bytes}"
-    );
+    assert!(peak < bytes + bytes / 8, "{peak} bytes used with a limit of {bytes}");
     assert!(report.memory > bytes / 2, "{} bytes counted", report.memory);
 }
 
@@ -368,13 +318,7 @@ fn by_threads<T>(threads: usize, ask: impl Fn(&Options, &Cancel) -> T) -> (T, us
         own.lock().unwrap().insert(std::thread::current().id());
         false
     });
-    let options = Options {
-        limits: Limits {
-            threads,
-            ..Limits::default()
-        },
-        ..published()
-    };
+    let options = Options { limits: Limits { threads, ..Limits::default() }, ..published() };
     let answer = ask(&options, &cancel);
     let looked = seen.lock().unwrap().len();
     (answer, looked)

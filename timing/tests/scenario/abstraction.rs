@@ -69,9 +69,7 @@ fn answers(scenario: &str, options: &Options) -> Report {
     let unit = load(ARM);
     let parsed = parse(&format!("scenario x {{ {scenario} }}"));
     assert_eq!(parsed.errors, []);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     verify(&input, &parsed.scenario, options, &Cancel::default())
 }
 
@@ -147,25 +145,16 @@ fn a_task_without_a_bound_leaves_the_bounds_of_the_others() {
         assert_eq!(bounded.len(), 2, "{found}");
     };
     let round = ARM.replace("yield act, pause::read", "yield act, read");
-    open(
-        &round,
-        "cores 3; policy edf;",
-        "a turn need not come to a pause",
-    );
+    open(&round, "cores 3; policy edf;", "a turn need not come to a pause");
     // `plan` executes a codel without locks for more than a period of `servo`, on the only core. The response
     // time of `servo` has a bound, which is above its period.
     let late = "a deadline may be missed, as far as it can tell";
     let found = bounds(ARM, "cores 1; policy fifo;").unwrap();
-    let servo = found
-        .lines()
-        .find_map(|line| line.strip_prefix("joint.servo "));
+    let servo = found.lines().find_map(|line| line.strip_prefix("joint.servo "));
     assert!(servo.unwrap().parse::<u32>().unwrap() > 50, "{found}");
     assert_eq!(found.lines().count(), 3, "{found}");
     // `--explain` names the task, and the checks of the others are answered.
-    let report = answers(
-        "cores 1; policy fifo; check schedulable *;",
-        &Options::default(),
-    );
+    let report = answers("cores 1; policy fifo; check schedulable *;", &Options::default());
     let verdicts = report.checks.iter().map(|check| check.verdict);
     let expected = [Verdict::Refuted, Verdict::Proved, Verdict::Proved];
     assert_eq!(verdicts.collect::<Vec<_>>(), expected);
@@ -226,11 +215,7 @@ fn the_order_of_declarations_changes_no_verdict() {
         for (turn, back) in (0..4).flat_map(|number| [(number, false), (number, true)]) {
             let found = bounds(&ordered(components, turn, back), &scenario).unwrap();
             let bounded = found.lines().filter(|line| !line.contains(':'));
-            assert_eq!(
-                bounded.count(),
-                periodic,
-                "{scenario} {turn} {back}: {found}"
-            );
+            assert_eq!(bounded.count(), periodic, "{scenario} {turn} {back}: {found}");
         }
     }
 }
@@ -283,10 +268,6 @@ fn fifty_periodic_tasks_on_one_core_keep_their_deadlines() {
     for semantics in ["servers", "published"] {
         let scenario = format!("semantics {semantics}; cores 1; policy edf;");
         let found = bounds(&specification, &scenario);
-        assert_eq!(
-            found.map(|bound| bound.lines().count()),
-            Ok(50),
-            "{semantics}"
-        );
+        assert_eq!(found.map(|bound| bound.lines().count()), Ok(50), "{semantics}");
     }
 }

@@ -35,9 +35,7 @@ fn with<T>(
     let unit = load(specification);
     let parsed = parse(scenario);
     assert_eq!(parsed.errors, []);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     ask(&input, &parsed.scenario)
 }
 
@@ -67,10 +65,7 @@ fn found(specification: &str, scenario: &str) -> (Repairs, Vec<Change>) {
 fn holds(specification: &str, scenario: &str) -> bool {
     let report = report(specification, scenario);
     assert!(!report.has_errors(), "{:?}", report.diagnostics);
-    report
-        .checks
-        .iter()
-        .all(|check| check.verdict == Verdict::Proved)
+    report.checks.iter().all(|check| check.verdict == Verdict::Proved)
 }
 
 /// Returns the specification and the scenario with a change made in their texts. A copy replaces the shared
@@ -85,20 +80,13 @@ fn made(change: &Change, specification: &str, scenario: &str, by: f64) -> (Strin
     };
     let name = |path: &str| path.split('.').nth(1).expect("a name").to_owned();
     match change {
-        Change::Wcet {
-            codel,
-            now,
-            at_most,
-            ..
-        } => replace(
+        Change::Wcet { codel, now, at_most, .. } => replace(
             &mut specification,
             &name(codel),
             format!("wcet {now} ms"),
             format!("wcet {}", ms(*at_most)),
         ),
-        Change::Period {
-            task, now, needed, ..
-        } => replace(
+        Change::Period { task, now, needed, .. } => replace(
             &mut specification,
             &name(task),
             format!("period {now} ms"),
@@ -160,11 +148,8 @@ fn what_repairs_is_found_verified_and_no_larger_than_needed() {
 fn a_longest_time_is_the_longest() {
     let scenario = scenario("cores 2; policy fifo; unit 1 ms;");
     let (found, _) = found(LIFT, &scenario);
-    let times: Vec<&Change> = found
-        .changes
-        .iter()
-        .filter(|change| matches!(change, Change::Wcet { .. }))
-        .collect();
+    let times: Vec<&Change> =
+        found.changes.iter().filter(|change| matches!(change, Change::Wcet { .. })).collect();
     assert!(!times.is_empty());
     for time in times {
         let (specification, scenario) = made(time, LIFT, &scenario, 1.0);
@@ -227,24 +212,12 @@ fn limits_come_by_use_without_what_nobody_asks_for_and_say_what_breaks_first() {
         })
     };
     let (told, found) = asked("cores 2; policy fifo; unit 1 ms;");
-    let order = [
-        "cores",
-        "lift.control",
-        "lift.control.start",
-        "lift.report",
-        "lift.report.start",
-    ];
+    let order = ["cores", "lift.control", "lift.control.start", "lift.report", "lift.report.start"];
     assert_eq!(told, order);
     let next = found.next_to_break.expect("something breaks first");
     let all = found.wcet.iter().map(|wcet| (Quantity::Wcet, &wcet.of));
-    let all: Vec<_> = all
-        .chain(
-            found
-                .period
-                .iter()
-                .map(|period| (Quantity::Period, &period.of)),
-        )
-        .collect();
+    let all: Vec<_> =
+        all.chain(found.period.iter().map(|period| (Quantity::Period, &period.of))).collect();
     assert!(all.contains(&(next.quantity, &next.of)));
     assert!(next.factor > 1.0 && next.factor < 2.0, "{next:?}");
     let (told, _) = asked("cores 2; policy fifo; unit 1 ms; client k { send lift.mend; }");
@@ -257,23 +230,13 @@ fn a_remedy_makes_all_checks_of_the_task_hold() {
     // With 5 ms for `tell` no tick is missed, but the response is below 6 ms only with less.
     let scenario = scenario("check response lift.control <= 6 ms;");
     let report = report(LIFT, &scenario);
-    let refuted = report
-        .checks
-        .iter()
-        .filter(|check| check.of == "lift.control");
-    let refuted: Vec<_> = refuted
-        .filter(|check| check.verdict == Verdict::Refuted || check.exceeds())
-        .collect();
+    let refuted = report.checks.iter().filter(|check| check.of == "lift.control");
+    let refuted: Vec<_> =
+        refuted.filter(|check| check.verdict == Verdict::Refuted || check.exceeds()).collect();
     assert_eq!(refuted.len(), 2);
     let found = with(LIFT, &scenario, |input, scenario| {
         let check = (&report, refuted[0]);
-        remedy(
-            input,
-            scenario,
-            &Options::default(),
-            check,
-            &Cancel::default(),
-        )
+        remedy(input, scenario, &Options::default(), check, &Cancel::default())
     });
     let found = found.expect("a remedy");
     let (specification, scenario) = made(&found, LIFT, &scenario, 0.0);
@@ -331,13 +294,7 @@ fn every_remedy_of_a_random_miss_makes_all_checks_of_the_task_hold() {
         for check in before.checks.iter().filter(late) {
             tried += 1;
             let found = with(&specification, &scenario, |input, scenario| {
-                remedy(
-                    input,
-                    scenario,
-                    &options,
-                    (&before, check),
-                    &Cancel::default(),
-                )
+                remedy(input, scenario, &options, (&before, check), &Cancel::default())
             });
             let Some(change) = found else { continue };
             healed += 1;
@@ -345,16 +302,9 @@ fn every_remedy_of_a_random_miss_makes_all_checks_of_the_task_hold() {
             let after = report_within(&specification, &scenario, &options);
             let mut of_task = after.checks.iter().filter(|after| after.of == check.of);
             let holds = of_task.all(|after| after.verdict == Verdict::Proved && !after.exceeds());
-            assert!(
-                holds,
-                "{change:?}\n{specification}\n{scenario}\n{:#?}",
-                after.checks
-            );
+            assert!(holds, "{change:?}\n{specification}\n{scenario}\n{:#?}", after.checks);
         }
     }
-    assert!(
-        healed * 2 > tried,
-        "only {healed} of {tried} misses have a remedy"
-    );
+    assert!(healed * 2 > tried, "only {healed} of {tried} misses have a remedy");
     println!("{healed} of {tried} misses have a remedy");
 }

@@ -21,9 +21,8 @@ pub(crate) fn too_short_a_wait(processes: usize) -> (UnitResult, String) {
         )
     };
     let spec = all().map(of).collect::<String>();
-    let unit = load(&format!(
-        "component f {{ version \"1\"; lang \"c\"; ids {{ long id; }}; {spec} }};"
-    ));
+    let unit =
+        load(&format!("component f {{ version \"1\"; lang \"c\"; ids {{ long id; }}; {spec} }};"));
     let of = |i: usize| {
         format!(
             "duration f.hold{i}.start [3, 3] ms; duration f.claim{i}.start [1, 1] ms;
@@ -46,9 +45,7 @@ pub(crate) fn too_short_a_wait(processes: usize) -> (UnitResult, String) {
 fn what_fails_at_a_crowded_moment_is_found_soon_and_in_few_steps() {
     for processes in [3, 5, 7, 8] {
         let (unit, text) = too_short_a_wait(processes);
-        let input = SystemInput {
-            specs: vec![&unit.spec],
-        };
+        let input = SystemInput { specs: vec![&unit.spec] };
         // In order of time there are far more states than that before the failure.
         let mut options = published();
         options.limits.states = 12_000;
@@ -73,9 +70,7 @@ fn a_number_of_cores_is_refuted_at_a_crowded_moment() {
            task b { period 10 ms; codel <start> y(inout b) yield pause::start wcet 6 ms; };
          };",
     );
-    let input = SystemInput {
-        specs: vec![&unit.spec, &busy.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec, &busy.spec] };
     let (text, _) = text.split_once("check").unwrap();
     let parsed = parse(&format!("{text} aperiodic free; check schedulable *; }}"));
     assert_eq!(parsed.errors, []);
@@ -97,9 +92,8 @@ fn overload(tasks: usize) -> (UnitResult, String) {
     };
     let ids: String = (0..tasks).map(|i| format!("long x{i}; ")).collect();
     let tasks: String = (0..tasks).map(of).collect();
-    let unit = load(&format!(
-        "component o {{ version \"1\"; lang \"c\"; ids {{ {ids} }}; {tasks} }};"
-    ));
+    let unit =
+        load(&format!("component o {{ version \"1\"; lang \"c\"; ids {{ {ids} }}; {tasks} }};"));
     let text = "scenario x { cores 1; policy any; check response *; check no-overdue *; }";
     (unit, text.to_owned())
 }
@@ -107,29 +101,17 @@ fn overload(tasks: usize) -> (UnitResult, String) {
 #[test]
 fn that_a_task_can_starve_is_found_long_before_everything_is_known() {
     let (unit, text) = overload(9);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let parsed = parse(&text);
     assert_eq!(parsed.errors, []);
     let mut options = published();
     options.limits.states = 200_000;
     let report = verify(&input, &parsed.scenario, &options, &Cancel::default());
     for check in &report.checks {
-        assert_eq!(
-            check.verdict,
-            Verdict::Refuted,
-            "{} {}",
-            check.kind,
-            check.of
-        );
+        assert_eq!(check.verdict, Verdict::Refuted, "{} {}", check.kind, check.of);
         if check.kind == PropertyKind::Response {
             assert_eq!(check.value, Some(Value::Unbounded), "{}", check.of);
-            assert!(
-                check.cycle.is_some(),
-                "{}: the run goes on for ever",
-                check.of
-            );
+            assert!(check.cycle.is_some(), "{}: the run goes on for ever", check.of);
         }
     }
 }

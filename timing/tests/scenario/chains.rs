@@ -38,13 +38,8 @@ fn two(semantics: Preset, items: &str) -> Report {
     let unit = load(TWO);
     let parsed = parse(&std::format!("scenario two {{ {items} }}"));
     assert_eq!(parsed.errors, []);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
-    let options = Options {
-        semantics: Some(semantics),
-        ..Options::default()
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
+    let options = Options { semantics: Some(semantics), ..Options::default() };
     verify(&input, &parsed.scenario, &options, &Cancel::default())
 }
 
@@ -77,10 +72,7 @@ fn reaction_and_age_are_those_worked_out_by_hand() {
     let first = &report.checks[0];
     assert_eq!(first.kind, PropertyKind::Reaction);
     assert_eq!(first.of, "sensor.raw -> filter.clean");
-    assert_eq!(
-        first.note.as_deref(),
-        Some("by filter.t.start → filter.t.pass")
-    );
+    assert_eq!(first.note.as_deref(), Some("by filter.t.start → filter.t.pass"));
     let last = report.checks[2].counterexample.last();
     assert_eq!(last.map(|counterexample| counterexample.time), Some(42.0));
 }
@@ -116,25 +108,12 @@ fn shorter_durations_make_older_data() {
 fn what_cannot_be_followed_is_said() {
     let errors = |check: &str| -> Vec<&'static str> {
         let report = two(Preset::Servers, &std::format!("check {check};"));
-        report
-            .diagnostics
-            .iter()
-            .map(|diagnostic| diagnostic.code)
-            .collect()
+        report.diagnostics.iter().map(|diagnostic| diagnostic.code).collect()
     };
-    assert_eq!(
-        errors("reaction sensor.other -> filter.clean"),
-        ["scn-no-way"]
-    );
+    assert_eq!(errors("reaction sensor.other -> filter.clean"), ["scn-no-way"]);
     assert_eq!(errors("age filter.clean -> sensor.raw"), ["scn-no-way"]);
-    assert_eq!(
-        errors("reaction sensor.raw -> filter.clean via filter.t.start"),
-        ["scn-no-way"]
-    );
-    assert_eq!(
-        errors("reaction sensor.t -> filter.clean"),
-        ["scn-wrong-kind"]
-    );
+    assert_eq!(errors("reaction sensor.raw -> filter.clean via filter.t.start"), ["scn-no-way"]);
+    assert_eq!(errors("reaction sensor.t -> filter.clean"), ["scn-wrong-kind"]);
     assert_eq!(
         errors("reaction sensor.raw -> filter.clean via filter.t, sensor.raw"),
         [] as [&str; 0]
@@ -161,24 +140,11 @@ fn responses_follow_one_after_the_other() {
     };
     let time = |number| vec![(Verdict::Proved, Some(Value::Time(number)))];
     let begins = "filter.t.start.exec";
-    assert_eq!(
-        check(&std::format!("within {begins} => leave {begins}")),
-        time(1.0)
-    );
+    assert_eq!(check(&std::format!("within {begins} => leave {begins}")), time(1.0));
     let pass = "leave filter.t.pass.exec";
-    assert_eq!(
-        check(&std::format!(
-            "within {begins} => leave {begins} then {pass}"
-        )),
-        time(2.0)
-    );
+    assert_eq!(check(&std::format!("within {begins} => leave {begins} then {pass}")), time(2.0));
     // The end of `start` comes only in the next job after that of `pass`.
-    assert_eq!(
-        check(&std::format!(
-            "within {begins} => {pass} then leave {begins}"
-        )),
-        time(21.0)
-    );
+    assert_eq!(check(&std::format!("within {begins} => {pass} then leave {begins}")), time(21.0));
 }
 
 #[test]
@@ -186,12 +152,8 @@ fn runs_say_which_chains_they_do_not_follow() {
     let notes = |check: &str| {
         let unit = load(TWO);
         let parsed = parse(&std::format!("scenario two {{ check {check}; }}"));
-        let input = SystemInput {
-            specs: vec![&unit.spec],
-        };
-        prepare(&input, &parsed.scenario, &Options::default())
-            .report
-            .notes
+        let input = SystemInput { specs: vec![&unit.spec] };
+        prepare(&input, &parsed.scenario, &Options::default()).report.notes
     };
     assert_eq!(
         notes("age sensor.raw -> filter.clean <= 5 ms"),

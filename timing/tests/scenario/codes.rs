@@ -12,9 +12,7 @@ fn found(specification: &str, scenario: &str) -> Vec<&'static str> {
     if !parsed.errors.is_empty() {
         return parsed.errors.iter().map(|error| error.code).collect();
     }
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let options = Options::default();
     let report = verify(&input, &parsed.scenario, &options, &Cancel::default());
     report.diagnostics.iter().map(|error| error.code).collect()
@@ -40,10 +38,7 @@ fn the_examples_of_the_manual_trigger_their_codes() {
             true => found(specification, code.corrected),
             false => found(code.corrected, code.example),
         };
-        let errors: Vec<_> = codes
-            .iter()
-            .filter(|code| code.starts_with("scn-"))
-            .collect();
+        let errors: Vec<_> = codes.iter().filter(|code| code.starts_with("scn-")).collect();
         assert!(errors.is_empty(), "{id}: corrected: {errors:?}");
     }
 }

@@ -12,9 +12,7 @@ fn report(specification: &str, items: &str) -> Report {
     let unit = load(specification);
     let parsed = parse(&format!("scenario s {{ unit 1 ms; {items} }}"));
     assert_eq!(parsed.errors, []);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let (options, cancel) = (Options::default(), Cancel::default());
     let report = verify(&input, &parsed.scenario, &options, &cancel);
     assert!(!report.has_errors(), "{:?}", report.diagnostics);
@@ -23,8 +21,7 @@ fn report(specification: &str, items: &str) -> Report {
 
 fn remarks(report: &Report) -> Vec<&Remark> {
     let all = report.diagnostics.iter();
-    all.filter_map(|diagnostic| diagnostic.remark.as_deref())
-        .collect()
+    all.filter_map(|diagnostic| diagnostic.remark.as_deref()).collect()
 }
 
 /// `slow` and `look` share `map`; `fast` shares nothing with either.
@@ -44,10 +41,7 @@ fn a_request_that_can_only_be_refused_is_found() {
         function reset() { after reset; };
       };";
     let missing = |sends: &str| {
-        let found = report(
-            specification,
-            &format!("client k {{ {sends} }} check schedulable *;"),
-        );
+        let found = report(specification, &format!("client k {{ {sends} }} check schedulable *;"));
         let all = remarks(&found).into_iter();
         let names = all.map(|remark| match remark {
             Remark::OnlyRefused { service, missing } => format!("{service}: {}", missing.join(" ")),
@@ -55,10 +49,7 @@ fn a_request_that_can_only_be_refused_is_found() {
         });
         names.collect::<Vec<_>>()
     };
-    assert_eq!(
-        missing("send c.go; send c.init;"),
-        ["c.go: c.init", "c.init: c.power"]
-    );
+    assert_eq!(missing("send c.go; send c.init;"), ["c.go: c.init", "c.init: c.power"]);
     // Their order does not matter: the request may be repeated.
     assert!(missing("send c.go; send c.init; send c.power;").is_empty());
     assert_eq!(missing("send c.reset;"), ["c.reset: c.reset"]);
@@ -97,11 +88,7 @@ fn a_loop_without_pause_has_nothing_to_verify() {
     assert!(found.nothing());
     // Other tasks of the component are verified, and so is this task if it can pause.
     let others = found.checks.iter().filter(|check| check.of == "c.u");
-    assert!(
-        others
-            .map(|check| check.verdict)
-            .all(|verdict| verdict == Verdict::Proved)
-    );
+    assert!(others.map(|check| check.verdict).all(|verdict| verdict == Verdict::Proved));
     let pausing = report(&specification("pause::start"), "check response c.t;");
     assert_eq!(pausing.checks[0].verdict, Verdict::Proved);
 }
@@ -109,18 +96,10 @@ fn a_loop_without_pause_has_nothing_to_verify() {
 #[test]
 fn who_is_behind_the_head_of_the_lock_queue_is_told_for_how_long() {
     let found = report(QUEUE, "check schedulable *;");
-    let [
-        Remark::LockQueue {
-            codel, head, task, ..
-        },
-    ] = remarks(&found)[..]
-    else {
+    let [Remark::LockQueue { codel, head, task, .. }] = remarks(&found)[..] else {
         panic!("{:?}", remarks(&found));
     };
-    assert_eq!(
-        [codel, head, task],
-        ["c.slow.start", "c.look.start", "c.fast"]
-    );
+    assert_eq!([codel, head, task], ["c.slow.start", "c.look.start", "c.fast"]);
     let diagnostic =
         (found.diagnostics.iter()).find(|diagnostic| diagnostic.code == "timing-lock-queue");
     assert_eq!(
@@ -155,18 +134,10 @@ component d {
 fn a_port_held_longer_than_a_period_is_told_where_ports_are_locks() {
     for items in ["semantics published;", "ports lock;"] {
         let found = report(PORT, &format!("{items} check schedulable *;"));
-        let [
-            Remark::PortHold {
-                codel, other, task, ..
-            },
-        ] = remarks(&found)[..]
-        else {
+        let [Remark::PortHold { codel, other, task, .. }] = remarks(&found)[..] else {
             panic!("{:?}", remarks(&found));
         };
-        assert_eq!(
-            [codel, other, task],
-            ["c.plan.start", "d.move.start", "d.move"]
-        );
+        assert_eq!([codel, other, task], ["c.plan.start", "d.move.start", "d.move"]);
     }
     assert!(remarks(&report(PORT, "check schedulable *;")).is_empty());
 }
@@ -184,20 +155,12 @@ fn restarts_that_end_each_other_are_told_when_they_can() {
       };
     };";
     let told = |client: &str| {
-        let found = report(
-            specification,
-            &format!("client k {{ {client} }} check schedulable *;"),
-        );
-        found
-            .notes
-            .iter()
-            .any(|note| note.contains("interrupt each other"))
+        let found = report(specification, &format!("client k {{ {client} }} check schedulable *;"));
+        found.notes.iter().any(|note| note.contains("interrupt each other"))
     };
     assert!(told("send c.s; delay 25 ms; send c.s; send c.s;"));
     // After the end of the first instance the next one may come.
-    assert!(!told(
-        "send c.s; delay 25 ms; send c.s; delay 25 ms; send c.s;"
-    ));
+    assert!(!told("send c.s; delay 25 ms; send c.s; delay 25 ms; send c.s;"));
 }
 
 #[test]
@@ -242,28 +205,15 @@ fn under_preemption_intervals_have_bounds_and_say_so() {
         assert!(worth.contains(&report.soundness), "{report:?}");
     }
     // Preempted once, by 2 ms, it takes 7 ms; the bound includes possible carry-in.
-    let response = of("d.lo")
-        .find(|report| report.value.is_some())
-        .expect("a value");
+    let response = of("d.lo").find(|report| report.value.is_some()).expect("a value");
     assert!(matches!(response.value, Some(Value::Time(time)) if (7.0..40.0).contains(&time)));
     assert_eq!(response.soundness, Soundness::UpperBound);
-    assert!(
-        response
-            .note
-            .as_ref()
-            .is_some_and(|note| note.contains("7 ms is reached"))
-    );
+    assert!(response.note.as_ref().is_some_and(|note| note.contains("7 ms is reached")));
     // Answers of exploration hold for whole units.
     let explored = of("c.hi.idle or c.hi.running").next().expect("an answer");
-    assert_eq!(
-        (explored.verdict, explored.soundness),
-        (Verdict::Proved, Soundness::WholeUnits)
-    );
+    assert_eq!((explored.verdict, explored.soundness), (Verdict::Proved, Soundness::WholeUnits));
     // With fixed durations there is no such restriction, and there is a run, with its preemption.
-    let fixed = report(
-        PRIORITIES,
-        "cores 1; policy priority; durations fixed; check response *;",
-    );
+    let fixed = report(PRIORITIES, "cores 1; policy priority; durations fixed; check response *;");
     let exact = fixed.checks.iter().find(|check| check.of == "d.lo");
     assert!(exact.is_some_and(|check| !check.witness.is_empty() && !check.left_out));
     assert_eq!(
@@ -277,16 +227,11 @@ fn only_cores_that_are_taken_away_can_be_tied_to() {
     let unit = load(PRIORITIES);
     let parsed =
         parse("scenario s { cores 1; policy fifo; affinity c.hi 1; check schedulable *; }");
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let (options, cancel) = (Options::default(), Cancel::default());
     let report = verify(&input, &parsed.scenario, &options, &cancel);
-    let messages: Vec<&str> = report
-        .diagnostics
-        .iter()
-        .map(|diagnostic| diagnostic.message.as_str())
-        .collect();
+    let messages: Vec<&str> =
+        report.diagnostics.iter().map(|diagnostic| diagnostic.message.as_str()).collect();
     assert_eq!(
         messages,
         [

@@ -24,9 +24,7 @@ fn answers(components: usize, scenario: &str, options: &Options) -> Vec<CheckRep
             ))
         })
         .collect();
-    let input = SystemInput {
-        specs: units.iter().map(|unit| &*unit.spec).collect(),
-    };
+    let input = SystemInput { specs: units.iter().map(|unit| &*unit.spec).collect() };
     let text = format!("scenario s {{ unit 1 ms; {scenario} }}");
     let parsed = parse(&text);
     assert_eq!(parsed.errors, []);
@@ -39,11 +37,7 @@ fn codels_with_common_data_are_never_executed_together() {
         .map(|c| format!("check always not (c{c}.t.start.exec and c{c}.u.start.exec);"))
         .collect();
     // One core for all components, so that they are one system.
-    let checks = answers(
-        12,
-        &format!("cores 1; policy any; {checks}"),
-        &Options::default(),
-    );
+    let checks = answers(12, &format!("cores 1; policy any; {checks}"), &Options::default());
     assert_eq!(checks.len(), 12);
     for check in &checks {
         assert_eq!(check.verdict, Verdict::Proved, "{check:?}");
@@ -58,10 +52,7 @@ fn no_more_tasks_execute_than_there_are_cores() {
     let three = "c0.t.start and c1.t.start and c1.u.start";
     let text = |cores: usize| format!("cores {cores}; policy fifo; check always not ({three});");
     let two = answers(2, &text(2), &Options::default());
-    assert_eq!(
-        (two[0].verdict, two[0].by),
-        (Verdict::Proved, Some(Layer::Invariants))
-    );
+    assert_eq!((two[0].verdict, two[0].by), (Verdict::Proved, Some(Layer::Invariants)));
     let three = answers(2, &text(3), &Options::default());
     assert_eq!((three[0].verdict, three[0].by), (Verdict::Refuted, None));
 }
@@ -75,10 +66,7 @@ fn a_proof_about_what_never_happens_is_left_to_the_exploration() {
     );
     assert_eq!((checks[0].verdict, checks[0].by), (Verdict::Proved, None));
     assert!(checks[0].vacuous);
-    assert_eq!(
-        (checks[1].verdict, checks[1].by),
-        (Verdict::Refuted, Some(Layer::Invariants))
-    );
+    assert_eq!((checks[1].verdict, checks[1].by), (Verdict::Refuted, Some(Layer::Invariants)));
 }
 
 #[test]
@@ -110,19 +98,8 @@ fn a_wait_in_one_direction_excludes_nothing() {
         check always not (c.slow.start.exec and c.first.start.exec); }";
     let parsed = parse(text);
     assert_eq!(parsed.errors, []);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
-    let report = verify(
-        &input,
-        &parsed.scenario,
-        &Options::default(),
-        &Cancel::default(),
-    );
+    let input = SystemInput { specs: vec![&unit.spec] };
+    let report = verify(&input, &parsed.scenario, &Options::default(), &Cancel::default());
     let check = &report.checks[0];
-    assert_eq!(
-        (check.verdict, check.by),
-        (Verdict::Refuted, None),
-        "{check:?}"
-    );
+    assert_eq!((check.verdict, check.by), (Verdict::Refuted, None), "{check:?}");
 }

@@ -12,12 +12,7 @@ fn names_and_units_are_strings_in_json() {
     let run = report.checks[0].run();
     let begin = run.iter().find(|run| run.codel.is_some()).unwrap();
     insta::assert_snapshot!(json(begin));
-    let delay = report
-        .checks
-        .iter()
-        .flat_map(|check| &check.reason)
-        .next()
-        .unwrap();
+    let delay = report.checks.iter().flat_map(|check| &check.reason).next().unwrap();
     insta::assert_snapshot!(json(delay));
 }
 

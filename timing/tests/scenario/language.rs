@@ -31,9 +31,7 @@ fn slots_are_some_and_not_too_many() {
         );
         let parsed = parse(&text);
         let wrong = parsed.errors.iter();
-        let wrong: Vec<_> = wrong
-            .map(|wrong| (wrong.code, &text[wrong.range.clone()]))
-            .collect();
+        let wrong: Vec<_> = wrong.map(|wrong| (wrong.code, &text[wrong.range.clone()])).collect();
         match allowed {
             true => assert_eq!(wrong, []),
             false => assert_eq!(wrong, [("scn-slots", number)]),
@@ -76,15 +74,9 @@ fn formatting_keeps_comments_and_is_stable() {
 #[test]
 fn the_default_scenario_is_one() {
     let unit = load(ROBOT);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let names = Names::new(&input.specs);
-    let components: Vec<_> = names
-        .components
-        .iter()
-        .map(|component| component.component)
-        .collect();
+    let components: Vec<_> = names.components.iter().map(|component| component.component).collect();
     let text = default_text(&components, &["robot.gen".to_owned()]);
     let parsed = parse(&text);
     assert_eq!(parsed.errors, []);
@@ -101,11 +93,8 @@ fn names_lead_to_the_model() {
         "scenario x { check response sensor.acquire; check always not sensor.acquire.read.exec; client k { \
             send sensor.reset; } }",
     );
-    let found: Vec<Target> = names
-        .references(&parsed.scenario)
-        .into_iter()
-        .map(|reference| reference.target)
-        .collect();
+    let found: Vec<Target> =
+        names.references(&parsed.scenario).into_iter().map(|reference| reference.target).collect();
     insta::assert_debug_snapshot!(found);
 }
 
@@ -131,12 +120,7 @@ fn garbage_never_panics() {
             text.push(' ');
         }
         let parsed = parse(&text);
-        assert!(
-            parsed
-                .errors
-                .iter()
-                .all(|error| error.range.end <= text.len())
-        );
+        assert!(parsed.errors.iter().all(|error| error.range.end <= text.len()));
         format(&text);
     }
 }

@@ -34,10 +34,7 @@ use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 /// The options of these tests: the published models.
 fn published() -> Options {
-    Options {
-        semantics: Some(Preset::Published),
-        ..Options::default()
-    }
+    Options { semantics: Some(Preset::Published), ..Options::default() }
 }
 
 fn load(text: &str) -> UnitResult {
@@ -81,9 +78,7 @@ fn robot(items: &str) -> Report {
     let unit = load(ROBOT);
     let parsed = parse(&format!("scenario robot {{ {items} }}"));
     assert_eq!(parsed.errors, []);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     verify(&input, &parsed.scenario, &published(), &Cancel::default())
 }
 
@@ -93,13 +88,8 @@ fn summary(report: &Report) -> String {
         out.push_str(&format!("{}: {}\n", diagnostic.code, diagnostic.message));
     }
     for check in &report.checks {
-        let value = check
-            .value
-            .map_or(String::new(), |value| format!(" {value}"));
-        out.push_str(&format!(
-            "{} {} {:?}{value}\n",
-            check.kind, check.of, check.verdict
-        ));
+        let value = check.value.map_or(String::new(), |value| format!(" {value}"));
+        out.push_str(&format!("{} {} {:?}{value}\n", check.kind, check.of, check.verdict));
     }
     out
 }
@@ -130,10 +120,7 @@ fn runs_in_words(report: &Report) -> String {
         for delay in &check.reason {
             let codel = delay.codel.as_deref().unwrap_or("the job");
             let held = delay.held.iter().map(|holder| {
-                let codel = holder
-                    .codel
-                    .as_deref()
-                    .map_or(holder.by.to_string(), str::to_owned);
+                let codel = holder.codel.as_deref().map_or(holder.by.to_string(), str::to_owned);
                 format!("{codel} {}-{}", holder.from, holder.until)
             });
             let held: Vec<String> = held.collect();
@@ -169,17 +156,10 @@ fn excess(check: &str) -> (f64, Option<Value>) {
     );
     let parsed = parse(&text);
     assert_eq!(parsed.errors, []);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let report = verify(&input, &parsed.scenario, &published(), &Cancel::default());
     let check = &report.checks[0];
-    assert_eq!(
-        check.verdict,
-        Verdict::Refuted,
-        "{}",
-        checks_in_words(&report)
-    );
+    assert_eq!(check.verdict, Verdict::Refuted, "{}", checks_in_words(&report));
     (check.counterexample.last().unwrap().time, check.value)
 }
 
@@ -224,9 +204,7 @@ fn a_loop_limit_that_cannot_be_kept_is_explained() {
              };
            };"#,
     );
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let said = |items: &str| {
         let scenario = parse(&format!("scenario x {{ {items} check schedulable *; }}")).scenario;
         let report = verify(&input, &scenario, &published(), &Cancel::default());
@@ -250,10 +228,7 @@ fn slots_are_for_activities_whether_requested_or_not() {
     scn-unknown-name: `sensor` has nothing called `recrod`; did you mean `record`?
     scn-wrong-kind: `sensor.reset` is neither a task nor an activity, and nothing else has slots; name one, or remove this line
         ");
-    let wrong = report
-        .diagnostics
-        .iter()
-        .map(|diagnostic| diagnostic.range.len());
+    let wrong = report.diagnostics.iter().map(|diagnostic| diagnostic.range.len());
     let names = ["recrod", "sensor.reset"];
     assert_eq!(Vec::from_iter(wrong), names.map(str::len));
 }
@@ -266,17 +241,10 @@ fn orders_of_services_that_are_not_kept_are_an_assumption() {
              activity move() { task t; codel <start> go() yield ether wcet 1 ms; after calibrate; };
            };"#,
     );
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let said = |service: &str| {
         let text = format!("scenario x {{ client u {{ send c.{service}; }} check deadlock; }}");
-        let report = verify(
-            &input,
-            &parse(&text).scenario,
-            &published(),
-            &Cancel::default(),
-        );
+        let report = verify(&input, &parse(&text).scenario, &published(), &Cancel::default());
         let mut all = report.assumptions.into_iter();
         all.find(|assumption| assumption.starts_with("requests"))
     };
@@ -290,10 +258,7 @@ fn path(text: &str) -> Path {
     Path {
         names: text
             .split('.')
-            .map(|part| Spanned {
-                value: part.to_owned(),
-                range: 0..0,
-            })
+            .map(|part| Spanned { value: part.to_owned(), range: 0..0 })
             .collect(),
     }
 }
@@ -301,9 +266,7 @@ fn path(text: &str) -> Path {
 #[test]
 fn derived_questions() {
     let unit = load(ROBOT);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let scenario = parse("scenario x { check schedulable *; }").scenario;
     let options = published();
     let cancel = Cancel::default();
@@ -311,13 +274,7 @@ fn derived_questions() {
     assert_eq!(cores.cores, Some(2));
     assert_eq!(cores.tried, [(1, Verdict::Refuted), (2, Verdict::Proved)]);
     // The other component holds the port for 3 ms: 3 + 1 < 5 with nothing to spare.
-    let slack = largest_wcet(
-        &input,
-        &scenario,
-        &options,
-        &path("control.move.step"),
-        &cancel,
-    );
+    let slack = largest_wcet(&input, &scenario, &options, &path("control.move.step"), &cancel);
     let slack = slack.unwrap();
     assert_eq!((slack.now, slack.exact), (Value::Time(1.0), true));
     insta::assert_debug_snapshot!(slack.extreme);
@@ -335,11 +292,7 @@ fn connections_that_make_codels_wait_are_named() {
         let built = build(&names, &settings, &|_| true);
         let site = |path: &str| {
             let mut codels = built.system.codels.iter();
-            codels
-                .find(|codel| *codel.path == *path)
-                .unwrap()
-                .site
-                .unwrap()
+            codels.find(|codel| *codel.path == *path).unwrap().site.unwrap()
         };
         let (publish, step) = (site("sensor.acquire.publish"), site("control.move.step"));
         let ports = SharedPorts::new(&names, &settings);
@@ -373,9 +326,7 @@ component calm {
 #[test]
 fn analysis_answers_what_exploration_has_to_give_up() {
     let unit = load(CALM);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let text = "scenario x { client k { repeat * { delay [0, *] ms; send calm.work; } }
       check schedulable *; check no-overdue *; check response calm.t; check response calm.t <= 2 ms; }";
     let scenario = parse(text).scenario;
@@ -397,9 +348,7 @@ fn what_fails_without_requests_is_found_whatever_clients_may_do() {
         "t_step(inout a) yield pause::step wcet 2 ms",
         "t_step(inout a) yield pause::step wcet 20 ms",
     ));
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let text = "scenario x { client k { repeat * { delay [0, *] ms; send calm.work; } }
       check schedulable calm.t; }";
     // Every order of requests would be explored first.
@@ -408,10 +357,7 @@ fn what_fails_without_requests_is_found_whatever_clients_may_do() {
     let report = verify(&input, &parse(text).scenario, &options, &Cancel::default());
     assert_eq!(report.checks[0].verdict, Verdict::Refuted);
     let run = &report.checks[0].counterexample;
-    assert!(
-        run.iter().all(|run| !run.what.contains("request")),
-        "{run:?}"
-    );
+    assert!(run.iter().all(|run| !run.what.contains("request")), "{run:?}");
     // A client that has to send at once cannot be left out.
     let text = text.replace("delay [0, *] ms; ", "delay 1 ms; ");
     let report = verify(&input, &parse(&text).scenario, &options, &Cancel::default());
@@ -430,9 +376,7 @@ fn what_fails_after_one_request_is_found_whatever_clients_may_do() {
         .collect();
     let slow = "activity slow() { task t; codel <start> s() yield ether wcet 30 ms; };";
     let unit = load(&CALM.replace("activity work()", &format!("{many} {slow} activity work()")));
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let services: Vec<String> = (0..8).map(|i| format!("a{i}")).collect();
     let choice: Vec<String> = (services.iter().map(String::as_str))
         .chain(["slow", "work"])
@@ -451,9 +395,8 @@ fn what_fails_after_one_request_is_found_whatever_clients_may_do() {
     };
     assert_eq!(schedulable.verdict, Verdict::Refuted);
     let run = &schedulable.counterexample;
-    let requests: Vec<&str> = (run.iter().map(|run| run.what.as_str()))
-        .filter(|run| run.contains("request"))
-        .collect();
+    let requests: Vec<&str> =
+        (run.iter().map(|run| run.what.as_str())).filter(|run| run.contains("request")).collect();
     assert_eq!(requests, ["takes the request calm.slow of client k"]);
     // The exploration was incomplete: this value is the greatest seen.
     let note = response.note.as_deref().unwrap_or_default();
@@ -476,36 +419,23 @@ fn a_task_that_takes_no_time_needs_no_exploration_to_the_end() {
            function other() {{ codel f() wcet 1 ms; }};
            {services} }};"
     ));
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let choice: Vec<String> = (0..20).map(|i| format!("{{ send idle.a{i}; }}")).collect();
     let text = format!(
         "scenario x {{ client k {{ repeat * {{ delay [0, *] ms; choice {} }} }} check response idle.t; }}",
         choice.join(" or ")
     );
-    let report = verify(
-        &input,
-        &parse(&text).scenario,
-        &published(),
-        &Cancel::default(),
-    );
+    let report = verify(&input, &parse(&text).scenario, &published(), &Cancel::default());
     assert_eq!(checks_in_words(&report), "response idle.t: Proved Exact 0 ");
     assert!(report.steps < 200_000, "{} steps", report.steps);
 }
 
 fn checks_in_words(report: &Report) -> String {
     let line = |report: &CheckReport| {
-        let value = report
-            .value
-            .map(|value| value.to_string())
-            .unwrap_or_default();
+        let value = report.value.map(|value| value.to_string()).unwrap_or_default();
         let note = report.note.as_deref().unwrap_or_default();
         let (verdict, soundness) = (report.verdict, report.soundness);
-        format!(
-            "{} {}: {verdict:?} {soundness:?} {value} {note}",
-            report.kind, report.of
-        )
+        format!("{} {}: {verdict:?} {soundness:?} {value} {note}", report.kind, report.of)
     };
     let lines: Vec<String> = report.checks.iter().map(line).collect();
     lines.join("\n")
@@ -514,20 +444,13 @@ fn checks_in_words(report: &Report) -> String {
 #[test]
 fn giving_up_is_said() {
     let unit = load(ROBOT);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let text = "scenario x { client k { repeat * { delay [0, *] ms; send sensor.reset; } } check deadlock; }";
     let scenario = parse(text).scenario;
     let mut options = published();
     options.limits.states = 1;
     let report = verify(&input, &scenario, &options, &Cancel::default());
-    assert!(
-        report
-            .checks
-            .iter()
-            .all(|check| check.verdict == Verdict::Unknown)
-    );
+    assert!(report.checks.iter().all(|check| check.verdict == Verdict::Unknown));
     let note = report.checks[0].note.as_deref().unwrap();
     assert!(note.starts_with("gave up at"), "{note}");
     let reason = report.checks[0].gave_up.map(|gave_up| gave_up.reason);
@@ -540,20 +463,13 @@ fn giving_up_is_said() {
     let cancelled = Cancel::default();
     cancelled.abandon();
     let report = verify(&input, &scenario, &published(), &cancelled);
-    assert!(
-        report
-            .checks
-            .iter()
-            .all(|check| check.note.as_deref() == Some("cancelled"))
-    );
+    assert!(report.checks.iter().all(|check| check.note.as_deref() == Some("cancelled")));
 }
 
 #[test]
 fn a_verification_tells_how_far_it_is() {
     let unit = load(ROBOT);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let text = "scenario x { client k { send sensor.record; } check deadlock; check eventually \
         sensor.record; }";
     let cancel = Cancel::default();
@@ -576,9 +492,7 @@ fn of_two(items: &str) -> Report {
     let unit = load(TWO);
     let parsed = parse(&format!("scenario s {{ {items} }}"));
     assert_eq!(parsed.errors, []);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let (options, cancel) = (published(), Cancel::default());
     verify(&input, &parsed.scenario, &options, &cancel)
 }
@@ -589,10 +503,7 @@ fn what_fails_with_rounded_durations_only_may_be_a_false_alarm() {
     let [late, bounded] = &report.checks[..] else {
         panic!("{}", checks_in_words(&report));
     };
-    assert_eq!(
-        (late.verdict, late.soundness),
-        (Verdict::Refuted, Soundness::Safe)
-    );
+    assert_eq!((late.verdict, late.soundness), (Verdict::Refuted, Soundness::Safe));
     assert!(late.rounded && late.counterexample.is_empty() && !late.possible_run.is_empty());
     // Rounding adds runs, and the limit holds all the same.
     assert_eq!((bounded.verdict, bounded.rounded), (Verdict::Proved, true));
@@ -605,20 +516,14 @@ fn what_fails_with_rounded_durations_only_may_be_a_false_alarm() {
     );
     let exact = of_two("unit 1 ms; check schedulable c.t;");
     assert_eq!(exact.checks[0].verdict, Verdict::Proved);
-    assert_eq!(
-        (exact.checks[0].soundness, exact.notes.len()),
-        (Soundness::Exact, 0)
-    );
+    assert_eq!((exact.checks[0].soundness, exact.notes.len()), (Soundness::Exact, 0));
 }
 
 #[test]
 fn periods_are_not_rounded() {
     let report = of_two("unit 4 ms; check schedulable *;");
-    let errors: Vec<&str> = report
-        .diagnostics
-        .iter()
-        .map(|diagnostic| diagnostic.message.as_str())
-        .collect();
+    let errors: Vec<&str> =
+        report.diagnostics.iter().map(|diagnostic| diagnostic.message.as_str()).collect();
     assert_eq!(
         errors,
         [
@@ -635,21 +540,13 @@ fn without_execution_times_nothing_is_proved() {
     let scenario =
         "scenario s { check schedulable *; check response *; check always not c.t.start.lock; }";
     let parsed = parse(scenario);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let report = verify(&input, &parsed.scenario, &published(), &Cancel::default());
     let (tasks, predicate) = report.checks.split_at(4);
     for task in tasks {
-        assert_eq!(
-            (task.verdict, task.value, task.slack()),
-            (Verdict::Nothing, None, None)
-        );
+        assert_eq!((task.verdict, task.value, task.slack()), (Verdict::Nothing, None, None));
         let note = task.note.as_deref().unwrap_or_default();
-        assert!(
-            note.contains("c.t.start, c.u.start") && note.contains("`wcet`"),
-            "{note}"
-        );
+        assert!(note.contains("c.t.start, c.u.start") && note.contains("`wcet`"), "{note}");
     }
     // Checks that do not depend on times are answered.
     assert_ne!(predicate[0].verdict, Verdict::Nothing);

@@ -92,12 +92,8 @@ component arm {
 
 #[test]
 fn activities_that_are_awaited_do_not_come_together() {
-    let client = |steps: &str| {
-        bounds(
-            ACTIVITIES,
-            &format!("client c {{ repeat * {{ {steps} }} }}"),
-        )
-    };
+    let client =
+        |steps: &str| bounds(ACTIVITIES, &format!("client c {{ repeat * {{ {steps} }} }}"));
     let go = "send arm.go;";
     let grasp = "send arm.grasp;";
     // All slots: two instances of each.
@@ -109,10 +105,7 @@ fn activities_that_are_awaited_do_not_come_together() {
     let both = format!("{go} {grasp} await ended arm.go; await ended arm.grasp;");
     assert_eq!(client(&both), "arm.move 9\n");
     // The end of `grasp` is not awaited, so there can be two instances.
-    assert_eq!(
-        client(&format!("{go} await ended; {grasp}")),
-        "arm.move 14\n"
-    );
+    assert_eq!(client(&format!("{go} await ended; {grasp}")), "arm.move 14\n");
     // Each of two clients can have one.
     let two = format!("client c {{ repeat * {{ {one} }} }} client d {{ {go} }}");
     assert_eq!(bounds(ACTIVITIES, &two), "arm.move 9\n");

@@ -25,13 +25,9 @@ const ROBOT: &str = "component r {
 
 fn report(items: &str) -> Report {
     let unit = load(ROBOT);
-    let parsed = parse(&format!(
-        "scenario s {{ unit 1 ms; durations fixed; {items} }}"
-    ));
+    let parsed = parse(&format!("scenario s {{ unit 1 ms; durations fixed; {items} }}"));
     assert_eq!(parsed.errors, []);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let (options, cancel) = (Options::default(), Cancel::default());
     verify(&input, &parsed.scenario, &options, &cancel)
 }
@@ -51,8 +47,7 @@ fn verdicts(items: &str) -> Vec<Verdict> {
 fn messages(items: &str) -> Vec<String> {
     let report = report(items);
     let all = report.diagnostics.into_iter();
-    all.map(|diagnostic| format!("{}: {}", diagnostic.code, diagnostic.message))
-        .collect()
+    all.map(|diagnostic| format!("{}: {}", diagnostic.code, diagnostic.message)).collect()
 }
 
 #[test]
@@ -66,13 +61,8 @@ fn a_component_that_is_killed_stops_its_activities_then_its_tasks() {
          check ends: eventually k and r.t.idle and r.walk.void;
          check quiet: reachable k and r.t.running;",
     );
-    let expected = [
-        Verdict::Proved,
-        Verdict::Proved,
-        Verdict::Refuted,
-        Verdict::Proved,
-        Verdict::Refuted,
-    ];
+    let expected =
+        [Verdict::Proved, Verdict::Proved, Verdict::Refuted, Verdict::Proved, Verdict::Refuted];
     assert_eq!(found, expected);
 }
 
@@ -181,20 +171,16 @@ fn completion_offers_requests_and_outcomes() {
         let text = format!("scenario s {{ client k {{ one: send r.walk; {steps}");
         let scenario = parse(&text).scenario;
         match complete(&text, &scenario, &names, text.len()) {
-            Completions::Of { items, .. } => items
-                .into_iter()
-                .map(|completion| completion.label)
-                .collect(),
+            Completions::Of { items, .. } => {
+                items.into_iter().map(|completion| completion.label).collect()
+            }
             Completions::File(_) => Vec::new(),
         }
     };
     let has = |steps: &str, labels: &[&str]| {
         let found = offered(steps);
         for label in labels {
-            assert!(
-                found.iter().any(|candidate| candidate == label),
-                "{steps}: {found:?}"
-            );
+            assert!(found.iter().any(|candidate| candidate == label), "{steps}: {found:?}");
         }
     };
     has("", &["abort", "kill", "connect", "await"]);

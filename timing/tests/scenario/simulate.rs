@@ -13,18 +13,12 @@ const SCENARIO: &str = "scenario robot { cores 1;
 /// Calls a function with the checks of the robot that have a run.
 fn with_runs(each: impl Fn(&SystemInput, &Report, &CheckReport)) {
     let unit = load(ROBOT);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let parsed = parse(SCENARIO);
     assert_eq!(parsed.errors, []);
     for options in [Options::default(), published()] {
         let report = verify(&input, &parsed.scenario, &options, &Cancel::default());
-        let runs: Vec<_> = report
-            .checks
-            .iter()
-            .filter(|check| check.kept.is_some())
-            .collect();
+        let runs: Vec<_> = report.checks.iter().filter(|check| check.kept.is_some()).collect();
         assert_eq!(runs.len(), 2);
         runs.iter().for_each(|run| each(&input, &report, run));
     }
@@ -32,25 +26,21 @@ fn with_runs(each: impl Fn(&SystemInput, &Report, &CheckReport)) {
 
 fn told(report: &CheckReport, events: usize) -> Vec<(f64, String)> {
     let events = report.run().iter().take(events);
-    events
-        .map(|event| (event.time, event.what.clone()))
-        .collect()
+    events.map(|event| (event.time, event.what.clone())).collect()
 }
 
 /// Returns true if choices without events, and then one more, lead to an event.
 fn leads_to(simulate: &dyn Fn(&[usize]) -> Simulation, take: &[usize], next: &Event) -> bool {
     let simulation = simulate(take);
-    (0..)
-        .zip(&simulation.choices)
-        .any(|(choice, offered)| match offered {
-            Choice::Step(thread, what) => {
-                (next.time, &next.thread, &next.what) == (simulation.end, thread, what)
-            }
-            Choice::Wait(_) => next.time > simulation.end,
-            Choice::Silent(_) => {
-                take.len() < 6 && leads_to(simulate, &[take, &[choice]].concat(), next)
-            }
-        })
+    (0..).zip(&simulation.choices).any(|(choice, offered)| match offered {
+        Choice::Step(thread, what) => {
+            (next.time, &next.thread, &next.what) == (simulation.end, thread, what)
+        }
+        Choice::Wait(_) => next.time > simulation.end,
+        Choice::Silent(_) => {
+            take.len() < 6 && leads_to(simulate, &[take, &[choice]].concat(), next)
+        }
+    })
 }
 
 #[test]
@@ -60,11 +50,8 @@ fn at_each_event_the_step_of_the_run_itself_can_be_chosen() {
         assert_eq!(run.impossible_step(), None);
         for after in 0..check.run().len() {
             let simulation = run.simulate(input, report.unit, after, &[]);
-            let events: Vec<_> = simulation
-                .events
-                .iter()
-                .map(|event| (event.time, event.what.clone()))
-                .collect();
+            let events: Vec<_> =
+                simulation.events.iter().map(|event| (event.time, event.what.clone())).collect();
             // The limit that is exceeded is an event, but no step.
             let excess = check.run()[after].kind == MomentKind::Excess;
             assert!(events.len() > after || excess);
@@ -73,11 +60,7 @@ fn at_each_event_the_step_of_the_run_itself_can_be_chosen() {
             assert_eq!(told(check, shared), events[..shared]);
             if let Some(next) = check.run().get(events.len()) {
                 let simulate = |take: &[usize]| run.simulate(input, report.unit, after, take);
-                assert!(
-                    leads_to(&simulate, &[], next),
-                    "{next:?}\n{:?}",
-                    simulation.choices
-                );
+                assert!(leads_to(&simulate, &[], next), "{next:?}\n{:?}", simulation.choices);
             }
         }
     });

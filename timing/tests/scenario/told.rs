@@ -27,9 +27,7 @@ const ALL: &str =
 /// Returns the intermediate reports of a system with a lamp, and the final report.
 fn told(items: &str, options: &Options, cancel: &Cancel) -> (Vec<Report>, Report) {
     let unit = load(&format!("{ROBOT}{LAMP}"));
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let parsed = parse(&format!("scenario robot {{ {items} }}"));
     assert_eq!(parsed.errors, []);
     let told = Mutex::new(Vec::new());
@@ -51,16 +49,11 @@ fn an_answer_that_was_told_is_final_and_the_same_as_without_telling() {
         let (told, last) = told(ALL, &options, &Cancel::default());
         let untold = {
             let unit = load(&format!("{ROBOT}{LAMP}"));
-            let input = SystemInput {
-                specs: vec![&unit.spec],
-            };
+            let input = SystemInput { specs: vec![&unit.spec] };
             let scenario = parse(&format!("scenario robot {{ {ALL} }}")).scenario;
             verify(&input, &scenario, &options, &Cancel::default())
         };
-        let without_time = |report: &Report| Report {
-            seconds: 0.0,
-            ..report.clone()
-        };
+        let without_time = |report: &Report| Report { seconds: 0.0, ..report.clone() };
         assert_eq!(
             serde_json::to_string(&without_time(&last)).unwrap(),
             serde_json::to_string(&without_time(&untold)).unwrap()
@@ -83,11 +76,7 @@ fn an_answer_that_was_told_is_final_and_the_same_as_without_telling() {
                 }
             }
         }
-        assert_eq!(
-            answered,
-            last.checks.len(),
-            "the last answers are told as well"
-        );
+        assert_eq!(answered, last.checks.len(), "the last answers are told as well");
         assert!(told.len() > 3, "told {} times", told.len());
     }
 }
@@ -111,9 +100,7 @@ fn what_takes_little_is_answered_first_whatever_it_belongs_to() {
 #[test]
 fn nothing_is_told_to_those_who_do_not_want_it_any_more() {
     let unit = load(ROBOT);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let scenario = parse("scenario x { check response *; check schedulable *; check deadlock; }");
     let (times, cancel) = (Mutex::new(0), Cancel::default());
     let tell = |_: &Report| {
@@ -133,8 +120,7 @@ fn what_was_interrupted_says_so_and_the_rest_stands() {
     let (_, report) = told(ALL, &published(), &cancel);
     let answer = |check, of| {
         let mut all = report.checks.iter();
-        all.find(|report| report.kind.word() == check && report.of == of)
-            .unwrap()
+        all.find(|report| report.kind.word() == check && report.of == of).unwrap()
     };
     assert_eq!(answer("schedulable", "lamp.blink").verdict, Verdict::Proved);
     let open = answer("leadsto", "sensor.record.run => sensor.record.void");
@@ -159,10 +145,7 @@ fn a_run_that_there_is_no_time_for_is_left_out() {
     assert_eq!(always.verdict, Verdict::Refuted);
     for report in [reachable, always] {
         let note = report.note.as_deref().unwrap_or_default();
-        assert!(
-            note.starts_with("the run that shows it is left out"),
-            "{note}"
-        );
+        assert!(note.starts_with("the run that shows it is left out"), "{note}");
     }
 }
 
@@ -173,13 +156,8 @@ fn what_is_seen_in_an_exploration_is_told_while_it_goes_on() {
     let mut some = published();
     some.limits.states = 20_000;
     let (told, last) = told(items, &some, &Cancel::default());
-    let verdicts = |report: &Report| {
-        report
-            .checks
-            .iter()
-            .map(|check| check.verdict)
-            .collect::<Vec<_>>()
-    };
+    let verdicts =
+        |report: &Report| report.checks.iter().map(|check| check.verdict).collect::<Vec<_>>();
     let all: Vec<_> = told.iter().map(verdicts).collect();
     let expected = [
         [Verdict::Open, Verdict::Open],
@@ -194,9 +172,7 @@ fn what_is_seen_in_an_exploration_is_told_while_it_goes_on() {
 #[test]
 fn what_was_caught_beside_an_exploration_is_told_while_it_goes_on() {
     let (unit, text) = beside::too_short_a_wait(7);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let holds = "check always not (f.claim1.cs and f.claim1.void); check always";
     let text = text.replace("check always", holds);
     let parsed = parse(&text);
@@ -208,13 +184,8 @@ fn what_was_caught_beside_an_exploration_is_told_while_it_goes_on() {
     let tell = |report: &Report| told.lock().unwrap().push(report.clone());
     let cancel = Cancel::default();
     let last = verify_with_reports(&input, &parsed.scenario, &some, &cancel, &tell);
-    let verdicts = |report: &Report| {
-        report
-            .checks
-            .iter()
-            .map(|check| check.verdict)
-            .collect::<Vec<_>>()
-    };
+    let verdicts =
+        |report: &Report| report.checks.iter().map(|check| check.verdict).collect::<Vec<_>>();
     let told = told.into_inner().unwrap();
     let all: Vec<_> = told.iter().map(verdicts).collect();
     let expected = [
@@ -224,11 +195,6 @@ fn what_was_caught_beside_an_exploration_is_told_while_it_goes_on() {
     ];
     assert_eq!(all, expected);
     // Reported long before the end, and the counterexample is nevertheless the shortest one.
-    assert!(
-        2 * told[1].states < last.states,
-        "{} of {}",
-        told[1].states,
-        last.states
-    );
+    assert!(2 * told[1].states < last.states, "{} of {}", told[1].states, last.states);
     assert_eq!(last.checks[1].counterexample.last().unwrap().time, 2.0);
 }

@@ -16,13 +16,9 @@ const BUSY: &str = "component c {
 
 fn checks(items: &str) -> Vec<CheckReport> {
     let unit = load(BUSY);
-    let parsed = parse(&format!(
-        "scenario s {{ unit 1 ms; durations fixed; {items} }}"
-    ));
+    let parsed = parse(&format!("scenario s {{ unit 1 ms; durations fixed; {items} }}"));
     assert_eq!(parsed.errors, []);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let (options, cancel) = (Options::default(), Cancel::default());
     let report = verify(&input, &parsed.scenario, &options, &cancel);
     assert!(!report.has_errors(), "{:?}", report.diagnostics);
@@ -51,11 +47,7 @@ fn what_holds_of_tasks_that_are_never_released_is_vacuous() {
         let found = checks(&format!("cores 1; policy {policy}; {asked}"));
         for (check, reason) in found.iter().zip(reasons) {
             assert_eq!(check.verdict, Verdict::Proved, "{policy}: {check:?}");
-            assert_eq!(
-                (check.vacuous, check.note.as_deref()),
-                (true, Some(reason)),
-                "{policy}"
-            );
+            assert_eq!((check.vacuous, check.note.as_deref()), (true, Some(reason)), "{policy}");
         }
     }
     let found = checks(&format!("cores 2; policy fifo; {asked}"));
@@ -69,11 +61,7 @@ fn what_claims_that_something_never_happens_is_not_vacuous() {
         "cores 1; policy fifo; check always not c.t.b.exec; check always (c.u.idle or c.u.running);
          check always not (c.t.b.exec or c.u.running); check always not (c.poll.wait.exec and c.poll.start.exec);",
     );
-    assert!(
-        found
-            .iter()
-            .all(|check| check.verdict == Verdict::Proved && !check.vacuous)
-    );
+    assert!(found.iter().all(|check| check.verdict == Verdict::Proved && !check.vacuous));
 }
 
 /// Also if only analysis has a bound: `t` would go first, but is started only after `low`, which `high` keeps
@@ -90,22 +78,11 @@ fn a_bound_of_analysis_proves_nothing_of_a_task_without_jobs() {
          };",
     );
     let text = "scenario s { unit 1 ms; durations fixed; cores 1; policy priority; check schedulable c.t; }";
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
+    let input = SystemInput { specs: vec![&unit.spec] };
     let parsed = parse(text);
-    let report = verify(
-        &input,
-        &parsed.scenario,
-        &Options::default(),
-        &Cancel::default(),
-    );
+    let report = verify(&input, &parsed.scenario, &Options::default(), &Cancel::default());
     let check = &report.checks[0];
-    assert_eq!(
-        (check.verdict, check.vacuous),
-        (Verdict::Proved, true),
-        "{check:?}"
-    );
+    assert_eq!((check.verdict, check.vacuous), (Verdict::Proved, true), "{check:?}");
     let json = serde_json::to_value(check).expect("it has a JSON form");
     assert_eq!(json["vacuous"], true);
     let reason = "`c.t` is never released: the start-up of `c.low` never completes";

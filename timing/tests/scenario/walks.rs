@@ -28,15 +28,8 @@ fn ten_tasks(period: u32) -> Report {
                     check schedulable *; check response *; }";
     let parsed = parse(scenario);
     assert_eq!(parsed.errors, []);
-    let input = SystemInput {
-        specs: vec![&unit.spec],
-    };
-    verify(
-        &input,
-        &parsed.scenario,
-        &Options::default(),
-        &Cancel::default(),
-    )
+    let input = SystemInput { specs: vec![&unit.spec] };
+    verify(&input, &parsed.scenario, &Options::default(), &Cancel::default())
 }
 
 #[test]
@@ -51,10 +44,7 @@ fn response_times_whose_bounds_are_reached_are_exact() {
         );
     }
     let longest = report.checks.last().and_then(|check| check.value);
-    assert!(
-        matches!(longest, Some(Value::Time(time)) if time > 1.0),
-        "{longest:?}"
-    );
+    assert!(matches!(longest, Some(Value::Time(time)) if time > 1.0), "{longest:?}");
 }
 
 #[test]
@@ -66,19 +56,12 @@ fn a_task_that_is_late_has_a_bound_and_so_have_the_others() {
         .map(|check| &*check.of)
         .collect();
     assert_eq!(late, ["c9.t"]);
-    assert!(
-        deadlines
-            .iter()
-            .all(|check| check.verdict != Verdict::Unknown)
-    );
+    assert!(deadlines.iter().all(|check| check.verdict != Verdict::Unknown));
     for check in responses {
         assert_eq!(check.verdict, Verdict::Proved, "{}", check.of);
     }
     let of_late = responses.last().and_then(|check| check.value);
-    assert!(
-        matches!(of_late, Some(Value::Time(time)) if time >= 5.0),
-        "{of_late:?}"
-    );
+    assert!(matches!(of_late, Some(Value::Time(time)) if time >= 5.0), "{of_late:?}");
 }
 
 #[test]
@@ -98,15 +81,8 @@ fn a_rare_job_that_is_very_late_is_not_forgotten() {
         );
         let parsed = parse(&scenario);
         assert_eq!(parsed.errors, []);
-        let input = SystemInput {
-            specs: vec![&unit.spec],
-        };
-        let report = verify(
-            &input,
-            &parsed.scenario,
-            &Options::default(),
-            &Cancel::default(),
-        );
+        let input = SystemInput { specs: vec![&unit.spec] };
+        let report = verify(&input, &parsed.scenario, &Options::default(), &Cancel::default());
         for check in &report.checks {
             assert_eq!(check.verdict, Verdict::Refuted, "{semantics}: {}", check.of);
         }

@@ -66,9 +66,7 @@ pub fn table(problem: &Problem, options: &Options) -> Vec<Row> {
             },
             upper: finite.then(|| unit.from_seconds(time)),
             micros: finite.then(|| *time.numer() as f64 * 1e6 / *time.denom() as f64),
-            src: codel
-                .site
-                .and_then(|(c, _)| Some((names.components[c].spec_index, codel.src?))),
+            src: codel.site.and_then(|(c, _)| Some((names.components[c].spec_index, codel.src?))),
         }
     };
     let row = |codel: &Codel| Row {
@@ -77,10 +75,7 @@ pub fn table(problem: &Problem, options: &Options) -> Vec<Row> {
             .conflicts
             .iter()
             .map(|conflict| &system.codels[conflict])
-            .map(|other| Blocker {
-                codel: at(other),
-                through: ports.through(codel, other),
-            })
+            .map(|other| Blocker { codel: at(other), through: ports.through(codel, other) })
             .collect(),
     };
     system.codels.iter().map(row).collect()

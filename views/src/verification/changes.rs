@@ -47,9 +47,7 @@ pub fn repairs(
     until: (&Cancel, Option<Duration>),
     (trying, tell): RepairCallbacks<'_, Repair>,
 ) -> Repairs {
-    let input = SystemInput {
-        specs: problem.specs(),
-    };
+    let input = SystemInput { specs: problem.specs() };
     let table = blocking::table(problem, options);
     let unit = TimeUnit::of(&settings(&problem.scenario, options));
     let function = |codel: &CodelName| {
@@ -63,10 +61,7 @@ pub fn repairs(
     let tell = |change: &Change| tell(&repair(change));
     let told = (trying, &tell as &(dyn Fn(&Change) + Sync));
     let found = advice::repairs(&input, &problem.scenario, options, report, until, told);
-    Repairs {
-        all: found.changes.iter().map(repair).collect(),
-        incomplete: found.incomplete,
-    }
+    Repairs { all: found.changes.iter().map(repair).collect(), incomplete: found.incomplete }
 }
 
 /// `` it holds if `report_start` takes at most 4 ms ``, with the functions of codels as names.
@@ -76,33 +71,18 @@ pub(crate) fn in_words(
     function: &dyn Fn(&CodelName) -> String,
 ) -> String {
     match change {
-        Change::Wcet {
-            codel,
-            at_most,
-            or_less,
-            ..
-        } => {
+        Change::Wcet { codel, at_most, or_less, .. } => {
             let most = if *or_less { "at most " } else { "" };
             let (name, time) = (function(codel), unit.show(*at_most));
             format!("it holds if `{name}` takes {most}{time}")
         }
         Change::Period { task, needed, .. } => {
-            format!(
-                "it holds with a period of {} for `{task}`",
-                unit.show(*needed)
-            )
+            format!("it holds with a period of {} for `{task}`", unit.show(*needed))
         }
         Change::Delay { task, needed, .. } => {
-            format!(
-                "it holds with a delay of {} for `{task}`",
-                unit.show(*needed)
-            )
+            format!("it holds with a delay of {} for `{task}`", unit.show(*needed))
         }
-        Change::Lock {
-            codel,
-            other,
-            through,
-        } => {
+        Change::Lock { codel, other, through } => {
             let (codel, other) = (function(codel), function(other));
             let through = through.join(" and ");
             format!(
@@ -143,11 +123,7 @@ pub fn edit(
 ) -> Cancellable<Option<FileEdit>> {
     let of_scenario = |edit: Option<(Range<usize>, String)>| {
         let (range, new_text) = edit.filter(|_| problem.is_written())?;
-        Some(FileEdit {
-            path: problem.path.clone(),
-            range,
-            new_text,
-        })
+        Some(FileEdit { path: problem.path.clone(), range, new_text })
     };
     let at = |src: &Option<(usize, Src)>| -> Option<(Utf8PathBuf, Range<usize>)> {
         let (spec, src) = (*src)?;
@@ -162,12 +138,7 @@ pub fn edit(
             let value = needed.name();
             return Ok(of_scenario(edit::setting(&problem.text, "policy", value)));
         }
-        Change::Wcet {
-            codel,
-            seconds,
-            src,
-            ..
-        } => {
+        Change::Wcet { codel, seconds, src, .. } => {
             // A duration in the scenario takes precedence over the specification.
             if let Some(scenario) = of_scenario(edit::longest(&problem.text, codel, *seconds)) {
                 return Ok(Some(scenario));

@@ -76,11 +76,7 @@ fn answer(assuming: String, problem: &Problem, options: &Options, report: &Repor
     let has = |outcome: &Outcome| view.checks.iter().any(|check| check.outcome == *outcome);
     let outcome = worst.into_iter().find(has).unwrap_or(Outcome::Proved);
     let checks = view.checks.iter().filter(|check| open(&check.outcome));
-    FirstAnswer {
-        assuming,
-        outcome,
-        open: checks.map(|check| check.title()).collect(),
-    }
+    FirstAnswer { assuming, outcome, open: checks.map(|check| check.title()).collect() }
 }
 
 /// The activities that can be executed, as `component.activity`.
@@ -107,25 +103,15 @@ fn with_repeated_request(problem: &Problem, activity: Option<&str>) -> Problem {
     if let Some(activity) = activity {
         // The services in `after` are requested first; otherwise the request would be rejected.
         items.push(Item::Order(false));
-        let step = |kind| Step {
-            label: None,
-            kind,
-            range: 0..0,
-        };
-        let any_time = Interval {
-            lower: 0,
-            upper: None,
-        };
+        let step = |kind| Step { label: None, kind, range: 0..0 };
+        let any_time = Interval { lower: 0, upper: None };
         let body = vec![
             step(StepKind::Delay(any_time, Unit::Milliseconds)),
             step(StepKind::Send(Path::of(activity))),
             step(StepKind::AwaitEnded(Ending::Any, None)),
         ];
         items.push(Item::Client(Client {
-            name: Spanned {
-                value: "alone".to_owned(),
-                range: 0..0,
-            },
+            name: Spanned { value: "alone".to_owned(), range: 0..0 },
             steps: vec![step(StepKind::Repeat(None, body))],
         }));
     }

@@ -63,11 +63,7 @@ fn fold(steps: &[usize], range: Range<usize>, out: &mut Vec<Part>) {
                 out.push(Part::Steps(from..at + length));
                 at += length * (times + 1);
                 from = at;
-                out.push(Part::Again {
-                    steps: length,
-                    times,
-                    last: at - 1,
-                });
+                out.push(Part::Again { steps: length, times, last: at - 1 });
             }
             None => at += 1,
         }
@@ -137,19 +133,11 @@ mod tests {
             parts("xababababababy", None),
             [Part::Steps(0..3), again(2, 5, 12), Part::Steps(13..14)]
         );
-        assert_eq!(
-            parts("aaaaaaaaaaaa", None),
-            [Part::Steps(0..1), again(1, 11, 11)]
-        );
+        assert_eq!(parts("aaaaaaaaaaaa", None), [Part::Steps(0..1), again(1, 11, 11)]);
         // The start of the infinite repetition is always shown.
         assert_eq!(
             parts("ababababababababababab", Some(12)),
-            [
-                Part::Steps(0..2),
-                again(2, 5, 11),
-                Part::Steps(12..14),
-                again(2, 4, 21)
-            ]
+            [Part::Steps(0..2), again(2, 5, 11), Part::Steps(12..14), again(2, 4, 21)]
         );
     }
 }

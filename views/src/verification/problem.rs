@@ -39,9 +39,7 @@ impl Problem {
     /// Every file that the problem was read from.
     pub fn files(&self) -> impl Iterator<Item = &Utf8Path> {
         let used = self.units.iter().flat_map(|unit| &unit.files);
-        std::iter::once(&self.path)
-            .chain(used)
-            .map(|path| path.as_path())
+        std::iter::once(&self.path).chain(used).map(|path| path.as_path())
     }
 }
 
@@ -134,11 +132,8 @@ impl Problem {
     ) -> Cancellable<Problem> {
         let parsed = scn::parse(&text);
         let directory = path.parent().unwrap_or(path);
-        let mut errors: Vec<Diagnostic> = parsed
-            .errors
-            .iter()
-            .map(|error| diagnostic(error, path))
-            .collect();
+        let mut errors: Vec<Diagnostic> =
+            parsed.errors.iter().map(|error| diagnostic(error, path)).collect();
         let mut units = Vec::new();
         let files = used(&parsed.scenario, path);
         if files.is_empty() && errors.is_empty() {
@@ -164,13 +159,7 @@ impl Problem {
             );
             errors.push(error("scn-use-not-found", path, file.range, message));
         }
-        Ok(Problem {
-            path: path.to_owned(),
-            text,
-            scenario: parsed.scenario,
-            units,
-            errors,
-        })
+        Ok(Problem { path: path.to_owned(), text, scenario: parsed.scenario, units, errors })
     }
 
     /// The default scenario over some specifications.
@@ -186,26 +175,16 @@ impl Problem {
         units: Vec<UnitResult>,
     ) -> Problem {
         let mut errors = Vec::new();
-        units
-            .iter()
-            .for_each(|unit| add_errors_of(unit, &mut errors));
-        let members: Vec<&Component> = units
-            .iter()
-            .flat_map(|unit| components(&unit.spec))
-            .collect();
+        units.iter().for_each(|unit| add_errors_of(unit, &mut errors));
+        let members: Vec<&Component> =
+            units.iter().flat_map(|unit| components(&unit.spec)).collect();
         let text = default_text_on(&members, files, platform);
         if members.is_empty() && errors.is_empty() {
             let message = "this specification has no component, so there is nothing to verify";
             errors.push(error("scn-no-component", path, 0..0, message.to_owned()));
         }
         let scenario = scn::parse(&text).scenario;
-        Problem {
-            path: path.to_owned(),
-            text,
-            scenario,
-            units,
-            errors,
-        }
+        Problem { path: path.to_owned(), text, scenario, units, errors }
     }
 
     /// True if the problem was read from a file.
@@ -217,9 +196,7 @@ impl Problem {
 
     /// True if the scenario names a file.
     pub fn uses(&self, file: &Utf8Path) -> bool {
-        used(&self.scenario, &self.path)
-            .iter()
-            .any(|candidate| candidate.path == file)
+        used(&self.scenario, &self.path).iter().any(|candidate| candidate.path == file)
     }
 
     /// True if both problems have the same answer: the same scenario over the same models. Comments and
@@ -245,11 +222,7 @@ impl Problem {
         let mut places = places.filter_map(|place| {
             let (path, range) = self.place(place.spec, place.src)?;
             let message = place.what.clone();
-            Some(Related {
-                path,
-                range,
-                message,
-            })
+            Some(Related { path, range, message })
         });
         if !self.is_written() || entry.range.is_empty() {
             (out.path, out.range) = match places.next() {
@@ -284,9 +257,7 @@ impl Problem {
         cancel: &Cancel,
         tell: &(dyn Fn(InterimResult) + Sync),
     ) -> Result<Sensitivity, Vec<dotgen_timing::diagnostic::Diagnostic>> {
-        let input = SystemInput {
-            specs: self.specs(),
-        };
+        let input = SystemInput { specs: self.specs() };
         sensitivity(&input, &self.scenario, options, cancel, tell)
     }
 
@@ -297,9 +268,7 @@ impl Problem {
         cancel: &Cancel,
         tell: &(dyn Fn(&Report) + Sync),
     ) -> Report {
-        let input = SystemInput {
-            specs: self.specs(),
-        };
+        let input = SystemInput { specs: self.specs() };
         verify_with_reports(&input, &self.scenario, options, cancel, tell)
     }
 }
@@ -307,10 +276,8 @@ impl Problem {
 /// Errors that prevent the verification of a specification. A missing package is not one of them: a missing
 /// declaration of the package has an error of its own.
 fn prevents(unit: &UnitResult) -> impl Iterator<Item = &Diagnostic> {
-    let errors = unit
-        .diagnostics
-        .iter()
-        .filter(|diagnostic| diagnostic.severity == Severity::Error);
+    let errors =
+        unit.diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
     errors.filter(|error| error.code != UNRESOLVED_PACKAGE)
 }
 

@@ -37,11 +37,7 @@ pub fn quick_bounds(problem: &Problem, options: &Options) -> Vec<TaskBound> {
     let bounds = response_bounds(system);
     let of_task = |(&id, &task): (&DeclaredTask, &TaskId)| {
         let bound: Seconds = system.unit * Ratio::from_integer(i128::from(bounds[task]?));
-        Some(TaskBound {
-            id,
-            task: system.task_path(task),
-            bound: unit.from_seconds(bound),
-        })
+        Some(TaskBound { id, task: system.task_path(task), bound: unit.from_seconds(bound) })
     };
     let mut out: Vec<TaskBound> = built.tasks.iter().filter_map(of_task).collect();
     out.sort_by(|a, b| a.task.cmp(&b.task));

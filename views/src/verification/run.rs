@@ -41,9 +41,7 @@ pub fn run(
     cancel: &Cancel,
     tell: impl Fn(Interim) + Sync,
 ) {
-    let _turn = VERIFICATION_LOCK
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner);
+    let _turn = VERIFICATION_LOCK.lock().unwrap_or_else(PoisonError::into_inner);
     if cancel.is_abandoned() {
         return;
     }
@@ -102,17 +100,13 @@ pub fn run(
 /// Returns true if there are deadlines, and all of them are proved.
 fn all_deadlines_proved(report: &Report) -> bool {
     let checks = report.checks.iter();
-    let mut deadlines = checks
-        .filter(|check| check.kind == PropertyKind::Schedulable)
-        .peekable();
+    let mut deadlines = checks.filter(|check| check.kind == PropertyKind::Schedulable).peekable();
     deadlines.peek().is_some() && deadlines.all(|deadline| deadline.verdict == Verdict::Proved)
 }
 
 /// Returns the least number of cores, if every number that was tried has an answer.
 fn decided_cores(problem: &Problem, options: &Options, cancel: &Cancel) -> Option<MinimumCores> {
-    let input = SystemInput {
-        specs: problem.specs(),
-    };
+    let input = SystemInput { specs: problem.specs() };
     let cores = minimum_cores(&input, &problem.scenario, options, cancel).ok()?;
     let mut tried = cores.tried.iter();
     let decided = cores.cores.is_some() && tried.all(|pair| pair.1 != Verdict::Unknown);

@@ -21,9 +21,7 @@ pub fn chosen(report: &Report, wanted: Option<usize>) -> Option<usize> {
     let wanted = wanted.filter(|&index| report.checks.get(index).is_some_and(has_run));
     let position =
         |matches_check: &dyn Fn(&CheckReport) -> bool| report.checks.iter().position(matches_check);
-    wanted
-        .or_else(|| position(&refuted))
-        .or_else(|| position(&has_run))
+    wanted.or_else(|| position(&refuted)).or_else(|| position(&has_run))
 }
 
 /// What the run of a check shows: `a run that refutes it`.

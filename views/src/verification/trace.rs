@@ -217,11 +217,7 @@ impl<P> Trace<P> {
     /// The errors of `place`.
     pub fn placed<Q, E>(self, place: impl FnMut(P) -> Result<Q, E>) -> Result<Trace<Q>, E> {
         Ok(Trace {
-            places: self
-                .places
-                .into_iter()
-                .map(place)
-                .collect::<Result<_, E>>()?,
+            places: self.places.into_iter().map(place).collect::<Result<_, E>>()?,
             format: self.format,
             title: self.title,
             unit: self.unit,

@@ -194,9 +194,7 @@ impl<'r> CheckView<'r> {
                 (Value::Unbounded, None) => unit.show_value(value),
             }),
             limit: report.limit.map(|limit| unit.show(limit.time())),
-            slack: report
-                .slack()
-                .map(|slack| format!("{least}{}", percent(slack))),
+            slack: report.slack().map(|slack| format!("{least}{}", percent(slack))),
             worth: match report.soundness {
                 _ if report.rounded => Some("durations are rounded"),
                 // The sign before the value, and the note, show it.
@@ -206,11 +204,7 @@ impl<'r> CheckView<'r> {
                 Soundness::WholeUnits => Some("shown for ends at whole units of time"),
                 Soundness::Neither => Some("for worst-case durations only, indicative"),
             },
-            reason: report
-                .reason
-                .iter()
-                .map(|reason| sentence(reason, unit))
-                .collect(),
+            reason: report.reason.iter().map(|reason| sentence(reason, unit)).collect(),
             cause: why.map(|cause| cause.cause_in_words(unit)),
             remedy: why.and_then(|cause| cause.remedy_in_words(unit)),
             why,
@@ -236,10 +230,7 @@ fn check_of<'s>(scenario: &'s Scenario, report: &CheckReport) -> Option<&'s Chec
 
 fn is_of_all(check: &Check) -> bool {
     use CheckKind::{NoOverdue, Response, Schedulable};
-    matches!(
-        check.kind,
-        Schedulable(None) | NoOverdue(None) | Response(None, _)
-    )
+    matches!(check.kind, Schedulable(None) | NoOverdue(None) | Response(None, _))
 }
 
 /// `waits for a lock from 4 ms to 9 ms (b.u.main): c.v.main of c.v has it until 7 ms, then …`
@@ -253,11 +244,7 @@ fn sentence(delay: &Delay, unit: TimeUnit) -> String {
             Some(codel) => codel.to_string(),
             None => holder.by.to_string(),
         };
-        format!(
-            "{who} ({} to {})",
-            unit.show(holder.from),
-            unit.show(holder.until)
-        )
+        format!("{who} ({} to {})", unit.show(holder.from), unit.show(holder.until))
     });
     let held: Vec<String> = held.collect();
     let by = match &held[..] {

@@ -63,20 +63,15 @@ impl WhatIf {
             Some(CoreCount::Number(n)) => Some(Some(*n)),
             Some(CoreCount::Word(word)) if word == "free" => Some(None),
             Some(CoreCount::Word(word)) => {
-                return Err(format!(
-                    "`{word}` is no number of cores; write one, or `free`"
-                ));
+                return Err(format!("`{word}` is no number of cores; write one, or `free`"));
             }
         };
         let modes = [Durations::Interval, Durations::Fixed, Durations::Open];
         Ok(Options {
             cores,
             policy: choose(self.policy.as_deref(), Policy::ALL)?.or(options.policy),
-            durations: choose(
-                self.durations.as_deref(),
-                &modes.map(|mode| (mode.name(), mode)),
-            )?
-            .or(options.durations),
+            durations: choose(self.durations.as_deref(), &modes.map(|mode| (mode.name(), mode)))?
+                .or(options.durations),
             ..options
         })
     }
@@ -101,20 +96,10 @@ impl WhatIf {
                 }
                 _ => true,
             });
-            let name = |text: &str| Spanned {
-                value: text.to_owned(),
-                range: 0..0,
-            };
-            let path = Path {
-                names: codel.split('.').map(name).collect(),
-            };
-            let interval = Interval {
-                lower: lower.min(upper),
-                upper: Some(upper),
-            };
-            out.scenario
-                .items
-                .push(Item::Duration(path, interval, Unit::Microseconds));
+            let name = |text: &str| Spanned { value: text.to_owned(), range: 0..0 };
+            let path = Path { names: codel.split('.').map(name).collect() };
+            let interval = Interval { lower: lower.min(upper), upper: Some(upper) };
+            out.scenario.items.push(Item::Duration(path, interval, Unit::Microseconds));
         }
         Ok(out)
     }

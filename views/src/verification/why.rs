@@ -84,9 +84,7 @@ pub fn of_report(
         return vec![None; report.checks.len()];
     }
     let table = blocking::table(problem, options);
-    let input = SystemInput {
-        specs: problem.specs(),
-    };
+    let input = SystemInput { specs: problem.specs() };
     let remedies = remedies.filter(|_| report.seconds <= QUICK_SECONDS);
     let remedies = remedies.map(|remedy| remedy.part(REMEDIES_TIME));
     // A remedy makes all checks of a task hold.
@@ -106,11 +104,7 @@ pub fn of_report(
                 Some(Change::Wcet { codel, .. }) => Some(function(&table, codel)),
                 _ => None,
             };
-            FailureCause {
-                cause: cause(task, check, &table),
-                remedy,
-                function,
-            }
+            FailureCause { cause: cause(task, check, &table), remedy, function }
         })
     };
     report.checks.iter().map(why).collect()
@@ -122,14 +116,8 @@ fn function(table: &[Row], codel: &CodelName) -> String {
 }
 
 fn cause(task: ThreadName, check: &CheckReport, table: &[Row]) -> Cause {
-    let mut out = Cause {
-        task,
-        awaited: None,
-        time: 0.0,
-        through: Vec::new(),
-        held_by: None,
-        holder: None,
-    };
+    let mut out =
+        Cause { task, awaited: None, time: 0.0, through: Vec::new(), held_by: None, holder: None };
     let length = |delay: &Delay| delay.until - delay.from;
     let longest = check.reason.iter();
     let Some(longest) = longest.max_by(|a, b| length(a).total_cmp(&length(b))) else {

@@ -52,13 +52,7 @@ impl Editor {
         // The thread ends with the output of the server.
         std::thread::spawn(move || receive(BufReader::new(output), &sender));
         let root = format!("file://{}", folder.display());
-        let mut editor = Editor {
-            server,
-            input: Some(input),
-            messages,
-            next_id: 0,
-            root,
-        };
+        let mut editor = Editor { server, input: Some(input), messages, next_id: 0, root };
         let folders = json!([{ "uri": editor.root, "name": "measured" }]);
         let params = json!({ "processId": null, "rootUri": editor.root, "capabilities": capabilities,
             "workspaceFolders": folders, "initializationOptions": { "pullSources": true } });
@@ -157,8 +151,7 @@ impl Editor {
 
     /// The next message that is not a request of the server; those are answered with `null`.
     pub(crate) fn next(&mut self) -> Result<Message> {
-        self.next_within(REPLY_TIMEOUT)?
-            .context("the server says nothing any more")
+        self.next_within(REPLY_TIMEOUT)?.context("the server says nothing any more")
     }
 
     /// As [`Editor::next`]; `None` if no message arrives for the duration.

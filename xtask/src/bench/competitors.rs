@@ -65,11 +65,7 @@ impl Question {
             std::fs::write(directory.join(file), text)?;
         }
         let jobs = files.iter().any(|file| file.0 == "jobs.csv");
-        Ok(Question {
-            directory,
-            label,
-            jobs,
-        })
+        Ok(Question { directory, label, jobs })
     }
 
     /// Medians of dotgen, TChecker and the schedule-abstraction tool.
@@ -79,10 +75,7 @@ impl Question {
         let limited = if self.jobs { &STATE_LIMIT[..] } else { &[] };
         let commands = [
             (dotgen, [&DOTGEN, limited].concat()),
-            (
-                competitors.tchecker.as_ref(),
-                vec!["-a", "covreach", "-l", self.label, "model.tck"],
-            ),
+            (competitors.tchecker.as_ref(), vec!["-a", "covreach", "-l", self.label, "model.tck"]),
             (jobs, vec!["-r", "jobs.csv"]),
         ];
         let present = commands.iter().filter_map(|(program, arguments)| {
@@ -94,11 +87,8 @@ impl Question {
         });
         let mut taken = alternate(&present.collect::<Vec<_>>(), runs)?.into_iter();
         let mut next = |present: bool| present.then(|| taken.next().flatten()).flatten();
-        let (dotgen, tchecker, jobs) = (
-            next(true),
-            next(commands[1].0.is_some()),
-            next(jobs.is_some()),
-        );
+        let (dotgen, tchecker, jobs) =
+            (next(true), next(commands[1].0.is_some()), next(jobs.is_some()));
         Ok([
             dotgen.map(of_dotgen).transpose()?.flatten(),
             tchecker.map(of_tchecker).transpose()?,
@@ -134,12 +124,7 @@ impl Question {
             responses.resize(responses.len().max(task + 1), 0);
             responses[task] = worst.div_euclid(periodic::SCALE).max(responses[task]);
         }
-        Ok(Answer {
-            holds: holds == "1",
-            states: states.parse()?,
-            responses,
-            taken,
-        })
+        Ok(Answer { holds: holds == "1", states: states.parse()?, responses, taken })
     }
 }
 
@@ -162,17 +147,9 @@ fn of_dotgen(taken: Measurement) -> Result<Option<Answer>> {
     if holds && some("unknown") {
         return Ok(None);
     }
-    let responses = checks
-        .iter()
-        .filter_map(|check| check["value"].as_u64())
-        .collect();
+    let responses = checks.iter().filter_map(|check| check["value"].as_u64()).collect();
     let states = report["states"].as_u64().context("no states")?;
-    Ok(Some(Answer {
-        holds,
-        states,
-        responses,
-        taken,
-    }))
+    Ok(Some(Answer { holds, states, responses, taken }))
 }
 
 fn of_tchecker(taken: Measurement) -> Result<Answer> {
@@ -202,10 +179,7 @@ pub(crate) fn competitors(dotgen: &Path, runs: usize, sets: u64) -> Result<bool>
     step(&format!("{sets} random sets of periodic tasks"));
     let mut agreed = agreement(&competitors, sets)?;
     step("Periodic tasks on one core, non-preemptive, earliest deadline first");
-    let mut lines = NAMES.map(|name| Line {
-        name,
-        points: Vec::new(),
-    });
+    let mut lines = NAMES.map(|name| Line { name, points: Vec::new() });
     agreed &= table(
         &competitors,
         runs,
@@ -227,11 +201,7 @@ pub(crate) fn competitors(dotgen: &Path, runs: usize, sets: u64) -> Result<bool>
     }
     agreed &= fischer_agreement(&competitors)?;
     for (scale, more) in [(1, 1), (1, 0), (10, 1), (10, 0), (100, 1)] {
-        let times = Times {
-            within: scale,
-            wait: scale + more,
-            section: 2 * scale,
-        };
+        let times = Times { within: scale, wait: scale + more, section: 2 * scale };
         step(&format!("Mutual exclusion by time alone: {times:?}, in ms"));
         let question = |n| fischer_question(n, times);
         let most = if scale == 1 { 7 } else { 6 };
@@ -280,10 +250,7 @@ fn fischer_agreement(competitors: &Competitors) -> Result<bool> {
     let mut hold = 0;
     let few = || 1..=3;
     let kinds = [(2, 1), (3, 1), (2, 10), (3, 10)];
-    for ((n, scale), within) in kinds
-        .into_iter()
-        .flat_map(|kind| few().map(move |w| (kind, w)))
-    {
+    for ((n, scale), within) in kinds.into_iter().flat_map(|kind| few().map(move |w| (kind, w))) {
         for (wait, section) in few().flat_map(|wait| few().map(move |number| (wait, number))) {
             let times = Times {
                 within: scale * within,
@@ -296,10 +263,7 @@ fn fischer_agreement(competitors: &Competitors) -> Result<bool> {
             hold += u32::from(dotgen);
             if let Some(tchecker) = tchecker.filter(|tchecker| tchecker.holds != dotgen) {
                 agreed = false;
-                println!(
-                    "{n}, {times:?}: dotgen {dotgen}, TChecker {}",
-                    tchecker.holds
-                );
+                println!("{n}, {times:?}: dotgen {dotgen}, TChecker {}", tchecker.holds);
             }
         }
     }
@@ -315,9 +279,7 @@ fn agreement(competitors: &Competitors, sets: u64) -> Result<bool> {
         let tasks = random(seed);
         let [dotgen, tchecker, jobs] =
             periodic_question("random", &tasks, false)?.ask(competitors, 1)?;
-        let Some(mut dotgen) = dotgen else {
-            bail!("set {seed}: dotgen gave up")
-        };
+        let Some(mut dotgen) = dotgen else { bail!("set {seed}: dotgen gave up") };
         // With late jobs there may be no bound.
         if dotgen.holds {
             kept += 1;
@@ -379,11 +341,7 @@ fn table(
             let point = answer.as_ref().map(|answer| (size, answer.taken.seconds));
             line.points.extend(point);
         }
-        let mut verdicts = answers
-            .iter()
-            .flatten()
-            .map(|answer| answer.holds)
-            .collect::<Vec<_>>();
+        let mut verdicts = answers.iter().flatten().map(|answer| answer.holds).collect::<Vec<_>>();
         verdicts.dedup();
         agreed &= verdicts.len() <= 1;
         let holds = match *verdicts {
@@ -392,11 +350,8 @@ fn table(
             [false] => "no",
             _ => "DIFFERENT",
         };
-        let present = [
-            true,
-            competitors.tchecker.is_some(),
-            question.jobs && competitors.jobs.is_some(),
-        ];
+        let present =
+            [true, competitors.tchecker.is_some(), question.jobs && competitors.jobs.is_some()];
         let cells = std::iter::zip(&answers, present).map(|(answer, present)| match answer {
             Some(answer) => show(answer.taken.seconds, answer.taken.megabytes, answer.states),
             None if present => "gave up".to_owned(),

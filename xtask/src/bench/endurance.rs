@@ -17,18 +17,14 @@ const TYPED: usize = 40;
 
 /// Edits for a number of minutes and prints memory at intervals, then its slope over the second half.
 pub(super) fn endurance(dotgen: &Path, minutes: f64) -> Result<()> {
-    step(&format!(
-        "Editing {COMPONENTS} components for {minutes} minutes"
-    ));
+    step(&format!("Editing {COMPONENTS} components for {minutes} minutes"));
     let folder = target().join("endurance");
     if folder.exists() {
         std::fs::remove_dir_all(&folder)?;
     }
     workspace::write(&folder, COMPONENTS)?;
     let mut session = Session::start(dotgen, &folder)?;
-    let mut shared = session
-        .editor
-        .open(workspace::SHARED, &workspace::shared())?;
+    let mut shared = session.editor.open(workspace::SHARED, &workspace::shared())?;
     let (started, length) = (Instant::now(), Duration::from_secs_f64(minutes * 60.0));
     let mut samples: Vec<(f64, f64)> = Vec::new();
     let mut edits = 0;
@@ -38,9 +34,7 @@ pub(super) fn endurance(dotgen: &Path, minutes: f64) -> Result<()> {
             break;
         }
         let i = round * 7 % COMPONENTS;
-        let mut component = session
-            .editor
-            .open(&workspace::name(i), &workspace::component(i))?;
+        let mut component = session.editor.open(&workspace::name(i), &workspace::component(i))?;
         for at in 0..TYPED {
             session.editor.edit(&mut component, 13, [0, 0], "x")?;
             session.pull(&component)?;
@@ -74,10 +68,7 @@ fn slope(samples: &[(f64, f64)]) -> f64 {
     let count = samples.len().max(1) as f64;
     let mean = |f: fn(&(f64, f64)) -> f64| samples.iter().map(f).sum::<f64>() / count;
     let (x, y) = (mean(|pair| pair.0), mean(|pair| pair.1));
-    let covariance: f64 = samples
-        .iter()
-        .map(|sample| (sample.0 - x) * (sample.1 - y))
-        .sum();
+    let covariance: f64 = samples.iter().map(|sample| (sample.0 - x) * (sample.1 - y)).sum();
     let variance: f64 = samples.iter().map(|sample| (sample.0 - x).powi(2)).sum();
     covariance / variance.max(1e-9)
 }

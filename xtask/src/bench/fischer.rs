@@ -31,11 +31,7 @@ pub(crate) struct Times {
 
 /// Specification and scenario of `n` processes.
 pub(crate) fn dotgen(n: usize, times: Times) -> (String, String) {
-    let Times {
-        within,
-        wait,
-        section,
-    } = times;
+    let Times { within, wait, section } = times;
     let mut genom = String::from(
         "component fischer {\n  version \"1.0\";\n  lang \"c\";\n  ids { long id; };\n",
     );
@@ -95,11 +91,7 @@ pub(crate) fn dotgen(n: usize, times: Times) -> (String, String) {
 /// The same behaviour as a network of one automaton per process, with one clock each. The label `both` is
 /// reached if two processes are in their critical sections.
 pub(crate) fn tchecker(n: usize, times: Times) -> String {
-    let Times {
-        within,
-        wait,
-        section,
-    } = times;
+    let Times { within, wait, section } = times;
     let mut out =
         format!("system:fischer\nevent:tau\nint:1:0:{n}:0:holders\nint:1:0:{n}:0:inside\n");
     for i in 1..=n {

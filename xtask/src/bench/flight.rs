@@ -12,11 +12,7 @@ use crate::run::step;
 use crate::target;
 
 /// The platforms.
-const PLATFORMS: [&str; 3] = [
-    "cores 4; policy edf;",
-    "cores 3; policy edf;",
-    "cores free;",
-];
+const PLATFORMS: [&str; 3] = ["cores 4; policy edf;", "cores 3; policy edf;", "cores free;"];
 
 /// Verifies it with and without the middle tier.
 pub(crate) fn flight(dotgen: &Path, runs: usize) -> Result<()> {
@@ -49,10 +45,7 @@ pub(crate) fn flight(dotgen: &Path, runs: usize) -> Result<()> {
             let report: Value =
                 serde_json::from_str(&taken.output).context("dotgen wrote no JSON")?;
             let checks = report["checks"].as_array().context("no checks")?;
-            let proved = checks
-                .iter()
-                .filter(|check| check["verdict"] == "proved")
-                .count();
+            let proved = checks.iter().filter(|check| check["verdict"] == "proved").count();
             let states = report["states"].as_u64().context("no states")?;
             let shown = show(taken.seconds, taken.megabytes, states);
             cells.push(format!("{shown}; {proved} of {} proved", checks.len()));

@@ -18,10 +18,9 @@ pub(crate) fn corpus(dotgen: &Path, runs: usize) -> Result<()> {
     announce()?;
     // All checks together, and one by one if there are several.
     let robnav: &[&str] = &["schedulable *", "no-overdue *", "response *"];
-    for (name, scenario, checks) in [
-        ("RobNav", "robnav/robnav.scn", robnav),
-        ("Quadcopter", "quadcopter/hover.scn", &[]),
-    ] {
+    for (name, scenario, checks) in
+        [("RobNav", "robnav/robnav.scn", robnav), ("Quadcopter", "quadcopter/hover.scn", &[])]
+    {
         step(&format!("{name}, 1 to 5 cores"));
         let Some(path) = shared(&format!("corpus/{scenario}")) else {
             continue;
@@ -71,17 +70,9 @@ fn command<'a>(dotgen: &'a Path, arguments: &[&str]) -> Job<'a> {
 fn cell(taken: &Measurement) -> Result<String> {
     let report: Value = serde_json::from_str(&taken.output).context("dotgen wrote no JSON")?;
     let checks = report["checks"].as_array().context("no checks")?;
-    let count = |verdict| {
-        checks
-            .iter()
-            .filter(|check| check["verdict"] == verdict)
-            .count()
-    };
-    let mut out = show(
-        taken.seconds,
-        taken.megabytes,
-        report["states"].as_u64().context("no states")?,
-    );
+    let count = |verdict| checks.iter().filter(|check| check["verdict"] == verdict).count();
+    let mut out =
+        show(taken.seconds, taken.megabytes, report["states"].as_u64().context("no states")?);
     let _ = write!(out, "; {} proved", count("proved"));
     for verdict in ["refuted", "unknown"] {
         if count(verdict) > 0 {
@@ -100,26 +91,10 @@ struct Kind {
 }
 
 const KINDS: [Kind; 4] = [
-    Kind {
-        name: "ports and cores shared",
-        chain: true,
-        platform: "cores 2; policy fifo;",
-    },
-    Kind {
-        name: "two cores shared",
-        chain: false,
-        platform: "cores 2; policy fifo;",
-    },
-    Kind {
-        name: "chained by ports",
-        chain: true,
-        platform: "cores free;",
-    },
-    Kind {
-        name: "nothing shared",
-        chain: false,
-        platform: "cores free;",
-    },
+    Kind { name: "ports and cores shared", chain: true, platform: "cores 2; policy fifo;" },
+    Kind { name: "two cores shared", chain: false, platform: "cores 2; policy fifo;" },
+    Kind { name: "chained by ports", chain: true, platform: "cores free;" },
+    Kind { name: "nothing shared", chain: false, platform: "cores free;" },
 ];
 
 /// Draws time and memory against the number of components.
@@ -170,12 +145,7 @@ pub(crate) fn growth(dotgen: &Path, runs: usize) -> Result<()> {
     let chart = Chart {
         title: "Memory of a verification",
         across: "components",
-        powers: &[
-            (10.0, "10 MB"),
-            (100.0, "100 MB"),
-            (1000.0, "1 GB"),
-            (10000.0, "10 GB"),
-        ],
+        powers: &[(10.0, "10 MB"), (100.0, "100 MB"), (1000.0, "1 GB"), (10000.0, "10 GB")],
         ratios: false,
         lines: drawn(|triple| triple.2),
     };

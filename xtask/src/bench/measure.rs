@@ -66,10 +66,7 @@ fn medians(mut runs: Vec<Measurement>) -> Measurement {
     let megabytes = megabytes[runs.len() / 2];
     runs.sort_unstable_by(|a, b| a.seconds.total_cmp(&b.seconds));
     let middle = runs.len() / 2;
-    Measurement {
-        megabytes,
-        ..runs.swap_remove(middle)
-    }
+    Measurement { megabytes, ..runs.swap_remove(middle) }
 }
 
 /// Separates the shell's report of times from the program's error output. The shell is killed last.

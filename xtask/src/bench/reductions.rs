@@ -49,22 +49,14 @@ fn subjects() -> Result<Vec<Subject>> {
         scenario: shared(&format!("corpus/{path}")).unwrap_or_default(),
         options: options.to_vec(),
     };
-    let times = |within, wait, section| Times {
-        within,
-        wait,
-        section,
-    };
+    let times = |within, wait, section| Times { within, wait, section };
     let written = |name, folder: &str, files: [(&str, String); 2]| -> Result<Subject> {
         let directory = target().join("reductions").join(folder);
         std::fs::create_dir_all(&directory)?;
         for (file, text) in &files {
             std::fs::write(directory.join(file), text)?;
         }
-        Ok(Subject {
-            name,
-            scenario: directory.join("scenario.scn"),
-            options: Vec::new(),
-        })
+        Ok(Subject { name, scenario: directory.join("scenario.scn"), options: Vec::new() })
     };
     let periodic = |n| {
         let (genom, scenario) = periodic::dotgen(&competitors::spread(n), true);
@@ -96,11 +88,7 @@ fn subjects() -> Result<Vec<Subject>> {
             &["--cores", "5", "--durations", "interval"],
         ),
         written("6 periodic tasks", "periodic", periodic(6))?,
-        written(
-            "Fischer, 4 processes, short times",
-            "fischer",
-            fischer(4, times(1, 2, 2)),
-        )?,
+        written("Fischer, 4 processes, short times", "fischer", fischer(4, times(1, 2, 2)))?,
         written(
             "Fischer, 4 processes, long times",
             "fischer-long",
@@ -111,25 +99,15 @@ fn subjects() -> Result<Vec<Subject>> {
 
 fn arguments(subject: &Subject, more: &[&str]) -> Vec<String> {
     let scenario = subject.scenario.to_string_lossy();
-    let all = [
-        &["verify", "--max-states", MAX_STATES],
-        &subject.options[..],
-        more,
-        &[&scenario],
-    ];
+    let all = [&["verify", "--max-states", MAX_STATES], &subject.options[..], more, &[&scenario]];
     all.concat().into_iter().map(str::to_owned).collect()
 }
 
 /// The reductions that some exploration of a system uses.
 fn used(dotgen: &Path, subject: &Subject) -> Result<Vec<String>> {
-    let output = Command::new(dotgen)
-        .args(arguments(subject, &["--explain"]))
-        .output()?;
+    let output = Command::new(dotgen).args(arguments(subject, &["--explain"])).output()?;
     let text = String::from_utf8(output.stdout)?;
-    let lines = text
-        .lines()
-        .skip_while(|line| *line != "reductions")
-        .skip(1);
+    let lines = text.lines().skip_while(|line| *line != "reductions").skip(1);
     let rows = lines.filter_map(|line| line.trim_start().split_once(' '));
     let used = rows.filter(|(_, what)| what.trim_start().starts_with("used"));
     Ok(used.map(|(name, _)| name.to_owned()).collect())

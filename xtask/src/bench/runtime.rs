@@ -37,11 +37,7 @@ pub(super) fn runtime(dotgen: &Path, seconds: f64, task_seconds: f64) -> Result<
     if folder.exists() {
         std::fs::remove_dir_all(&folder)?;
     }
-    let bench = Bench {
-        dotgen,
-        folder: &folder,
-        seconds,
-    };
+    let bench = Bench { dotgen, folder: &folder, seconds };
     println!("{}", header());
     bench.chain()?;
     bench.entries()?;
@@ -97,9 +93,7 @@ impl Bench<'_> {
             "1 kHz: tick to entry of the codel, known to {:.0} µs",
             unknown as f64 / 1e3
         ));
-        sleeper
-            .finish()?
-            .print("1 kHz: `clock_nanosleep`, same seconds");
+        sleeper.finish()?.print("1 kHz: `clock_nanosleep`, same seconds");
         match cyclictest {
             Some(child) => histogram(child)?.print("1 kHz: `cyclictest`, same seconds"),
             None => eprintln!("cyclictest is not installed (Debian: rt-tests)"),
@@ -112,11 +106,7 @@ impl Bench<'_> {
         let folder = self.folder.join("sleeper");
         std::fs::create_dir_all(&folder)?;
         std::fs::write(folder.join("sleeper.c"), include_str!("runtime/sleeper.c"))?;
-        run::capture(run::command(
-            &folder,
-            "cc",
-            &["-O2", "-o", "sleeper", "sleeper.c"],
-        ))?;
+        run::capture(run::command(&folder, "cc", &["-O2", "-o", "sleeper", "sleeper.c"]))?;
         let numbers = folder.join("numbers");
         let program = folder.join("sleeper");
         let mut command = Command::new(program);
@@ -182,15 +172,11 @@ impl Bench<'_> {
             std::fs::write(component.folder().join("value.idl"), &types)?;
             anyhow::Ok(component)
         };
-        let (specification, source) = (
-            include_str!("runtime/writer.gen"),
-            include_str!("runtime/writer.c"),
-        );
+        let (specification, source) =
+            (include_str!("runtime/writer.gen"), include_str!("runtime/writer.c"));
         let writer = component("writer", from, specification, source)?;
-        let (specification, source) = (
-            include_str!("runtime/reader.gen"),
-            include_str!("runtime/reader.c"),
-        );
+        let (specification, source) =
+            (include_str!("runtime/reader.gen"), include_str!("runtime/reader.c"));
         Ok((writer, component("reader", to, specification, source)?))
     }
 
@@ -198,9 +184,8 @@ impl Bench<'_> {
         let ages = reader.numbers()?;
         let values = ages.len() as f64 / self.seconds;
         let megabytes = values * size as f64 / 1e6;
-        Samples::new(ages).print(&format!(
-            "{name}: {values:.0} values/s, {megabytes:.1} MB/s; write to read"
-        ));
+        Samples::new(ages)
+            .print(&format!("{name}: {values:.0} values/s, {megabytes:.1} MB/s; write to read"));
         Ok(())
     }
 
@@ -211,17 +196,14 @@ impl Bench<'_> {
             include_str!("runtime/server.gen"),
             include_str!("runtime/server.c"),
         )?;
-        let port = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?
-            .local_addr()?
-            .port();
+        let port = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port();
         let listen = ["--listen", &port.to_string(), "--listen-anyone"];
         let serves = server.start(f64::MAX, &listen)?;
         for clients in [1, 10, 100] {
             let trips = clients::round_trips(&server.socket(), port, clients, self.seconds)?;
             let rate = trips.len() as f64 / self.seconds;
-            Samples::new(trips).print(&format!(
-                "{clients} clients: {rate:.0} requests/s; request to reply"
-            ));
+            Samples::new(trips)
+                .print(&format!("{clients} clients: {rate:.0} requests/s; request to reply"));
         }
         drop(serves);
         Ok(())

@@ -34,22 +34,10 @@ type Answers = BTreeMap<String, String>;
 pub(crate) fn semantics(dotgen: &Path) -> Result<()> {
     let systems = [
         ("RobNav, edf", "corpus/robnav/robnav.scn", "edf"),
-        (
-            "Quadcopter hovering, fifo",
-            "corpus/quadcopter/hover.scn",
-            "fifo",
-        ),
+        ("Quadcopter hovering, fifo", "corpus/quadcopter/hover.scn", "fifo"),
         ("examples/pump, fifo", "examples/pump/pump.scn", "fifo"),
-        (
-            "examples/outdoor, fifo",
-            "examples/outdoor/outdoor.scn",
-            "fifo",
-        ),
-        (
-            "examples/maneuver, fifo",
-            "examples/maneuver/maneuver.scn",
-            "fifo",
-        ),
+        ("examples/outdoor, fifo", "examples/outdoor/outdoor.scn", "fifo"),
+        ("examples/maneuver, fifo", "examples/maneuver/maneuver.scn", "fifo"),
     ];
     for (name, path, policy) in systems {
         step(name);
@@ -162,14 +150,10 @@ impl<'a> System<'a> {
 
     /// The answers for each task, with some points set separately.
     fn answers(&self, preset: &str, cores: u32, points: &[(&str, &str)]) -> Result<Answers> {
-        let chosen = points
-            .iter()
-            .map(|(word, rule)| format!("  {word} {rule};\n"));
+        let chosen = points.iter().map(|(word, rule)| format!("  {word} {rule};\n"));
         let chosen: String = chosen.collect();
-        let text = format!(
-            "{}\n{chosen}  check schedulable *;\n  check response *;\n}}\n",
-            self.text
-        );
+        let text =
+            format!("{}\n{chosen}  check schedulable *;\n  check response *;\n}}\n", self.text);
         std::fs::write(&self.file, text)?;
         let output = Command::new(self.dotgen)
             .args(["verify", "--format", "json", "--max-states", MAX_STATES])
@@ -202,10 +186,7 @@ impl<'a> System<'a> {
             let word = |key: &str| value[key].as_str().unwrap_or("?").to_owned();
             format!("{} {}", word("check"), word("of"))
         };
-        Ok(checks
-            .iter()
-            .map(|check| (key(check), answer(check)))
-            .collect())
+        Ok(checks.iter().map(|check| (key(check), answer(check))).collect())
     }
 
     /// The answers with `size` points from the other semantics, for each choice of points.
@@ -214,15 +195,12 @@ impl<'a> System<'a> {
         let choices = choices.filter(|choice| choice.count_ones() as usize == size);
         let variant = |chosen: u32| {
             let chosen = || (0..POINTS.len()).filter(move |point| chosen >> point & 1 == 1);
-            let published: Vec<_> = chosen()
-                .map(|point| (POINTS[point].0, POINTS[point].2))
-                .collect();
-            let servers: Vec<_> = chosen()
-                .map(|point| (POINTS[point].0, POINTS[point].1))
-                .collect();
-            let words: Vec<String> = chosen()
-                .map(|point| format!("`{}`", POINTS[point].0))
-                .collect();
+            let published: Vec<_> =
+                chosen().map(|point| (POINTS[point].0, POINTS[point].2)).collect();
+            let servers: Vec<_> =
+                chosen().map(|point| (POINTS[point].0, POINTS[point].1)).collect();
+            let words: Vec<String> =
+                chosen().map(|point| format!("`{}`", POINTS[point].0)).collect();
             Ok(Variant {
                 words: words.join(" with "),
                 servers: self.answers("servers", cores, &published)?,
@@ -246,10 +224,6 @@ fn point(variants: &[Variant], check: &str, (one, other): (&str, &str)) -> Optio
     let is =
         |answers: &Answers, wanted: &str| answers.get(check).is_some_and(|answer| answer == wanted);
     let makes = |variant: &&Variant| is(&variant.servers, one) || is(&variant.published, other);
-    let found: Vec<&str> = variants
-        .iter()
-        .filter(makes)
-        .map(|variant| &*variant.words)
-        .collect();
+    let found: Vec<&str> = variants.iter().filter(makes).map(|variant| &*variant.words).collect();
     (!found.is_empty()).then(|| found.join(" or "))
 }

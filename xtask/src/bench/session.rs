@@ -52,16 +52,10 @@ pub(super) fn session(dotgen: &Path) -> Result<()> {
 }
 
 fn play(mut editor: Editor) -> Result<()> {
-    let mut times: Vec<(&str, Vec<Duration>)> = [
-        "diagnostics",
-        "completion",
-        "hover",
-        "definition",
-        "semantic tokens",
-        "rename",
-    ]
-    .map(|text| (text, Vec::new()))
-    .into();
+    let mut times: Vec<(&str, Vec<Duration>)> =
+        ["diagnostics", "completion", "hover", "definition", "semantic tokens", "rename"]
+            .map(|text| (text, Vec::new()))
+            .into();
     let text = components::component(50);
     let line = text
         .lines()
@@ -70,10 +64,7 @@ fn play(mut editor: Editor) -> Result<()> {
     let mut opened = editor.open("c50.gen", &text)?;
     let document = json!({ "uri": opened.uri });
     // The first answers wait until the workspace is read.
-    editor.request(
-        "textDocument/diagnostic",
-        json!({ "textDocument": document }),
-    )?;
+    editor.request("textDocument/diagnostic", json!({ "textDocument": document }))?;
     let (mut at_line, mut at_character) = (line + 1, 0);
     let here = |character| [character, character];
     editor.edit(&mut opened, at_line, here(at_character), "\n")?;
@@ -89,17 +80,11 @@ fn play(mut editor: Editor) -> Result<()> {
         let name =
             json!({ "textDocument": document, "position": { "line": line, "character": 25 } });
         let asked = [
-            (
-                "textDocument/diagnostic",
-                json!({ "textDocument": document }),
-            ),
+            ("textDocument/diagnostic", json!({ "textDocument": document })),
             ("textDocument/completion", at),
             ("textDocument/hover", name.clone()),
             ("textDocument/definition", name),
-            (
-                "textDocument/semanticTokens/full",
-                json!({ "textDocument": document }),
-            ),
+            ("textDocument/semanticTokens/full", json!({ "textDocument": document })),
         ];
         for ((method, params), (_, times)) in std::iter::zip(asked, &mut times) {
             times.push(editor.request(method, params)?);
@@ -113,10 +98,7 @@ fn play(mut editor: Editor) -> Result<()> {
         times[5].1.push(time);
     }
     editor.end()?;
-    println!(
-        "{:<18} {:>9} {:>9} {:>9}  requests",
-        "request", "p50", "p95", "p99"
-    );
+    println!("{:<18} {:>9} {:>9} {:>9}  requests", "request", "p50", "p95", "p99");
     for (name, times) in &mut times {
         times.sort_unstable();
         let at = |percent: usize| super::milliseconds(times[(times.len() - 1) * percent / 100]);

@@ -97,10 +97,7 @@ fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
     let text = workspace::component(count / 2);
     let mut component = session.editor.open(&workspace::name(count / 2), &text)?;
     session.pull(&component)?;
-    figures.push((
-        "first diagnostics of the opened file",
-        seconds(started.elapsed()),
-    ));
+    figures.push(("first diagnostics of the opened file", seconds(started.elapsed())));
     let all = session.everything()?;
     figures.push(("first diagnostics of the workspace", seconds(all)));
     figures.push(("memory then, MB", session.memory()?));
@@ -123,9 +120,7 @@ fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
     // One more member: every component is checked again, and no finding changes.
     let line = line_of(&text, "  struct pose")?;
     let started = Instant::now();
-    session
-        .editor
-        .edit(&mut shared, line, [16, 16], "undeclared more; ")?;
+    session.editor.edit(&mut shared, line, [16, 16], "undeclared more; ")?;
     let open = session.pull(&component)?;
     figures.push(("edit of the shared file to the open file", seconds(open)));
     session.everything()?;
@@ -138,10 +133,7 @@ fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
     let started = Instant::now();
     session.editor.edit(&mut shared, line, [9, 12], "vek")?;
     session.everything()?;
-    figures.push((
-        "edit that makes all files wrong, to all",
-        seconds(started.elapsed()),
-    ));
+    figures.push(("edit that makes all files wrong, to all", seconds(started.elapsed())));
     session.editor.edit(&mut shared, line, [9, 12], "vec")?;
     session.everything()?;
     figures.push(("memory then, MB", session.memory()?));
@@ -216,9 +208,8 @@ impl Session {
         let method = "workspace/diagnostic";
         self.token += 1;
         let known = self.known.iter();
-        let known: Vec<Value> = known
-            .map(|(uri, value)| json!({ "uri": uri, "value": value }))
-            .collect();
+        let known: Vec<Value> =
+            known.map(|(uri, value)| json!({ "uri": uri, "value": value })).collect();
         let started = Instant::now();
         let params = json!({ "previousResultIds": known, "partialResultToken": self.token });
         let id = self.editor.ask(method, params)?;
@@ -299,13 +290,7 @@ fn table(all: &BTreeMap<usize, Figures>) {
     let counts: Vec<String> = all.keys().map(ToString::to_string).collect();
     println!("\n| components | {} |", counts.join(" | "));
     println!("| --- |{}", " --- |".repeat(counts.len()));
-    let names: Vec<&str> = all
-        .values()
-        .next()
-        .into_iter()
-        .flatten()
-        .map(|pair| pair.0)
-        .collect();
+    let names: Vec<&str> = all.values().next().into_iter().flatten().map(|pair| pair.0).collect();
     for (row, name) in names.iter().enumerate() {
         let cells = all.values().map(|sizes| match sizes[row].1 {
             value if name.ends_with("MB") => format!("{value:.0}"),
@@ -337,10 +322,7 @@ fn draw(all: &BTreeMap<usize, Figures>) -> Result<()> {
             line("check: elapsed", "dotgen check"),
             line("edit of the shared file to all", "idl edit, all files"),
             line("rename of a type that all use", "rename"),
-            line(
-                "edit of the shared file to the open file",
-                "idl edit, open file",
-            ),
+            line("edit of the shared file to the open file", "idl edit, open file"),
         ],
     };
     std::fs::write(pictures.join("size-time.svg"), times.svg())?;

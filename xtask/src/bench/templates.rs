@@ -14,10 +14,8 @@ use crate::run::{self, step};
 use crate::{example, root, target};
 
 /// Releases, and the environment variable with the templates of each.
-const RELEASES: [(&str, &str); 2] = [
-    ("2.99.39", "DOTGEN_TEST_TEMPLATES"),
-    ("2.99.41", "DOTGEN_TEST_TEMPLATES_2_99_41"),
-];
+const RELEASES: [(&str, &str); 2] =
+    [("2.99.39", "DOTGEN_TEST_TEMPLATES"), ("2.99.41", "DOTGEN_TEST_TEMPLATES_2_99_41")];
 
 /// Templates that run without Tcl, with arguments that are supported.
 const CALLS: [(&str, &[&str]); 4] = [
@@ -88,18 +86,11 @@ fn call(
     let file = example().join("maneuver.gen");
     let (folder, file) = (folder.to_string_lossy(), file.to_string_lossy());
     let idl = format!("-I{}", example().join("idl").display());
-    let words = [
-        &["genom3", "-t", &folder, &idl, template],
-        arguments,
-        &[&file],
-    ]
-    .concat();
+    let words = [&["genom3", "-t", &folder, &idl, template], arguments, &[&file]].concat();
     let mut command = run::command(root(), &dotgen.to_string_lossy(), &words);
     command.env("DOTGEN_GENOM_RELEASE", release);
     let started = Instant::now();
-    let output = command
-        .output()
-        .with_context(|| format!("cannot run {}", dotgen.display()))?;
+    let output = command.output().with_context(|| format!("cannot run {}", dotgen.display()))?;
     let time = started.elapsed();
     ensure!(
         output.status.success(),
@@ -112,10 +103,7 @@ fn call(
 /// Copies the files of a folder.
 fn copy(from: &Path, to: &Path) -> Result<()> {
     std::fs::create_dir_all(to)?;
-    for entry in from
-        .read_dir()
-        .with_context(|| format!("cannot read {}", from.display()))?
-    {
+    for entry in from.read_dir().with_context(|| format!("cannot read {}", from.display()))? {
         let entry = entry?;
         if entry.path().is_file() {
             std::fs::copy(entry.path(), to.join(entry.file_name()))?;

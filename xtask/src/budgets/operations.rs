@@ -19,18 +19,9 @@ pub(super) struct Operation {
 const FILE: &str = "arm.gen";
 
 pub(super) const OPERATIONS: &[Operation] = &[
-    Operation {
-        name: "start",
-        prepare: |_, _, _| command(&["--version"]),
-    },
-    Operation {
-        name: "explain",
-        prepare: |_, _, _| command(&["explain", "fsm/undefined-state"]),
-    },
-    Operation {
-        name: "check",
-        prepare: |_, folder, size| on_file(folder, size, &["check", FILE]),
-    },
+    Operation { name: "start", prepare: |_, _, _| command(&["--version"]) },
+    Operation { name: "explain", prepare: |_, _, _| command(&["explain", "fsm/undefined-state"]) },
+    Operation { name: "check", prepare: |_, folder, size| on_file(folder, size, &["check", FILE]) },
     Operation {
         name: "check with errors",
         prepare: |_, folder, size| {
@@ -47,18 +38,9 @@ pub(super) const OPERATIONS: &[Operation] = &[
             command(&["check", FILE])
         },
     },
-    Operation {
-        name: "fmt",
-        prepare: |_, folder, size| on_file(folder, size, &["fmt", FILE]),
-    },
-    Operation {
-        name: "tree",
-        prepare: |_, folder, size| on_file(folder, size, &["tree", FILE]),
-    },
-    Operation {
-        name: "model",
-        prepare: |_, folder, size| on_file(folder, size, &["model", FILE]),
-    },
+    Operation { name: "fmt", prepare: |_, folder, size| on_file(folder, size, &["fmt", FILE]) },
+    Operation { name: "tree", prepare: |_, folder, size| on_file(folder, size, &["tree", FILE]) },
+    Operation { name: "model", prepare: |_, folder, size| on_file(folder, size, &["model", FILE]) },
     Operation {
         name: "diagram fsm",
         prepare: |_, folder, size| on_file(folder, size, &["diagram", "fsm", FILE, "-o", "out"]),
@@ -89,16 +71,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
         prepare: |_, folder, size| {
             std::fs::write(folder.join(FILE), specification(4))?;
             let until = format!("{} ms", 20 * size);
-            let until = [
-                "run",
-                "--simulate",
-                "all",
-                "--bounds",
-                "none",
-                "--until",
-                &until,
-                FILE,
-            ];
+            let until = ["run", "--simulate", "all", "--bounds", "none", "--until", &until, FILE];
             command(&until)
         },
     },

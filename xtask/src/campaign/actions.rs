@@ -38,12 +38,8 @@ pub(super) fn actions(
 ) -> Result<()> {
     let mut random = fastrand::Rng::with_seed(options.seed);
     let mut workspace = Workspace::open(dotgen, set)?;
-    let mut case = Case {
-        report,
-        group: "as published",
-        context: String::new(),
-        tried: BTreeSet::new(),
-    };
+    let mut case =
+        Case { report, group: "as published", context: String::new(), tried: BTreeSet::new() };
     let before = workspace.findings()?;
     for (path, findings) in &before.0 {
         for finding in findings {
@@ -60,11 +56,8 @@ pub(super) fn actions(
             each(&mut workspace, &mut case, &before, path, line, offered)?;
         }
     }
-    let specifications: Vec<PathBuf> = before
-        .0
-        .into_keys()
-        .filter(|key| is_specification(key))
-        .collect();
+    let specifications: Vec<PathBuf> =
+        before.0.into_keys().filter(|key| is_specification(key)).collect();
     for path in specifications {
         for number in 0..options.mutations {
             let seed = options.seed.wrapping_mul(1000).wrapping_add(number as u64);
@@ -127,11 +120,7 @@ fn everything(
     let last = workspace.texts[path].lines().count();
     let range = json!({ "start": { "line": 0, "character": 0 },
         "end": { "line": last, "character": 0 } });
-    for only in [
-        "source.fixAll",
-        "source.fixFindings",
-        "source.organizeImports",
-    ] {
+    for only in ["source.fixAll", "source.fixFindings", "source.organizeImports"] {
         let offered = workspace.actions(path, &range, &[], Some(only))?;
         each(workspace, case, before, path, 0, offered)?;
     }
@@ -171,10 +160,7 @@ fn one(
 ) -> Result<()> {
     let findings = action["diagnostics"].as_array().into_iter().flatten();
     let mends: Vec<Finding> = findings.map(Finding::read).collect();
-    let about: Vec<_> = mends
-        .iter()
-        .flat_map(|finding| edits::places(path, finding))
-        .collect();
+    let about: Vec<_> = mends.iter().flat_map(|finding| edits::places(path, finding)).collect();
     let applied = match edits::apply(&action["edit"], |path| workspace.text(path), &about) {
         Ok(applied) => applied,
         Err(error) => {
@@ -207,9 +193,8 @@ fn one(
     let head = format!("{shown}:{}: «{title}» ({kind}){}", line + 1, case.context);
     case.judge(root, &head, before, &after, &applied.touched);
     if !mends.is_empty() {
-        if let Some(finding) = mends
-            .iter()
-            .find(|finding| after.count(&finding.code) >= before.count(&finding.code))
+        if let Some(finding) =
+            mends.iter().find(|finding| after.count(&finding.code) >= before.count(&finding.code))
         {
             case.report.count(case.group, "useless", 1);
             case.report.code("useless", &finding.code);
@@ -242,10 +227,8 @@ impl Case<'_> {
     ) {
         let (worse, revealed) = before.judged(after, touched);
         self.report.count(self.group, "judged", 1);
-        self.report
-            .count(self.group, "worse", usize::from(!worse.is_empty()));
-        self.report
-            .count(self.group, "revealed", usize::from(!revealed.is_empty()));
+        self.report.count(self.group, "worse", usize::from(!worse.is_empty()));
+        self.report.count(self.group, "revealed", usize::from(!revealed.is_empty()));
         for (kind, found) in [("worse", worse), ("revealed", revealed)] {
             for (path, finding) in found {
                 self.report.code(kind, &finding.code);
@@ -274,22 +257,14 @@ fn check_fix(
     let run = |fix: bool| -> Result<Findings> {
         let mut command = Command::new(dotgen);
         command.args(["check", "--format", "json"]).arg(path);
-        command
-            .args(fix.then_some("--fix"))
-            .current_dir(&workspace.copy.root);
+        command.args(fix.then_some("--fix")).current_dir(&workspace.copy.root);
         let output = command.output().context("cannot run dotgen check")?;
         let report: Value = serde_json::from_slice(&output.stdout)
             .with_context(|| String::from_utf8_lossy(&output.stderr).into_owned())?;
         let mut out = Findings::default();
         for diagnostic in report["diagnostics"].as_array().into_iter().flatten() {
-            let file = workspace
-                .copy
-                .root
-                .join(diagnostic["file"].as_str().unwrap_or_default());
-            out.0
-                .entry(file)
-                .or_default()
-                .push(Finding::read(diagnostic));
+            let file = workspace.copy.root.join(diagnostic["file"].as_str().unwrap_or_default());
+            out.0.entry(file).or_default().push(Finding::read(diagnostic));
         }
         Ok(out)
     };

@@ -35,10 +35,7 @@ pub(super) fn codels(
 ) -> Result<()> {
     let copy = set.copy()?;
     let documents = set.documents(&copy.root);
-    for specification in documents
-        .iter()
-        .filter(|document| is_specification(document))
-    {
+    for specification in documents.iter().filter(|document| is_specification(document)) {
         let below = specification.with_file_name("codels");
         let is_source = |path: &&PathBuf| {
             let extension = path.extension().and_then(|extension| extension.to_str());
@@ -88,10 +85,7 @@ pub(super) fn codels(
 /// Writes stubs for a specification without sources.
 fn stubs(dotgen: &Path, root: &Path, specification: &Path) -> Result<()> {
     let mut command = Command::new(dotgen);
-    command
-        .args(["codels", "stub"])
-        .arg(specification)
-        .current_dir(root);
+    command.args(["codels", "stub"]).arg(specification).current_dir(root);
     command.output().context("cannot run dotgen codels stub")?;
     Ok(())
 }
@@ -111,9 +105,8 @@ impl Folder<'_> {
         let originals = files.iter().map(|file| Ok((*file, std::fs::read(file)?)));
         let originals = originals.collect::<Result<Vec<_>>>()?;
         self.run(&["codels", "sync"])?;
-        let is_changed = originals
-            .iter()
-            .any(|(path, old)| std::fs::read(path).ok().as_ref() != Some(old));
+        let is_changed =
+            originals.iter().any(|(path, old)| std::fs::read(path).ok().as_ref() != Some(old));
         let after = is_changed.then(|| self.compiled());
         for (path, old) in originals {
             std::fs::write(path, old)?;
@@ -126,11 +119,7 @@ impl Folder<'_> {
             report.count(group, "judged", 1);
             report.count(group, "compile after sync", usize::from(after.0));
             if !after.0 {
-                let error = after
-                    .1
-                    .lines()
-                    .find(|line| line.contains("error"))
-                    .unwrap_or_default();
+                let error = after.1.lines().find(|line| line.contains("error")).unwrap_or_default();
                 let error = error.replace(&format!("{}/", self.root.display()), "");
                 let shown = self.shown(source);
                 report.code("no longer compiles", "codels sync");
@@ -158,16 +147,13 @@ impl Folder<'_> {
             if !CONFIRMABLE_CODES.contains(&finding.code.as_str()) || finding.severity > 2 {
                 continue;
             }
-            let file = self
-                .root
-                .join(diagnostic["file"].as_str().unwrap_or_default());
+            let file = self.root.join(diagnostic["file"].as_str().unwrap_or_default());
             let Some(at) = self.sources.iter().position(|source| *source == file) else {
                 continue;
             };
             let (compiles, messages) = &compiled[at];
-            let complains = messages
-                .lines()
-                .any(|line| line.contains("error:") || line.contains("warning:"));
+            let complains =
+                messages.lines().any(|line| line.contains("error:") || line.contains("warning:"));
             report.count(group, "judged", 1);
             match (compiles, complains) {
                 (true, false) => {
@@ -175,10 +161,8 @@ impl Folder<'_> {
                     let shown = self.shown(&file);
                     report.count(group, "contradicted", 1);
                     report.code("contradicted", &finding.code);
-                    let text = format!(
-                        "{shown}:{line}: {}: {}{context}",
-                        finding.code, finding.message
-                    );
+                    let text =
+                        format!("{shown}:{line}: {}: {}{context}", finding.code, finding.message);
                     report.report_offender("contradicted", &text);
                 }
                 (true, true) => report.count(group, "confirmed by a warning", 1),
@@ -215,10 +199,9 @@ impl Folder<'_> {
                 .current_dir(self.root)
                 .output();
             match output {
-                Ok(output) => (
-                    output.status.success(),
-                    String::from_utf8_lossy(&output.stderr).into_owned(),
-                ),
+                Ok(output) => {
+                    (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
+                }
                 Err(error) => (false, format!("fatal error: {error}")),
             }
         };
@@ -230,19 +213,13 @@ impl Folder<'_> {
     /// Runs dotgen on the specification: standard output and standard error.
     fn run(&self, arguments: &[&str]) -> Result<(String, String)> {
         let mut command = Command::new(self.dotgen);
-        command
-            .args(arguments)
-            .arg(&self.specification)
-            .current_dir(self.root);
+        command.args(arguments).arg(&self.specification).current_dir(self.root);
         let output = command.output()?;
         let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
         Ok((text(&output.stdout), text(&output.stderr)))
     }
 
     fn shown(&self, path: &Path) -> String {
-        path.strip_prefix(self.root)
-            .unwrap_or(path)
-            .display()
-            .to_string()
+        path.strip_prefix(self.root).unwrap_or(path).display().to_string()
     }
 }

@@ -58,11 +58,7 @@ impl Findings {
 
     /// Number of errors.
     pub(super) fn errors(&self) -> usize {
-        self.0
-            .values()
-            .flatten()
-            .filter(|finding| finding.severity == 1)
-            .count()
+        self.0.values().flatten().filter(|finding| finding.severity == 1).count()
     }
 
     /// Findings with codes that are more frequent in a document afterwards.

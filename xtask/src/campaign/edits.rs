@@ -44,10 +44,7 @@ pub(super) fn apply(
             bail!("{} is not UTF-8", path.display());
         }
         let old = old.unwrap_or_default();
-        let mut hunks = edits
-            .iter()
-            .map(|edit| hunk(&old, edit))
-            .collect::<Result<Vec<_>>>()?;
+        let mut hunks = edits.iter().map(|edit| hunk(&old, edit)).collect::<Result<Vec<_>>>()?;
         hunks.sort_by_key(|hunk| (hunk.bytes.start, hunk.bytes.end));
         let mut new = String::new();
         let mut at = 0;
@@ -59,10 +56,7 @@ pub(super) fn apply(
             let first = new.matches('\n').count();
             new.push_str(&hunk.new);
             let last = new.matches('\n').count();
-            out.touched
-                .entry(path.clone())
-                .or_default()
-                .push([first, last]);
+            out.touched.entry(path.clone()).or_default().push([first, last]);
             at = hunk.bytes.end;
             let removed = &old[hunk.bytes.clone()];
             words_of(removed).for_each(|word| *words.entry(word.to_owned()).or_default() += 1);
@@ -92,11 +86,8 @@ pub(super) fn places(path: &Path, finding: &Finding) -> Vec<(PathBuf, [usize; 2]
     let mut out = vec![(path.to_owned(), finding.lines)];
     let related = finding.raw["relatedInformation"].as_array();
     for related in related.into_iter().flatten() {
-        let line = |end: &str| {
-            related["location"]["range"][end]["line"]
-                .as_u64()
-                .unwrap_or(0) as usize
-        };
+        let line =
+            |end: &str| related["location"]["range"][end]["line"].as_u64().unwrap_or(0) as usize;
         let uri = related["location"]["uri"].as_str().unwrap_or_default();
         out.push((path_of(uri), [line("start"), line("end")]));
     }
@@ -113,9 +104,7 @@ fn by_file(edit: &Value) -> Result<BTreeMap<PathBuf, Vec<Value>>> {
             Some(other) => bail!("an edit does `{other}`"),
             None => {
                 let edits = change["edits"].as_array().cloned().unwrap_or_default();
-                out.entry(uri(&change["textDocument"]["uri"])?)
-                    .or_default()
-                    .extend(edits);
+                out.entry(uri(&change["textDocument"]["uri"])?).or_default().extend(edits);
             }
         }
     }
@@ -152,12 +141,8 @@ fn hunk(old: &str, edit: &Value) -> Result<Hunk> {
     let start = offset(old, &edit["range"]["start"])?;
     let end = offset(old, &edit["range"]["end"])?;
     let new = edit["newText"].as_str().context("no new text")?;
-    let was = old
-        .get(start..end)
-        .context("an edit is outside of its file")?;
-    let mut head = std::iter::zip(was.bytes(), new.bytes())
-        .take_while(|(a, b)| a == b)
-        .count();
+    let was = old.get(start..end).context("an edit is outside of its file")?;
+    let mut head = std::iter::zip(was.bytes(), new.bytes()).take_while(|(a, b)| a == b).count();
     // Whole words: a part of a word does not count as a removed word.
     while !is_border(was, head) || !is_border(new, head) {
         head -= 1;

@@ -14,18 +14,10 @@ pub(super) fn mutate(text: &str, random: &mut fastrand::Rng) -> Option<(String, 
     let line = text[..token.start].matches('\n').count() + 1;
     let (range, new, what) = match random.u8(..6) {
         0 => (token, String::new(), format!("delete `{word}`")),
-        1 => (
-            token,
-            format!("{word} {word}"),
-            format!("duplicate `{word}`"),
-        ),
+        1 => (token, format!("{word} {word}"), format!("duplicate `{word}`")),
         2 => {
             let next = tokens.get(at + 1)?.clone();
-            let new = format!(
-                "{}{}{word}",
-                &text[next.clone()],
-                &text[token.end..next.start]
-            );
+            let new = format!("{}{}{word}", &text[next.clone()], &text[token.end..next.start]);
             let what = format!("swap `{word}` and `{}`", &text[next.clone()]);
             (token.start..next.end, new, what)
         }
@@ -47,11 +39,7 @@ pub(super) fn mutate(text: &str, random: &mut fastrand::Rng) -> Option<(String, 
             let all = format!("{}{new}{}", &text[..token.start], &text[token.end..]);
             return Some((all, format!("line {line}: misspell `{old}` as `{new}`")));
         }
-        _ => (
-            token.start..text.len(),
-            String::new(),
-            format!("cut before `{word}`"),
-        ),
+        _ => (token.start..text.len(), String::new(), format!("cut before `{word}`")),
     };
     let new = format!("{}{new}{}", &text[..range.start], &text[range.end..]);
     Some((new, format!("line {line}: {what}")))
@@ -67,10 +55,7 @@ fn tokens(text: &str) -> Vec<Range<usize>> {
         let rest = &text.as_bytes()[at..];
         let start = at;
         if rest.starts_with(b"//") {
-            at += rest
-                .iter()
-                .position(|byte| *byte == b'\n')
-                .unwrap_or(rest.len());
+            at += rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
         } else if rest.starts_with(b"/*") {
             let end = rest.windows(2).skip(2).position(|window| window == b"*/");
             at += end.map_or(rest.len(), |end| end + 4);

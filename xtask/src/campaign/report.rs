@@ -3,14 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Kinds of offenders for which the campaign fails.
-const FAILING_KINDS: [&str; 6] = [
-    "worse",
-    "useless",
-    "losing text",
-    "contradicted",
-    "no longer compiles",
-    "failed",
-];
+const FAILING_KINDS: [&str; 6] =
+    ["worse", "useless", "losing text", "contradicted", "no longer compiles", "failed"];
 
 /// The results of a campaign.
 #[derive(Default)]

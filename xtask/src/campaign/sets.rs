@@ -50,12 +50,7 @@ pub(super) fn sets(options: &Options) -> Result<Vec<Set>> {
         clones(&mut out)?;
     }
     if !options.only.is_empty() {
-        out.retain(|set| {
-            options
-                .only
-                .iter()
-                .any(|text| set.name.contains(text.as_str()))
-        });
+        out.retain(|set| options.only.iter().any(|text| set.name.contains(text.as_str())));
     }
     Ok(out)
 }
@@ -74,10 +69,7 @@ fn corpus(out: &mut Vec<Set>) -> Result<()> {
                 continue;
             }
             let below = source.join(&name);
-            if documents(&below)
-                .iter()
-                .any(|document| is_specification(document))
-            {
+            if documents(&below).iter().any(|document| is_specification(document)) {
                 out.push(Set {
                     name: format!("corpus/{folder}/{name}"),
                     source: source.clone(),
@@ -128,9 +120,7 @@ impl Set {
     /// Documents of a copy that are measured.
     pub(super) fn documents(&self, root: &Path) -> Vec<PathBuf> {
         let folders = self.folders.iter();
-        folders
-            .flat_map(|folder| documents(&root.join(folder)))
-            .collect()
+        folders.flat_map(|folder| documents(&root.join(folder))).collect()
     }
 }
 

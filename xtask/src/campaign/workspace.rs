@@ -35,12 +35,7 @@ impl Workspace {
         });
         let editor = Editor::start(dotgen, &copy.root, capabilities)?;
         let documents = set.documents(&copy.root);
-        let mut out = Workspace {
-            copy,
-            editor,
-            texts: BTreeMap::new(),
-            version: 1,
-        };
+        let mut out = Workspace { copy, editor, texts: BTreeMap::new(), version: 1 };
         for path in documents {
             // A file in another encoding cannot be compared byte for byte.
             if let Ok(text) = std::fs::read_to_string(&path) {
@@ -48,8 +43,7 @@ impl Workspace {
             }
         }
         // Answered when all files are known: findings about sources before that are incomplete.
-        out.editor
-            .answer("workspace/symbol", json!({ "query": "" }))?;
+        out.editor.answer("workspace/symbol", json!({ "query": "" }))?;
         Ok(out)
     }
 
@@ -97,8 +91,7 @@ impl Workspace {
             }
         };
         let changes = json!({ "changes": [{ "uri": uri(path), "type": kind }] });
-        self.editor
-            .notify("workspace/didChangeWatchedFiles", changes)
+        self.editor.notify("workspace/didChangeWatchedFiles", changes)
     }
 
     /// The text of a file, open or not.

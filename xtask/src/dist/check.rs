@@ -39,10 +39,7 @@ fn only(packages: &Path, ending: &str) -> Result<PathBuf> {
     }
     match found.pop() {
         Some(path) if found.is_empty() => Ok(path),
-        _ => bail!(
-            "not exactly one `*{ending}` in {}: run `cargo xtask dist`",
-            packages.display()
-        ),
+        _ => bail!("not exactly one `*{ending}` in {}: run `cargo xtask dist`", packages.display()),
     }
 }
 
@@ -66,9 +63,7 @@ fn old_symbols_only(packages: &Path) -> Result<()> {
 
 /// The version at the start of a text: `2.28) …`.
 fn version(text: &str) -> Option<(u32, u32)> {
-    let end = text
-        .find(|c: char| c != '.' && !c.is_ascii_digit())
-        .unwrap_or(text.len());
+    let end = text.find(|c: char| c != '.' && !c.is_ascii_digit()).unwrap_or(text.len());
     let mut numbers = text[..end].split('.').map(|part| part.parse().ok());
     Some((numbers.next()??, numbers.next()??))
 }
@@ -150,9 +145,7 @@ impl Root {
 
     /// Checks an example and starts the language server with the installed `program`.
     fn use_program(&self, program: &str) -> Result<()> {
-        self.run(&format!(
-            "{program} check pump.gen && python3 session.py {program}"
-        ))?;
+        self.run(&format!("{program} check pump.gen && python3 session.py {program}"))?;
         let page = self.run(&format!("{program} explain fsm/busy-loop"))?;
         if !page.starts_with("# fsm/busy-loop") {
             bail!("`{program} explain` prints another page:\n{page}");
@@ -176,8 +169,7 @@ impl Root {
         if !page.contains("SYNOPSIS") {
             bail!("the manual has no page `dotgen-check`:\n{page}");
         }
-        self.run("dpkg -r dotgen && test ! -e /usr/bin/dotgen")
-            .map(drop)
+        self.run("dpkg -r dotgen && test ! -e /usr/bin/dotgen").map(drop)
     }
 
     fn try_wheel(&self, packages: &Path) -> Result<()> {
@@ -188,8 +180,7 @@ impl Root {
             "python3 -m venv /opt/trial && /opt/trial/bin/pip install --quiet --no-index *.whl",
         )?;
         self.use_program("/opt/trial/bin/dotgen")?;
-        self.run("/opt/trial/bin/python -c 'import dotgen; dotgen.connect'")
-            .map(drop)
+        self.run("/opt/trial/bin/python -c 'import dotgen; dotgen.connect'").map(drop)
     }
 
     fn try_extension(&self, packages: &Path) -> Result<()> {
@@ -198,9 +189,7 @@ impl Root {
         if unpacked.exists() {
             std::fs::remove_dir_all(&unpacked)?;
         }
-        let vsix = only(packages, with_program())?
-            .to_string_lossy()
-            .into_owned();
+        let vsix = only(packages, with_program())?.to_string_lossy().into_owned();
         let arguments = ["-m", "zipfile", "-e", &*vsix, &*unpacked.to_string_lossy()];
         run::capture(run::command(packages, "python3", &arguments))?;
         // The root has no Node, on which the extension runs.
@@ -234,10 +223,7 @@ fn extensions(packages: &Path) -> Result<()> {
         let vsix = only(packages, ending)?;
         let bytes = vsix.metadata()?.len();
         if bytes > LARGEST_EXTENSION {
-            bail!(
-                "{} has {bytes} bytes, and {LARGEST_EXTENSION} are allowed",
-                vsix.display()
-            );
+            bail!("{} has {bytes} bytes, and {LARGEST_EXTENSION} are allowed", vsix.display());
         }
         let arguments = ["-m", "zipfile", "-l", &*vsix.to_string_lossy()];
         let names = run::capture(run::command(packages, "python3", &arguments))?;

@@ -47,11 +47,7 @@ fn tree_sitter() -> Result<bool> {
 pub(super) fn emacs() -> Result<Outcome> {
     tools::ensure(tools::EMACS)?;
     let script = crate::root().join("tests/editors/emacs/eglot.el");
-    editor(
-        "emacs",
-        "emacs",
-        &["--batch", "-l", &*script.to_string_lossy()],
-    )
+    editor("emacs", "emacs", &["--batch", "-l", &*script.to_string_lossy()])
 }
 
 /// Runs an editor's script in a copy of the example; it prints `ok …` for each successful check.
@@ -63,13 +59,8 @@ fn editor(name: &str, program: &str, arguments: &[&str]) -> Result<Outcome> {
     // Both editors print to either stream. There is a timeout, because an editor that waits for a key never
     // ends.
     let mut command = run::command(&workspace, "timeout", &["--kill-after=5", "120", program]);
-    command
-        .args(arguments)
-        .env("DOTGEN", server)
-        .env("FILE", workspace.join("maneuver.gen"));
-    let output = command
-        .output()
-        .with_context(|| format!("cannot run {program}"))?;
+    command.args(arguments).env("DOTGEN", server).env("FILE", workspace.join("maneuver.gen"));
+    let output = command.output().with_context(|| format!("cannot run {program}"))?;
     let text = [output.stdout, output.stderr].concat();
     let text = String::from_utf8_lossy(&text);
     println!("{}", text.trim_end());

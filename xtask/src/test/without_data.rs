@@ -51,17 +51,9 @@ impl Uses {
 
     /// One line: the number of tests that read shared data, and of those that found it.
     pub(crate) fn summary(&self) -> String {
-        let tests: Vec<bool> = self
-            .0
-            .values()
-            .flat_map(BTreeMap::values)
-            .copied()
-            .collect();
+        let tests: Vec<bool> = self.0.values().flat_map(BTreeMap::values).copied().collect();
         let found = tests.iter().filter(|found| **found).count();
-        format!(
-            "shared test data: {} tests read it, {found} found it",
-            tests.len()
-        )
+        format!("shared test data: {} tests read it, {found} found it", tests.len())
     }
 }
 
@@ -95,9 +87,6 @@ mod tests {
     fn a_test_found_its_data_if_all_of_it_was_found() {
         let text = "/p\t/f\ta::b\tcorpus\tfound\n/p\t/f\ta::b\tgolden\tmissing\n/p\t/f\tc\tcorpus\tfound\nx\n";
         let uses = Uses::parse(text);
-        assert_eq!(
-            uses.summary(),
-            "shared test data: 2 tests read it, 1 found it"
-        );
+        assert_eq!(uses.summary(), "shared test data: 2 tests read it, 1 found it");
     }
 }

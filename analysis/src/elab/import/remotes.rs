@@ -16,10 +16,7 @@ impl Elaborator<'_> {
             let service = &from.services[number];
             let mut throws = from.throws.clone();
             if let Some(task) = service.task {
-                union(
-                    &mut throws,
-                    from.tasks[task as usize].throws.iter().copied(),
-                );
+                union(&mut throws, from.tasks[task as usize].throws.iter().copied());
             }
             union(&mut throws, service.throws.iter().copied());
             let remote = Remote {
@@ -55,14 +52,9 @@ impl Elaborator<'_> {
         if let Some(&service) = state.service_by_name.get(&remote.name) {
             let place = self.spec.components[index as usize].services[service as usize].src;
             self.report(
-                Finding::new(
-                    NameProblem::RemoteTaken {
-                        name: remote.name.clone(),
-                    },
-                    at,
-                )
-                .related(place, Role::Service)
-                .related(remote.src, Role::RemoteService),
+                Finding::new(NameProblem::RemoteTaken { name: remote.name.clone() }, at)
+                    .related(place, Role::Service)
+                    .related(remote.src, Role::RemoteService),
             );
             self.add_refused_name(index, &remote.name);
             return;
@@ -74,10 +66,7 @@ impl Elaborator<'_> {
             return;
         }
         let number = self.spec.components[index as usize].remotes.len() as u32;
-        let kind = TypeKind::Remote {
-            component: index,
-            remote: number,
-        };
+        let kind = TypeKind::Remote { component: index, remote: number };
         let ty = self.named(kind, scope, remote.name.clone(), remote.src);
         self.type_defs[ty.0 as usize] = Some(def);
         self.declare_at(scope, &remote.name, at, ty);

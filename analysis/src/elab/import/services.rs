@@ -29,10 +29,7 @@ impl<'a> Elaborator<'a> {
                 continue;
             }
             let params = self.imported_params(index, interface, number, &service);
-            let known = self.components[index as usize]
-                .service_by_name
-                .get(&service.name)
-                .copied();
+            let known = self.components[index as usize].service_by_name.get(&service.name).copied();
             let own = match known {
                 Some(own) => {
                     if !self.check_kind(index, own, service.kind, at) {
@@ -62,9 +59,7 @@ impl<'a> Elaborator<'a> {
                     for (param, def) in params {
                         self.push_param(index, own, param, def);
                     }
-                    let paths = self.components[interface as usize].services[number]
-                        .paths
-                        .clone();
+                    let paths = self.components[interface as usize].services[number].paths.clone();
                     self.components[index as usize].services[own as usize].paths = paths;
                     own
                 }
@@ -110,10 +105,7 @@ impl<'a> Elaborator<'a> {
     }
 
     fn merge_locals(&mut self, index: u32, service: u32, params: &[(Param, DefId)], at: Src) {
-        for (local, def) in params
-            .iter()
-            .filter(|(param, _)| param.dir == ParamDir::Local)
-        {
+        for (local, def) in params.iter().filter(|(param, _)| param.dir == ParamDir::Local) {
             let known = &self.spec.components[index as usize].services[service as usize];
             let old = known.params.iter().find(|param| param.name == local.name);
             let Some(old) = old else {
@@ -150,10 +142,7 @@ impl<'a> Elaborator<'a> {
         let theirs = self.components[interface as usize].services[number].clone();
         let task = service.task.and_then(|task| {
             let name = &self.spec.components[interface as usize].tasks[task as usize].name;
-            self.components[index as usize]
-                .task_by_name
-                .get(name)
-                .copied()
+            self.components[index as usize].task_by_name.get(name).copied()
         });
         let to = &mut self.spec.components[index as usize].services[own as usize];
         let state = &mut self.components[index as usize].services[own as usize];
@@ -185,11 +174,7 @@ impl<'a> Elaborator<'a> {
             }
         }
         if kept_task {
-            self.newer(
-                Change::MergedProperties,
-                "a second `task` of an activity",
-                at,
-            );
+            self.newer(Change::MergedProperties, "a second `task` of an activity", at);
         }
         for (word, place, ours) in conflicts {
             self.report(

@@ -61,12 +61,7 @@ impl<'a> Elaborator<'a> {
                     {
                         let ty = types::display(&self.spec, ty).into();
                         let kind = match length.checked_sub(1) {
-                            Some(last) => CodelProblem::Beyond {
-                                number,
-                                length,
-                                ty,
-                                last,
-                            },
+                            Some(last) => CodelProblem::Beyond { number, length, ty, last },
                             None => CodelProblem::BeyondEmpty { number, ty },
                         };
                         self.error(written.at, kind);
@@ -94,9 +89,8 @@ impl<'a> Elaborator<'a> {
         let ty = types::display(&self.spec, ty).into();
         let (kind, near) = match members {
             Some(members) => {
-                let names = members
-                    .iter()
-                    .filter_map(|member| self.spec.ty(*member).name.as_deref());
+                let names =
+                    members.iter().filter_map(|member| self.spec.ty(*member).name.as_deref());
                 let near = self.near(self.src(name.ptr), &name.text, names);
                 let name = name.text.clone();
                 (CodelProblem::NoMember { ty, name }, near)

@@ -45,15 +45,9 @@ pub(super) fn convert_wcet(cx: &Cx<'_, '_>) -> Vec<Assist> {
         let edits = vec![cx.edit(range.clone(), duration.clone())];
         out.push(rewrite("wcet-bare", "Write as a bare duration", edits));
     }
-    out.extend(
-        into_pragma(cx, &codel, range, &duration, &quantity).map(|edits| {
-            rewrite(
-                "wcet-pragma",
-                "Write as `#pragma wcet`, which other tools ignore",
-                edits,
-            )
-        }),
-    );
+    out.extend(into_pragma(cx, &codel, range, &duration, &quantity).map(|edits| {
+        rewrite("wcet-pragma", "Write as `#pragma wcet`, which other tools ignore", edits)
+    }));
     out
 }
 
@@ -88,10 +82,7 @@ fn into_pragma(
         if other.name().is_some_and(|other| other.text(map) == name) {
             let others: Vec<_> = clauses.filter(|range| *range != clause).collect();
             // Different times cannot be merged into one.
-            if others
-                .iter()
-                .any(|range| cx.slice(range.clone()) != cx.slice(clause.clone()))
-            {
+            if others.iter().any(|range| cx.slice(range.clone()) != cx.slice(clause.clone())) {
                 return None;
             }
             edits.extend(others.into_iter().map(without));

@@ -16,16 +16,12 @@ pub(super) fn designate_initializers(cx: &Cx<'_, '_>) -> Option<Assist> {
         return None;
     }
     // The outermost braces contain the whole value.
-    let lists = list
-        .syntax()
-        .ancestors()
-        .filter_map(ast::InitializerList::cast);
+    let lists = list.syntax().ancestors().filter_map(ast::InitializerList::cast);
     let outermost = lists.last()?;
     let all = &cx.view.elaborated().spec.components;
     let services = all.iter().flat_map(|component| &component.services);
-    let inits = services
-        .flat_map(|service| &service.params)
-        .filter_map(|param| param.init.as_ref());
+    let inits =
+        services.flat_map(|service| &service.params).filter_map(|param| param.init.as_ref());
     let range = cx.node_range(outermost.syntax());
     let mut edits = Vec::new();
     for init in inits {

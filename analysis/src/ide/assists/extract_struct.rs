@@ -44,15 +44,10 @@ pub(super) fn extract_struct(cx: &Cx<'_, '_>) -> Option<Assist> {
     let name = cx.unused_name("data");
     let member = cx.unused_name("group");
     let indent = cx.indent(at).to_owned();
-    let body: String = members
-        .iter()
-        .map(|member| format!("{indent}  {}\n", cx.text(member.syntax())))
-        .collect();
+    let body: String =
+        members.iter().map(|member| format!("{indent}  {}\n", cx.text(member.syntax()))).collect();
     let mut edits = vec![
-        cx.edit(
-            at..at,
-            format!("struct {name} {{\n{body}{indent}}};\n{indent}"),
-        ),
+        cx.edit(at..at, format!("struct {name} {{\n{body}{indent}}};\n{indent}")),
         cx.edit(start..end, format!("{name} {member};")),
     ];
     for declarator in members.iter().flat_map(|member| member.declarators()) {

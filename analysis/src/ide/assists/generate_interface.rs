@@ -21,10 +21,7 @@ pub(super) fn generate_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
     let map = cx.view.map();
     let name = component.name()?.text(map);
     let spec = &cx.view.elaborated().spec;
-    let model = spec
-        .components
-        .iter()
-        .find(|component| component.name == name)?;
+    let model = spec.components.iter().find(|component| component.name == name)?;
     let mut lines = Vec::new();
     let mut edits = Vec::new();
     for item in component.items() {
@@ -44,15 +41,8 @@ pub(super) fn generate_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
             }
             ast::Item::Service(item) if item.attribute_token().is_none() => {
                 let service_name = item.name()?.text(map);
-                let service = model
-                    .services
-                    .iter()
-                    .find(|service| service.name == service_name)?;
-                if service
-                    .params
-                    .iter()
-                    .any(|param| is_local(cx, param.ty, &name))
-                {
+                let service = model.services.iter().find(|service| service.name == service_name)?;
+                if service.params.iter().any(|param| is_local(cx, param.ty, &name)) {
                     continue;
                 }
                 let params = item.param_list()?;
@@ -71,10 +61,7 @@ pub(super) fn generate_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
     }
     let interface = cx.unused_name(&format!("{name}_interface"));
     let text: String = lines.iter().map(|line| format!("  {line}\n")).collect();
-    edits.push(cx.edit(
-        start..start,
-        format!("interface {interface} {{\n{text}}};\n\n"),
-    ));
+    edits.push(cx.edit(start..start, format!("interface {interface} {{\n{text}}};\n\n")));
     edits.push(cx.edit(open..open, format!("\n  provides {interface};")));
     edits.sort_by_key(|edit| edit.range.start);
     Some(Assist {
@@ -94,11 +81,7 @@ fn is_local(cx: &Cx<'_, '_>, ty: TypeId, component: &str) -> bool {
         let Some(ty) = spec.types.get(id.0 as usize).filter(|_| seen.insert(id)) else {
             continue;
         };
-        if ty
-            .scope
-            .first()
-            .is_some_and(|scope| scope.name == component)
-        {
+        if ty.scope.first().is_some_and(|scope| scope.name == component) {
             return true;
         }
         if let TypeKind::Array { element, .. }

@@ -30,27 +30,13 @@ pub(super) fn implement_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
         _ => None,
     })?;
     let spec = &elaborated.spec;
-    let index = spec
-        .components
-        .iter()
-        .position(|component| component.name == *interface)? as u32;
+    let index = spec.components.iter().position(|component| component.name == *interface)? as u32;
     let name = component.name()?.text(cx.view.map());
-    let model = spec
-        .components
-        .iter()
-        .find(|component| component.name == name)?;
+    let model = spec.components.iter().find(|component| component.name == name)?;
     let mut text = String::new();
-    for service in model
-        .services
-        .iter()
-        .filter(|service| service.imported_from == Some(index))
-    {
-        text += &completion(
-            spec,
-            service,
-            model.tasks.first().map(|task| task.name.as_str()),
-        )
-        .unwrap_or_default();
+    for service in model.services.iter().filter(|service| service.imported_from == Some(index)) {
+        text += &completion(spec, service, model.tasks.first().map(|task| task.name.as_str()))
+            .unwrap_or_default();
     }
     let body = component.body()?.syntax().clone();
     let close = cx.node_range(&body).end.checked_sub(1)?;
@@ -74,15 +60,10 @@ pub(super) fn implement_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
 /// The declaration that completes a service; `None` if nothing is missing.
 fn completion(spec: &Spec, service: &Service, task: Option<&str>) -> Option<String> {
     let name = &service.name;
-    let declared: Vec<&Param> = service
-        .params
-        .iter()
-        .filter(|param| param.dir != ParamDir::Local)
-        .collect();
-    let params: Option<Vec<String>> = declared
-        .iter()
-        .map(|param| declaration(spec, param))
-        .collect();
+    let declared: Vec<&Param> =
+        service.params.iter().filter(|param| param.dir != ParamDir::Local).collect();
+    let params: Option<Vec<String>> =
+        declared.iter().map(|param| declaration(spec, param)).collect();
     let params = params?.join(", ");
     let uses: Vec<String> = declared
         .iter()
@@ -113,9 +94,7 @@ fn completion(spec: &Spec, service: &Service, task: Option<&str>) -> Option<Stri
             if task_line.is_empty() && codel.is_empty() {
                 return None;
             }
-            Some(format!(
-                "\n  activity {name}({params}) {{\n{task_line}{codel}  }};\n"
-            ))
+            Some(format!("\n  activity {name}({params}) {{\n{task_line}{codel}  }};\n"))
         }
     }
 }
@@ -143,11 +122,7 @@ fn declaration(spec: &Spec, param: &Param) -> Option<String> {
         }
     }
     let ty = render::type_text(spec, ty);
-    Some(format!(
-        "{} {ty} {}{dimensions}",
-        direction(param.dir),
-        param.name
-    ))
+    Some(format!("{} {ty} {}{dimensions}", direction(param.dir), param.name))
 }
 
 #[cfg(test)]

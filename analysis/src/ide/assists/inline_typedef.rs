@@ -34,19 +34,14 @@ pub(super) fn inline_typedef(cx: &Cx<'_, '_>) -> Option<Assist> {
         return None;
     }
     let root = cx.view.root();
-    let declaration = parent(&root, name)?
-        .ancestors()
-        .find_map(ast::TypedefDecl::cast)?;
+    let declaration = parent(&root, name)?.ancestors().find_map(ast::TypedefDecl::cast)?;
     let mut declarators = declaration.declarators();
     let declarator = declarators.next()?;
     let ty = declaration.type_spec()?;
     if declarators.next().is_some()
         || declarator.dimensions().next().is_some()
         || !cx.is_plain(declaration.syntax())
-        || matches!(
-            ty,
-            ast::TypeSpec::Struct(_) | ast::TypeSpec::Union(_) | ast::TypeSpec::Enum(_)
-        )
+        || matches!(ty, ast::TypeSpec::Struct(_) | ast::TypeSpec::Union(_) | ast::TypeSpec::Enum(_))
     {
         return None;
     }
@@ -68,19 +63,12 @@ pub(super) fn inline_typedef(cx: &Cx<'_, '_>) -> Option<Assist> {
         let range = bytes(there.node_range(used.syntax()));
         let written = there.text().get(range.clone())?;
         let last = written.rsplit("::").next()?.trim();
-        let port = used
-            .syntax()
-            .parent()
-            .is_some_and(|parent| ast::Port::can_cast(parent.kind()));
+        let port = used.syntax().parent().is_some_and(|parent| ast::Port::can_cast(parent.kind()));
         // A port needs a named type; text from a macro cannot be replaced.
         if last != target.name || port && !named {
             return None;
         }
-        edits.push(FileEdit {
-            path,
-            range,
-            new_text: text.clone(),
-        });
+        edits.push(FileEdit { path, range, new_text: text.clone() });
     }
     // The name in the type may mean something else elsewhere.
     let wrong = compare(cx.view.db, &edits, |_, comparison| {
@@ -121,14 +109,8 @@ mod tests {
 
     #[test]
     fn not_where_a_name_is_needed() {
-        assert_not_offered(
-            "inline-typedef",
-            "typedef long t$0;\ncomponent c { port in t p; };\n",
-        );
-        assert_not_offered(
-            "inline-typedef",
-            "typedef long t$0[2];\nstruct s { t x; };\n",
-        );
+        assert_not_offered("inline-typedef", "typedef long t$0;\ncomponent c { port in t p; };\n");
+        assert_not_offered("inline-typedef", "typedef long t$0[2];\nstruct s { t x; };\n");
         // The name would mean `u` of the module.
         assert_not_offered(
             "inline-typedef",

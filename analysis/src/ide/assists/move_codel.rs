@@ -60,10 +60,7 @@ fn moves(cx: &Cx<'_, '_>) -> Option<Vec<Assist>> {
             cx.node_range(states[index - 1].syntax()).end..cx.node_range(states[index].syntax()).end
         }
     };
-    for other in machine
-        .iter()
-        .filter(|machine| machine.name != name.text(map))
-    {
+    for other in machine.iter().filter(|machine| machine.name != name.text(map)) {
         let Some(after) = other.triggers.last() else {
             continue;
         };
@@ -78,10 +75,7 @@ fn moves(cx: &Cx<'_, '_>) -> Option<Vec<Assist>> {
             id: "move-state",
             title: format!("Give state `{state}` to codel `{}`", other.name),
             kind: AssistKind::Move,
-            edits: vec![
-                cx.edit(removed.clone(), ""),
-                cx.edit(end..end, format!(", {state}")),
-            ],
+            edits: vec![cx.edit(removed.clone(), ""), cx.edit(end..end, format!(", {state}"))],
         });
     }
     Some(out)

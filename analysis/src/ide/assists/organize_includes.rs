@@ -53,13 +53,7 @@ struct Include {
 fn runs(cx: &Cx<'_, '_>) -> Vec<Vec<Include>> {
     let text = cx.view.text();
     let mut out: Vec<Vec<Include>> = Vec::new();
-    for directive in cx
-        .view
-        .pre()
-        .directives
-        .iter()
-        .filter(|directive| directive.active)
-    {
+    for directive in cx.view.pre().directives.iter().filter(|directive| directive.active) {
         let DirectiveKind::Include(operand) = &directive.kind else {
             continue;
         };
@@ -69,20 +63,13 @@ fn runs(cx: &Cx<'_, '_>) -> Vec<Vec<Include>> {
             IncludeForm::Macro(_) => continue,
         };
         let range = bytes(directive.range);
-        let line_end = text[range.end..]
-            .find('\n')
-            .map_or(text.len(), |index| range.end + index);
+        let line_end = text[range.end..].find('\n').map_or(text.len(), |index| range.end + index);
         let rest = text[range.end..line_end].trim_end_matches('\r').trim_end();
         // A comment that continues on the next line cannot be moved.
         if rest.contains("/*") && !rest.contains("*/") {
             continue;
         }
-        let include = Include {
-            start: range.start,
-            end: range.end + rest.len(),
-            angled,
-            path,
-        };
+        let include = Include { start: range.start, end: range.end + rest.len(), angled, path };
         match out.last_mut() {
             Some(run)
                 if run.last().is_some_and(|run| {
@@ -107,10 +94,7 @@ mod tests {
         let fixture = Fixture::new(text);
         let path = camino::Utf8Path::new("/main.gen");
         let found = fixture.analysis().organize_includes(path).unwrap()?;
-        Some(crate::ide::speculate::apply(
-            &fixture.text("/main.gen"),
-            &found.edits,
-        ))
+        Some(crate::ide::speculate::apply(&fixture.text("/main.gen"), &found.edits))
     }
 
     #[test]

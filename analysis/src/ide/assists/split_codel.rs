@@ -38,10 +38,7 @@ pub(super) fn split_codel(cx: &Cx<'_, '_>) -> Option<Assist> {
         id: "split-codel",
         title: format!("Split state `{first}` in two"),
         kind: AssistKind::Rewrite,
-        edits: vec![
-            cx.edit(whole.start..whole.start, new),
-            cx.edit(bound, state.as_str()),
-        ],
+        edits: vec![cx.edit(whole.start..whole.start, new), cx.edit(bound, state.as_str())],
     })
 }
 
@@ -76,9 +73,6 @@ mod tests {
 
     #[test]
     fn simple_codels_have_no_state() {
-        assert_not_offered(
-            "split-codel",
-            "component c { function f() { codel g$0(); }; };\n",
-        );
+        assert_not_offered("split-codel", "component c { function f() { codel g$0(); }; };\n");
     }
 }

@@ -26,21 +26,14 @@ pub(super) fn clause(
     out: &mut Completions,
 ) {
     let timed = own_words(context).any(|word| word.is("wcet"));
-    let yields = rest
-        .iter()
-        .position(|word| word.is_any(&["yield", "yields"]));
+    let yields = rest.iter().position(|word| word.is_any(&["yield", "yields"]));
     if let Some(yields) = yields.filter(|index| *index > 0) {
         let after = &rest[yields + 1..];
         if let Some(wcet) = after.iter().position(|word| word.is("wcet")) {
             quantity(names, &after[wcet + 1..], &["s", "ms", "us"], out);
         } else if expects_state(after) {
             states(names, context, after, true, out);
-        } else if !timed
-            && !context
-                .after
-                .next()
-                .is_some_and(|word| word.is_any(&[",", "::"]))
-        {
+        } else if !timed && !context.after.next().is_some_and(|word| word.is_any(&[",", "::"])) {
             if after.last().is_some_and(|word| word.is("pause")) {
                 out.keywords(&["::"], 0);
             } else {
@@ -109,9 +102,7 @@ pub(super) fn name(
 }
 
 fn expects_state(before: &[Word]) -> bool {
-    before
-        .last()
-        .is_none_or(|word| word.is(",") || word.is("::"))
+    before.last().is_none_or(|word| word.is(",") || word.is("::"))
 }
 
 /// The states allowed at the cursor, after `<` or `yield`: after `yield`, the states that have a codel or a
@@ -138,9 +129,7 @@ fn states(
     };
     let behind: Vec<&[Word]> = context.elements_behind().collect();
     let used = |state: &str, paused: bool| {
-        let mut all = before
-            .split(|word| word.is(","))
-            .chain(behind.iter().copied());
+        let mut all = before.split(|word| word.is(",")).chain(behind.iter().copied());
         all.any(|part| elements(state, paused, part))
     };
     let machine = Machine::around(names, context);
@@ -149,11 +138,7 @@ fn states(
         if state == "ether" || !seen.insert(state) {
             continue;
         }
-        let has_codel = machine
-            .implemented
-            .iter()
-            .chain(&machine.here)
-            .any(|name| name == state);
+        let has_codel = machine.implemented.iter().chain(&machine.here).any(|name| name == state);
         let kind = CompletionKind::Symbol(SymbolKind::State);
         let definition = names.state(state);
         // A transition that closes a cycle is most likely meant to pause.
@@ -168,15 +153,12 @@ fn states(
         }
     }
     if yields && !paused && !used("ether", false) {
-        out.add("ether", CompletionKind::Symbol(SymbolKind::State), 0)
-            .detail = Some("ends the machine".into());
+        out.add("ether", CompletionKind::Symbol(SymbolKind::State), 0).detail =
+            Some("ends the machine".into());
     }
     if yields
         && !paused
-        && out
-            .items
-            .iter()
-            .any(|completion_item| completion_item.label.starts_with("pause::"))
+        && out.items.iter().any(|completion_item| completion_item.label.starts_with("pause::"))
     {
         out.add("pause::", CompletionKind::Keyword, 3);
     }
@@ -191,12 +173,7 @@ pub(super) fn next_state(names: &Names<'_, '_>, context: &Context) -> Option<Str
     let machine = Machine::around(names, context);
     let free = |text: &&str| !machine.implemented.iter().any(|other| other == *text);
     let missing = machine.missing().next().map(ToString::to_string);
-    missing.or_else(|| {
-        ["start", "stop"]
-            .into_iter()
-            .find(free)
-            .map(ToOwned::to_owned)
-    })
+    missing.or_else(|| ["start", "stop"].into_iter().find(free).map(ToOwned::to_owned))
 }
 
 /// A whole codel for each state that still needs one.
@@ -219,11 +196,7 @@ pub(super) fn machine_snippets(names: &Names<'_, '_>, context: &Context, out: &m
         return;
     };
     let name = pattern::codel_name(names, context, Some(&state));
-    out.snippet(
-        "<…>",
-        format!("<${{1:{state}}}> ${{2:{name}}}($3)\n\tyield ${{4:ether}};$0"),
-        1,
-    );
+    out.snippet("<…>", format!("<${{1:{state}}}> ${{2:{name}}}($3)\n\tyield ${{4:ether}};$0"), 1);
 }
 
 /// The machine around the cursor.
@@ -315,11 +288,8 @@ impl Machine {
             known.extend(wanted.iter().map(|text| text.as_str()));
             known.extend(["start", "stop"]);
             // `stop` must lead to the end.
-            let yields = context
-                .after
-                .rest
-                .iter()
-                .position(|word| word.is_any(&["yield", "yields"]));
+            let yields =
+                context.after.rest.iter().position(|word| word.is_any(&["yield", "yields"]));
             let ends = yields
                 .is_none_or(|at| context.after.rest[at..].iter().any(|word| word.is("ether")));
             known.retain(|text| *text != "stop" || ends);
@@ -349,18 +319,12 @@ fn written_triggers(words: &[Word]) -> Vec<SmolStr> {
         return Vec::new();
     };
     let between = words.get(open + 1..close).unwrap_or_default();
-    between
-        .iter()
-        .filter(|word| !word.is(","))
-        .map(|word| word.text.clone())
-        .collect()
+    between.iter().filter(|word| !word.is(",")).map(|word| word.text.clone()).collect()
 }
 
 /// Returns true if a component has asynchronous codels.
 pub(super) fn has_async(component: &Component) -> bool {
-    component
-        .all_codels()
-        .any(|codel| component.codel(codel).is_async)
+    component.all_codels().any(|codel| component.codel(codel).is_async)
 }
 
 impl Names<'_, '_> {

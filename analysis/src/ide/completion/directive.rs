@@ -39,10 +39,8 @@ pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Com
     let text = view.text();
     let start = usize::from(directive.range.start());
     let line = text.get(start..at).unwrap_or_default();
-    let Some(keyword) = directive
-        .keyword
-        .as_ref()
-        .filter(|keyword| usize::from(keyword.range.end()) < at)
+    let Some(keyword) =
+        directive.keyword.as_ref().filter(|keyword| usize::from(keyword.range.end()) < at)
     else {
         let hash = line.find('#').map_or(0, |index| index + 1);
         out.replace = start + hash..out.replace.end.max(at);
@@ -73,9 +71,7 @@ pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Com
         }
         return;
     };
-    let operand = text
-        .get(usize::from(keyword.range.end())..at)
-        .unwrap_or_default();
+    let operand = text.get(usize::from(keyword.range.end())..at).unwrap_or_default();
     match &directive.kind {
         DirectiveKind::Include(_) => include(view, operand, at, out),
         DirectiveKind::If(_) | DirectiveKind::Elif(_) => {
@@ -109,11 +105,7 @@ fn pragma(view: &FileView<'_>, operand: &str, out: &mut Completions) {
     }
     let words: Vec<&str> = operand.split_whitespace().collect();
     let complete = operand.ends_with(char::is_whitespace);
-    let before = if complete {
-        words.len()
-    } else {
-        words.len().saturating_sub(1)
-    };
+    let before = if complete { words.len() } else { words.len().saturating_sub(1) };
     match (words.first().copied().unwrap_or_default(), before) {
         (_, 0) => {
             for (word, insert) in WORDS {
@@ -132,13 +124,9 @@ fn pragma(view: &FileView<'_>, operand: &str, out: &mut Completions) {
             }
         }
         ("masquerade", 2) => {
-            for kind in [
-                DefKind::Typedef,
-                DefKind::Struct,
-                DefKind::Union,
-                DefKind::Enum,
-                DefKind::Native,
-            ] {
+            for kind in
+                [DefKind::Typedef, DefKind::Struct, DefKind::Union, DefKind::Enum, DefKind::Native]
+            {
                 named(view, kind, out);
             }
         }
@@ -169,14 +157,8 @@ pub(super) fn beginning(
 ) {
     let mut all = defined(view, at);
     all.retain(|(name, definition)| {
-        let body = definition
-            .strip_prefix("#define")
-            .unwrap_or(definition)
-            .trim();
-        let body = body
-            .strip_prefix(name.as_str())
-            .unwrap_or(body)
-            .trim_start();
+        let body = definition.strip_prefix("#define").unwrap_or(definition).trim();
+        let body = body.strip_prefix(name.as_str()).unwrap_or(body).trim_start();
         let word = body
             .split(|character: char| {
                 !character.is_ascii_alphanumeric() && !"_-".contains(character)
@@ -227,10 +209,7 @@ fn guards(view: &FileView<'_>) -> FxHashSet<String> {
 pub(super) fn values(view: &FileView<'_>, at: usize, rank: u8, out: &mut Completions) {
     let mut all = defined(view, at);
     all.retain(|(name, definition)| {
-        let body = definition
-            .strip_prefix("#define")
-            .unwrap_or(definition)
-            .trim();
+        let body = definition.strip_prefix("#define").unwrap_or(definition).trim();
         let body = body.strip_prefix(name.as_str()).unwrap_or(body);
         body.trim_start()
             .starts_with(|character: char| character.is_ascii_digit() || character == '(')
@@ -240,8 +219,7 @@ pub(super) fn values(view: &FileView<'_>, at: usize, rank: u8, out: &mut Complet
 
 fn add(all: Vec<(String, String)>, rank: u8, out: &mut Completions) {
     for (name, definition) in all {
-        out.add(name, CompletionKind::Symbol(SymbolKind::Macro), rank)
-            .detail = Some(definition);
+        out.add(name, CompletionKind::Symbol(SymbolKind::Macro), rank).detail = Some(definition);
     }
 }
 
@@ -254,21 +232,15 @@ fn defined(view: &FileView<'_>, at: usize) -> Vec<(String, String)> {
         return Vec::new();
     };
     let pre = view.pre();
-    let includes_before = pre
-        .includes
-        .iter()
-        .filter(|include| usize::from(include.range.start()) < at);
+    let includes_before =
+        pre.includes.iter().filter(|include| usize::from(include.range.start()) < at);
     let passed = includes_before.count();
     let environments = walked.outcomes.iter().filter_map(|outcome| match outcome {
         DirectiveEffect::Include(include) => Some(include.as_ref().ok()),
         DirectiveEffect::Requires(_) => None,
     });
     let environments: Vec<_> = environments.collect();
-    let last = environments
-        .iter()
-        .take(passed)
-        .rev()
-        .find_map(|environment| *environment);
+    let last = environments.iter().take(passed).rev().find_map(|environment| *environment);
     let env = last.unwrap_or(&walked.entry);
     let mut all: Vec<(String, String)> = env
         .iter()
@@ -285,10 +257,7 @@ fn defined(view: &FileView<'_>, at: usize) -> Vec<(String, String)> {
             && let Some(name) = &define.name
         {
             all.retain(|entry| entry.0 != name.text);
-            let text = view
-                .text()
-                .get(std::ops::Range::from(directive.range))
-                .unwrap_or_default();
+            let text = view.text().get(std::ops::Range::from(directive.range)).unwrap_or_default();
             all.push((name.text.to_string(), text.trim().to_owned()));
         }
     }
@@ -315,9 +284,7 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
     if written.contains(['"', '>']) {
         return;
     }
-    let (folder, name) = written
-        .rsplit_once('/')
-        .map_or(("", written), |(a, b)| (a, b));
+    let (folder, name) = written.rsplit_once('/').map_or(("", written), |(a, b)| (a, b));
     // Up to the delimiter, so that an existing path is replaced.
     let rest = view.text().get(at..).unwrap_or_default();
     let end = rest.find(['"', '>', '\n', '\r', '/']).unwrap_or(rest.len());
@@ -338,9 +305,8 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
             let path = dir.join(&entry.name);
             // A file that includes this one would include itself.
             let own = path == *view.file.path(view.db) || including.contains(&path);
-            let specification = ["gen", "idl"]
-                .iter()
-                .any(|text| entry.name.ends_with(&format!(".{text}")));
+            let specification =
+                ["gen", "idl"].iter().any(|text| entry.name.ends_with(&format!(".{text}")));
             if entry.is_dir {
                 out.add(format!("{}/", entry.name), CompletionKind::Directory, 2);
             } else if !own && specification {
@@ -349,8 +315,8 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
                 } else {
                     1
                 };
-                out.add(entry.name, CompletionKind::Symbol(SymbolKind::File), rank)
-                    .detail = Some(dir.to_string());
+                out.add(entry.name, CompletionKind::Symbol(SymbolKind::File), rank).detail =
+                    Some(dir.to_string());
             }
         }
     }
@@ -383,13 +349,8 @@ fn searched(view: &FileView<'_>, quoted: bool) -> (Vec<Utf8PathBuf>, Vec<Utf8Pat
         for written in crate::unit::walk::skeleton(view.db, by.file).lines() {
             let written = written.split(['"', '<', '>']).nth(1).unwrap_or_default();
             let root = found.as_str().strip_suffix(written);
-            let root = root
-                .and_then(|root| root.strip_suffix('/'))
-                .filter(|_| !written.is_empty());
-            dirs.extend(
-                root.map(Utf8PathBuf::from)
-                    .filter(|path| Some(path.as_path()) != own),
-            );
+            let root = root.and_then(|root| root.strip_suffix('/')).filter(|_| !written.is_empty());
+            dirs.extend(root.map(Utf8PathBuf::from).filter(|path| Some(path.as_path()) != own));
         }
     }
     (dirs, including)

@@ -15,11 +15,7 @@ pub(super) fn tasks(names: &Names<'_, '_>, out: &mut Completions) {
         if !names.is_above(definition) || !names.is_imported_above(task.imported_from) {
             continue;
         }
-        let item = out.add(
-            task.name.as_str(),
-            CompletionKind::Symbol(SymbolKind::Task),
-            0,
-        );
+        let item = out.add(task.name.as_str(), CompletionKind::Symbol(SymbolKind::Task), 0);
         item.definition = definition;
         item.detail = task
             .period

@@ -35,9 +35,8 @@ pub(super) fn complete(names: &Names<'_, '_>, context: &Context, out: &mut Compl
                     break;
                 }
             }
-            let next = names
-                .element(ty)
-                .or_else(|| Some(names.members(ty).get(context.top().commas)?.1));
+            let next =
+                names.element(ty).or_else(|| Some(names.members(ty).get(context.top().commas)?.1));
             value(names, words, next, out);
         }
         [dot] if dot.is(".") => {
@@ -50,12 +49,7 @@ pub(super) fn complete(names: &Names<'_, '_>, context: &Context, out: &mut Compl
         _ => {
             let eq = words.iter().position(|word| word.is("="));
             let expected = ty.and_then(|ty| element_type(names, ty, words, context.top().commas));
-            value(
-                names,
-                &words[eq.map_or(0, |index| index + 1)..],
-                expected,
-                out,
-            );
+            value(names, &words[eq.map_or(0, |index| index + 1)..], expected, out);
         }
     }
 }
@@ -73,13 +67,9 @@ pub(super) fn value(
     };
     let members = names.members(ty);
     if !members.is_empty() {
-        let all = members
-            .iter()
-            .take(32)
-            .enumerate()
-            .map(|(i, (name, member))| {
-                format!(".{name} = {}", value_snippet(names, *member, i + 1))
-            });
+        let all = members.iter().take(32).enumerate().map(|(i, (name, member))| {
+            format!(".{name} = {}", value_snippet(names, *member, i + 1))
+        });
         let all: Vec<String> = all.collect();
         out.snippet("{ … }", format!("{{ {} }}", all.join(", ")), 0);
     } else if names.element(ty).is_some() {
@@ -95,9 +85,7 @@ fn value_snippet(names: &Names<'_, '_>, ty: TypeId, place: usize) -> String {
         TypeKind::Float | TypeKind::Double => "0.0".to_owned(),
         TypeKind::String { .. } | TypeKind::Char => "\"\"".to_owned(),
         TypeKind::Enum { enumerators } => {
-            let first = enumerators
-                .first()
-                .and_then(|enumerator| spec.full_name(*enumerator));
+            let first = enumerators.first().and_then(|enumerator| spec.full_name(*enumerator));
             first.unwrap_or_default()
         }
         TypeKind::Struct { .. }
@@ -153,10 +141,7 @@ pub(in crate::ide) fn element_type(
 /// Members that already have a value between these braces.
 fn given(context: &Context, frame: &Frame) -> Vec<SmolStr> {
     let words = &context.tokens[frame.open..];
-    let designators = words
-        .windows(3)
-        .filter(|window| window[0].is_any(&[",", "{"]) && window[1].is("."));
-    designators
-        .map(|designator| designator[2].text.clone())
-        .collect()
+    let designators =
+        words.windows(3).filter(|window| window[0].is_any(&[",", "{"]) && window[1].is("."));
+    designators.map(|designator| designator[2].text.clone()).collect()
 }

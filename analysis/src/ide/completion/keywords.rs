@@ -19,14 +19,8 @@ type Statement = (&'static str, &'static str);
 const IDL: &[Statement] = &[
     ("const", "const ${1:long} ${2:@name} = ${3:0};"),
     ("typedef", "typedef ${1:long} ${2:@name};"),
-    (
-        "struct",
-        "struct ${1:@name} {\n\t${2:long} ${3:member};$0\n};",
-    ),
-    (
-        "union",
-        "union ${1:@name} switch (${2:long}) {\n\tcase ${3:0}: ${4:long} ${5:member};$0\n};",
-    ),
+    ("struct", "struct ${1:@name} {\n\t${2:long} ${3:member};$0\n};"),
+    ("union", "union ${1:@name} switch (${2:long}) {\n\tcase ${3:0}: ${4:long} ${5:member};$0\n};"),
     ("enum", "enum ${1:@name} {\n\t${2:@NAME}$0\n};"),
     ("exception", "exception ${1:@e_name};"),
     ("native", "native ${1:@name};"),
@@ -34,10 +28,7 @@ const IDL: &[Statement] = &[
 
 /// Types that are declared with a member of them.
 const NESTED: &[Statement] = &[
-    (
-        "struct",
-        "struct ${1:@name} {\n\t${2:long} ${3:member};$0\n} ${4:@entry};",
-    ),
+    ("struct", "struct ${1:@name} {\n\t${2:long} ${3:member};$0\n} ${4:@entry};"),
     (
         "union",
         "union ${1:@name} switch (${2:long}) {\n\tcase ${3:0}: ${4:long} ${5:member};$0\n} ${6:@entry};",
@@ -51,23 +42,14 @@ const SPECIFICATION: &[Statement] = &[
         "component ${1:@name} {\n\tversion \"${2:1.0}\";\n\tlang \"${3|c,c++|}\";\n\n\t$0\n};",
     ),
     ("interface", "interface ${1:@name} {\n\t$0\n};"),
-    (
-        "module",
-        "module ${1:@name} {\n\t${2:typedef long ${3:@t_name};}$0\n};",
-    ),
+    ("module", "module ${1:@name} {\n\t${2:typedef long ${3:@t_name};}$0\n};"),
 ];
 
 const COMPONENT: &[Statement] = &[
     ("port in", "port in ${1:@port-type} ${2:@data};"),
     ("port out", "port out ${1:@port-type} ${2:@data};"),
-    (
-        "port multiple in",
-        "port multiple in ${1:@port-type} ${2:@data};",
-    ),
-    (
-        "port multiple out",
-        "port multiple out ${1:@port-type} ${2:@data};",
-    ),
+    ("port multiple in", "port multiple in ${1:@port-type} ${2:@data};"),
+    ("port multiple out", "port multiple out ${1:@port-type} ${2:@data};"),
     ("ids", "ids {\n\t${1:long} ${2:@state};$0\n};"),
     ("doc", "doc \"$0\";"),
     ("version", "version \"${1:1.0}\";"),
@@ -108,14 +90,8 @@ const IMPLEMENTED: &[Statement] = &[
 
 /// Tasks and services in interfaces, whose components have the codels.
 const DECLARED: &[Statement] = &[
-    (
-        "function",
-        "function ${1:@name}($2) {\n\tdoc \"${3}\";$0\n};",
-    ),
-    (
-        "activity",
-        "activity ${1:@name}($2) {\n\tdoc \"${3}\";$0\n};",
-    ),
+    ("function", "function ${1:@name}($2) {\n\tdoc \"${3}\";$0\n};"),
+    ("activity", "activity ${1:@name}($2) {\n\tdoc \"${3}\";$0\n};"),
 ];
 
 const TASK: &[Statement] = &[
@@ -134,14 +110,8 @@ const SERVICE: &[Statement] = &[
 ];
 
 const MACHINE: &[Statement] = &[
-    (
-        "codel",
-        "codel<${1:@next-state}> ${2:@codel}($3)\n\tyield ${4:ether};$0",
-    ),
-    (
-        "async codel",
-        "async codel<${1:@next-state}> ${2:@codel}($3)\n\tyield ${4:ether};$0",
-    ),
+    ("codel", "codel<${1:@next-state}> ${2:@codel}($3)\n\tyield ${4:ether};$0"),
+    ("async codel", "async codel<${1:@next-state}> ${2:@codel}($3)\n\tyield ${4:ether};$0"),
 ];
 
 const SIMPLE: &[Statement] = &[("codel", "codel ${1:@codel}($0);")];
@@ -155,18 +125,8 @@ const CASES: &[Statement] = &[
 ];
 
 /// A word from these tables begins a statement of its own.
-const ALL: &[&[Statement]] = &[
-    SPECIFICATION,
-    IDL,
-    COMPONENT,
-    IMPLEMENTED,
-    TASK,
-    SERVICE,
-    MACHINE,
-    LOCAL,
-    THROW,
-    CASES,
-];
+const ALL: &[&[Statement]] =
+    &[SPECIFICATION, IDL, COMPONENT, IMPLEMENTED, TASK, SERVICE, MACHINE, LOCAL, THROW, CASES];
 
 /// Properties allowed only once within one pair of braces (language reference, section 9).
 const ONCE: &[&str] = &[
@@ -196,32 +156,15 @@ pub(super) fn statements(
     let tables: &[(&[Statement], u8)] = match body {
         Specification => &[(SPECIFICATION, 0), (IDL, 1)],
         Module => &[(IDL, 0), (&SPECIFICATION[2..], 1)],
-        Component => &[
-            (&COMPONENT[..5], 0),
-            (IMPLEMENTED, 0),
-            (&COMPONENT[5..], 0),
-            (IDL, 2),
-        ],
-        Interface => &[
-            (&COMPONENT[..4], 0),
-            (DECLARED, 0),
-            (&COMPONENT[5..], 1),
-            (IDL, 2),
-        ],
+        Component => &[(&COMPONENT[..5], 0), (IMPLEMENTED, 0), (&COMPONENT[5..], 0), (IDL, 2)],
+        Interface => &[(&COMPONENT[..4], 0), (DECLARED, 0), (&COMPONENT[5..], 1), (IDL, 2)],
         Members | Ids => &[(NESTED, 4)],
         Cases => &[(CASES, 0)],
         Task => &[(MACHINE, 2), (TASK, 1), (DOC, 3), (THROW, 3)],
         Port => &[(DOC, 0)],
         Attribute => &[(DOC, 0), (&SERVICE[3..], 0), (SERVICE, 1), (THROW, 1)],
         Function => &[(DOC, 0), (SIMPLE, 0), (SERVICE, 1), (THROW, 1), (LOCAL, 2)],
-        Activity => &[
-            (TASK_OF, 0),
-            (MACHINE, 2),
-            (DOC, 3),
-            (SERVICE, 3),
-            (THROW, 3),
-            (LOCAL, 4),
-        ],
+        Activity => &[(TASK_OF, 0), (MACHINE, 2), (DOC, 3), (SERVICE, 3), (THROW, 3), (LOCAL, 4)],
         Enum | Unknown => &[],
     };
     let given = &context.top().given;
@@ -239,10 +182,8 @@ pub(super) fn statements(
         let mut firsts = firsts.filter_map(|clause| clause.0.split(' ').next());
         firsts.any(|first| stem(first) == stem(word))
     };
-    let goes_on = context
-        .after
-        .next()
-        .is_some_and(|word| !word.is("}") && !first_words(&word.text));
+    let goes_on =
+        context.after.next().is_some_and(|word| !word.is("}") && !first_words(&word.text));
     for (table, rank) in tables {
         for (word, insert) in *table {
             // In a component `task` is a declaration.
@@ -299,11 +240,7 @@ fn clause_value(
     let first = |fill: &dyn Fn(&mut Completions)| {
         let mut found = Completions::empty();
         fill(&mut found);
-        found
-            .finish()
-            .into_iter()
-            .next()
-            .map(|completion_item| completion_item.label)
+        found.finish().into_iter().next().map(|completion_item| completion_item.label)
     };
     match wanted {
         "port-type" => first(&|out| names.scoped(&[], NameCategory::PortTypes, 0, out)),
@@ -312,11 +249,7 @@ fn clause_value(
         "task" => {
             let mut tasks = Completions::empty();
             super::elements::tasks(names, &mut tasks);
-            tasks
-                .finish()
-                .into_iter()
-                .next()
-                .map(|completion_item| completion_item.label)
+            tasks.finish().into_iter().next().map(|completion_item| completion_item.label)
         }
         "service" => {
             let own = context.name_of(context.top());
@@ -340,21 +273,19 @@ fn clause_value(
         "rate" => Some(time(clock(names).unwrap_or((1, 1000)))),
         "delay" => Some(format!("0 {}", "ms")),
         // A multiple of the clock, near 10 ms.
-        "period" => Some(
-            match component.and_then(|component| component.clock_rate.as_ref()) {
-                Some(rate)
-                    if component
-                        .is_some_and(|component| component.kind == ComponentKind::Component) =>
-                {
-                    let rate = rate.value;
-                    let ten = crate::model::Seconds::new(1, 100);
-                    let times = (ten / rate).floor().max(1.into());
-                    let value = rate * times;
-                    time((*value.numer(), *value.denom()))
-                }
-                _ => "10 ms".to_owned(),
-            },
-        ),
+        "period" => Some(match component.and_then(|component| component.clock_rate.as_ref()) {
+            Some(rate)
+                if component
+                    .is_some_and(|component| component.kind == ComponentKind::Component) =>
+            {
+                let rate = rate.value;
+                let ten = crate::model::Seconds::new(1, 100);
+                let times = (ten / rate).floor().max(1.into());
+                let value = rate * times;
+                time((*value.numer(), *value.denom()))
+            }
+            _ => "10 ms".to_owned(),
+        }),
         base => Some(names.unused_name_like(base)),
     }
 }
@@ -381,33 +312,20 @@ fn case(names: &Names<'_, '_>, context: &Context) -> String {
 /// The greatest common divisor of all periods and delays of the component, at most one millisecond.
 fn clock(names: &Names<'_, '_>) -> Option<(i128, i128)> {
     let tasks = &names.component()?.tasks;
-    let times = tasks
-        .iter()
-        .flat_map(|task| task.period.iter().chain(&task.delay));
+    let times = tasks.iter().flat_map(|task| task.period.iter().chain(&task.delay));
     let times: Vec<_> = times.map(|time| time.value).collect();
     let fits = |rate: &&(i128, i128)| {
         let rate = crate::model::Seconds::new(rate.0, rate.1);
         times.iter().all(|time| (*time / rate).is_integer())
     };
-    [
-        (1, 1000),
-        (1, 2000),
-        (1, 10_000),
-        (1, 100_000),
-        (1, 1_000_000),
-    ]
-    .iter()
-    .find(fits)
-    .copied()
+    [(1, 1000), (1, 2000), (1, 10_000), (1, 100_000), (1, 1_000_000)].iter().find(fits).copied()
 }
 
 /// A time as written, in the largest unit in which it is an integer.
 fn time((numerator, denominator): (i128, i128)) -> String {
     let units = [(1, "s"), (1_000, "ms"), (1_000_000, "us")];
     let whole = units.iter().rev().rfind(|unit| {
-        numerator
-            .checked_mul(unit.0)
-            .is_some_and(|product| product % denominator == 0)
+        numerator.checked_mul(unit.0).is_some_and(|product| product % denominator == 0)
     });
     match whole {
         Some((scale, unit)) => format!("{} {unit}", numerator * scale / denominator),

@@ -86,17 +86,12 @@ impl<'a, 'db> Names<'a, 'db> {
         let outer = outer_scope(view, elaborated);
         if component.is_none() {
             let is_component = |id: &DefId| {
-                matches!(
-                    elaborated.definition(*id).kind,
-                    DefKind::Component | DefKind::Interface
-                )
+                matches!(elaborated.definition(*id).kind, DefKind::Component | DefKind::Interface)
             };
             let found = outer.iter().find(|scope| is_component(scope));
             component = found.map(|scope| elaborated.definition(*scope).name.clone());
         }
-        let outer = outer
-            .iter()
-            .map(|scope| elaborated.definition(*scope).name.clone());
+        let outer = outer.iter().map(|scope| elaborated.definition(*scope).name.clone());
         scope.splice(0..0, outer);
         let by_name = |name: SmolStr| {
             let all = &elaborated.spec.components;
@@ -105,9 +100,7 @@ impl<'a, 'db> Names<'a, 'db> {
         let mut paths = FxHashMap::default();
         for definition in &elaborated.definitions {
             if in_scopes(definition.kind) {
-                paths
-                    .entry(full_path(elaborated, definition))
-                    .or_insert(definition.id);
+                paths.entry(full_path(elaborated, definition)).or_insert(definition.id);
             }
         }
         Names {
@@ -159,9 +152,7 @@ impl<'a, 'db> Names<'a, 'db> {
     pub(super) fn part(&self, part: impl Fn(u32) -> Entity) -> Option<u32> {
         let wanted = part(self.component?);
         let all = &self.elaborated.definitions;
-        let found = all
-            .iter()
-            .find(|definition| definition.entity == Some(wanted))?;
+        let found = all.iter().find(|definition| definition.entity == Some(wanted))?;
         Some(found.id.0)
     }
 
@@ -196,11 +187,8 @@ impl<'a, 'db> Names<'a, 'db> {
                 let Some(component) = components.get(number as usize) else {
                     continue;
                 };
-                for provided in component
-                    .provides
-                    .iter()
-                    .chain(&component.uses)
-                    .chain(&component.extends)
+                for provided in
+                    component.provides.iter().chain(&component.uses).chain(&component.extends)
                 {
                     if !seen.contains(provided) {
                         seen.push(*provided);
@@ -211,12 +199,10 @@ impl<'a, 'db> Names<'a, 'db> {
         };
         let own = |reference: &&Reference| reference.component == self.component;
         let names = self.elaborated.references.iter().filter(own);
-        let names = names.filter(
-            |name| match self.elaborated.definition(name.target).entity {
-                Some(Entity::Component(component)) => leads_to_it(component),
-                _ => false,
-            },
-        );
+        let names = names.filter(|name| match self.elaborated.definition(name.target).entity {
+            Some(Entity::Component(component)) => leads_to_it(component),
+            _ => false,
+        });
         let mut below = false;
         for name in names {
             match self.view.place(name.at) {
@@ -255,12 +241,7 @@ impl<'a, 'db> Names<'a, 'db> {
     /// The declaration of a type object.
     pub(super) fn definition_of(&self, ty: TypeId) -> Option<u32> {
         let all = &self.elaborated.definitions;
-        Some(
-            all.iter()
-                .find(|definition| definition.ty == Some(ty))?
-                .id
-                .0,
-        )
+        Some(all.iter().find(|definition| definition.ty == Some(ty))?.id.0)
     }
 
     /// Returns true if the cursor is in a declaration.
@@ -293,9 +274,7 @@ impl<'a, 'db> Names<'a, 'db> {
         depths.rev().find_map(|depth| {
             let mut path = self.scope[..depth].to_vec();
             path.extend_from_slice(segments);
-            self.paths
-                .get(&path)
-                .map(|path| self.elaborated.definition(*path))
+            self.paths.get(&path).map(|path| self.elaborated.definition(*path))
         })
     }
 
@@ -396,9 +375,8 @@ impl<'a, 'db> Names<'a, 'db> {
                     && !(definition.kind == DefKind::Ids && self.in_ids)
             }
             NameCategory::ConstTypes | NameCategory::SwitchTypes => {
-                let kind = definition
-                    .ty
-                    .map(|ty| &self.spec().ty(self.spec().resolve_alias(ty)).kind);
+                let kind =
+                    definition.ty.map(|ty| &self.spec().ty(self.spec().resolve_alias(ty)).kind);
                 matches!(definition.kind, DefKind::Typedef | DefKind::Enum)
                     && kind
                         .is_some_and(|kind| has_values(kind, wanted == NameCategory::SwitchTypes))
@@ -534,8 +512,5 @@ fn begins(context: &Context, at: usize) -> usize {
         Some(frame) if frame.head < frame.open => frame.head,
         _ => context.top().start,
     };
-    context
-        .tokens
-        .get(first)
-        .map_or(at, |token| token.range.start.min(at))
+    context.tokens.get(first).map_or(at, |token| token.range.start.min(at))
 }

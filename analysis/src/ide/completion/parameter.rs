@@ -28,11 +28,7 @@ pub(super) fn in_parentheses(names: &Names<'_, '_>, context: &Context, out: &mut
         Some(List::Codel { simple }) => codel_param(names, context, words, simple, out),
         Some(List::Attribute) => attribute_param(names, context, words, out),
         Some(List::Service) => service_param(names, context, words, out),
-        None if context
-            .head(frame)
-            .last()
-            .is_some_and(|head| head.is("switch")) =>
-        {
+        None if context.head(frame).last().is_some_and(|head| head.is("switch")) => {
             out.items.clear();
             type_or_nothing(names, context, words, NameCategory::SwitchTypes, out);
         }
@@ -95,11 +91,7 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
         return out;
     };
     locals(names, context, &mut out);
-    for (name, ty) in names
-        .ids()
-        .map(|ids| names.members(ids))
-        .unwrap_or_default()
-    {
+    for (name, ty) in names.ids().map(|ids| names.members(ids)).unwrap_or_default() {
         out.push(Source {
             name,
             source: "ids",
@@ -213,24 +205,16 @@ impl<'w> Choices<'w> {
                 };
                 !source.directions.is_empty()
             });
-            whole_ids &= other
-                .params
-                .iter()
-                .any(|param| param.path.is_empty() && param.name == "ids");
+            whole_ids &=
+                other.params.iter().any(|param| param.path.is_empty() && param.name == "ids");
         }
         let written = words.first().filter(|word| word.is_any(SOURCES));
-        Choices {
-            all,
-            whole_ids,
-            written,
-        }
+        Choices { all, whole_ids, written }
     }
 
     /// The sources of the kind that is written, or all.
     fn matching(&self) -> impl Iterator<Item = &Source> {
-        self.all
-            .iter()
-            .filter(|source| self.written.is_none_or(|word| word.is(source.source)))
+        self.all.iter().filter(|source| self.written.is_none_or(|word| word.is(source.source)))
     }
 
     /// Returns true if the parameter may be the whole ids.
@@ -267,10 +251,7 @@ impl<'w> Choices<'w> {
                 push_ids(format!("{dir} ::ids"), rank, out);
             }
         }
-        let directed = |dir: &&str| {
-            self.matching()
-                .any(|source| source.directions.contains(dir))
-        };
+        let directed = |dir: &&str| self.matching().any(|source| source.directions.contains(dir));
         let directions: Vec<&str> = DIRECTIONS.iter().copied().filter(directed).collect();
         out.keywords(&directions, 4);
         if self.written.is_none() {
@@ -334,8 +315,8 @@ fn codel_param(
 
 /// Adds the whole ids.
 fn push_ids(label: String, rank: u8, out: &mut Completions) {
-    out.add(label, CompletionKind::Symbol(SymbolKind::Ids), rank)
-        .detail = Some("the whole ids".into());
+    out.add(label, CompletionKind::Symbol(SymbolKind::Ids), rank).detail =
+        Some("the whole ids".into());
 }
 
 /// The same codel at another place of the component.
@@ -462,10 +443,8 @@ fn used_names(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
     let next = context.after.next();
     let joined = next.is_some_and(|word| word.is_any(DIRECTIONS) || word.is_any(SOURCES));
     let joined = joined.then(|| context.after.list().split(|word| word.is(",")).next());
-    let params = before
-        .split(|word| word.is(","))
-        .chain(joined.flatten())
-        .chain(context.elements_behind());
+    let params =
+        before.split(|word| word.is(",")).chain(joined.flatten()).chain(context.elements_behind());
     let service = service_around(names, context).map(|service| service.1);
     let is_local = |name: &str| {
         let mut params = service.into_iter().flat_map(|service| &service.params);
@@ -503,10 +482,7 @@ fn members_of_codels(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
 fn parameter_name(param: &[Word], is_local: &dyn Fn(&str) -> bool) -> Option<SmolStr> {
     let dir = param.iter().position(|param| param.is_any(DIRECTIONS))?;
     let path = param.get(dir + 1..)?;
-    let end = path
-        .iter()
-        .position(|word| word.is("="))
-        .unwrap_or(path.len());
+    let end = path.iter().position(|word| word.is("=")).unwrap_or(path.len());
     let mut depth = 0_i32;
     let names = path[..end].iter().filter(|word| {
         match word.text.as_str() {

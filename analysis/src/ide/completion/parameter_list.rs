@@ -37,9 +37,9 @@ pub(in crate::ide) fn list_kind(context: &Context, frame: usize) -> Option<List>
         [first, _, ..] if first.is("attribute") => Some(List::Attribute),
         [first, _, ..] if first.is_any(&["function", "activity"]) => Some(List::Service),
         [first, _, ..] if first.is("validate") => Some(List::Codel { simple: true }),
-        [first, rest @ ..] if first.is_any(&["codel", "async"]) => Some(List::Codel {
-            simple: !rest.iter().any(|word| word.is("<")),
-        }),
+        [first, rest @ ..] if first.is_any(&["codel", "async"]) => {
+            Some(List::Codel { simple: !rest.iter().any(|word| word.is("<")) })
+        }
         _ => None,
     }
 }
@@ -50,10 +50,7 @@ pub(in crate::ide) fn service_around<'a>(
     context: &Context,
 ) -> Option<(u32, &'a Service)> {
     let (body, frame) = context.body();
-    if !matches!(
-        body,
-        BodyKind::Attribute | BodyKind::Function | BodyKind::Activity
-    ) {
+    if !matches!(body, BodyKind::Attribute | BodyKind::Function | BodyKind::Activity) {
         return None;
     }
     let name = context.name_of(frame)?;
@@ -71,13 +68,7 @@ pub(super) fn walk(names: &Names<'_, '_>, mut ty: TypeId, steps: &[Word]) -> Opt
                 ty = names.element(ty)?;
                 steps.by_ref().find(|step| step.is("]"));
             }
-            name => {
-                ty = names
-                    .members(ty)
-                    .into_iter()
-                    .find(|member| member.0 == name)?
-                    .1
-            }
+            name => ty = names.members(ty).into_iter().find(|member| member.0 == name)?.1,
         }
     }
     Some(ty)
@@ -100,10 +91,7 @@ pub(in crate::ide) fn parameter_type(
     }
     match list_kind(context, frame)? {
         List::Attribute => {
-            let path = rest
-                .iter()
-                .position(|word| word.is("::"))
-                .unwrap_or(rest.len());
+            let path = rest.iter().position(|word| word.is("::")).unwrap_or(rest.len());
             let ids = names.component()?.ids?;
             if path == 0 {
                 return Some(ids);

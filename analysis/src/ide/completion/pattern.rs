@@ -51,19 +51,14 @@ fn most_common_pattern(
             if machine != (codel.kind == CodelKind::Fsm) || machine && kind != body {
                 continue;
             }
-            let state = codel
-                .triggers
-                .first()
-                .map_or("", |trigger| trigger.name.as_str());
+            let state = codel.triggers.first().map_or("", |trigger| trigger.name.as_str());
             if let Some(found) = pattern_of(&codel.name, &component.name, owner, state) {
                 *counts.entry(found).or_default() += 1;
             }
         }
     }
     // Ties are resolved in a fixed order.
-    let best = counts
-        .into_iter()
-        .max_by(|a, b| (a.1, &b.0).cmp(&(b.1, &a.0)));
+    let best = counts.into_iter().max_by(|a, b| (a.1, &b.0).cmp(&(b.1, &a.0)));
     best.map(|pair| pair.0)
 }
 
@@ -76,10 +71,7 @@ fn pattern_of(name: &str, component: &str, owner: &str, state: &str) -> Option<P
         (camel(state), "{S}"),
         (component.to_owned(), "{c}"),
     ];
-    let mut parts: Vec<_> = parts
-        .into_iter()
-        .filter(|part| !part.0.is_empty())
-        .collect();
+    let mut parts: Vec<_> = parts.into_iter().filter(|part| !part.0.is_empty()).collect();
     // A longer word may contain a shorter one.
     parts.sort_by_key(|part| std::cmp::Reverse(part.0.len()));
     let mut out = name.to_owned();
@@ -136,14 +128,8 @@ mod tests {
     #[test]
     fn patterns_name_component_owner_and_state() {
         let of = |name, owner, state| pattern_of(name, "tank", owner, state);
-        assert_eq!(
-            of("tank_fill_start", "fill", "start").as_deref(),
-            Some("{c}_{o}_{s}")
-        );
-        assert_eq!(
-            of("SetColorStart", "set_color", "start").as_deref(),
-            Some("{O}{S}")
-        );
+        assert_eq!(of("tank_fill_start", "fill", "start").as_deref(), Some("{c}_{o}_{s}"));
+        assert_eq!(of("SetColorStart", "set_color", "start").as_deref(), Some("{O}{S}"));
         assert_eq!(of("fill", "fill", "").as_deref(), Some("{o}"));
         // `all` is not a part of `fallen`, and without the state two codels have the same name.
         assert_eq!(of("fallen", "all", ""), None);

@@ -13,8 +13,7 @@ pub(super) fn outer_scope(view: &FileView<'_>, elaborated: &Elaborated) -> Vec<D
         return Vec::new();
     }
     let here = |definition: &&Definition| {
-        view.place(definition.src)
-            .is_some_and(|(file, _)| file == view.file)
+        view.place(definition.src).is_some_and(|(file, _)| file == view.file)
     };
     let first = elaborated.definitions.iter().find(here);
     let mut chain = Vec::new();
@@ -22,9 +21,7 @@ pub(super) fn outer_scope(view: &FileView<'_>, elaborated: &Elaborated) -> Vec<D
     while let Some(id) = next {
         let definition = elaborated.definition(id);
         if opens_scope(definition.kind)
-            && view
-                .place(definition.src)
-                .is_none_or(|(file, _)| file != view.file)
+            && view.place(definition.src).is_none_or(|(file, _)| file != view.file)
         {
             chain.insert(0, id);
         }

@@ -19,21 +19,13 @@ pub(super) struct Shared {
 
 impl Shared {
     pub(super) fn around(names: &Names<'_, '_>, context: &Context) -> Shared {
-        let mut out = Shared {
-            names: Vec::new(),
-            any: false,
-        };
+        let mut out = Shared { names: Vec::new(), any: false };
         let Some(component) = names.component() else {
             return out;
         };
-        let own = context
-            .frames
-            .len()
-            .checked_sub(2)
-            .map(|index| &context.frames[index]);
-        let head = own.map_or(&[][..], |frame| {
-            &context.tokens[frame.start.min(context.tokens.len())..]
-        });
+        let own = context.frames.len().checked_sub(2).map(|index| &context.frames[index]);
+        let head =
+            own.map_or(&[][..], |frame| &context.tokens[frame.start.min(context.tokens.len())..]);
         let is_async = head.first().is_some_and(|head| head.is("async"));
         if !is_async && !has_async(component) {
             return out;
@@ -71,8 +63,6 @@ impl Shared {
     }
 
     pub(super) fn forbids(&self, source: &str, name: &str) -> bool {
-        self.names
-            .iter()
-            .any(|candidate| candidate.0 == source && candidate.1 == name)
+        self.names.iter().any(|candidate| candidate.0 == source && candidate.1 == name)
     }
 }

@@ -54,13 +54,7 @@ pub(super) fn complete(
         "local" => {
             // As in the list of parameters.
             let last = rest.split(|word| word.is(",")).next_back();
-            type_or_nothing(
-                names,
-                context,
-                last.unwrap_or_default(),
-                NameCategory::Types,
-                out,
-            );
+            type_or_nothing(names, context, last.unwrap_or_default(), NameCategory::Types, out);
         }
         "task" if in_service(body) && rest.is_empty() => tasks(names, out),
         "provides" | "provide" | "uses" | "use" | "extends" | "extend" if expects_name(rest) => {
@@ -113,9 +107,8 @@ fn beginning(names: &Names<'_, '_>, context: &Context, body: BodyKind, out: &mut
         // The code that an item inserts begins with its keyword.
         let no_letter = |character: char| !(character.is_alphanumeric() || character == '-');
         let codes = out.items.iter().map(|item| item.insert.as_str());
-        let known: Vec<String> = codes
-            .map(|code| code.split(no_letter).next().unwrap_or_default().to_owned())
-            .collect();
+        let known: Vec<String> =
+            codes.map(|code| code.split(no_letter).next().unwrap_or_default().to_owned()).collect();
         let begins = |word: &str| known.iter().any(|keyword| keyword == word);
         super::directive::beginning(names.view, context.word.start, 8, &begins, out);
     }
@@ -125,11 +118,7 @@ fn beginning(names: &Names<'_, '_>, context: &Context, body: BodyKind, out: &mut
 fn exceptions(names: &Names<'_, '_>, context: &Context, rest: &[Word], out: &mut Completions) {
     names.scoped(rest, NameCategory::Exceptions, 0, out);
     let same = |words: &[Word], label: &str| {
-        words
-            .iter()
-            .map(|word| word.text.as_str())
-            .collect::<String>()
-            == label
+        words.iter().map(|word| word.text.as_str()).collect::<String>() == label
     };
     let before: Vec<&[Word]> = rest.split(|word| word.is(",")).collect();
     let qualifier: String = match before.last() {
@@ -139,9 +128,7 @@ fn exceptions(names: &Names<'_, '_>, context: &Context, rest: &[Word], out: &mut
     out.items.retain(|item| {
         let label = format!("{qualifier}{}", item.label);
         !before.iter().any(|part| same(part, &label))
-            && !context
-                .elements_behind()
-                .any(|element| same(element, &label))
+            && !context.elements_behind().any(|element| same(element, &label))
     });
     in_list(context, out);
 }
@@ -155,17 +142,11 @@ pub(super) fn in_requires(context: &Context) -> bool {
 
 /// Returns true if the cursor is in the string of a `lang` property.
 pub(super) fn in_lang(context: &Context) -> bool {
-    context
-        .current()
-        .first()
-        .is_some_and(|word| word.is("lang"))
+    context.current().first().is_some_and(|word| word.is("lang"))
 }
 
 fn in_service(body: BodyKind) -> bool {
-    matches!(
-        body,
-        BodyKind::Attribute | BodyKind::Function | BodyKind::Activity
-    )
+    matches!(body, BodyKind::Attribute | BodyKind::Function | BodyKind::Activity)
 }
 
 fn expects_name(rest: &[Word]) -> bool {
@@ -174,10 +155,8 @@ fn expects_name(rest: &[Word]) -> bool {
 
 /// In a list of names: adds a comma if another name follows.
 fn in_list(context: &Context, out: &mut Completions) {
-    let follows = context
-        .after
-        .next()
-        .is_some_and(|word| word.kind == dotgen_syntax::SyntaxKind::IDENT);
+    let follows =
+        context.after.next().is_some_and(|word| word.kind == dotgen_syntax::SyntaxKind::IDENT);
     let in_path = context.current().last().is_some_and(|word| word.is("::"));
     if follows && context.word.is_empty() {
         // A name after a qualifier is part of the path.
@@ -219,9 +198,8 @@ pub(super) fn type_or_nothing(
         context.after.same_line && (word(next) && (word(then) || then.is_any(&["::", "<"])));
     if typed && next.range.start == names.at() {
         // The cursor touches the type that is being written.
-        let path = rest
-            .chunks(2)
-            .take_while(|chunk| matches!(chunk, [_, colons] if colons.is("::")));
+        let path =
+            rest.chunks(2).take_while(|chunk| matches!(chunk, [_, colons] if colons.is("::")));
         let parts = rest.iter().take_while(|word| part(word)).count();
         let last = (2 * path.count()).max(parts.saturating_sub(1));
         let end = rest.get(last).map_or(next.range.end, |word| word.range.end);
@@ -233,14 +211,11 @@ pub(super) fn type_or_nothing(
     }
     // Before a path, names that open a scope.
     if context.after.same_line && next.is("::") {
-        out.items
-            .retain(|completion_item| completion_item.kind != CompletionKind::BaseType);
+        out.items.retain(|completion_item| completion_item.kind != CompletionKind::BaseType);
     }
     // Before angle brackets, types that have them.
     if context.after.same_line && next.is("<") {
-        for item in out.items[known..]
-            .iter_mut()
-            .filter(|completion_item| completion_item.snippet)
+        for item in out.items[known..].iter_mut().filter(|completion_item| completion_item.snippet)
         {
             let bare = item.insert.split('<').next().unwrap_or_default().to_owned();
             item.insert = bare;
@@ -282,27 +257,21 @@ fn type_at(names: &Names<'_, '_>, words: &[Word], wanted: NameCategory, out: &mu
 }
 
 fn in_angles(words: &[Word]) -> bool {
-    let depth = words
-        .iter()
-        .fold(0_i32, |depth, word| match word.text.as_str() {
-            "<" => depth + 1,
-            ">" => depth - 1,
-            ">>" => depth - 2,
-            _ => depth,
-        });
+    let depth = words.iter().fold(0_i32, |depth, word| match word.text.as_str() {
+        "<" => depth + 1,
+        ">" => depth - 1,
+        ">>" => depth - 2,
+        _ => depth,
+    });
     depth > 0
 }
 
 fn port(names: &Names<'_, '_>, context: &Context, rest: &[Word], out: &mut Completions) {
     let dir = rest.iter().position(|word| word.is_any(&["in", "out"]));
     match dir {
-        Some(dir) => type_or_nothing(
-            names,
-            context,
-            &rest[dir + 1..],
-            NameCategory::PortTypes,
-            out,
-        ),
+        Some(dir) => {
+            type_or_nothing(names, context, &rest[dir + 1..], NameCategory::PortTypes, out)
+        }
         None => {
             let next = context.after.next();
             let directed = next.is_some_and(|word| word.is_any(&["in", "out"]));
@@ -320,9 +289,8 @@ fn services(names: &Names<'_, '_>, used: &[Word], context: &Context, out: &mut C
     let component = names.component();
     let behind: Vec<Word> = context.elements_behind().flatten().cloned().collect();
     let used = [used, &behind].concat();
-    for (i, service) in component
-        .into_iter()
-        .flat_map(|component| component.services.iter().enumerate())
+    for (i, service) in
+        component.into_iter().flat_map(|component| component.services.iter().enumerate())
     {
         if used.iter().any(|word| word.text == service.name) {
             continue;

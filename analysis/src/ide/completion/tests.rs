@@ -94,10 +94,7 @@ fn what_stands_behind_the_cursor_is_not_torn_apart() {
         "const long N = 6;\ncomponent c { activity a(in sequence<float, $0> x) { task t; };",
         "N | !in | !out",
     );
-    check(
-        "component c { ids { long x, y; }; function f() { codel g(ids $0 out x); };",
-        "",
-    );
+    check("component c { ids { long x, y; }; function f() { codel g(ids $0 out x); };", "");
     has(
         "struct s { long x; };\ncomponent c { activity a(in $0 ::s x) { task t; }; };",
         "!long | !unsigned short",
@@ -112,10 +109,7 @@ fn what_stands_behind_the_cursor_is_not_torn_apart() {
          f($0 in p.x) yield ether; }; };",
         "in q | !in p",
     );
-    has(
-        "interface i { $0 attribute get(out x); };",
-        "function | version",
-    );
+    has("interface i { $0 attribute get(out x); };", "function | version");
     takes(
         "interface i { $0 attribute get(out x); };",
         "version",
@@ -130,18 +124,9 @@ fn statements_fit_their_body() {
         "component c { $0",
         "task | function | typedef | ids | !period | !codel | !provides | !activity | !port in",
     );
-    has(
-        &in_arm("$0"),
-        "port in | task | activity | attribute | typedef | throw | !uses | !ids",
-    );
-    has(
-        "component c { task t { $0",
-        "period | codel | !task | !port in",
-    );
-    has(
-        "component c { task t; activity a() { $0",
-        "task | codel | local | interrupt | !period",
-    );
+    has(&in_arm("$0"), "port in | task | activity | attribute | typedef | throw | !uses | !ids");
+    has("component c { task t { $0", "period | codel | !task | !port in");
+    has("component c { task t; activity a() { $0", "task | codel | local | interrupt | !period");
     has("module m { $0", "struct | module | !component | !task");
     has("component c { port in t p { $0", "doc | !throw");
     has("union u switch(long) { $0", "case | default");
@@ -152,14 +137,8 @@ fn statements_fit_their_body() {
 
 #[test]
 fn what_was_given_already_is_not_offered_again() {
-    has(
-        "component c { task t { period 1 s; $0 }; };",
-        "delay | !period",
-    );
-    has(
-        "component c { task t { $0 priority 3; }; };",
-        "period | !priority | !delay",
-    );
+    has("component c { task t { period 1 s; $0 }; };", "delay | !period");
+    has("component c { task t { $0 priority 3; }; };", "period | !priority | !delay");
 }
 
 #[test]
@@ -207,11 +186,7 @@ fn clauses_are_filled_in() {
         "component c {\n  task main {\n\tperiod 10 ms;\n\n\tcodel<start> main_start()\n\t\tyield run;\n\t\
          codel<run> main_run()\n\t\tyield pause::run, stop;\n\tcodel<stop> main_stop()\n\t\tyield ether;\n};\n};",
     );
-    takes(
-        "module m { str$0 };",
-        "struct",
-        "module m { struct name {\n\tlong member;\n}; };",
-    );
+    takes("module m { str$0 };", "struct", "module m { struct name {\n\tlong member;\n}; };");
 }
 
 #[test]
@@ -220,14 +195,8 @@ fn types_constants_and_qualifiers() {
     check(text, "double | long | …");
     has(text, "a | long | unsigned long | sequence<…> | !N");
     has("module m { typedef long a; };\ntypedef $0", "m::a");
-    check(
-        "module m { typedef long a; const long n = 1; };\ntypedef m::$0",
-        "a",
-    );
-    check(
-        "module m { typedef long a; module n { typedef long b; }; };\ntypedef ::$0",
-        "m",
-    );
+    check("module m { typedef long a; const long n = 1; };\ntypedef m::$0", "a");
+    check("module m { typedef long a; module n { typedef long b; }; };\ntypedef ::$0", "m");
     check("const long n = 1;\ntypedef sequence<long, $0", "n");
     check("const long n = 1;\ntypedef long a[$0", "n");
     // Everything must be declared before it is used.
@@ -239,10 +208,7 @@ fn types_constants_and_qualifiers() {
 
 #[test]
 fn ports_take_named_types() {
-    has(
-        &in_arm("port in $0"),
-        "pose | mode | !e_bad | !long | !sequence<…>",
-    );
+    has(&in_arm("port in $0"), "pose | mode | !e_bad | !long | !sequence<…>");
     check(&in_arm("port $0"), "in | out | multiple");
 }
 
@@ -250,10 +216,7 @@ fn ports_take_named_types() {
 fn members_after_a_dot() {
     check(&in_arm("attribute a(in goal.$0"), "x | y");
     check(&in_arm("attribute a(in way[1].$0"), "x | y");
-    check(
-        &in_arm("activity go(in pose p) { task motion; codel<start> f(local in p.$0"),
-        "x | y",
-    );
+    check(&in_arm("activity go(in pose p) { task motion; codel<start> f(local in p.$0"), "x | y");
 }
 
 #[test]
@@ -267,17 +230,11 @@ fn codel_parameters_by_source_and_direction() {
         in_arm("activity go(in long speed) { task motion; codel<start> f(in speed, in goal, $0");
     check(&text, "in way | in m | port in target | port out state | …");
     check(&in_arm("task u { codel<start> f(port out $0"), "state");
-    check(
-        &in_arm("task u { codel<start> f(port in $0"),
-        "target | state",
-    );
+    check(&in_arm("task u { codel<start> f(port in $0"), "target | state");
     check(&in_arm("task u { codel<start> f(remote in $0"), "reset");
     check(&in_arm("task u { codel<start> f(out ::$0"), "ids");
     // Simple codels have neither ports nor remotes.
-    has(
-        &in_arm("function f(in long a) { codel g($0"),
-        "in a | in goal | !port in target | !port",
-    );
+    has(&in_arm("function f(in long a) { codel g($0"), "in a | in goal | !port in target | !port");
     has(
         &in_arm("function goal2(in pose goal) { codel g($0"),
         "local in goal | ids in goal | !in goal",
@@ -286,18 +243,9 @@ fn codel_parameters_by_source_and_direction() {
 
 #[test]
 fn states_of_the_machine() {
-    check(
-        &in_arm("task u { codel<start> f() yield wait, go; codel<$0"),
-        "wait | go | stop",
-    );
-    check(
-        &in_arm("task u { codel<start> f() yield $0"),
-        "pause::start | ether | start | pause::",
-    );
-    has(
-        &in_arm("task u { codel<start> f() yield start, $0"),
-        "!start | pause::start | ether",
-    );
+    check(&in_arm("task u { codel<start> f() yield wait, go; codel<$0"), "wait | go | stop");
+    check(&in_arm("task u { codel<start> f() yield $0"), "pause::start | ether | start | pause::");
+    has(&in_arm("task u { codel<start> f() yield start, $0"), "!start | pause::start | ether");
     has(
         &in_arm("task u { codel<start> f() yield pause::$0"),
         "start | !stop | !ether | !pause::start",
@@ -328,10 +276,7 @@ fn states_of_the_machine() {
         &in_arm("const long N = 1; task u { codel<start> f() yield $0 wcet N * 2 us; };"),
         "start | ether | !wcet | !pause::wcet",
     );
-    check(
-        &in_arm("task u { codel<start> f() wcet 1 $0"),
-        "s | ms | us",
-    );
+    check(&in_arm("task u { codel<start> f() wcet 1 $0"), "s | ms | us");
     takes(
         "component c { task t; activity a() { task t; codel $0 }; };",
         "<start>",
@@ -348,10 +293,7 @@ fn services_tasks_exceptions_interfaces() {
     check("module m { exception e; };\ncomponent c { throw $0", "m::e");
     check(&in_arm("provides $0"), "");
     check("interface io;\ncomponent c { provides $0", "io");
-    check(
-        "interface a;\ninterface b;\ncomponent c { extends a, $0",
-        "b",
-    );
+    check("interface a;\ninterface b;\ncomponent c { extends a, $0", "b");
     check(&in_arm("task u { scheduling $0"), "real-time");
     check(&in_arm("task u { period 5 $0"), "s | ms | us");
     check(&in_arm("task u { stack 5 $0"), "k | M");
@@ -366,20 +308,10 @@ fn what_follows_the_cursor_counts() {
         "component c { ids { long a, b; }; task t { codel<start> f(in b, in a) yield ether; }; };",
     );
     // A name that is used after the cursor, too.
-    has(
-        &in_arm("task u { codel<start> f($0, in goal) yield ether; };"),
-        "in way | !in goal",
-    );
+    has(&in_arm("task u { codel<start> f($0, in goal) yield ether; };"), "in way | !in goal");
     // Only the direction, or only the first word of the statement, is missing.
-    check(
-        &in_arm("task u { codel<start> f($0 goal) yield ether; };"),
-        "in | out | inout",
-    );
-    takes(
-        "component c { ta$0 main { }; };",
-        "task",
-        "component c { task main { }; };",
-    );
+    check(&in_arm("task u { codel<start> f($0 goal) yield ether; };"), "in | out | inout");
+    takes("component c { ta$0 main { }; };", "task", "component c { task main { }; };");
     // Before another statement, in either form of its first word, a whole clause is inserted.
     for word in ["throw", "throws"] {
         let with = |clause: &str| {
@@ -409,10 +341,7 @@ fn what_follows_the_cursor_counts() {
 fn codels_are_named_as_the_others_are() {
     let text = "component c { task t { codel<start> c_t_start() yield run; codel<run> $0";
     check(text, "c_t_run");
-    check(
-        "component c { task t; activity go() { codel<start> $0",
-        "go_start",
-    );
+    check("component c { task t; activity go() { codel<start> $0", "go_start");
     check("component c { function f() { codel $0", "f_codel");
 }
 
@@ -444,32 +373,20 @@ fn directives_and_macros() {
     takes("#inc$0", "include", "#include \"\"");
     has("#define LIMIT 3\n#ifdef $0", "LIMIT | !__FILE__");
     // At the start of a statement only macros for statements are proposed, and no include guards.
-    has(
-        "#define LIMIT 3\n#define T typedef long t;\n$0",
-        "T | !LIMIT",
-    );
+    has("#define LIMIT 3\n#define T typedef long t;\n$0", "T | !LIMIT");
     has(
         "#ifndef GUARD_H\n#define GUARD_H\n#define LIMIT 3\n#ifdef $0\n#endif\n#endif\n",
         "LIMIT | !GUARD_H",
     );
-    check(
-        "#define GUARD\n#define RATE 5\ncomponent c { task t { period $0",
-        "RATE",
-    );
+    check("#define GUARD\n#define RATE 5\ncomponent c { task t { period $0", "RATE");
     check("#pragma $0", "requires | provides | masquerade | wcet");
     check("interface i;\n#pragma provides $0", "i");
-    check(
-        "component c { task t { codel<start> f() yield ether; }; };\n#pragma wcet $0",
-        "f",
-    );
+    check("component c { task t { codel<start> f() yield ether; }; };\n#pragma wcet $0", "f");
     check(
         "//- /main.gen\n#include \"sub/$0\"\n//- /sub/a.idl\n\n//- /sub/deep/b.idl\n\n//- /c.idl\n",
         "a.idl | deep/",
     );
-    check(
-        "//- /main.gen\n#include \"$0\n//- /sub/a.idl\n\n//- /c.idl\n",
-        "c.idl | sub/",
-    );
+    check("//- /main.gen\n#include \"$0\n//- /sub/a.idl\n\n//- /c.idl\n", "c.idl | sub/");
     has(
         "//- /main.gen\n#include \"m.idl\"\ntask $0\n#if $0\n//- /m.idl\n#define FROM_THERE 1\n",
         "!FROM_THERE",
@@ -490,12 +407,7 @@ fn languages_of_codels_are_listed() {
 #[test]
 fn packages_are_listed() {
     let fixture = Fixture::new("component c { require \"eigen3\", \"op$0\"; };");
-    fixture
-        .loader
-        .packages
-        .lock()
-        .unwrap()
-        .insert("openrobots".into(), Default::default());
+    fixture.loader.packages.lock().unwrap().insert("openrobots".into(), Default::default());
     let items = fixture.analysis().completions(&fixture.at()).unwrap();
     assert_eq!(items.len(), 1);
     assert_eq!(items[0].label, "openrobots");
@@ -512,14 +424,8 @@ fn fragments_know_the_component_that_includes_them() {
 #[test]
 fn text_before_the_cursor_may_be_broken() {
     // No `;`, no `}`, no `)`.
-    check(
-        &in_arm("function f(in long a\n  activity go() { interrupt $0"),
-        "get | f | go | all",
-    );
-    check(
-        &in_arm("task u { period 5 ms\n codel<start> f(port in $0"),
-        "target | state",
-    );
+    check(&in_arm("function f(in long a\n  activity go() { interrupt $0"), "get | f | go | all");
+    check(&in_arm("task u { period 5 ms\n codel<start> f(port in $0"), "target | state");
     check(
         &in_arm("task u { codel<start> f(in x yield ether;\n activity go() { task $0"),
         "motion | u",
@@ -532,25 +438,14 @@ fn documentation_on_demand() {
     let analysis = fixture.analysis();
     let items = analysis.completions(&fixture.at()).unwrap();
     let item = items.iter().find(|item| item.label == "s").unwrap();
-    assert_eq!(
-        (item.label.as_str(), item.detail.as_deref()),
-        ("s", Some("struct s (1 member)"))
-    );
+    assert_eq!((item.label.as_str(), item.detail.as_deref()), ("s", Some("struct s (1 member)")));
     let path = &fixture.at().path;
     assert_eq!(item.name.as_deref(), Some("s"));
     let definition = item.definition.unwrap();
-    let doc = analysis
-        .resolve_completion(path, definition, "s")
-        .unwrap()
-        .unwrap();
+    let doc = analysis.resolve_completion(path, definition, "s").unwrap().unwrap();
     assert!(doc.markdown.contains("long x;"), "{}", doc.markdown);
     // Stale items have no documentation.
-    assert_eq!(
-        analysis
-            .resolve_completion(path, definition, "other")
-            .unwrap(),
-        None
-    );
+    assert_eq!(analysis.resolve_completion(path, definition, "other").unwrap(), None);
     assert_eq!(analysis.resolve_completion(path, 99, "s").unwrap(), None);
 }
 
@@ -559,10 +454,7 @@ fn snippets_without_placeholders() {
     assert_eq!(plain_snippet("a ${1:b} $2 {\n$0}"), "a b  {\n}");
     assert_eq!(plain_snippet("\"${1|c,c++|}\";"), "\"c\";");
     assert_eq!(plain_snippet("${1:x} \\$ }"), "x $ }");
-    assert_eq!(
-        plain_snippet("task ${1:t} { ${1}_f $1 $2 }"),
-        "task t { t_f t  }"
-    );
+    assert_eq!(plain_snippet("task ${1:t} { ${1}_f $1 $2 }"), "task t { t_f t  }");
 }
 
 #[test]
@@ -582,19 +474,13 @@ fn a_constant_is_offered_where_its_value_fits() {
 
 #[test]
 fn the_ids_are_no_type_within_themselves() {
-    has(
-        "component c { ids { long a; sequence<$0> b; }; };",
-        "long | !ids",
-    );
+    has("component c { ids { long a; sequence<$0> b; }; };", "long | !ids");
     has("component c { ids { long a; $0 }; };", "long | !ids");
     has("component c { ids { long a; }; port in $0 };", "ids");
 }
 
 #[test]
 fn there_may_be_several_docs() {
-    has(
-        "component c { doc \"a\"; $0 task t { doc \"b\"; }; };",
-        "doc | version",
-    );
+    has("component c { doc \"a\"; $0 task t { doc \"b\"; }; };", "doc | version");
     has("component c { task t { doc \"b\"; $0 }; };", "doc | period");
 }

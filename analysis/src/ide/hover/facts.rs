@@ -62,10 +62,7 @@ pub(super) fn of_service(component: &Component, name: &str) -> Option<String> {
 }
 
 fn list(lines: &[Fact]) -> Option<String> {
-    let lines: Vec<String> = lines
-        .iter()
-        .map(|line| format!("* {}", line.text))
-        .collect();
+    let lines: Vec<String> = lines.iter().map(|line| format!("* {}", line.text)).collect();
     (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
@@ -84,23 +81,18 @@ pub(super) fn component_of<'e>(
             })
         };
         let mut all = spec.components.iter();
-        return all.find(|component| has(component, true)).or_else(|| {
-            spec.components
-                .iter()
-                .find(|component| has(component, false))
-        });
+        return all
+            .find(|component| has(component, true))
+            .or_else(|| spec.components.iter().find(|component| has(component, false)));
     }
-    let container = elaborated
-        .definitions
-        .get(definition.container?.0 as usize)?;
+    let container = elaborated.definitions.get(definition.container?.0 as usize)?;
     spec.components.iter().find(|c| c.name == container.name)
 }
 
 fn task(component: &Component, name: &str) -> Vec<Fact> {
     let mut out = Vec::new();
-    let Some((index, task)) = (0..)
-        .zip(&component.tasks)
-        .find(|(_, number)| number.name.as_str() == name)
+    let Some((index, task)) =
+        (0..).zip(&component.tasks).find(|(_, number)| number.name.as_str() == name)
     else {
         return out;
     };
@@ -113,9 +105,7 @@ fn task(component: &Component, name: &str) -> Vec<Fact> {
     }
     let services = component.services.iter();
     let services = services.filter(|service| service.task == Some(index));
-    let names: Vec<String> = services
-        .map(|service| format!("`{}`", service.name))
-        .collect();
+    let names: Vec<String> = services.map(|service| format!("`{}`", service.name)).collect();
     if !names.is_empty() {
         out.push(Fact::new(format!("runs {}", listed(&names))));
     }
@@ -143,10 +133,7 @@ fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<Fact> {
     for usage in uses.filter(|usage| component.codel(*usage).name.as_str() == name) {
         let codel = component.codel(usage);
         let owner = describe_owner(component, usage.owner);
-        let about = |text| Fact {
-            owner: Some(usage.owner),
-            text,
-        };
+        let about = |text| Fact { owner: Some(usage.owner), text };
         if codel.kind == CodelKind::Fsm {
             let machine = Machine::new(component.codels_of(usage.owner));
             out.push(about(format!("{owner}: {}", callers(&machine, codel))));
@@ -183,11 +170,7 @@ fn callers(machine: &Machine<'_>, codel: &Codel) -> String {
     let mut from: Vec<String> = Vec::new();
     for (_, other) in &machine.codels {
         for state in &other.yields {
-            if codel
-                .triggers
-                .iter()
-                .any(|trigger| trigger.name == state.name)
-            {
+            if codel.triggers.iter().any(|trigger| trigger.name == state.name) {
                 let paused = if state.paused { ", after a pause" } else { "" };
                 let text = format!("`{}`{paused}", other.name);
                 if !from.contains(&text) {
@@ -237,9 +220,7 @@ fn state(component: &Component, name: &str) -> Vec<Fact> {
             .codels
             .iter()
             .filter(|(_, codel)| codel.yields.iter().any(|state| state.name == name));
-        let from: Vec<String> = yielding
-            .map(|(_, codel)| format!("`{}`", codel.name))
-            .collect();
+        let from: Vec<String> = yielding.map(|(_, codel)| format!("`{}`", codel.name)).collect();
         let codel = machine.codel(name);
         if from.is_empty() && codel.is_none() {
             continue;
@@ -252,10 +233,7 @@ fn state(component: &Component, name: &str) -> Vec<Fact> {
             let to: Vec<String> = codel.yields.iter().map(state_text).collect();
             line += &format!(" → `{}` → {}", codel.name, listed(&to));
         }
-        out.push(Fact {
-            owner: Some(owner_index),
-            text: line,
-        });
+        out.push(Fact { owner: Some(owner_index), text: line });
     }
     out
 }

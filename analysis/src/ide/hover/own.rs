@@ -14,17 +14,11 @@ pub(super) fn completion(view: &FileView<'_>, mention: TextRange, id: DefId) -> 
     let declared = elaborated.definitions.get(id.0 as usize)?;
     let interface = elaborated.definitions.get(declared.container?.0 as usize)?;
     let of_an_interface = interface.kind == DefKind::Interface
-        && matches!(
-            declared.kind,
-            DefKind::Function | DefKind::Activity | DefKind::Attribute
-        );
+        && matches!(declared.kind, DefKind::Function | DefKind::Activity | DefKind::Attribute);
     if !of_an_interface {
         return None;
     }
-    let mut mentions = elaborated
-        .references
-        .iter()
-        .filter(|reference| reference.target == id);
+    let mut mentions = elaborated.references.iter().filter(|reference| reference.target == id);
     let here = mentions
         .clone()
         .find(|reference| view.place(reference.at) == Some((view.file, mention)))?;
@@ -35,9 +29,7 @@ pub(super) fn completion(view: &FileView<'_>, mention: TextRange, id: DefId) -> 
     let (file, range) = view.place(own.at)?;
     let there = view_of(view, file)?;
     let name = there.root().covering_element(range);
-    let service = name
-        .ancestors()
-        .find(|ancestor| ancestor.kind() == SyntaxKind::SERVICE)?;
+    let service = name.ancestors().find(|ancestor| ancestor.kind() == SyntaxKind::SERVICE)?;
     let mut out = code(&normalized(&there, &service));
     out += &format!(
         "\n\nin `{}` · implements `{}` of the interface `{}`",

@@ -348,10 +348,7 @@ fn macros_and_includes() {
             - `/a`
         "#]],
     );
-    check(
-        "//- /main.gen\n#if 0\n#include \"t$0.idl\"\n#endif\n",
-        expect![""],
-    );
+    check("//- /main.gen\n#if 0\n#include \"t$0.idl\"\n#endif\n", expect![""]);
 }
 
 #[test]

@@ -30,14 +30,8 @@ impl<'a> RenameCheck<'a> {
             let ranges = edited.entry(db.file(&edit.path)).or_default();
             ranges.push(edit.range.clone());
         }
-        edited
-            .values_mut()
-            .for_each(|ranges| ranges.sort_by_key(|range| range.start));
-        RenameCheck {
-            edited,
-            old,
-            new_name,
-        }
+        edited.values_mut().for_each(|ranges| ranges.sort_by_key(|range| range.start));
+        RenameCheck { edited, old, new_name }
     }
 
     /// Returns true if only one name differs in the unit of a root after the rename.
@@ -46,9 +40,7 @@ impl<'a> RenameCheck<'a> {
     /// everywhere (alpha-conversion), if the new one does not occur in the unit: neither as it is, nor in
     /// another case, nor as a part of a composed name (`COMPONENT_state`, `a ## b`).
     pub(super) fn in_unit_of(&self, db: &dyn Db, root: SourceFile) -> bool {
-        files(db, unit_of_root(db, root))
-            .into_iter()
-            .all(|file| self.in_file(db, file))
+        files(db, unit_of_root(db, root)).into_iter().all(|file| self.in_file(db, file))
     }
 
     fn in_file(&self, db: &dyn Db, file: SourceFile) -> bool {
@@ -92,11 +84,7 @@ mod tests {
 
     #[test]
     fn names_meet_that_are_equal_or_parts_of_each_other() {
-        let fresh = RenameCheck {
-            edited: FxHashMap::default(),
-            old: "pose",
-            new_name: "place",
-        };
+        let fresh = RenameCheck { edited: FxHashMap::default(), old: "pose", new_name: "place" };
         for (word, meets) in [
             ("place", true),
             ("Place", true),
@@ -112,10 +100,7 @@ mod tests {
         ] {
             assert_eq!(fresh.may_clash(word), meets, "{word}");
         }
-        let fresh = RenameCheck {
-            new_name: "arm_state",
-            ..fresh
-        };
+        let fresh = RenameCheck { new_name: "arm_state", ..fresh };
         for (word, meets) in [("arm", true), ("state", true), ("rm", false), ("te", false)] {
             assert_eq!(fresh.may_clash(word), meets, "{word}");
         }

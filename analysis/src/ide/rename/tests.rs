@@ -3,10 +3,7 @@ use crate::test_support::Fixture;
 
 /// The fixture with the edits applied, in its own form.
 fn renamed(fixture: &Fixture, new_name: &str) -> Result<String, String> {
-    let edits = fixture
-        .analysis()
-        .rename(&fixture.at(), new_name, &Progress::default())
-        .unwrap();
+    let edits = fixture.analysis().rename(&fixture.at(), new_name, &Progress::default()).unwrap();
     let edits = edits.map_err(|error| error.0)?;
     let mut out = String::new();
     for path in fixture.paths() {
@@ -25,12 +22,7 @@ fn renamed(fixture: &Fixture, new_name: &str) -> Result<String, String> {
 fn check(text: &str, new_name: &str, expected: &str) {
     let fixture = Fixture::new(text);
     let found = renamed(&fixture, new_name);
-    assert_eq!(
-        found.as_deref(),
-        Ok(expected),
-        "{}",
-        fixture.all_diagnostics()
-    );
+    assert_eq!(found.as_deref(), Ok(expected), "{}", fixture.all_diagnostics());
 }
 
 #[track_caller]
@@ -42,26 +34,14 @@ fn refused(text: &str, new_name: &str, because: &str) {
 
 #[test]
 fn types_constants_and_members() {
-    check(
-        "typedef long a$0;\ntypedef a b;\n",
-        "c",
-        "typedef long c;\ntypedef c b;\n",
-    );
+    check("typedef long a$0;\ntypedef a b;\n", "c", "typedef long c;\ntypedef c b;\n");
     check(
         "module m { const long n = 1; };\ntypedef long a[m::n$0 + 1];\n",
         "size",
         "module m { const long size = 1; };\ntypedef long a[m::size + 1];\n",
     );
-    check(
-        "module m$0 { };\nmodule m { };\n",
-        "n",
-        "module n { };\nmodule n { };\n",
-    );
-    check(
-        "enum e { A, B };\nconst e x = A$0;\n",
-        "Z",
-        "enum e { Z, B };\nconst e x = Z;\n",
-    );
+    check("module m$0 { };\nmodule m { };\n", "n", "module n { };\nmodule n { };\n");
+    check("enum e { A, B };\nconst e x = A$0;\n", "Z", "enum e { Z, B };\nconst e x = Z;\n");
     check(
         "struct s;\nstruct s { long x; };\ntypedef s$0 t;\n",
         "u",
@@ -81,11 +61,7 @@ fn types_constants_and_members() {
 
 #[test]
 fn parts_of_components() {
-    check(
-        "component c$0;\ncomponent c { };\n",
-        "d",
-        "component d;\ncomponent d { };\n",
-    );
+    check("component c$0;\ncomponent c { };\n", "d", "component d;\ncomponent d { };\n");
     check(
         "component c { task t$0; activity a() { task t; codel<start> f() yield ether; }; };\n",
         "u",
@@ -151,16 +127,8 @@ fn macros() {
 
 #[test]
 fn text_of_macros_and_inactive_text_is_left_alone() {
-    refused(
-        "#define T a\ntypedef long a$0;\ntypedef T b;\n",
-        "c",
-        "macro call `T`",
-    );
-    refused(
-        "#define T a\ntypedef long a;\ntypedef T$0 b;\n",
-        "T2 x",
-        "not a name",
-    );
+    refused("#define T a\ntypedef long a$0;\ntypedef T b;\n", "c", "macro call `T`");
+    refused("#define T a\ntypedef long a;\ntypedef T$0 b;\n", "T2 x", "not a name");
     check(
         "#define ID(x) x\ntypedef long a$0;\ntypedef ID(a) b;\n",
         "c",
@@ -196,11 +164,7 @@ fn clashes_captures_and_words_are_refused() {
         "x",
         "from the language",
     );
-    refused(
-        "component c { ids$0 { long x; }; };\n",
-        "x",
-        "word of the language",
-    );
+    refused("component c { ids$0 { long x; }; };\n", "x", "word of the language");
     // Two codels of one name are one function.
     refused(
         "component c { function f() { codel a$0(); codel b(); }; };\n",
@@ -237,17 +201,11 @@ fn there_and_back_is_the_identity() {
         .collect();
     let mut renamed = 0;
     for at in names {
-        let at = crate::ide::FilePosition {
-            path: "/main.gen".into(),
-            offset: at,
-        };
+        let at = crate::ide::FilePosition { path: "/main.gen".into(), offset: at };
         let Ok(prepared) = fixture.analysis().prepare_rename(&at).unwrap() else {
             continue;
         };
-        let edits = fixture
-            .analysis()
-            .rename(&at, "other_name", &Progress::default())
-            .unwrap();
+        let edits = fixture.analysis().rename(&at, "other_name", &Progress::default()).unwrap();
         let edits = edits.unwrap_or_else(|error| panic!("{:?}: {error}", prepared));
         let there = crate::ide::speculate::apply(text, &edits);
         assert_ne!(there, text);
@@ -257,11 +215,8 @@ fn there_and_back_is_the_identity() {
             path: "/main.gen".into(),
             offset: there.find("other_name").unwrap(),
         };
-        let edits = fixture
-            .analysis()
-            .rename(&at, &prepared.info, &Progress::default())
-            .unwrap()
-            .unwrap();
+        let edits =
+            fixture.analysis().rename(&at, &prepared.info, &Progress::default()).unwrap().unwrap();
         assert_eq!(crate::ide::speculate::apply(&there, &edits), text);
         fixture.edit("/main.gen", text);
         renamed += 1;
@@ -273,20 +228,12 @@ fn there_and_back_is_the_identity() {
 fn includes_follow_their_files() {
     let moved = |text: &str, from: &str, to: &str| {
         let fixture = Fixture::new(text);
-        let edits = fixture
-            .analysis()
-            .files_moved(&[(from.into(), to.into())])
-            .unwrap();
-        let edits = edits
-            .iter()
-            .map(|edit| format!("{}: {}", edit.path, edit.new_text));
+        let edits = fixture.analysis().files_moved(&[(from.into(), to.into())]).unwrap();
+        let edits = edits.iter().map(|edit| format!("{}: {}", edit.path, edit.new_text));
         edits.collect::<Vec<_>>()
     };
     let text = "//- /a/main.gen\n#include \"t.idl\"\n//- /a/t.idl\n#include \"sub/u.idl\"\n//- /a/sub/u.idl\n";
-    assert_eq!(
-        moved(text, "/a/t.idl", "/a/types.idl"),
-        ["/a/main.gen: types.idl"]
-    );
+    assert_eq!(moved(text, "/a/t.idl", "/a/types.idl"), ["/a/main.gen: types.idl"]);
     assert_eq!(
         moved(text, "/a/t.idl", "/b/t.idl"),
         ["/a/main.gen: ../b/t.idl", "/a/t.idl: ../a/sub/u.idl"]
@@ -307,19 +254,12 @@ fn other_units_are_tried_where_the_new_name_may_meet_another() {
     for (other, because) in [
         ("struct place { long y; };", "has that name"),
         ("#define place pose\nstruct q { pose p; };", "macro"),
-        (
-            "#define T(a) a ## ce\nstruct T(pla) { pose p; };",
-            "has that name",
-        ),
+        ("#define T(a) a ## ce\nstruct T(pla) { pose p; };", "has that name"),
     ] {
         refused(&shared(other), "place", because);
     }
     let other = "component b { ids { pose p; sequence<pose, 3> q; }; port in pose r; };";
-    check(
-        &shared(other),
-        "place",
-        &shared(other).replace("pose", "place").replace("$0", ""),
-    );
+    check(&shared(other), "place", &shared(other).replace("pose", "place").replace("$0", ""));
 }
 
 #[test]

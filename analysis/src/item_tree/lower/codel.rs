@@ -32,9 +32,7 @@ impl Lowering<'_> {
         CodelDecl {
             ptr: self.node(codel.syntax()),
             is_async,
-            triggers: codel
-                .triggers()
-                .map(|trigger| self.states(trigger.states())),
+            triggers: codel.triggers().map(|trigger| self.states(trigger.states())),
             name: self.name(codel.name()),
             params: self.params(codel.param_list()),
             yields: codel.yields().map(|yields| self.states(yields.states())),
@@ -102,17 +100,11 @@ impl Lowering<'_> {
                     .flat_map(|path| path.steps())
                     .filter_map(|step| self.path_step(&step))
                     .collect_exact();
-                let rename = path_param
-                    .rename()
-                    .and_then(|rename| self.name(rename.name()));
+                let rename = path_param.rename().and_then(|rename| self.name(rename.name()));
                 if path.is_empty() && rename.is_none() {
                     return None;
                 }
-                let spec = ParamSpec::Path {
-                    source,
-                    path,
-                    rename: rename.map(Box::new),
-                };
+                let spec = ParamSpec::Path { source, path, rename: rename.map(Box::new) };
                 (path_param.dir_token(), spec, path_param.initializer())
             }
         };
@@ -121,12 +113,7 @@ impl Lowering<'_> {
             SyntaxKind::OUT_KW => Dir::Out,
             _ => Dir::Inout,
         };
-        Some(ParamDecl {
-            dir,
-            spec,
-            init: init.map(|init| Box::new(self.initializer(&init))),
-            ptr,
-        })
+        Some(ParamDecl { dir, spec, init: init.map(|init| Box::new(self.initializer(&init))), ptr })
     }
 
     fn path_step(&mut self, step: &ast::PathStep) -> Option<PathStep> {
@@ -163,9 +150,7 @@ impl Lowering<'_> {
                 (None, Some(expr)) => Some(InitValue::Scalar(self.expr(Some(expr), node))),
                 (None, None) => None,
             },
-            doc: initializer
-                .doc()
-                .map(|doc| self.literal(doc.text(), doc.syntax())),
+            doc: initializer.doc().map(|doc| self.literal(doc.text(), doc.syntax())),
         }
     }
 }

@@ -16,10 +16,7 @@ impl Lowering<'_> {
     /// A type; if it is missing, `owner` is reported.
     pub(super) fn type_ref(&mut self, ty: Option<ast::TypeSpec>, owner: &SyntaxNode) -> TypeRef {
         let Some(ty) = ty else {
-            return TypeRef {
-                kind: TypeRefKind::Missing,
-                ptr: self.node(owner),
-            };
+            return TypeRef { kind: TypeRefKind::Missing, ptr: self.node(owner) };
         };
         let node = ty.syntax();
         let ptr = self.node(node);
@@ -32,14 +29,13 @@ impl Lowering<'_> {
                 element: Box::new(self.type_ref(ty.element(), node)),
                 bound: ty.bound().map(|bound| self.expr(Some(bound), node)),
             }),
-            ast::TypeSpec::OptionalType(ty) => Some(TypeRefKind::Optional {
-                element: Box::new(self.type_ref(ty.element(), node)),
-            }),
+            ast::TypeSpec::OptionalType(ty) => {
+                Some(TypeRefKind::Optional { element: Box::new(self.type_ref(ty.element(), node)) })
+            }
             ast::TypeSpec::FixedType(_) => Some(TypeRefKind::Fixed),
-            ast::TypeSpec::NamedType(ty) => ty
-                .path()
-                .and_then(|path| self.path(&path))
-                .map(TypeRefKind::Named),
+            ast::TypeSpec::NamedType(ty) => {
+                ty.path().and_then(|path| self.path(&path)).map(TypeRefKind::Named)
+            }
             ast::TypeSpec::Struct(structure) => {
                 let name = self.name(structure.name());
                 let members = self.body(structure);
@@ -62,15 +58,11 @@ impl Lowering<'_> {
                 Some(inline(name, TypeDeclKind::Enum { enumerators }, ptr))
             }
         };
-        TypeRef {
-            kind: kind.unwrap_or(TypeRefKind::Missing),
-            ptr,
-        }
+        TypeRef { kind: kind.unwrap_or(TypeRefKind::Missing), ptr }
     }
 
     pub(super) fn declarators(&mut self, all: AstChildren<ast::Declarator>) -> Vec<Declarator> {
-        all.filter_map(|child| self.declarator(&child))
-            .collect_exact()
+        all.filter_map(|child| self.declarator(&child)).collect_exact()
     }
 
     pub(super) fn declarator(&mut self, declarator: &ast::Declarator) -> Option<Declarator> {
@@ -87,20 +79,13 @@ impl Lowering<'_> {
     pub(super) fn path(&mut self, path: &ast::Path) -> Option<Path> {
         let ptr = self.node(path.syntax());
         let segments = self.names(path.segments());
-        (!segments.is_empty()).then(|| Path {
-            absolute: path.is_absolute(),
-            segments,
-            ptr,
-        })
+        (!segments.is_empty()).then(|| Path { absolute: path.is_absolute(), segments, ptr })
     }
 
     /// An expression; if it is missing, `owner` is reported.
     pub(super) fn expr(&mut self, expr: Option<ast::Expr>, owner: &SyntaxNode) -> Expr {
         let Some(expr) = expr else {
-            return Expr {
-                kind: ExprKind::Missing,
-                ptr: self.node(owner),
-            };
+            return Expr { kind: ExprKind::Missing, ptr: self.node(owner) };
         };
         let node = expr.syntax().clone();
         let ptr = self.node(&node);

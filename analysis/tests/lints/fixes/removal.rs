@@ -114,10 +114,8 @@ fn fixes_of_examples_remove_what_they_mend() {
         "unused/type",
         "lint/unused-suppression",
     ] {
-        let example = CODES
-            .iter()
-            .find(|candidate| candidate.id == code)
-            .map_or("", |code| code.example);
+        let example =
+            CODES.iter().find(|candidate| candidate.id == code).map_or("", |code| code.example);
         all += &format!("=== {code}\n");
         all += &fixed(example, code);
     }

@@ -19,10 +19,7 @@ component arm {
 
 fn texts(files: &[(&str, &str)]) -> Texts {
     let lines = |text: &str| Lines::new(Arc::from(text), Encoding::Utf16);
-    files
-        .iter()
-        .map(|(path, text)| (Utf8PathBuf::from(path), lines(text)))
-        .collect()
+    files.iter().map(|(path, text)| (Utf8PathBuf::from(path), lines(text))).collect()
 }
 
 /// Returns the range of the n-th occurrence of a text.
@@ -69,11 +66,8 @@ fn place_explanation_and_fix_are_shown() {
 fn explanations_in_other_files_get_their_own_snippet() {
     const POSE: &str = "module pose {\r\n  struct state { double x; };\r\n};\r\n";
     let texts = texts(&[("/robot/arm.gen", ARM), ("/robot/pose.idl", POSE)]);
-    let mut diagnostic = diagnostic(
-        "unknown-type",
-        "`pose` has no member `stat`",
-        find(ARM, "stat", 0),
-    );
+    let mut diagnostic =
+        diagnostic("unknown-type", "`pose` has no member `stat`", find(ARM, "stat", 0));
     diagnostic.severity = Severity::Warning;
     diagnostic.related.push(Related {
         path: "/robot/pose.idl".into(),
@@ -103,10 +97,7 @@ fn odd_texts_and_ranges_do_not_hurt() {
         for end in start..odd.len() + 3 {
             let diagnostic = diagnostic("syntax", "odd", start..end);
             let text = shown(&diagnostic, &texts);
-            assert!(
-                text.contains("syntax") && !text.contains('\u{1b}'),
-                "{text:?}"
-            );
+            assert!(text.contains("syntax") && !text.contains('\u{1b}'), "{text:?}");
         }
     }
     let mut diagnostic = diagnostic("syntax", "too long to show", 500_000..500_001);

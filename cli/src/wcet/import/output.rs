@@ -76,11 +76,7 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
         )?;
     }
     for path in answer.changed.keys() {
-        let done = if only_shown {
-            "would change"
-        } else {
-            "changed"
-        };
+        let done = if only_shown { "would change" } else { "changed" };
         writeln!(out, "{done} {}", terminal::name(&display(path)))?;
     }
     if answer.changed.is_empty() {
@@ -91,9 +87,7 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
 
 /// Returns the table of the measured codels.
 fn rows(answer: &Answer) -> Vec<[String; 7]> {
-    let head = [
-        "codel", "runs", "mean", "greatest", "declared", "proposed", "",
-    ];
+    let head = ["codel", "runs", "mean", "greatest", "declared", "proposed", ""];
     let mut rows = vec![head.map(str::to_owned)];
     for row in answer.rows.iter().filter(|row| row.measure.runs > 0) {
         rows.push([
@@ -101,8 +95,7 @@ fn rows(answer: &Answer) -> Vec<[String; 7]> {
             row.measure.runs.to_string(),
             nanos(row.measure.mean()),
             nanos(row.measure.greatest),
-            row.declared
-                .map_or("-".to_owned(), |ratio| nanos(in_nanos(ratio))),
+            row.declared.map_or("-".to_owned(), |ratio| nanos(in_nanos(ratio))),
             row.proposed.map_or("-".to_owned(), written),
             in_words(row).to_owned(),
         ]);
@@ -178,9 +171,7 @@ fn place(path: &Utf8Path, range: &Range<usize>) -> Value {
     let text = super::text(path).unwrap_or_default();
     let lines = LineIndex::new(&text);
     let position = |offset: usize| {
-        let offset = u32::try_from(offset)
-            .unwrap_or(u32::MAX)
-            .min(lines.text_len().into());
+        let offset = u32::try_from(offset).unwrap_or(u32::MAX).min(lines.text_len().into());
         let at = lines.line_col(offset.into(), PositionEncoding::Utf16);
         json!({"line": at.line, "character": at.col})
     };

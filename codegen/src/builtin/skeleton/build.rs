@@ -42,9 +42,7 @@ impl Job<'_> {
 
     /// True if there is a component, not only interfaces.
     pub(super) fn has_component(&self) -> bool {
-        self.components
-            .iter()
-            .any(|component| self.is_component(*component))
+        self.components.iter().any(|component| self.is_component(*component))
     }
 
     fn packages(&self, component: u32, question: &str) -> Option<Vec<String>> {
@@ -54,13 +52,7 @@ impl Job<'_> {
     /// The file for pkg-config, for the installed or the uninstalled component.
     pub(super) fn package(&self, mut walk: TemplateWriter, component: u32) -> Option<String> {
         let name = self.name(component);
-        walk.next()
-            .put(name)
-            .next()
-            .put(name)
-            .next()
-            .put(name)
-            .next();
+        walk.next().put(name).next().put(name).next().put(name).next();
         let requires = self.packages(component, "require")?;
         walk.when(1, !requires.is_empty(), |walk| {
             walk.next().put(&requires.join(", "));
@@ -108,9 +100,7 @@ impl Job<'_> {
             of_codels.extend(self.packages(component, "codels-require")?);
         }
         walk.next();
-        let has_genom = requires
-            .iter()
-            .any(|requirement| requirement.starts_with("genom3 "));
+        let has_genom = requires.iter().any(|requirement| requirement.starts_with("genom3 "));
         walk.when(1, !has_genom, |walk| {
             walk.next();
             Some(())
@@ -212,16 +202,11 @@ impl Job<'_> {
             walk.next().put(&header).next().put(name);
             walk.next().put(&format!("{name}_codels{extension}"));
             let tasks = (0u32..).zip(&expected.component().tasks);
-            walk.each(
-                2,
-                tasks.filter(|task| expected.has_file(task.0)),
-                |walk, (_, task)| {
-                    walk.next().put(name);
-                    walk.next()
-                        .put(&format!("{name}_{}_codels{extension}", task.name));
-                    Some(())
-                },
-            )?;
+            walk.each(2, tasks.filter(|task| expected.has_file(task.0)), |walk, (_, task)| {
+                walk.next().put(name);
+                walk.next().put(&format!("{name}_{}_codels{extension}", task.name));
+                Some(())
+            })?;
             for _ in 0..5 {
                 walk.next().put(name);
             }

@@ -25,11 +25,7 @@ impl<'a> Facts<'a> {
     pub(super) fn new(compiled: &'a Compiled, template: &'a str) -> Facts<'a> {
         let mut registry = Registry::default();
         registry.update(&compiled.spec);
-        Facts {
-            compiled,
-            registry,
-            template,
-        }
+        Facts { compiled, registry, template }
     }
 
     pub(super) fn spec(&self) -> &'a Spec {
@@ -45,10 +41,7 @@ impl<'a> Facts<'a> {
             template: self.template,
             language: Language::C,
         };
-        let words: Vec<String> = question
-            .iter()
-            .map(|question| (*question).to_owned())
-            .collect();
+        let words: Vec<String> = question.iter().map(|question| (*question).to_owned()).collect();
         let mut no_lambda = |_: &str, _: &str| Err(Failure::Error(String::new()));
         let answer = model.call(object, &words, &mut no_lambda).ok()?;
         Some(encoding::latin1(&answer.text).into_owned())
@@ -67,10 +60,7 @@ impl<'a> Facts<'a> {
     /// An answer that is a list of objects.
     pub(super) fn objects(&self, object: &Object, question: &[&str]) -> Option<Vec<Object>> {
         let handles = self.list(object, question)?;
-        handles
-            .iter()
-            .map(|handle| self.object_of(handle))
-            .collect()
+        handles.iter().map(|handle| self.object_of(handle)).collect()
     }
 
     /// An answer that is an object.
@@ -102,10 +92,7 @@ impl TemplateWriter {
         let source: Vec<char> = source.chars().collect();
         let mut texts: Vec<String> = Vec::new();
         let mut end = None;
-        for piece in pieces
-            .iter()
-            .filter(|piece| piece.kind == PieceKind::Literal)
-        {
+        for piece in pieces.iter().filter(|piece| piece.kind == PieceKind::Literal) {
             let text = source.get(piece.source.clone())?.iter();
             // A long text is read in parts.
             match texts.last_mut() {
@@ -114,11 +101,7 @@ impl TemplateWriter {
             }
             end = Some(piece.source.end);
         }
-        Some(TemplateWriter {
-            texts,
-            at: 0,
-            out: String::new(),
-        })
+        Some(TemplateWriter { texts, at: 0, out: String::new() })
     }
 
     /// Writes the next text.

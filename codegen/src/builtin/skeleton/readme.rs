@@ -24,13 +24,9 @@ pub(super) fn write(job: &Job<'_>, mut walk: TemplateWriter) -> Option<String> {
         documentation(facts, walk, port)
     })?;
     walk.next();
-    each_of(job, &mut walk, 27, "services", |walk, object| {
-        service(job, walk, object)
-    })?;
+    each_of(job, &mut walk, 27, "services", |walk, object| service(job, walk, object))?;
     walk.next();
-    each_of(job, &mut walk, 16, "tasks", |walk, object| {
-        task(job, walk, object)
-    })?;
+    each_of(job, &mut walk, 16, "tasks", |walk, object| task(job, walk, object))?;
     walk.next();
     walk.done()
 }
@@ -48,10 +44,7 @@ fn heading(job: &Job<'_>, walk: &mut TemplateWriter) -> Option<()> {
         let version = facts.component(component, &["version"]);
         authors.extend(facts.component(component, &["email"]));
         if job.newer {
-            titles.push(format!(
-                "{name} {}",
-                facts.component(component, &["class"])?
-            ));
+            titles.push(format!("{name} {}", facts.component(component, &["class"])?));
             versions.extend(version);
         } else {
             titles.push(name.to_owned());
@@ -87,10 +80,7 @@ fn each_of(
 ) -> Option<()> {
     let mut things = Vec::new();
     for &component in job.components {
-        things.extend(
-            job.facts
-                .objects(&Object::Component(component), &[question])?,
-        );
+        things.extend(job.facts.objects(&Object::Component(component), &[question])?);
     }
     walk.each(count, &things, |walk, object| write(walk, object))
 }
@@ -210,19 +200,14 @@ fn ports(facts: &Facts<'_>, walk: &mut TemplateWriter, owner: &Object) -> Option
 }
 
 /// The inverse of a task's period, as Tcl prints it; the inner `None` without a period.
-#[allow(
-    clippy::option_option,
-    reason = "no answer is not the same as no period"
-)]
+#[allow(clippy::option_option, reason = "no answer is not the same as no period")]
 fn frequency(facts: &Facts<'_>, task: &Object) -> Option<Option<String>> {
     let Some(period) = facts.object(task, &["period"]) else {
         return Some(None);
     };
     let period = facts.text(&period, &["value"])?;
     if let Ok(whole) = period.parse::<i64>() {
-        return Some(Some(
-            1i64.checked_div(whole).filter(|_| whole > 0)?.to_string(),
-        ));
+        return Some(Some(1i64.checked_div(whole).filter(|_| whole > 0)?.to_string()));
     }
     let frequency = 1.0 / period.parse::<f64>().ok()?;
     // Tcl prints exponents in another form outside of this range.
@@ -241,10 +226,7 @@ struct DefaultValue {
 
 impl DefaultValue {
     fn of(facts: &Facts<'_>, object: &Object) -> Option<DefaultValue> {
-        let mut out = DefaultValue {
-            doc: facts.text(object, &["doc"]),
-            ..DefaultValue::default()
-        };
+        let mut out = DefaultValue { doc: facts.text(object, &["doc"]), ..DefaultValue::default() };
         match facts.text(object, &["kind"])?.as_str() {
             "void" => {}
             "compound" => {
@@ -272,9 +254,8 @@ impl Job<'_> {
     fn parameter_lines(&self, parameter: &Object) -> Option<String> {
         let facts = self.facts;
         let initial = facts.object(parameter, &["initializer"]);
-        let initial = initial
-            .and_then(|object| DefaultValue::of(facts, &object))
-            .unwrap_or_default();
+        let initial =
+            initial.and_then(|object| DefaultValue::of(facts, &object)).unwrap_or_default();
         let name = facts.text(parameter, &["name"])?;
         let of = facts.object(parameter, &["type"])?;
         self.type_lines(&name, &of, &initial, " *", &[])

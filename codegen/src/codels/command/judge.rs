@@ -304,15 +304,9 @@ struct Findings {
 
 impl Findings {
     fn of(project: &mut Project<'_>, roots: &[Utf8PathBuf]) -> Findings {
-        let mut out = Findings {
-            all: project.diagnostics(roots),
-            ..Findings::default()
-        };
-        out.errors = out
-            .all
-            .iter()
-            .filter(|diagnostic| diagnostic.severity == Severity::Error)
-            .count();
+        let mut out = Findings { all: project.diagnostics(roots), ..Findings::default() };
+        out.errors =
+            out.all.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).count();
         let mut compared = Vec::new();
         for folder in project.folders(roots, &mut Vec::new()) {
             if !folder.sources.exists {
@@ -325,8 +319,7 @@ impl Findings {
             let shown = diagnostics(&found, &*folder.unit.locations, Side::First);
             out.all.extend(shown);
             let index = compared.len();
-            out.drifts
-                .extend(found.into_iter().map(|drift| (index, drift)));
+            out.drifts.extend(found.into_iter().map(|drift| (index, drift)));
             compared.push((folder, all));
         }
         out.all.extend(project.unused_allowances(&compared));
@@ -351,10 +344,7 @@ impl Findings {
         let follows = after.count(mismatch) < self.count(mismatch);
         let in_body = [DriftCode::UndeclaredName, DriftCode::ConstantWrite];
         let is_left = |code: &str| {
-            follows
-                && in_body
-                    .iter()
-                    .any(|undeclared_name| undeclared_name.as_str() == code)
+            follows && in_body.iter().any(|undeclared_name| undeclared_name.as_str() == code)
         };
         let mut out = Vec::new();
         for (&code, &count) in &after.counts {
@@ -362,10 +352,7 @@ impl Findings {
                 continue;
             }
             let waits = lints::find(code).is_some_and(|code| code.absence);
-            let new = after
-                .all
-                .iter()
-                .filter(|diagnostic| diagnostic.code == code);
+            let new = after.all.iter().filter(|diagnostic| diagnostic.code == code);
             let mut told = new.filter(|diagnostic| diagnostic.severity <= Severity::Warning);
             if !reveals
                 || !waits

@@ -50,10 +50,8 @@ impl<'a> Project<'a> {
 
     /// Puts a text in place of a file.
     pub fn overlay(&mut self, path: Utf8PathBuf, text: String) {
-        self.host.apply(Change {
-            files: vec![(path.clone(), Some(text.clone()))],
-            ..Change::default()
-        });
+        self.host
+            .apply(Change { files: vec![(path.clone(), Some(text.clone()))], ..Change::default() });
         self.overlay.insert(path, text.into());
     }
 
@@ -67,10 +65,7 @@ impl<'a> Project<'a> {
             self.overlay.insert(path.clone(), text.clone());
         }
         let text = text.map(|text| text.to_string());
-        self.host.apply(Change {
-            files: vec![(path, text)],
-            ..Change::default()
-        });
+        self.host.apply(Change { files: vec![(path, text)], ..Change::default() });
     }
 
     /// Findings of the specifications of some roots, and of the files they include.
@@ -114,10 +109,7 @@ impl<'a> Project<'a> {
 
     /// Present text of a file.
     pub fn text(&self, path: &Utf8Path) -> Option<Arc<str>> {
-        self.overlay
-            .get(path)
-            .cloned()
-            .or_else(|| self.files.read(path))
+        self.overlay.get(path).cloned().or_else(|| self.files.read(path))
     }
 
     /// Text of a file on disk.
@@ -187,11 +179,7 @@ impl<'a> Project<'a> {
     pub fn stub_options(&self, specification: &Utf8Path) -> StubOptions {
         let text = self.text(specification);
         StubOptions {
-            notice: self
-                .stubs
-                .notice
-                .clone()
-                .or_else(|| notice(text.as_deref()?)),
+            notice: self.stubs.notice.clone().or_else(|| notice(text.as_deref()?)),
             ..self.stubs.clone()
         }
     }
@@ -219,10 +207,7 @@ impl Files for Project<'_> {
     }
 
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
-        let below = self
-            .overlay
-            .keys()
-            .filter_map(|key| key.strip_prefix(folder).ok());
+        let below = self.overlay.keys().filter_map(|key| key.strip_prefix(folder).ok());
         let below: Vec<Utf8PathBuf> = below.map(Utf8Path::to_owned).collect();
         match self.files.list(folder) {
             Some(mut listing) => {

@@ -85,10 +85,7 @@ impl CheckReport {
     /// The exit status: 0 without drift, 1 with drift (hints do not count), 2 if a specification could not be
     /// compared.
     pub fn exit_code(&self) -> u8 {
-        let drift = self
-            .findings
-            .iter()
-            .any(|finding| finding.severity != Severity::Hint);
+        let drift = self.findings.iter().any(|finding| finding.severity != Severity::Hint);
         match (self.errors.is_empty(), drift) {
             (false, _) => 2,
             (true, true) => 1,
@@ -179,10 +176,7 @@ impl CheckReport {
             specification: folder.specification.clone(),
             folder: folder.sources.folder.clone(),
             exists: folder.sources.exists,
-            components: all
-                .iter()
-                .map(|expected| expected.component().name.to_string())
-                .collect(),
+            components: all.iter().map(|expected| expected.component().name.to_string()).collect(),
             sources: folder.sources.sources.len(),
             codels: functions.clone().count(),
             defined: defined.count(),
@@ -191,10 +185,8 @@ impl CheckReport {
         let place = |path: &Utf8Path, range: std::ops::Range<usize>| {
             let text = project.text(path).unwrap_or_default();
             let before = text.as_bytes().get(..range.start).unwrap_or_default();
-            let line_start = before
-                .iter()
-                .rposition(|byte| *byte == b'\n')
-                .map_or(0, |index| index + 1);
+            let line_start =
+                before.iter().rposition(|byte| *byte == b'\n').map_or(0, |index| index + 1);
             FindingPlace {
                 path: path.to_owned(),
                 start: range.start,
@@ -204,14 +196,9 @@ impl CheckReport {
             }
         };
         for drift in project.findings(folder, &all) {
-            let source = drift
-                .source
-                .iter()
-                .map(|source| place(&source.path, source.range.clone()));
-            let spec = drift
-                .spec
-                .iter()
-                .filter_map(|&spec| folder.unit.locations.locate(spec));
+            let source =
+                drift.source.iter().map(|source| place(&source.path, source.range.clone()));
+            let spec = drift.spec.iter().filter_map(|&spec| folder.unit.locations.locate(spec));
             let spec = spec.map(|spec| place(&spec.path, spec.range));
             let mut places = source.chain(spec);
             let component = &folder.unit.spec.components[drift.component as usize];

@@ -82,10 +82,7 @@ fn false_statements(check: &Check<'_>, at: CodelRef, comment: &Generated) -> Vec
             CodelKind::Validate => "validation codel",
             _ => "codel",
         };
-        out.push(format!(
-            "it is now {validation} `{}` of {kind} `{owner}`",
-            codel.name
-        ));
+        out.push(format!("it is now {validation} `{}` of {kind} `{owner}`", codel.name));
     }
     if comment.triggers.is_none() && comment.yields.is_none() && comment.throws.is_none() {
         return out;
@@ -105,11 +102,7 @@ fn false_statements(check: &Check<'_>, at: CodelRef, comment: &Generated) -> Vec
         let said = said.as_deref().unwrap_or_default().iter().map(|text| {
             let (paused, name) = cut_tag(text, &component.name);
             let name = text::c_name(name);
-            if paused {
-                format!("pause::{name}")
-            } else {
-                name
-            }
+            if paused { format!("pause::{name}") } else { name }
         });
         let mut said: Vec<String> = said.collect();
         let mut now = is.to_vec();
@@ -118,20 +111,12 @@ fn false_statements(check: &Check<'_>, at: CodelRef, comment: &Generated) -> Vec
         said.sort();
         said.dedup();
         if now != said {
-            let list = if is.is_empty() {
-                "nothing".into()
-            } else {
-                is.join(", ")
-            };
+            let list = if is.is_empty() { "nothing".into() } else { is.join(", ") };
             out.push(format!("it now {words} {list}"));
         }
     };
     if codel.kind == CodelKind::Fsm {
-        sentence(
-            &states(&codel.triggers),
-            &comment.triggers,
-            "is triggered by",
-        );
+        sentence(&states(&codel.triggers), &comment.triggers, "is triggered by");
         sentence(&states(&codel.yields), &comment.yields, "yields to");
     }
     if !may_throw_more(check) {

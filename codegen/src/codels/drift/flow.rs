@@ -37,11 +37,7 @@ pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut
         let Some(body) = &found.function.body else {
             continue;
         };
-        let flow = Flow {
-            check,
-            found: *found,
-            body,
-        };
+        let flow = Flow { check, found: *found, body };
         flow.returns(&mut outcome, out);
         flow.raises(out);
     }
@@ -73,11 +69,7 @@ impl Flow<'_> {
                         self.through_helper(call, *variable, outcome, &mut reported, out);
                     }
                 }
-                Value::Name {
-                    name,
-                    span,
-                    variable,
-                } => {
+                Value::Name { name, span, variable } => {
                     let Some(event) = self.event(name) else {
                         outcome.unknown = true;
                         continue;
@@ -183,8 +175,7 @@ impl Flow<'_> {
             // Scopes may be missing after `using namespace`.
             let mut all = expected.events.keys();
             let long = all.find(|key| {
-                key.strip_suffix(name.as_str())
-                    .is_some_and(|stem| stem.ends_with("::"))
+                key.strip_suffix(name.as_str()).is_some_and(|stem| stem.ends_with("::"))
             });
             if long.is_some() {
                 return long.cloned();
@@ -206,20 +197,16 @@ impl Flow<'_> {
 
     /// True if the function uses a macro as a statement, which may contain a `return`.
     fn hides_returns(&self) -> bool {
-        self.body
-            .calls
-            .iter()
-            .filter(|call| call.statement)
-            .any(|call| {
-                let name = &call.name;
-                let macros = self.check.sources.all().flat_map(|file| &file.index.macros);
-                let mut known = macros.filter(|defined| defined.name == *name).peekable();
-                if known.peek().is_some() {
-                    return known.any(|definition| definition.returns);
-                }
-                let loud = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
-                name.chars().all(loud)
-            })
+        self.body.calls.iter().filter(|call| call.statement).any(|call| {
+            let name = &call.name;
+            let macros = self.check.sources.all().flat_map(|file| &file.index.macros);
+            let mut known = macros.filter(|defined| defined.name == *name).peekable();
+            if known.peek().is_some() {
+                return known.any(|definition| definition.returns);
+            }
+            let loud = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
+            name.chars().all(loud)
+        })
     }
 
     fn undeclared_yield(&self, event: &str, span: &Span) -> Drift {
@@ -238,11 +225,9 @@ impl Flow<'_> {
                     yields: States(first.map(|&of| yields(expected, of)).unwrap_or_default()),
                 }
             }
-            None => Difference::HasNoStates {
-                function,
-                event: event_name,
-                ok: expected.ok().into(),
-            },
+            None => {
+                Difference::HasNoStates { function, event: event_name, ok: expected.ok().into() }
+            }
             Some(&at) => Difference::NotYielded {
                 function,
                 event: event_name,
@@ -281,16 +266,10 @@ impl Flow<'_> {
         let paused = self.expected().paused(event)?;
         let returns = self.returning(event, &paused)?;
         let mut yields = component.codel(at).yields.iter();
-        Some(
-            match yields.any(|other| other.paused && other.name == state) {
-                true => Repair::ReturnDeclared(returns),
-                false => Repair::AddPausedYield {
-                    at,
-                    state: state.to_owned(),
-                    returns,
-                },
-            },
-        )
+        Some(match yields.any(|other| other.paused && other.name == state) {
+            true => Repair::ReturnDeclared(returns),
+            false => Repair::AddPausedYield { at, state: state.to_owned(), returns },
+        })
     }
 
     /// Events that the function may return in place of one, the most similar name first. If there are any
@@ -301,10 +280,7 @@ impl Flow<'_> {
         let mut all: Vec<SmolStr> = Vec::new();
         for &at in &self.check.function.uses {
             let codel = component.codel(at);
-            let yields = codel
-                .yields
-                .iter()
-                .map(|state| expected.spelling(state.event));
+            let yields = codel.yields.iter().map(|state| expected.spelling(state.event));
             match codel.kind {
                 CodelKind::Fsm => all.extend(yields),
                 _ => all.push(expected.ok().into()),
@@ -373,26 +349,16 @@ impl Flow<'_> {
         let (paused, name) = cut_tag(event, &component.name);
         let codels = component.codels_of(at.owner);
         let here = name == "ether"
-            || codels
-                .iter()
-                .flat_map(|codel| &codel.triggers)
-                .any(|trigger| trigger.name == name);
+            || codels.iter().flat_map(|codel| &codel.triggers).any(|trigger| trigger.name == name);
         let pause = if paused { "pause::" } else { "" };
         here.then(|| format!("{pause}{name}"))
     }
 
     fn raises(&self, out: &mut Vec<Drift>) {
         let mut reported: FxHashSet<SmolStr> = FxHashSet::default();
-        let throws = self
-            .body
-            .throws
-            .iter()
-            .map(|exception| (&exception.name, &exception.span, None));
-        let calls = self
-            .body
-            .calls
-            .iter()
-            .map(|call| (&call.name, &call.span, Some(call)));
+        let throws =
+            self.body.throws.iter().map(|exception| (&exception.name, &exception.span, None));
+        let calls = self.body.calls.iter().map(|call| (&call.name, &call.span, Some(call)));
         let mut all: Vec<_> = throws.chain(calls).collect();
         all.sort_by_key(|exception| exception.1.start);
         for (name, span, call) in all {
@@ -431,10 +397,7 @@ impl Flow<'_> {
         }
         let mut all = expected.exceptions.iter();
         let long = all.find(|exception| {
-            exception
-                .0
-                .strip_suffix(name.as_str())
-                .is_some_and(|stem| stem.ends_with("::"))
+            exception.0.strip_suffix(name.as_str()).is_some_and(|stem| stem.ends_with("::"))
         });
         long.map(|exception| *exception.1)
     }
@@ -462,15 +425,10 @@ impl Flow<'_> {
         let function = &self.check.function.name;
         let (function, name_of) = (function.clone(), name.into());
         let kind = match exception {
-            Some(_) => Difference::NotThrown {
-                function,
-                exception: name_of,
-                owners: self.owners().into(),
-            },
-            None => Difference::NoException {
-                function,
-                exception: name_of,
-            },
+            Some(_) => {
+                Difference::NotThrown { function, exception: name_of, owners: self.owners().into() }
+            }
+            None => Difference::NoException { function, exception: name_of },
         };
         let mut drift = self.check.drift(kind);
         drift.source = Some(self.found.at(span.clone()));
@@ -513,11 +471,7 @@ impl Flow<'_> {
 
     /// The repair that raises another exception where the function itself raises one.
     fn raising(&self, name: &str, to: &str) -> Option<NameReplacement> {
-        let throws = self
-            .body
-            .throws
-            .iter()
-            .map(|exception| (&exception.name, &exception.span));
+        let throws = self.body.throws.iter().map(|exception| (&exception.name, &exception.span));
         let calls = self.body.calls.iter().map(|call| (&call.name, &call.span));
         let places = throws.chain(calls).filter(|exception| exception.0 == name);
         let from = match self.exception(&name.into()) {
@@ -587,9 +541,7 @@ fn never_yielded(
                 };
                 let found = *found;
                 let flow = Flow { check, found, body };
-                let ways = others
-                    .iter()
-                    .filter_map(|name| flow.returning(name, &event));
+                let ways = others.iter().filter_map(|name| flow.returning(name, &event));
                 drift.repairs.extend(ways.map(Repair::ReturnDeclared));
             }
             out.push(drift);

@@ -55,12 +55,8 @@ pub(super) fn check(
     };
     let mut types = Types::default();
     types.read(&text, mapping::grammar(expected));
-    let open: FxHashSet<SmolStr> = expected
-        .spec
-        .open
-        .iter()
-        .map(|ty| expected.spelling(*ty))
-        .collect();
+    let open: FxHashSet<SmolStr> =
+        expected.spec.open.iter().map(|ty| expected.spelling(*ty)).collect();
     let mapped: FxHashMap<SmolStr, Vec<SmolStr>> = types
         .structures()
         // A type that is declared in a missing file has no known members.
@@ -119,10 +115,7 @@ impl<'a> Members<'a, '_> {
             }
             !is_function
         });
-        for function in functions
-            .into_iter()
-            .filter(|function| !function.has_error())
-        {
+        for function in functions.into_iter().filter(|function| !function.has_error()) {
             let scope = Scope::new(Some(function), text, &self.types);
             let mut found = Vec::new();
             preorder(function, |node| {
@@ -169,10 +162,7 @@ impl<'a> Members<'a, '_> {
             for file in sources.all() {
                 for found in file.index.definitions(&function.name) {
                     // With another number of parameters, the position may refer to another parameter.
-                    let wanted = function
-                        .shape
-                        .as_ref()
-                        .map_or(0, |shape| shape.parameters.len());
+                    let wanted = function.shape.as_ref().map_or(0, |shape| shape.parameters.len());
                     if wanted != found.parameters.len() {
                         continue;
                     }
@@ -200,9 +190,7 @@ impl<'a> Members<'a, '_> {
     /// True if the specification has a member of the `ids` or a parameter of that name.
     fn is_named(&self, name: &str) -> bool {
         let component = self.expected.component();
-        let mut params = component
-            .all_codels()
-            .flat_map(|codel| &component.codel(codel).params);
+        let mut params = component.all_codels().flat_map(|codel| &component.codel(codel).params);
         let members = self.ids().and_then(|text| self.mapped.get(&text));
         let mut members = members.into_iter().flatten();
         params.any(|param| param.name == name)
@@ -216,18 +204,14 @@ impl<'a> Members<'a, '_> {
         let mut followed: FxHashSet<(&SmolStr, &SmolStr)> = FxHashSet::default();
         for ((structure, name), uses) in &self.unknown {
             let to = renamed.get(&(structure.clone(), name.clone()));
-            let mut places: Vec<(Utf8PathBuf, Span)> = uses
-                .iter()
-                .map(|usage| (usage.file.path.clone(), usage.span.clone()))
-                .collect();
+            let mut places: Vec<(Utf8PathBuf, Span)> =
+                uses.iter().map(|usage| (usage.file.path.clone(), usage.span.clone())).collect();
             if let Some(to) = to.filter(|_| ids.as_ref() == Some(structure))
                 && let Some((key, all)) = self.parameters.get_key_value(&(name.clone(), to.clone()))
             {
                 followed.insert((&key.0, &key.1));
                 places.extend(all.iter().flat_map(|(file, _, places)| {
-                    places
-                        .iter()
-                        .map(|place| (file.path.clone(), place.clone()))
+                    places.iter().map(|place| (file.path.clone(), place.clone()))
                 }));
             }
             let repair = to.map(|to| Repair::FollowMember {
@@ -265,9 +249,7 @@ impl<'a> Members<'a, '_> {
             let places: Vec<(Utf8PathBuf, Span)> = all
                 .iter()
                 .flat_map(|(file, _, places)| {
-                    places
-                        .iter()
-                        .map(|place| (file.path.clone(), place.clone()))
+                    places.iter().map(|place| (file.path.clone(), place.clone()))
                 })
                 .collect();
             for (file, span, own) in all.iter().filter(|triple| !triple.2.is_empty()) {
@@ -300,10 +282,7 @@ impl<'a> Members<'a, '_> {
             kind,
             component: self.expected.component,
             spec,
-            source: Some(SourcePlace {
-                path: file.path.clone(),
-                range: span,
-            }),
+            source: Some(SourcePlace { path: file.path.clone(), range: span }),
             expected: None,
             found: None,
             repairs: Vec::new(),
@@ -339,22 +318,14 @@ impl<'a> Members<'a, '_> {
         structures.dedup();
         for structure in structures {
             let mut lost: Vec<&SmolStr> = Vec::new();
-            lost.extend(
-                self.unknown
-                    .keys()
-                    .filter(|key| key.0 == *structure)
-                    .map(|key| &key.1),
-            );
+            lost.extend(self.unknown.keys().filter(|key| key.0 == *structure).map(|key| &key.1));
             let mut free: Vec<&SmolStr> =
                 self.mapped.get(structure).into_iter().flatten().collect();
             free.retain(|text| !self.used.contains(&(structure.clone(), (*text).clone())));
             free.sort();
             let mut pairs: Vec<(SmolStr, SmolStr)> = Vec::new();
             for name in &lost {
-                if let Some(to) = self
-                    .called(structure, name)
-                    .filter(|text| free.contains(text))
-                {
+                if let Some(to) = self.called(structure, name).filter(|text| free.contains(text)) {
                     pairs.push(((*name).clone(), to.clone()));
                 }
             }
@@ -370,10 +341,7 @@ impl<'a> Members<'a, '_> {
             for (name, to) in pairs {
                 let key = (structure.clone(), name);
                 let uses = self.unknown.get(&key).into_iter().flatten();
-                if uses
-                    .into_iter()
-                    .all(|usage| self.fits(structure, &to, &usage.shape))
-                {
+                if uses.into_iter().all(|usage| self.fits(structure, &to, &usage.shape)) {
                     out.insert(key, to);
                 }
             }
@@ -384,10 +352,7 @@ impl<'a> Members<'a, '_> {
     /// The member of the `ids` that parameters of a name refer to, if all refer to one member.
     fn called(&self, structure: &SmolStr, name: &SmolStr) -> Option<&SmolStr> {
         let of_ids = self.ids().as_ref() == Some(structure);
-        let mut all = self
-            .parameters
-            .keys()
-            .filter(|key| of_ids && key.0 == *name);
+        let mut all = self.parameters.keys().filter(|key| of_ids && key.0 == *name);
         let (_, to) = all.next()?;
         all.next().is_none().then_some(to)
     }
@@ -428,10 +393,7 @@ fn structure_of(node: Node<'_>, scope: &Scope<'_>, types: &Types) -> Option<Smol
 
 /// The shape that the use of a member requires.
 fn shape(node: Node<'_>, text: &str) -> Shape {
-    let Some(value) = node
-        .parent()
-        .filter(|parent| parent.kind() == "field_expression")
-    else {
+    let Some(value) = node.parent().filter(|parent| parent.kind() == "field_expression") else {
         return Shape::Any;
     };
     let Some(around) = value.parent() else {

@@ -30,24 +30,15 @@ pub(super) fn check(
             {
                 continue;
             }
-            let kind = Difference::NoName {
-                function: name(),
-                name: used.as_str().into(),
-            };
-            out.push(Drift {
-                source: Some(found.at(span.clone())),
-                ..check.drift(kind)
-            });
+            let kind = Difference::NoName { function: name(), name: used.as_str().into() };
+            out.push(Drift { source: Some(found.at(span.clone())), ..check.drift(kind) });
         }
         for (parameter, span) in &body.constant_writes {
             let kind = Difference::ConstantWrite {
                 function: name(),
                 parameter: parameter.as_str().into(),
             };
-            out.push(Drift {
-                source: Some(found.at(span.clone())),
-                ..check.drift(kind)
-            });
+            out.push(Drift { source: Some(found.at(span.clone())), ..check.drift(kind) });
         }
     }
 }
@@ -57,13 +48,7 @@ fn named(check: &Check<'_>) -> FxHashSet<Name> {
     let component = check.expected.component();
     let mut out: FxHashSet<Name> = FxHashSet::default();
     for at in component.all_codels() {
-        out.extend(
-            component
-                .codel(at)
-                .params
-                .iter()
-                .map(|param| param.name.clone()),
-        );
+        out.extend(component.codel(at).params.iter().map(|param| param.name.clone()));
     }
     for service in &component.services {
         out.extend(service.params.iter().map(|param| param.name.clone()));
@@ -86,9 +71,6 @@ fn is_declared(check: &Check<'_>, name: &str) -> bool {
         let index = &file.index;
         index.names.contains(name)
             || index.loose.contains(name)
-            || index
-                .macros
-                .iter()
-                .any(|definition| definition.name == name)
+            || index.macros.iter().any(|definition| definition.name == name)
     })
 }

@@ -25,16 +25,12 @@ pub(super) fn find<'a>(
             || all.iter().any(|expected| {
                 let mut components = expected.spec.components.iter();
                 components.any(|component| {
-                    component
-                        .all_codels()
-                        .any(|at| component.codel(at).name == name)
+                    component.all_codels().any(|at| component.codel(at).name == name)
                 })
             })
     };
-    let components: Vec<&str> = all
-        .iter()
-        .map(|expected| expected.component().name.as_str())
-        .collect();
+    let components: Vec<&str> =
+        all.iter().map(|expected| expected.component().name.as_str()).collect();
     let mut out = Vec::new();
     for file in sources.of_components(&components) {
         for function in &file.index.functions {
@@ -42,9 +38,7 @@ pub(super) fn find<'a>(
             if function.body.is_some()
                 && function.is_global()
                 && !function.is_static
-                && all
-                    .iter()
-                    .any(|expected| has_codel_shape(function, expected.language))
+                && all.iter().any(|expected| has_codel_shape(function, expected.language))
                 && !named(&function.name)
                 && (comment_names_codel(function) || !is_helper(found, sources))
             {
@@ -79,10 +73,7 @@ fn has_codel_shape(function: &Function, language: Language) -> bool {
 }
 
 fn comment_names_codel(function: &Function) -> bool {
-    let mut comments = function
-        .comments
-        .iter()
-        .filter_map(|comment| comment.generated.as_ref());
+    let mut comments = function.comments.iter().filter_map(|comment| comment.generated.as_ref());
     comments.any(|comment| comment.codel == function.name)
 }
 
@@ -117,10 +108,7 @@ pub(super) fn renamed<'a>(
     let names = orphans.iter().map(|orphan| orphan.function.name.as_str());
     let name = nearest(&function.name, names)?;
     // The similarity must be the highest in both directions.
-    let functions = expected
-        .functions
-        .iter()
-        .map(|function| function.name.as_str());
+    let functions = expected.functions.iter().map(|function| function.name.as_str());
     let missing = functions.filter(|name| {
         let mut files = sources.all();
         !files.any(|file| file.index.definitions(name).next().is_some())
@@ -134,20 +122,12 @@ pub(super) fn renamed<'a>(
 fn comment_names_owner(function: &Function, expected: &Expected<'_>, at: CodelRef) -> bool {
     let component = expected.component();
     let codel = component.codel(at);
-    let mut comments = function
-        .comments
-        .iter()
-        .filter_map(|comment| comment.generated.as_ref());
+    let mut comments = function.comments.iter().filter_map(|comment| comment.generated.as_ref());
     comments.any(|comment| {
         let said = comment.triggers.as_deref().unwrap_or_default().iter();
-        let said: FxHashSet<&str> = said
-            .map(|trigger| cut_tag(trigger, &component.name).1)
-            .collect();
-        let now = codel
-            .triggers
-            .iter()
-            .map(|trigger| trigger.name.as_str())
-            .collect();
+        let said: FxHashSet<&str> =
+            said.map(|trigger| cut_tag(trigger, &component.name).1).collect();
+        let now = codel.triggers.iter().map(|trigger| trigger.name.as_str()).collect();
         comment.codel == function.name
             && comment.owner == *owner_words(component, at.owner).1
             && (comment.owner_kind == "task") == matches!(at.owner, Owner::Task(_))
@@ -158,19 +138,12 @@ fn comment_names_owner(function: &Function, expected: &Expected<'_>, at: CodelRe
 
 pub(super) fn report(orphan: &FunctionIn<'_>, all: &[Expected<'_>]) -> Option<Drift> {
     let function = orphan.function;
-    let expected = all
-        .iter()
-        .find(|expected| has_codel_shape(function, expected.language))?;
+    let expected = all.iter().find(|expected| has_codel_shape(function, expected.language))?;
     let name = &function.name;
     let mut repairs = Vec::new();
-    let references = function
-        .parameters
-        .iter()
-        .flat_map(|parameter| &parameter.ty.layers);
+    let references = function.parameters.iter().flat_map(|parameter| &parameter.ty.layers);
     if function.known
-        && !references
-            .clone()
-            .any(|reference| matches!(reference, Layer::Function { .. }))
+        && !references.clone().any(|reference| matches!(reference, Layer::Function { .. }))
     {
         repairs.push(Repair::DeclareCodel {
             name: name.as_str().into(),
@@ -181,9 +154,7 @@ pub(super) fn report(orphan: &FunctionIn<'_>, all: &[Expected<'_>]) -> Option<Dr
     Some(Drift {
         code: DriftCode::Orphan,
         severity: DriftCode::Orphan.severity(),
-        kind: Difference::Orphan {
-            function: name.as_str().into(),
-        },
+        kind: Difference::Orphan { function: name.as_str().into() },
         component: expected.component,
         spec: Vec::new(),
         source: Some(orphan.at(function.name_span.clone())),

@@ -82,10 +82,7 @@ fn differences(check: &Check<'_>, wanted: &Function, found: &Function) -> Vec<St
         out.push("it is `static`, so that the component cannot call it".into());
     }
     let compare = |a: &CType, b: &CType| compare(check, a, b);
-    if matches!(
-        compare(&wanted.result, &found.result),
-        Verdict::Different | Verdict::Constness
-    ) {
+    if matches!(compare(&wanted.result, &found.result), Verdict::Different | Verdict::Constness) {
         out.push(format!(
             "expected return type `{}`, found `{}`",
             show(&wanted.result, None),
@@ -139,11 +136,7 @@ fn arity(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> String
         .into_iter()
         .map(|parameter| format!("`{}`", show(&parameter.ty, parameter.name.as_deref())))
         .collect();
-    if extra.is_empty() {
-        count
-    } else {
-        format!("{count} ({word}: {})", extra.join(", "))
-    }
+    if extra.is_empty() { count } else { format!("{count} ({word}: {})", extra.join(", ")) }
 }
 
 /// Parameters of the first list without a counterpart in the second: by name, then by type.
@@ -152,20 +145,14 @@ fn unmatched<'p>(check: &Check<'_>, of: &'p [Parameter], by: &[Parameter]) -> Ve
     let mut rest: Vec<&Parameter> = Vec::new();
     for parameter in of {
         let same = |other: &&Parameter| parameter.name.is_some() && other.name == parameter.name;
-        match partners
-            .iter_mut()
-            .find(|other| other.as_ref().is_some_and(same))
-        {
+        match partners.iter_mut().find(|other| other.as_ref().is_some_and(same)) {
             Some(partner) => *partner = None,
             None => rest.push(parameter),
         }
     }
     rest.retain(|parameter| {
         let same = |other: &&Parameter| compare(check, &parameter.ty, &other.ty) == Verdict::Same;
-        match partners
-            .iter_mut()
-            .find(|other| other.as_ref().is_some_and(same))
-        {
+        match partners.iter_mut().find(|other| other.as_ref().is_some_and(same)) {
             Some(partner) => {
                 *partner = None;
                 false
@@ -179,9 +166,7 @@ fn unmatched<'p>(check: &Check<'_>, of: &'p [Parameter], by: &[Parameter]) -> Ve
 /// A description of parameters in another order: by name if all have names, else by type.
 fn permuted(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> Option<String> {
     let names = |all: &[Parameter]| -> Option<Vec<String>> {
-        all.iter()
-            .map(|parameter| parameter.name.as_ref().map(ToString::to_string))
-            .collect()
+        all.iter().map(|parameter| parameter.name.as_ref().map(ToString::to_string)).collect()
     };
     let (w, f) = (names(wanted)?, names(found)?);
     let sorted = |all: &[String]| {
@@ -196,19 +181,10 @@ fn permuted(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> Opt
     let kept = wanted.iter().all(|parameter| {
         let other = found.iter().find(|other| other.name == parameter.name);
         other.is_some_and(|other| {
-            matches!(
-                compare(check, &parameter.ty, &other.ty),
-                Verdict::Same | Verdict::Unknown
-            )
+            matches!(compare(check, &parameter.ty, &other.ty), Verdict::Same | Verdict::Unknown)
         })
     });
-    kept.then(|| {
-        format!(
-            "order: expected ({}), found ({})",
-            w.join(", "),
-            f.join(", ")
-        )
-    })
+    kept.then(|| format!("order: expected ({}), found ({})", w.join(", "), f.join(", ")))
 }
 
 fn compare(check: &Check<'_>, wanted: &CType, found: &CType) -> Verdict {
@@ -254,10 +230,8 @@ fn same(a: &CType, b: &CType) -> bool {
 /// True for equal names, for a name that is the end of the other (after `using namespace`), and for integer
 /// types that may be equal.
 fn same_base(a: &str, b: &str) -> bool {
-    let ends = |long: &str, short: &str| {
-        long.strip_suffix(short)
-            .is_some_and(|stem| stem.ends_with("::"))
-    };
+    let ends =
+        |long: &str, short: &str| long.strip_suffix(short).is_some_and(|stem| stem.ends_with("::"));
     let wide = |a: &str, b: &str| {
         matches!(
             (a, b),
@@ -274,11 +248,7 @@ fn is_declared_in(sources: &Sources, base: &str) -> bool {
     let plain = short.split('<').next().unwrap_or(short);
     sources.all().any(|file| {
         file.index.names.contains(plain)
-            || file
-                .index
-                .macros
-                .iter()
-                .any(|definition| definition.name == plain)
+            || file.index.macros.iter().any(|definition| definition.name == plain)
     })
 }
 
@@ -310,7 +280,5 @@ fn show(ty: &CType, name: Option<&str>) -> String {
         }
     }
     let constant = if ty.constant { "const " } else { "" };
-    format!("{constant}{} {declarator}", ty.base)
-        .trim_end()
-        .to_owned()
+    format!("{constant}{} {declarator}", ty.base).trim_end().to_owned()
 }

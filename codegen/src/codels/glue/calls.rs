@@ -101,10 +101,7 @@ impl Glue<'_, '_> {
                 continue;
             }
             out += &self.codel(number, at, codel)?;
-            _ = writeln!(
-                cases,
-                "  case {number}: glue_codel_{number}(instance, out); break;"
-            );
+            _ = writeln!(cases, "  case {number}: glue_codel_{number}(instance, out); break;");
             number += 1;
         }
         for (at, service) in component.services.iter().enumerate() {
@@ -143,10 +140,7 @@ impl Glue<'_, '_> {
                      \x20 glue_put_number(out, GLUE_EVENT);\n  glue_put_text(out, \"\", 0);\n\
                      \x20 glue_put_number(out, 0);\n  glue_finish(out);\n}}\n"
                 );
-                _ = writeln!(
-                    cases,
-                    "  case {number}: glue_codel_{number}(instance, out); break;"
-                );
+                _ = writeln!(cases, "  case {number}: glue_codel_{number}(instance, out); break;");
             }
             number += 1;
         }
@@ -272,10 +266,8 @@ impl Glue<'_, '_> {
         let mut catches = String::new();
         let spec = self.expected.spec;
         let syserr = "genom::syserr".to_owned();
-        let mut known = vec![(
-            syserr,
-            "    glue_put(out, &e.detail, sizeof(e.detail));\n".to_owned(),
-        )];
+        let mut known =
+            vec![(syserr, "    glue_put(out, &e.detail, sizeof(e.detail));\n".to_owned())];
         known.push((
             "genom::unkex".to_owned(),
             "    glue_put(out, &e.detail, sizeof(e.detail));\n".to_owned(),
@@ -327,11 +319,7 @@ impl Glue<'_, '_> {
 
 /// Writes the code that passes the exceptions of GenoM3 itself on.
 fn system_exceptions(exceptions: &mut String) {
-    for (name, detail) in [
-        ("genom_syserr", true),
-        ("genom_unkex", true),
-        ("genom_fatal", false),
-    ] {
+    for (name, detail) in [("genom_syserr", true), ("genom_unkex", true), ("genom_fatal", false)] {
         let (id, detail) = match detail {
             true => (
                 format!("{name}_id"),

@@ -148,9 +148,7 @@ impl Glue<'_, '_> {
 
     fn port_cxx(&self, at: usize, port: &Port) -> LangResult {
         let name = self.mapper.type_cname(port.ty)?;
-        let data = self
-            .mapper
-            .return_value(port.data, PassingMode::Reference, "")?;
+        let data = self.mapper.return_value(port.data, PassingMode::Reference, "")?;
         let (arguments, id) = match port.multiple {
             true => ("const char *id", "id"),
             false => ("void", "\"\""),

@@ -23,9 +23,9 @@ impl Glue<'_, '_> {
         }
         match self.kind(ty) {
             TypeKind::String { bound: None } | TypeKind::Sequence { bound: None, .. } => true,
-            TypeKind::Struct { members } | TypeKind::Union { members, .. } => members
-                .iter()
-                .any(|&member| self.owns_within(member, outer)),
+            TypeKind::Struct { members } | TypeKind::Union { members, .. } => {
+                members.iter().any(|&member| self.owns_within(member, outer))
+            }
             TypeKind::Array { element, .. }
             | TypeKind::Sequence { element, .. }
             | TypeKind::Optional { element } => self.owns_within(*element, outer),
@@ -76,9 +76,9 @@ impl Glue<'_, '_> {
                 }
                 out
             }
-            TypeKind::Union { members, .. } => self.cases(members, |member, name| {
-                of("    ", member, &format!("&x->_u.{name}"))
-            })?,
+            TypeKind::Union { members, .. } => {
+                self.cases(members, |member, name| of("    ", member, &format!("&x->_u.{name}")))?
+            }
             _ => String::new(),
         })
     }

@@ -44,10 +44,9 @@ impl Glue<'_, '_> {
                 "  uint8_t v = *x ? 1 : 0;\n  glue_put(b, &v, 1);\n".into(),
                 "  uint8_t v;\n  glue_get(r, &v, 1);\n  *x = v != 0;\n".into(),
             ),
-            _ if self.is_plain(ty) => (
-                "  glue_put(b, x, sizeof(*x));\n".into(),
-                "  glue_get(r, x, sizeof(*x));\n".into(),
-            ),
+            _ if self.is_plain(ty) => {
+                ("  glue_put(b, x, sizeof(*x));\n".into(), "  glue_get(r, x, sizeof(*x));\n".into())
+            }
             TypeKind::Enum { .. } => {
                 let number = self.known(ty)?;
                 (
@@ -166,10 +165,9 @@ impl Glue<'_, '_> {
             return Ok((save, load));
         }
         let (head, resize) = match bound {
-            Some(bound) => (
-                format!("  if (n > {bound}u) {{ r->bad = 1; n = 0; }}\n"),
-                "  x->n = n;\n",
-            ),
+            Some(bound) => {
+                (format!("  if (n > {bound}u) {{ r->bad = 1; n = 0; }}\n"), "  x->n = n;\n")
+            }
             None => (String::new(), "  x->resize(n);\n"),
         };
         // The elements of a vector of booleans have no address.
@@ -179,10 +177,9 @@ impl Glue<'_, '_> {
                 format!("{{ glue_t{of} v = (*x)[i]; glue_save_{of}(b, &v); }}"),
                 format!("{{ glue_t{of} v; glue_load_{of}(r, &v); (*x)[i] = v; }}"),
             ),
-            false => (
-                format!("glue_save_{of}(b, &(*x)[i]);"),
-                format!("glue_load_{of}(r, &(*x)[i]);"),
-            ),
+            false => {
+                (format!("glue_save_{of}(b, &(*x)[i]);"), format!("glue_load_{of}(r, &(*x)[i]);"))
+            }
         };
         let (save, load) = match plain {
             true => (
@@ -208,10 +205,7 @@ impl Glue<'_, '_> {
         let of = self.known(switch)?;
         let text = |verb: &str, to: &str| -> LangResult {
             let cases = self.cases(members, |member, name| {
-                Ok(format!(
-                    "    {verb}_{}({to}, &x->_u.{name});\n",
-                    self.known(member)?
-                ))
+                Ok(format!("    {verb}_{}({to}, &x->_u.{name});\n", self.known(member)?))
             })?;
             Ok(format!("  {verb}_{of}({to}, &x->_d);\n{cases}"))
         };

@@ -45,8 +45,7 @@ pub(super) fn rename(
                 }
                 let global = || names.globals.get(&(Vec::new(), SmolStr::from(word)));
                 if let Some(to) = names.files.get(word).or_else(global) {
-                    out.edit
-                        .replace(&path, start..start + word.len(), to.as_str());
+                    out.edit.replace(&path, start..start + word.len(), to.as_str());
                 } else if renamed && word.split('_').any(|part| is_part(part, component)) {
                     out.left.push(UnchangedPlace {
                         path: path.clone(),
@@ -68,10 +67,8 @@ fn is_part(word: &str, component: &str) -> bool {
 /// Lines with their numbers, from 1.
 fn lines(text: &str) -> impl Iterator<Item = (usize, Span)> {
     let mut at = 0;
-    (1..)
-        .zip(text.split_inclusive('\n'))
-        .map(move |(number, part)| {
-            at += part.len();
-            (number, at - part.len()..at)
-        })
+    (1..).zip(text.split_inclusive('\n')).map(move |(number, part)| {
+        at += part.len();
+        (number, at - part.len()..at)
+    })
 }

@@ -75,10 +75,7 @@ impl Names {
             |expected| mapping(expected).map_err(|error| MissingNames::Mapping(error.message));
         let (old, new) = (text(before)?, text(after)?);
         let grammar = mapping::grammar(before);
-        let mut out = Names {
-            grammar: Some(grammar),
-            ..Names::default()
-        };
+        let mut out = Names { grammar: Some(grammar), ..Names::default() };
         let (words, new_words) = (words(&old), words(&new));
         if words.len() != new_words.len() {
             return Err(MissingNames::Structure);
@@ -87,16 +84,8 @@ impl Names {
         for (span, new_span) in words.into_iter().zip(new_words) {
             let (from, to) = (&old[span.clone()], &new[new_span]);
             if from != to {
-                let node = tree
-                    .root_node()
-                    .descendant_for_byte_range(span.start, span.end);
-                out.add(
-                    node.ok_or(MissingNames::Structure)?,
-                    from,
-                    to,
-                    &old,
-                    grammar,
-                );
+                let node = tree.root_node().descendant_for_byte_range(span.start, span.end);
+                out.add(node.ok_or(MissingNames::Structure)?, from, to, &old, grammar);
             }
         }
         out.owners(before, after)?;
@@ -133,9 +122,7 @@ impl Names {
             return;
         }
         // A use has its scopes as a prefix; a declaration is inside of them.
-        let qualified = node
-            .parent()
-            .is_some_and(|parent| parent.kind() == "qualified_identifier");
+        let qualified = node.parent().is_some_and(|parent| parent.kind() == "qualified_identifier");
         if grammar == Grammar::Cxx && qualified {
             return;
         }
@@ -173,9 +160,7 @@ impl Names {
             .named_children(&mut cursor)
             .filter(|child| child.kind() == "parameter_declaration");
         let position = all.position(|child| child.id() == declaration.id());
-        let function = list
-            .parent()
-            .and_then(|parent| parent.child_by_field_name("declarator"));
+        let function = list.parent().and_then(|parent| parent.child_by_field_name("declarator"));
         if let (Some(position), Some(function)) = (position, function) {
             let function = text.get(function.byte_range()).unwrap_or_default();
             let entry = (function.into(), position, from, to);
@@ -202,10 +187,8 @@ impl Names {
         let stem = |text: String| SmolStr::from(text.trim_end_matches(".h"));
         let configuration = |text: &str| SmolStr::from(format!("ac{text}"));
         if old.name != new.name {
-            self.files
-                .insert(stem(types_header(before)), stem(types_header(after)));
-            self.files
-                .insert(configuration(&old.name), configuration(&new.name));
+            self.files.insert(stem(types_header(before)), stem(types_header(after)));
+            self.files.insert(configuration(&old.name), configuration(&new.name));
         }
         Ok(())
     }

@@ -42,10 +42,7 @@ impl Repairs<'_> {
         if self.expected.language == Language::C {
             parameters = parameters.split_last().map_or(&[], |pair| pair.1);
         }
-        parameters
-            .iter()
-            .filter_map(|parameter| self.parameter(parameter, owner))
-            .collect()
+        parameters.iter().filter_map(|parameter| self.parameter(parameter, owner)).collect()
     }
 
     /// `codel<start> f(in x) yield ether;`
@@ -55,16 +52,11 @@ impl Repairs<'_> {
         if self.expected.language == Language::C {
             parameters = parameters.split_last()?.1;
         }
-        let parameters: Option<Vec<String>> = parameters
-            .iter()
-            .map(|parameter| self.parameter(parameter, owner))
-            .collect();
+        let parameters: Option<Vec<String>> =
+            parameters.iter().map(|parameter| self.parameter(parameter, owner)).collect();
         let parameters = parameters?.join(", ");
         let name = &function.name;
-        let comment = function
-            .comments
-            .iter()
-            .find_map(|comment| comment.generated.as_ref());
+        let comment = function.comments.iter().find_map(|comment| comment.generated.as_ref());
         if comment.is_some_and(|comment| comment.validation) {
             return Some(format!("validate {name}({parameters});"));
         }
@@ -84,9 +76,8 @@ impl Repairs<'_> {
         let triggers = comment.and_then(|comment| comment.triggers.as_ref())?;
         let triggers: Vec<String> = triggers.iter().map(|trigger| state(trigger)).collect();
         let codels = component.codels_of(owner).iter();
-        let mut handled = codels
-            .filter(|codel| codel.kind == CodelKind::Fsm)
-            .flat_map(|codel| &codel.triggers);
+        let mut handled =
+            codels.filter(|codel| codel.kind == CodelKind::Fsm).flat_map(|codel| &codel.triggers);
         // A state has only one codel.
         if triggers.is_empty()
             || handled.any(|trigger| triggers.contains(&trigger.name.to_string()))
@@ -94,12 +85,7 @@ impl Repairs<'_> {
             return None;
         }
         let mut yields: Vec<String> = Vec::new();
-        let values = function
-            .body
-            .as_ref()?
-            .returns
-            .iter()
-            .flat_map(|result| &result.values);
+        let values = function.body.as_ref()?.returns.iter().flat_map(|result| &result.values);
         for value in values {
             if let Value::Name { name, .. } = value {
                 let prefix = format!("{}{}", component.name, self.expected.separator());
@@ -125,10 +111,8 @@ impl Repairs<'_> {
             let found = component.tasks.iter().position(|task| task.name == name)?;
             Some(Owner::Task(found as u32))
         };
-        if let Some(comment) = function
-            .comments
-            .iter()
-            .find_map(|comment| comment.generated.as_ref())
+        if let Some(comment) =
+            function.comments.iter().find_map(|comment| comment.generated.as_ref())
         {
             if comment.owner_kind == "task" {
                 return task(&comment.owner);
@@ -147,10 +131,8 @@ impl Repairs<'_> {
         let component = self.expected.component();
         let name = parameter.name.as_deref()?;
         let base = parameter.ty.base.as_str();
-        if let Some(port) = component
-            .ports
-            .iter()
-            .find(|port| self.expected.spelling(port.ty) == base)
+        if let Some(port) =
+            component.ports.iter().find(|port| self.expected.spelling(port.ty) == base)
         {
             let dir = match port.dir {
                 PortDir::In => "in",
@@ -158,10 +140,8 @@ impl Repairs<'_> {
             };
             return Some(named(&format!("port {dir}"), &port.name, name));
         }
-        if let Some(remote) = component
-            .remotes
-            .iter()
-            .find(|remote| self.expected.spelling(remote.ty) == base)
+        if let Some(remote) =
+            component.remotes.iter().find(|remote| self.expected.spelling(remote.ty) == base)
         {
             return Some(named("remote in", &remote.name, name));
         }
@@ -184,18 +164,12 @@ impl Repairs<'_> {
         let TypeKind::Struct { members } = &spec.ty(ids).kind else {
             return None;
         };
-        let member = members
-            .iter()
-            .find(|&&member| spec.ty(member).name.as_deref() == Some(name));
+        let member = members.iter().find(|&&member| spec.ty(member).name.as_deref() == Some(name));
         member.map(|_| format!("ids {dir} {name}"))
     }
 }
 
 /// `port in p`, or `port in p::q` if the function uses another name.
 fn named(kind: &str, name: &str, as_name: &str) -> String {
-    if name == as_name {
-        format!("{kind} {name}")
-    } else {
-        format!("{kind} {name}::{as_name}")
-    }
+    if name == as_name { format!("{kind} {name}") } else { format!("{kind} {name}::{as_name}") }
 }

@@ -112,30 +112,20 @@ impl Repairs<'_> {
         let expected = self.expected.function(name)?;
         let wanted = &expected.shape.as_ref()?.parameters;
         let pairs = pairs(wanted, function);
-        let mut codel = self
-            .expected
-            .component()
-            .codel(*expected.uses.first()?)
-            .clone();
+        let mut codel = self.expected.component().codel(*expected.uses.first()?).clone();
         for (param, pair) in codel.params.iter_mut().zip(&pairs) {
             param.name = pair.name.as_str().into();
         }
         let old = file.text.get(function.signature_span.clone())?;
         // The name stays on its line.
-        let head = file
-            .text
-            .get(function.signature_span.start..function.name_span.start)?;
+        let head = file.text.get(function.signature_span.start..function.name_span.start)?;
         let separator = if head.contains('\n') { "\n" } else { " " };
         let mapper = self.expected.mapper();
-        let text = mapper
-            .prototype(self.expected.component, &codel, separator)
-            .ok()?;
+        let text = mapper.prototype(self.expected.component, &codel, separator).ok()?;
         let text = match pairs.get(codel.params.len()) {
-            Some(context) if self.expected.language == Language::C => text.replacen(
-                "genom_context self)",
-                &format!("genom_context {})", context.name),
-                1,
-            ),
+            Some(context) if self.expected.language == Language::C => {
+                text.replacen("genom_context self)", &format!("genom_context {})", context.name), 1)
+            }
             _ => text,
         };
         let text = adapted_prototype(file, function, wanted, &pairs, &text)
@@ -198,8 +188,7 @@ impl Repairs<'_> {
                         Some(edits) => {
                             followed = list.byte_range();
                             let edits = edits.into_iter();
-                            out.edits
-                                .extend(edits.map(|edit| (&*file.path, edit.0, edit.1)));
+                            out.edits.extend(edits.map(|edit| (&*file.path, edit.0, edit.1)));
                         }
                         None => out.left.push((file, node.start_byte())),
                     }
@@ -235,11 +224,7 @@ impl Repairs<'_> {
                 continue;
             };
             for span in uses(file, function, lost).unwrap_or_default() {
-                out.push(by_hand(
-                    file,
-                    span.start,
-                    UnadaptedUse::Parameter(lost.clone()),
-                ));
+                out.push(by_hand(file, span.start, UnadaptedUse::Parameter(lost.clone())));
             }
         }
         if function.body.is_some() {
@@ -288,9 +273,8 @@ fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
     for same in [&by_type as &dyn Fn(&CType, &CType) -> bool, &by_base] {
         for (parameter, pair) in wanted.iter().zip(&mut out) {
             if pair.is_none()
-                && let Some(at) = free
-                    .iter()
-                    .position(|&index| same(&parameter.ty, &found[index].ty))
+                && let Some(at) =
+                    free.iter().position(|&index| same(&parameter.ty, &found[index].ty))
             {
                 *pair = Some(free.remove(at));
             }
@@ -300,11 +284,8 @@ fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
         let body = function.body.as_ref();
         body.is_some_and(|body| body.mentions.contains(name))
     };
-    let named = |name: &SmolStr| {
-        found
-            .iter()
-            .any(|parameter| parameter.name.as_ref() == Some(name))
-    };
+    let named =
+        |name: &SmolStr| found.iter().any(|parameter| parameter.name.as_ref() == Some(name));
     wanted
         .iter()
         .zip(out)
@@ -315,14 +296,9 @@ fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
             // which would hide it.
             let context = parameter.ty.base == "genom_context";
             let taken = context || old.as_ref() != Some(&new) && (mentioned(&new) || named(&new));
-            let change = index.map_or(Change::Same, |index| {
-                change(&found[index].ty, &parameter.ty)
-            });
-            Pair {
-                found: index,
-                name: old.filter(|_| taken).unwrap_or(new),
-                change,
-            }
+            let change =
+                index.map_or(Change::Same, |index| change(&found[index].ty, &parameter.ty));
+            Pair { found: index, name: old.filter(|_| taken).unwrap_or(new), change }
         })
         .collect()
 }
@@ -372,16 +348,13 @@ fn adapted_prototype(
             let usual = gaps.last().copied().unwrap_or(", ");
             out += gaps.get(before).copied().unwrap_or(usual);
         }
-        let same = pair
-            .found
-            .map(|parameter| &found[parameter])
-            .filter(|parameter| {
-                // A parameter passed by value may be `const` or not.
-                let by_value = parameter.ty.layers.is_empty() && wanted.ty.layers.is_empty();
-                let same_type =
-                    parameter.ty == wanted.ty || by_value && parameter.ty.base == wanted.ty.base;
-                same_type && parameter.name.as_deref().unwrap_or_default() == pair.name
-            });
+        let same = pair.found.map(|parameter| &found[parameter]).filter(|parameter| {
+            // A parameter passed by value may be `const` or not.
+            let by_value = parameter.ty.layers.is_empty() && wanted.ty.layers.is_empty();
+            let same_type =
+                parameter.ty == wanted.ty || by_value && parameter.ty.base == wanted.ty.base;
+            same_type && parameter.name.as_deref().unwrap_or_default() == pair.name
+        });
         match same {
             Some(same) => out += text.get(same.span.clone())?,
             None => out += declaration,
@@ -437,9 +410,7 @@ fn follow_body(file: &IndexedFile, function: &Function, pairs: &[Pair], edit: &m
             continue;
         }
         for span in uses(file, function, old).unwrap_or_default() {
-            let node = tree
-                .root_node()
-                .descendant_for_byte_range(span.start, span.end);
+            let node = tree.root_node().descendant_for_byte_range(span.start, span.end);
             if let Some(node) = node {
                 let (span, text) = respelled(node, &pair.name, pair.change, &file.text);
                 edit.replace(&file.path, span, text);
@@ -476,9 +447,7 @@ fn respelled(node: Node<'_>, name: &str, change: Change, text: &str) -> (Range<u
         (Change::ToPointer, _) => {
             let postfix = argument && matches!(kind, "subscript_expression" | "update_expression");
             // A `*` after a `/` would begin a comment.
-            let division = text
-                .get(..own.start)
-                .is_some_and(|text| text.ends_with('/'));
+            let division = text.get(..own.start).is_some_and(|text| text.ends_with('/'));
             match postfix || division {
                 true => (own, format!("(*{name})")),
                 false => (own, format!("*{name}")),
@@ -522,10 +491,7 @@ fn arguments(
             let Some(index) = pair.found else {
                 let known = caller.parameters.iter();
                 let known = known.filter_map(|parameter| parameter.name.as_ref());
-                return known
-                    .into_iter()
-                    .find(|name| **name == pair.name)
-                    .map(ToString::to_string);
+                return known.into_iter().find(|name| **name == pair.name).map(ToString::to_string);
             };
             let node = old[index];
             let text = file.text.get(node.byte_range())?;
@@ -549,9 +515,7 @@ fn arguments(
         true => {
             let all = pairs.iter().zip(&old).zip(out);
             let changed = all.filter(|((pair, _), _)| pair.change != Change::Same);
-            changed
-                .map(|((_, node), text)| (node.byte_range(), text))
-                .collect()
+            changed.map(|((_, node), text)| (node.byte_range(), text)).collect()
         }
         false => vec![(list.byte_range(), format!("({})", out.join(", ")))],
     })

@@ -19,8 +19,7 @@ impl Repairs<'_> {
         if self.sources.sources.is_empty() && missing.iter().all(|codel| codels.contains(codel)) {
             for file in stubs.all_files()? {
                 let name = file.path.file_name().unwrap_or_default();
-                edit.created
-                    .insert(self.sources.folder.join(name), file.text);
+                edit.created.insert(self.sources.folder.join(name), file.text);
             }
             return Ok(edit);
         }
@@ -108,11 +107,7 @@ impl Repairs<'_> {
         start: usize,
     ) -> Option<Edit> {
         let file = self.sources.file(path)?;
-        let mut comments = file
-            .index
-            .functions
-            .iter()
-            .flat_map(|function| &function.comments);
+        let mut comments = file.index.functions.iter().flat_map(|function| &function.comments);
         let comment = comments.find(|comment| comment.span.start == start)?;
         let generated = comment.generated.as_ref()?;
         let stubs = Stubs::new(self.expected, self.stubs);
@@ -125,9 +120,7 @@ impl Repairs<'_> {
             // Each line has the prefix of the first one.
             let before = file.text.get(..generated.sentences.start)?;
             let prefix = before.rsplit('\n').next().unwrap_or_default();
-            let sentences = stubs
-                .comment_sentences(at)
-                .replace('\n', &format!("\n{prefix}"));
+            let sentences = stubs.comment_sentences(at).replace('\n', &format!("\n{prefix}"));
             edit.replace(path, generated.sentences.clone(), sentences);
         }
         Some(edit)
@@ -139,11 +132,7 @@ impl Repairs<'_> {
             for range in mentions(&file.text, file.index.grammar, from) {
                 edit.replace(&file.path, range, to);
             }
-            let comments = file
-                .index
-                .functions
-                .iter()
-                .flat_map(|function| &function.comments);
+            let comments = file.index.functions.iter().flat_map(|function| &function.comments);
             for generated in comments.filter_map(|comment| comment.generated.as_ref()) {
                 if generated.codel == from
                     && let Some(header) = file.text.get(generated.header.clone())

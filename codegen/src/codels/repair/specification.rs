@@ -53,13 +53,7 @@ impl Repairs<'_> {
         // Text from a macro does not show the layout of the list.
         let items: Option<Vec<Range<usize>>> = yields
             .iter()
-            .map(|state| {
-                Some(
-                    self.state(state)
-                        .filter(|place| place.path == last.path)?
-                        .range,
-                )
-            })
+            .map(|state| Some(self.state(state).filter(|place| place.path == last.path)?.range))
             .collect();
         let items = items.unwrap_or_else(|| vec![last.range.clone()]);
         let mut edit = Edit::default();
@@ -93,9 +87,7 @@ impl Repairs<'_> {
         let full = self.expected.spec.full_name(exception).unwrap_or_default();
         let full = full.trim_start_matches("::");
         let own = full.strip_prefix(component.as_str());
-        own.and_then(|rest| rest.strip_prefix("::"))
-            .unwrap_or(full)
-            .to_owned()
+        own.and_then(|rest| rest.strip_prefix("::")).unwrap_or(full).to_owned()
     }
 
     pub(super) fn add_throw(&self, owner: Owner, exception: TypeId) -> Option<Edit> {
@@ -154,16 +146,11 @@ impl Repairs<'_> {
         let before = at.text.get(..at.range.start).unwrap_or_default();
         let own = before.rsplit('\n').next().unwrap_or_default();
         let blanks = |text: &str| -> String {
-            text.chars()
-                .take_while(|c| matches!(c, ' ' | '\t'))
-                .collect()
+            text.chars().take_while(|c| matches!(c, ' ' | '\t')).collect()
         };
-        let first = content
-            .lines()
-            .find(|line| !line.trim().is_empty() && line.starts_with([' ', '\t']));
-        let indent = first
-            .or(line)
-            .map_or_else(|| format!("{}  ", blanks(own)), blanks);
+        let first =
+            content.lines().find(|line| !line.trim().is_empty() && line.starts_with([' ', '\t']));
+        let indent = first.or(line).map_or_else(|| format!("{}  ", blanks(own)), blanks);
         edit.replace(&at.path, here..here, format!("\n{indent}{text}"));
     }
 
@@ -211,10 +198,7 @@ impl<'t> Iterator for Scan<'t> {
                 first.len_utf8()
             } else {
                 let word = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
-                let len = rest
-                    .find(|c| !word(c))
-                    .unwrap_or(rest.len())
-                    .max(first.len_utf8());
+                let len = rest.find(|c| !word(c)).unwrap_or(rest.len()).max(first.len_utf8());
                 let start = self.at;
                 self.at += len;
                 return Some((start, &rest[..len]));
@@ -258,10 +242,7 @@ fn property_items(text: &str, body: Range<usize>, names: &[&str]) -> Vec<Range<u
     let text = text.get(..body.end).unwrap_or_default();
     let (mut first, mut inside, mut next) = (true, false, true);
     let (mut found, mut items): (Vec<Range<usize>>, Vec<Range<usize>>) = Default::default();
-    for (at, token) in (Scan {
-        text,
-        at: body.start,
-    }) {
+    for (at, token) in (Scan { text, at: body.start }) {
         match token {
             ";" => {
                 if inside {
@@ -306,10 +287,8 @@ mod tests {
         let text = "{ doc \"throw x;\"; throw a,\n  b::c /* c */ ; codel f(); }";
         let body = 1..text.len() - 1;
         let items = property_items(text, body.clone(), &["throw"]);
-        let items: Vec<&str> = items
-            .into_iter()
-            .map(|property_item| &text[property_item])
-            .collect();
+        let items: Vec<&str> =
+            items.into_iter().map(|property_item| &text[property_item]).collect();
         assert_eq!(items, ["a", "b::c"]);
         assert!(property_items(text, body, &["validate"]).is_empty());
     }

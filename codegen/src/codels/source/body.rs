@@ -34,10 +34,7 @@ pub(super) fn read(block: Node<'_>, parameters: &[Parameter], text: &str) -> Bod
         variables: FxHashMap::default(),
         calls: FxHashMap::default(),
     };
-    for name in parameters
-        .iter()
-        .filter_map(|parameter| parameter.name.as_ref())
-    {
+    for name in parameters.iter().filter_map(|parameter| parameter.name.as_ref()) {
         reader.variable(name.clone()).unknown = true;
     }
     let mut returns = Vec::new();
@@ -46,16 +43,11 @@ pub(super) fn read(block: Node<'_>, parameters: &[Parameter], text: &str) -> Bod
     reader.body.free = names.free(parameters);
     reader.body.constant_writes = names.constant_writes(parameters);
     for node in returns {
-        let values = node
-            .named_child(0)
-            .filter(|child| child.kind() != "comment");
+        let values = node.named_child(0).filter(|child| child.kind() != "comment");
         let Some(value) = values else { continue };
         let mut out = Vec::new();
         reader.values(value, false, &mut FxHashSet::default(), &mut out);
-        reader.body.returns.push(Return {
-            span: node.byte_range(),
-            values: out,
-        });
+        reader.body.returns.push(Return { span: node.byte_range(), values: out });
     }
     reader.body
 }
@@ -178,10 +170,7 @@ impl<'t> Reader<'t> {
             _ => None,
         };
         let named = name.filter(|name| {
-            matches!(
-                name.kind(),
-                "identifier" | "qualified_identifier" | "type_identifier"
-            )
+            matches!(name.kind(), "identifier" | "qualified_identifier" | "type_identifier")
         });
         match named {
             Some(name) => self.body.throws.push(Throw {
@@ -222,11 +211,7 @@ impl<'t> Reader<'t> {
             "identifier" => {
                 let name: SmolStr = source(node, self.text).into();
                 let Some(known) = self.variables.get(&name) else {
-                    out.push(Value::Name {
-                        name,
-                        span: node.byte_range(),
-                        variable,
-                    });
+                    out.push(Value::Name { name, span: node.byte_range(), variable });
                     return;
                 };
                 if known.unknown {

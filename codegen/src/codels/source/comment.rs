@@ -43,10 +43,7 @@ pub(super) fn comments_above(function: Node<'_>, text: &str) -> Vec<Comment> {
     let mut out: Vec<Comment> = Vec::new();
     let mut below = function.start_byte();
     let mut node = function;
-    while let Some(above) = node
-        .prev_sibling()
-        .filter(|sibling| sibling.kind() == "comment")
-    {
+    while let Some(above) = node.prev_sibling().filter(|sibling| sibling.kind() == "comment") {
         let span = above.byte_range();
         let gap = text.get(span.end..below).unwrap_or("x");
         if !gap.trim().is_empty() || out.len() > 16 {
@@ -61,10 +58,7 @@ pub(super) fn comments_above(function: Node<'_>, text: &str) -> Vec<Comment> {
             {
                 last.span.start = span.start;
             }
-            _ => out.push(Comment {
-                span: span.clone(),
-                generated: None,
-            }),
+            _ => out.push(Comment { span: span.clone(), generated: None }),
         }
         below = span.start;
         node = above;
@@ -115,23 +109,14 @@ pub(crate) fn generated(text: &str, span: &Span) -> Option<Generated> {
         let mut names = Vec::new();
         let mut end = at.end;
         if word == "Returns" {
-            end = at.start
-                + text
-                    .get(at.start..)
-                    .and_then(|text| text.find('.'))
-                    .unwrap_or(0)
-                + 1;
+            end = at.start + text.get(at.start..).and_then(|text| text.find('.')).unwrap_or(0) + 1;
         } else {
             let mut closed = false;
             for (name, at) in words.by_ref() {
                 end = at.end;
                 let last = name.ends_with('.');
                 let name = name.trim_end_matches(['.', ',']);
-                names.extend(
-                    name.split(',')
-                        .filter(|part| !part.is_empty())
-                        .map(SmolStr::from),
-                );
+                names.extend(name.split(',').filter(|part| !part.is_empty()).map(SmolStr::from));
                 if last {
                     closed = true;
                     break;

@@ -42,10 +42,7 @@ pub struct CType {
 impl CType {
     /// A base type without layers.
     pub fn plain(base: &str) -> CType {
-        CType {
-            base: base.into(),
-            ..CType::default()
-        }
+        CType { base: base.into(), ..CType::default() }
     }
 
     /// The type that the compiler uses for a function parameter: the outermost array is a pointer, and the
@@ -83,11 +80,7 @@ impl CType {
     pub fn expand(&self, alias: &CType) -> CType {
         let mut alias = alias.clone();
         if self.constant {
-            match alias
-                .layers
-                .iter_mut()
-                .find(|layer| !matches!(layer, Layer::Array { .. }))
-            {
+            match alias.layers.iter_mut().find(|layer| !matches!(layer, Layer::Array { .. })) {
                 Some(Layer::Pointer { constant }) => *constant = true,
                 Some(_) => {}
                 None => alias.constant = true,
@@ -95,11 +88,7 @@ impl CType {
         }
         let mut layers = self.layers.clone();
         layers.append(&mut alias.layers);
-        CType {
-            base: alias.base,
-            constant: alias.constant,
-            layers,
-        }
+        CType { base: alias.base, constant: alias.constant, layers }
     }
 }
 
@@ -113,11 +102,8 @@ pub(super) fn of_declaration(node: Node<'_>, declarator: Option<Node<'_>>, text:
         }
         specifier(child, text, &mut words);
     }
-    let mut ty = CType {
-        base: base_name(&words.words),
-        constant: words.constant,
-        layers: Vec::new(),
-    };
+    let mut ty =
+        CType { base: base_name(&words.words), constant: words.constant, layers: Vec::new() };
     if let Some(declarator) = declarator {
         let mut layers = Vec::new();
         collect_layers(declarator, text, &mut layers);
@@ -154,8 +140,7 @@ fn specifier(node: Node<'_>, text: &str, out: &mut Words) {
             }
         }
         "sized_type_specifier" => {
-            out.words
-                .extend(source(node, text).split_whitespace().map(str::to_owned));
+            out.words.extend(source(node, text).split_whitespace().map(str::to_owned));
         }
         _ if node.is_error() => {}
         _ => out.words.push(compact(source(node, text))),
@@ -187,9 +172,7 @@ fn collect_layers(node: Node<'_>, text: &str, out: &mut Vec<Layer>) {
             "function_declarator" | "abstract_function_declarator" => {
                 let parameters = node.child_by_field_name("parameters");
                 let parameters = parameters.map_or("", |parameter| source(parameter, text));
-                out.push(Layer::Function {
-                    parameters: compact(parameters).into(),
-                });
+                out.push(Layer::Function { parameters: compact(parameters).into() });
             }
             "parenthesized_declarator"
             | "abstract_parenthesized_declarator"
@@ -212,10 +195,7 @@ pub(super) fn inner_declarator(node: Node<'_>) -> Option<Node<'_>> {
     let mut cursor = node.walk();
     node.named_children(&mut cursor).find(|child| {
         child.kind().ends_with("declarator")
-            || matches!(
-                child.kind(),
-                "identifier" | "field_identifier" | "qualified_identifier"
-            )
+            || matches!(child.kind(), "identifier" | "field_identifier" | "qualified_identifier")
     })
 }
 
@@ -283,10 +263,8 @@ fn base_name(words: &[String]) -> SmolStr {
     }
     let name = rest.join(" ");
     let name = name.strip_prefix("::").unwrap_or(&name);
-    let name = name
-        .strip_prefix("std::")
-        .filter(|rest| fixed_width(rest).is_some())
-        .unwrap_or(name);
+    let name =
+        name.strip_prefix("std::").filter(|rest| fixed_width(rest).is_some()).unwrap_or(name);
     let arithmetic = matches!(name, "" | "int" | "char");
     let number = match (name, long, short) {
         ("char", 0, 0) if unsigned => "uint8_t",

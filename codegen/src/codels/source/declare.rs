@@ -79,10 +79,7 @@ fn declaration(
         "linkage_specification" => {
             let value = node.child_by_field_name("value");
             let c = value.is_some_and(|child| source(child, text) == "\"C\"");
-            Some(Context {
-                extern_c: context.extern_c || c,
-                ..context.clone()
-            })
+            Some(Context { extern_c: context.extern_c || c, ..context.clone() })
         }
         "namespace_definition" => Some(inside_namespace(node, context, text)),
         "declaration_list" | "template_declaration" => Some(context.clone()),
@@ -112,9 +109,7 @@ fn macro_of(node: Node<'_>, text: &str) -> Option<Macro> {
     let value = value.map_or("", |child| source(child, text));
     Some(Macro {
         name: source(name, text).into(),
-        returns: ["return", "goto", "throw"]
-            .iter()
-            .any(|text| value.contains(text)),
+        returns: ["return", "goto", "throw"].iter().any(|text| value.contains(text)),
         pastes: value.contains("##"),
     })
 }
@@ -125,9 +120,7 @@ fn inside_namespace(node: Node<'_>, context: &Context, text: &str) -> Context {
     match node.child_by_field_name("name") {
         Some(name) => {
             let name = source(name, text);
-            context
-                .scope
-                .extend(name.split("::").map(|part| part.trim().into()));
+            context.scope.extend(name.split("::").map(|part| part.trim().into()));
         }
         None => context.scope.push(SmolStr::default()),
     }
@@ -157,22 +150,16 @@ fn names_of(node: Node<'_>, text: &str, index: &mut SourceIndex) {
         }
     }
     // `using a::b;`
-    if let Some(name) = node
-        .named_child(0)
-        .filter(|child| child.kind() == "qualified_identifier")
-    {
+    if let Some(name) = node.named_child(0).filter(|child| child.kind() == "qualified_identifier") {
         let name = source(name, text);
-        index
-            .names
-            .insert(name.rsplit("::").next().unwrap_or(name).into());
+        index.names.insert(name.rsplit("::").next().unwrap_or(name).into());
     }
 }
 
 fn prototypes(node: Node<'_>, context: &Context, text: &str, index: &mut SourceIndex) {
     let mut cursor = node.walk();
-    let declarators: Vec<Node<'_>> = node
-        .children_by_field_name("declarator", &mut cursor)
-        .collect();
+    let declarators: Vec<Node<'_>> =
+        node.children_by_field_name("declarator", &mut cursor).collect();
     for declarator in declarators {
         match signature(node, declarator, context, text) {
             Some(function) => {
@@ -187,9 +174,8 @@ fn prototypes(node: Node<'_>, context: &Context, text: &str, index: &mut SourceI
         }
     }
     // A structure that is defined inside the declaration.
-    if let Some(ty) = node
-        .child_by_field_name("type")
-        .and_then(|child| child.child_by_field_name("name"))
+    if let Some(ty) =
+        node.child_by_field_name("type").and_then(|child| child.child_by_field_name("name"))
         && node
             .child_by_field_name("type")
             .is_some_and(|child| child.child_by_field_name("body").is_some())
@@ -199,10 +185,9 @@ fn prototypes(node: Node<'_>, context: &Context, text: &str, index: &mut SourceI
 }
 
 fn definition(node: Node<'_>, context: &Context, text: &str, index: &mut SourceIndex) -> bool {
-    let (Some(declarator), Some(block)) = (
-        node.child_by_field_name("declarator"),
-        node.child_by_field_name("body"),
-    ) else {
+    let (Some(declarator), Some(block)) =
+        (node.child_by_field_name("declarator"), node.child_by_field_name("body"))
+    else {
         return false;
     };
     let Some(mut function) = signature(node, declarator, context, text) else {
@@ -238,10 +223,7 @@ fn signature(
     }
     let name = function.child_by_field_name("declarator")?;
     let list = function.child_by_field_name("parameters")?;
-    if !matches!(
-        name.kind(),
-        "identifier" | "field_identifier" | "qualified_identifier"
-    ) {
+    if !matches!(name.kind(), "identifier" | "field_identifier" | "qualified_identifier") {
         return None;
     }
     let mut scope = context.scope.clone();
@@ -249,11 +231,7 @@ fn signature(
     let written = written.strip_prefix("::").unwrap_or(written);
     let (qualifiers, short) = written.rsplit_once("::").unwrap_or(("", written));
     scope.extend(
-        qualifiers
-            .split("::")
-            .map(str::trim)
-            .filter(|part| !part.is_empty())
-            .map(SmolStr::from),
+        qualifiers.split("::").map(str::trim).filter(|part| !part.is_empty()).map(SmolStr::from),
     );
 
     let mut is_static = false;
@@ -268,10 +246,8 @@ fn signature(
     }
     let (parameters, variadic, known) = parameters(list, text);
     let mut result = ctype::of_declaration(node, Some(declarator), text);
-    if let Some(at) = result
-        .layers
-        .iter()
-        .position(|layer| matches!(layer, super::Layer::Function { .. }))
+    if let Some(at) =
+        result.layers.iter().position(|layer| matches!(layer, super::Layer::Function { .. }))
     {
         result.layers.remove(at);
     }

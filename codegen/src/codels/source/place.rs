@@ -30,9 +30,7 @@ pub(crate) fn opened(root: Node<'_>, text: &str) -> Vec<Vec<SmolStr>> {
     preorder(root, |node| {
         if node.kind() == "using_declaration" {
             let mut cursor = node.walk();
-            let is_namespace = node
-                .children(&mut cursor)
-                .any(|child| child.kind() == "namespace");
+            let is_namespace = node.children(&mut cursor).any(|child| child.kind() == "namespace");
             let name = node.named_child(0).filter(|_| is_namespace);
             if let Some(name) = name.and_then(|name| text.get(name.byte_range())) {
                 let path = name.trim_start_matches("::").split("::");
@@ -134,9 +132,7 @@ pub(crate) fn field_words(text: &str) -> impl Iterator<Item = &str> {
     dots.filter_map(|(at, sign)| {
         let rest = text.get(at + sign.len()..)?.trim_start();
         let part = |character: char| character.is_alphanumeric() || character == '_';
-        let end = rest
-            .find(|character| !part(character))
-            .unwrap_or(rest.len());
+        let end = rest.find(|character| !part(character)).unwrap_or(rest.len());
         (end > 0 && !rest.starts_with(|character: char| character.is_ascii_digit()))
             .then(|| &rest[..end])
     })

@@ -9,11 +9,7 @@ fn cxx(text: &str) -> SourceIndex {
 }
 
 fn names(index: &SourceIndex) -> Vec<&str> {
-    index
-        .functions
-        .iter()
-        .map(|function| function.name.as_str())
-        .collect()
+    index.functions.iter().map(|function| function.name.as_str()).collect()
 }
 
 #[test]
@@ -27,13 +23,7 @@ fn signatures() {
     let shown: Vec<String> = f
         .parameters
         .iter()
-        .map(|parameter| {
-            format!(
-                "{} {:?}",
-                parameter.name.as_deref().unwrap_or("-"),
-                parameter.ty
-            )
-        })
+        .map(|parameter| format!("{} {:?}", parameter.name.as_deref().unwrap_or("-"), parameter.ty))
         .collect();
     insta::assert_snapshot!(shown.join("\n"), @r#"
     x CType { base: "a_b", constant: true, layers: [Pointer { constant: false }] }
@@ -45,19 +35,13 @@ fn signatures() {
     cb CType { base: "int32_t", constant: false, layers: [Pointer { constant: false }, Function { parameters: "(int)" }] }
     self CType { base: "genom_context", constant: true, layers: [] }
     "#);
-    assert_eq!(
-        &text[f.signature_span.clone()],
-        text.split("\n{").next().unwrap()
-    );
+    assert_eq!(&text[f.signature_span.clone()], text.split("\n{").next().unwrap());
     assert_eq!(&text[f.name_span.clone()], "f");
 }
 
 #[test]
 fn attributes_are_read_over() {
-    for attribute in [
-        "__attribute__((unused))",
-        "__attribute ((section(\".text;)\"), cold))",
-    ] {
+    for attribute in ["__attribute__((unused))", "__attribute ((section(\".text;)\"), cold))"] {
         for read in [index, cxx] {
             let index = read(&format!(
                 "static {attribute} int\nf(int a {attribute}, {attribute} const double *b) {attribute};\n\
@@ -80,38 +64,21 @@ fn attributes_are_read_over() {
 
 #[test]
 fn scopes_and_linkage() {
-    let index = cxx(
-        "namespace a::b { int f(void) {} namespace { void g() {} } }\n\
-        extern \"C\" { void h() {} void p(); }\nvoid C::m() {}\nstatic inline int s() { return 0; }\n",
-    );
+    let index = cxx("namespace a::b { int f(void) {} namespace { void g() {} } }\n\
+        extern \"C\" { void h() {} void p(); }\nvoid C::m() {}\nstatic inline int s() { return 0; }\n");
     let shown: Vec<String> = index
         .functions
         .iter()
         .map(|function| {
             let global = if function.is_global() { "" } else { " hidden" };
-            let kind = if function.body.is_some() {
-                ""
-            } else {
-                " prototype"
-            };
+            let kind = if function.body.is_some() { "" } else { " prototype" };
             let link = if function.is_static { " static" } else { "" };
-            format!(
-                "{}::{}{global}{kind}{link}",
-                function.scope.join("::"),
-                function.name
-            )
+            format!("{}::{}{global}{kind}{link}", function.scope.join("::"), function.name)
         })
         .collect();
     assert_eq!(
         shown,
-        [
-            "a::b::f hidden",
-            "a::b::::g hidden",
-            "::h",
-            "::p prototype",
-            "C::m hidden",
-            "::s static"
-        ]
+        ["a::b::f hidden", "a::b::::g hidden", "::h", "::p prototype", "C::m hidden", "::s static"]
     );
 }
 
@@ -143,10 +110,7 @@ fn half_typed_code_hides_nothing() {
             .filter_map(|function| function.body.as_ref())
             .any(|body| body.broken && body.mentions.contains("g"));
         let found = names(&index).contains(&"g");
-        assert!(
-            found || swallowed || index.loose.contains("g"),
-            "{text}: {index:#?}"
-        );
+        assert!(found || swallowed || index.loose.contains("g"), "{text}: {index:#?}");
     }
 }
 
@@ -188,11 +152,7 @@ fn lambdas_and_throws_of_cxx() {
     assert!(
         matches!(&body.returns[0].values[..], [Value::Name { name, .. }] if name == "c::pause::x")
     );
-    let throws: Vec<&str> = body
-        .throws
-        .iter()
-        .map(|exception| exception.name.as_str())
-        .collect();
+    let throws: Vec<&str> = body.throws.iter().map(|exception| exception.name.as_str()).collect();
     assert_eq!(throws, ["c::e_foo", "e_bar"]);
     assert!(body.throws_unknown);
 }
@@ -209,17 +169,10 @@ fn generated_comments() {
     let f = &comments(0)[1];
     let comment = f.generated.as_ref().unwrap();
     assert_eq!(
-        (
-            comment.codel.as_str(),
-            comment.owner_kind.as_str(),
-            comment.owner.as_str()
-        ),
+        (comment.codel.as_str(), comment.owner_kind.as_str(), comment.owner.as_str()),
         ("f", "activity", "a")
     );
-    assert_eq!(
-        comment.triggers.as_deref().unwrap(),
-        ["c_start", "c_pause_b", "c_c"]
-    );
+    assert_eq!(comment.triggers.as_deref().unwrap(), ["c_start", "c_pause_b", "c_c"]);
     assert_eq!(comment.yields.as_deref().unwrap(), ["c_x"]);
     assert_eq!(comment.throws.as_deref().unwrap(), ["c_e_one"]);
     assert_eq!(&text[comment.header.clone()], "Codel f of activity a");
@@ -238,11 +191,7 @@ fn names_macros_and_includes() {
         "#include \"a.h\"\n#include <b.h>\n#define RET(x) do { return x; } while (0)\n#define PASTE(a) a##_b\n\
          typedef struct s { int a; } s_t;\nstatic int global = 1, *other;\nenum color { RED };\n",
     );
-    let includes: Vec<&str> = index
-        .includes
-        .iter()
-        .map(|include| include.path.as_str())
-        .collect();
+    let includes: Vec<&str> = index.includes.iter().map(|include| include.path.as_str()).collect();
     assert_eq!(includes, ["a.h", "b.h"]);
     assert!(index.macros[0].returns && !index.macros[0].pastes && index.macros[1].pastes);
     for name in ["s_t", "global", "other", "color"] {
@@ -253,33 +202,20 @@ fn names_macros_and_includes() {
 #[test]
 fn mentions_are_identifiers_only() {
     let text = "/* f */ void f(); int x() { f(); return \"f\"[0]; }";
-    let found: Vec<usize> = mentions(text, Grammar::C, "f")
-        .iter()
-        .map(|mention| mention.start)
-        .collect();
+    let found: Vec<usize> =
+        mentions(text, Grammar::C, "f").iter().map(|mention| mention.start).collect();
     assert_eq!(found, [13, text.rfind("f();").unwrap()]);
 }
 
 #[test]
 fn garbage_is_read_without_panic() {
-    for text in [
-        "",
-        "{",
-        "(((((",
-        "return return",
-        "}}}}{{{{",
-        "int f(",
-        "\u{0}\u{1}é{",
-        "#if\n#if\n",
-    ] {
+    for text in
+        ["", "{", "(((((", "return return", "}}}}{{{{", "int f(", "\u{0}\u{1}é{", "#if\n#if\n"]
+    {
         index(text);
         cxx(text);
     }
-    let deep = format!(
-        "int f(void) {{ return {}1{}; }}",
-        "(".repeat(20_000),
-        ")".repeat(20_000)
-    );
+    let deep = format!("int f(void) {{ return {}1{}; }}", "(".repeat(20_000), ")".repeat(20_000));
     index(&deep);
     let chain = format!("int f(int a) {{ return {}1; }}", "a ? 1 : ".repeat(5_000));
     cxx(&chain);
@@ -288,10 +224,7 @@ fn garbage_is_read_without_panic() {
 #[test]
 fn names_that_a_function_does_not_declare() {
     let free = |index: &SourceIndex| -> Vec<String> {
-        let bodies = index
-            .functions
-            .iter()
-            .filter_map(|function| function.body.as_ref());
+        let bodies = index.functions.iter().filter_map(|function| function.body.as_ref());
         let names = bodies.flat_map(|body| &body.free);
         names.map(|name| name.0.to_string()).collect()
     };
@@ -301,11 +234,9 @@ fn names_that_a_function_does_not_declare() {
          int g(void) {\n#ifdef X\n  int n = o;\n#endif\n  FOR_EACH(p, list) { use(p); }\n  return n; }\n",
     );
     assert_eq!(free(&c), ["e", "g", "k"]);
-    let cxx = cxx(
-        "int f(int a) { auto [b, c] = pair(); for (auto &d : e) { use(d, b, c); }\n\
+    let cxx = cxx("int f(int a) { auto [b, c] = pair(); for (auto &d : e) { use(d, b, c); }\n\
          auto h = [g](int i) { return i + g; }; try { h(a); } catch (error &x) { log(x); }\n\
-         return std::max(j, 2) + k::l; }",
-    );
+         return std::max(j, 2) + k::l; }");
     assert_eq!(free(&cxx), ["e", "j"]);
 }
 
@@ -319,11 +250,8 @@ fn writes_to_what_a_parameter_only_reads() {
     );
     let text = "a->x|(*a).x.y|*c|(*c)|c[1]|d[0].x";
     let body = index.functions[0].body.as_ref().expect("a body");
-    let found: Vec<&str> = body
-        .constant_writes
-        .iter()
-        .map(|constant_write| constant_write.0.as_str())
-        .collect();
+    let found: Vec<&str> =
+        body.constant_writes.iter().map(|constant_write| constant_write.0.as_str()).collect();
     assert_eq!(found, ["a", "a", "c", "c", "c", "d"], "{text}");
     let body = index.functions[1].body.as_ref().expect("a body");
     assert!(body.constant_writes.is_empty());

@@ -85,8 +85,7 @@ impl Types {
             // `using a = b;`
             let declarator = ty.child_by_field_name("declarator");
             let of = of_declaration(ty, declarator, text);
-            self.aliases
-                .insert(scoped(node, source(name, text), text), of);
+            self.aliases.insert(scoped(node, source(name, text), text), of);
             return;
         }
         let mut cursor = node.walk();
@@ -157,10 +156,7 @@ impl Types {
         if let Some(found) = self.members.get_key_value(name) {
             return Some(found);
         }
-        let mut all = self
-            .members
-            .iter()
-            .filter(|member| ends_with(member.0, name));
+        let mut all = self.members.iter().filter(|member| ends_with(member.0, name));
         let found = all.next()?;
         all.next().is_none().then_some(found)
     }
@@ -238,13 +234,7 @@ fn argument_of(base: &str) -> Option<CType> {
     });
     let first = &rest[..end.unwrap_or(rest.len())];
     let index = SourceIndex::new(&format!("void f({first} x);\n"), Grammar::Cxx);
-    let parameter = index
-        .functions
-        .into_iter()
-        .next()?
-        .parameters
-        .into_iter()
-        .next()?;
+    let parameter = index.functions.into_iter().next()?.parameters.into_iter().next()?;
     Some(parameter.ty)
 }
 
@@ -255,15 +245,11 @@ fn ends_with(long: &str, short: &str) -> bool {
 }
 
 fn is_structure(node: Node<'_>) -> bool {
-    matches!(
-        node.kind(),
-        "struct_specifier" | "union_specifier" | "class_specifier"
-    )
+    matches!(node.kind(), "struct_specifier" | "union_specifier" | "class_specifier")
 }
 
 fn inside_structure(node: Node<'_>) -> bool {
-    node.parent()
-        .is_some_and(|parent| parent.kind() == "field_declaration_list")
+    node.parent().is_some_and(|parent| parent.kind() == "field_declaration_list")
 }
 
 /// The namespaces and structures around a node, outermost first.
@@ -319,11 +305,7 @@ pub(crate) struct Scope<'a> {
 impl<'a> Scope<'a> {
     /// The variables of a function; without a function, those of the file.
     pub(crate) fn new(function: Option<Node<'a>>, text: &'a str, types: &'a Types) -> Scope<'a> {
-        let mut scope = Scope {
-            types,
-            text,
-            variables: FxHashMap::default(),
-        };
+        let mut scope = Scope { types, text, variables: FxHashMap::default() };
         if let Some(function) = function {
             preorder(function, |node| {
                 scope.declare(node);
@@ -447,11 +429,8 @@ impl<'a> Scope<'a> {
                 let field = function.child_by_field_name("field")?;
                 let of = self.ty(function.child_by_field_name("argument")?, depth + 1)?;
                 let of = self.types.canonical(&of);
-                matches!(
-                    source(field, self.text),
-                    "at" | "front" | "back" | "value" | "get"
-                )
-                .then(|| argument_of(&of.base))?
+                matches!(source(field, self.text), "at" | "front" | "back" | "value" | "get")
+                    .then(|| argument_of(&of.base))?
             }
             "cast_expression" | "compound_literal_expression" => {
                 let ty = node.child_by_field_name("type")?;
@@ -509,10 +488,7 @@ impl<'a> Scope<'a> {
             "initializer_pair" => {
                 let whole = self.initialized(outer, depth + 1)?;
                 let mut cursor = outer.walk();
-                self.within(
-                    whole,
-                    outer.children_by_field_name("designator", &mut cursor),
-                )
+                self.within(whole, outer.children_by_field_name("designator", &mut cursor))
             }
             "initializer_list" => self.types.element(&self.initialized(at, depth + 1)?),
             _ => None,

@@ -93,11 +93,8 @@ impl Values<'_> {
         at: &str,
         out: &mut Vec<u8>,
     ) -> Result<(), ValueError> {
-        let named = |name: &str| {
-            enumerators
-                .iter()
-                .position(|&enumerator| self.name(enumerator) == name)
-        };
+        let named =
+            |name: &str| enumerators.iter().position(|&enumerator| self.name(enumerator) == name);
         let found = match value {
             Value::Null => Some(0),
             Value::String(name) => named(name.rsplit("::").next().unwrap_or(name)),
@@ -107,10 +104,8 @@ impl Values<'_> {
                 .filter(|&number| number < enumerators.len()),
         };
         let Some(found) = found.and_then(|number| u32::try_from(number).ok()) else {
-            let names: Vec<String> = enumerators
-                .iter()
-                .map(|&enumerator| self.name(enumerator))
-                .collect();
+            let names: Vec<String> =
+                enumerators.iter().map(|&enumerator| self.name(enumerator)).collect();
             return wrong(at, format!("one of {}", names.join(", ")));
         };
         out.extend(found.to_ne_bytes());
@@ -136,9 +131,7 @@ impl Values<'_> {
         }
         for &member in members {
             let name = self.name(member);
-            let value = given
-                .and_then(|given| given.get(&name))
-                .unwrap_or(&Value::Null);
+            let value = given.and_then(|given| given.get(&name)).unwrap_or(&Value::Null);
             self.write(member, value, &format!("{at}.{name}"), depth, out)?;
         }
         Ok(())
@@ -155,16 +148,12 @@ impl Values<'_> {
         out: &mut Vec<u8>,
     ) -> Result<(), ValueError> {
         let given = object(value, at)?;
-        let chooses = given
-            .and_then(|given| given.get("_d"))
-            .unwrap_or(&Value::Null);
+        let chooses = given.and_then(|given| given.get("_d")).unwrap_or(&Value::Null);
         self.write(switch, chooses, &format!("{at}._d"), depth, out)?;
         let number = self.discriminator(switch, chooses);
         if let Some(member) = self.chosen(members, number) {
             let name = self.name(member);
-            let value = given
-                .and_then(|given| given.get(&name))
-                .unwrap_or(&Value::Null);
+            let value = given.and_then(|given| given.get(&name)).unwrap_or(&Value::Null);
             self.write(member, value, &format!("{at}.{name}"), depth, out)?;
         }
         Ok(())
@@ -208,10 +197,7 @@ fn whole<T: TryFrom<i128> + Default>(
 ) -> Result<T, ValueError> {
     let number = match value {
         Value::Null => return Ok(T::default()),
-        value => value
-            .as_i64()
-            .map(i128::from)
-            .or(value.as_u64().map(i128::from)),
+        value => value.as_i64().map(i128::from).or(value.as_u64().map(i128::from)),
     };
     let number = number.and_then(|number| T::try_from(number).ok());
     match number {

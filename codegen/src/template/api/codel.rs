@@ -70,9 +70,7 @@ pub(super) fn call(
     let mapper = model.mapper();
     let answer = match method {
         "name" => Some(Answer::pure(codel.name.to_string())),
-        "kind" => Some(Answer::pure(
-            if codel.is_async { "async" } else { "sync" }.into(),
-        )),
+        "kind" => Some(Answer::pure(if codel.is_async { "async" } else { "sync" }.into())),
         "parameters" => Some(model.params(
             component,
             &codel.params,
@@ -108,9 +106,7 @@ pub(super) fn call(
                 Some(text) => boolean(text)?,
                 None => false,
             };
-            Some(Answer::pure(
-                mapper.signature(component, codel, separator, location)?,
-            ))
+            Some(Answer::pure(mapper.signature(component, codel, separator, location)?))
         }
         "invoke" => {
             let arguments = tcl::parse_list(&arguments[0]).map_err(Failure::Error)?;

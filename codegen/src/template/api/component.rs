@@ -40,13 +40,8 @@ const METHODS: &[&str] = &[
 ];
 
 /// The methods of older releases.
-static BEFORE_STACK: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
-    METHODS
-        .iter()
-        .copied()
-        .filter(|method| *method != "stack")
-        .collect()
-});
+static BEFORE_STACK: LazyLock<Vec<&'static str>> =
+    LazyLock::new(|| METHODS.iter().copied().filter(|method| *method != "stack").collect());
 
 pub(super) const CHEAP: &[&str] = &[
     "name", "doc", "ids", "version", "language", "email", "throws", "tasks", "ports", "services",
@@ -79,14 +74,8 @@ pub(super) fn call(
         "email" => text(&component.email),
         "require" => Some(Answer::pure(tcl::list(&component.requires))),
         "codels-require" => Some(Answer::pure(tcl::list(&component.codels_requires))),
-        "clock-rate" => component
-            .clock_rate
-            .as_ref()
-            .map(|rate| model.type_handle(rate.ty)),
-        "stack" => component
-            .stack
-            .as_ref()
-            .map(|stack| model.type_handle(stack.ty)),
+        "clock-rate" => component.clock_rate.as_ref().map(|rate| model.type_handle(rate.ty)),
+        "stack" => component.stack.as_ref().map(|stack| model.type_handle(stack.ty)),
         "throws" => Some(model.type_list(component_throws(component))),
         "tasks" => {
             Some(model.list((0..component.tasks.len() as u32).map(|at| Object::Task(index, at))))
@@ -110,14 +99,8 @@ pub(super) fn call(
         }
         "digest" => return digest(model, &Object::Component(index), arguments, lambda),
         // Items outside of every other component.
-        "loc" => model.place(
-            model.places.place(component.src, Anchor::First),
-            None,
-            arguments,
-        )?,
-        _ => Some(Answer::pure(
-            class(model.spec, &Object::Component(index)).into(),
-        )),
+        "loc" => model.place(model.places.place(component.src, Anchor::First), None, arguments)?,
+        _ => Some(Answer::pure(class(model.spec, &Object::Component(index)).into())),
     };
     answer.ok_or_else(|| undefined(method))
 }
@@ -190,10 +173,7 @@ pub(in crate::template) fn types(
             )));
         }
     };
-    Ok(Answer {
-        pure: filter.is_none(),
-        ..model.type_list(types)
-    })
+    Ok(Answer { pure: filter.is_none(), ..model.type_list(types) })
 }
 
 /// `object digest OBJ ?LAMBDA?`.
@@ -208,10 +188,7 @@ pub(in crate::template) fn digest(
     }
     let filter = arguments.first();
     let mut keep = filter_of(model, filter, lambda);
-    Ok(Answer {
-        text: closure::digest(model, object, &mut keep)?,
-        pure: filter.is_none(),
-    })
+    Ok(Answer { text: closure::digest(model, object, &mut keep)?, pure: filter.is_none() })
 }
 
 fn filter_of<'f>(

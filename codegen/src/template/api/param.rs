@@ -44,10 +44,7 @@ pub(super) fn param(
         _ => return Err(wrong_args("$param subcommand")),
     }
     let (base, ty) = param_types(model.spec, component, declaration);
-    let object = matches!(
-        declaration.source,
-        ParamSource::Port(_) | ParamSource::Remote(_)
-    );
+    let object = matches!(declaration.source, ParamSource::Port(_) | ParamSource::Remote(_));
     let answer = match method {
         "name" => Some(Answer::pure(declaration.name.to_string())),
         "src" => Some(Answer::pure(source_word(declaration.source).into())),
@@ -81,11 +78,7 @@ pub(super) fn param(
         "loc" => {
             let declared = matches!(at, ParamRef::Service(..) | ParamRef::Remote(..))
                 && matches!(declaration.source, ParamSource::Local(_));
-            let anchor = if declared {
-                Anchor::Named(&declaration.name)
-            } else {
-                Anchor::Path
-            };
+            let anchor = if declared { Anchor::Named(&declaration.name) } else { Anchor::Path };
             model.place_of(declaration.src, anchor, arguments)?
         }
         _ => Some(Answer::pure("parameter".into())),

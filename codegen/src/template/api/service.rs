@@ -46,27 +46,11 @@ pub(super) const CHEAP: &[&str] = &[
     "class",
 ];
 
-const REMOTE_METHODS: &[&str] = &[
-    "name",
-    "kind",
-    "component",
-    "type",
-    "parameters",
-    "throws",
-    "digest",
-    "loc",
-    "class",
-];
+const REMOTE_METHODS: &[&str] =
+    &["name", "kind", "component", "type", "parameters", "throws", "digest", "loc", "class"];
 
-pub(super) const CHEAP_REMOTE: &[&str] = &[
-    "name",
-    "kind",
-    "component",
-    "type",
-    "parameters",
-    "throws",
-    "class",
-];
+pub(super) const CHEAP_REMOTE: &[&str] =
+    &["name", "kind", "component", "type", "parameters", "throws", "class"];
 
 const DIRECTIONS: &[&str] = &["local", "in", "out", "inout"];
 
@@ -102,18 +86,14 @@ pub(super) fn service(
         "kind" => Some(Answer::pure(service_word(service.kind).into())),
         "component" => Some(model.handle(Object::Component(component))),
         "doc" => text(&service.doc),
-        "task" => service
-            .task
-            .map(|task| model.handle(Object::Task(component, task))),
+        "task" => service.task.map(|task| model.handle(Object::Task(component, task))),
         "validate" => Some(codels(&|kind| kind == CodelKind::Validate)),
         "codels" => {
             let mut kinds = Vec::new();
             for filter in arguments.iter().filter(|_| !service.codels.is_empty()) {
                 kinds.push(CODEL_KINDS[find(CODEL_KINDS, filter, "kind")?]);
             }
-            Some(codels(&|kind| {
-                arguments.is_empty() || kinds.contains(&codel_kind_word(kind))
-            }))
+            Some(codels(&|kind| arguments.is_empty() || kinds.contains(&codel_kind_word(kind))))
         }
         "parameters" => Some(model.params(
             component,
@@ -140,11 +120,9 @@ pub(super) fn service(
             let digest = closure::digest(model, &object, &mut |_| Ok(true))?;
             Some(Answer::pure(digest))
         }
-        "loc" => model.place_of(
-            service.src,
-            Anchor::Keyword(service_word(service.kind)),
-            arguments,
-        )?,
+        "loc" => {
+            model.place_of(service.src, Anchor::Keyword(service_word(service.kind)), arguments)?
+        }
         _ => Some(Answer::pure("service".into())),
     };
     answer.ok_or_else(|| undefined(method))

@@ -26,18 +26,8 @@ pub(super) const TASK_METHODS: &[&str] = &[
     "class",
 ];
 
-pub(super) const PORT_METHODS: &[&str] = &[
-    "name",
-    "dir",
-    "kind",
-    "component",
-    "type",
-    "datatype",
-    "doc",
-    "throws",
-    "loc",
-    "class",
-];
+pub(super) const PORT_METHODS: &[&str] =
+    &["name", "dir", "kind", "component", "type", "datatype", "doc", "throws", "loc", "class"];
 
 pub(super) fn task(
     model: &Model<'_>,
@@ -48,11 +38,7 @@ pub(super) fn task(
     let task = model.spec.task(component, index);
     let method = method(TASK_METHODS, words, "name")?;
     let arguments = words.get(1..).unwrap_or_default();
-    let most = if matches!(method, "fsm" | "loc") {
-        2
-    } else {
-        1
-    };
+    let most = if matches!(method, "fsm" | "loc") { 2 } else { 1 };
     if words.len() > most {
         return Err(wrong_args(match method {
             "fsm" => "$task fsm event",
@@ -61,9 +47,7 @@ pub(super) fn task(
         }));
     }
     let quantity = |quantity: &Option<dotgen_analysis::model::Quantity>| {
-        quantity
-            .as_ref()
-            .map(|quantity| model.type_handle(quantity.ty))
+        quantity.as_ref().map(|quantity| model.type_handle(quantity.ty))
     };
     let answer = match method {
         "name" => Some(Answer::pure(task.name.to_string())),

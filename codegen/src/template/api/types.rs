@@ -42,9 +42,8 @@ const METHODS: &[&str] = &[
     "class",
 ];
 
-pub(super) const CHEAP: &[&str] = &[
-    "kind", "name", "fullname", "final", "type", "length", "members", "cname", "mangle", "class",
-];
+pub(super) const CHEAP: &[&str] =
+    &["kind", "name", "fullname", "final", "type", "length", "members", "cname", "mangle", "class"];
 
 pub(super) fn call(
     model: &Model<'_>,
@@ -61,10 +60,7 @@ pub(super) fn call(
     let pure = |text: String| Some(Answer::pure(text));
     let answer = match method {
         "kind" => pure(known_type.kind.word().into()),
-        "name" => known_type
-            .name
-            .as_ref()
-            .and_then(|name| pure(name.to_string())),
+        "name" => known_type.name.as_ref().and_then(|name| pure(name.to_string())),
         "fullname" => spec.full_name(ty).map(Answer::pure),
         "scope" => {
             let scopes = known_type.scope.iter();
@@ -109,9 +105,7 @@ pub(super) fn call(
         "masquerade" => {
             let template = arguments.first().map_or(model.template, String::as_str);
             let pairs = known_type.masquerade.iter();
-            let found = pairs
-                .filter(|_| known_type.name.is_some())
-                .find(|pair| pair.0 == template);
+            let found = pairs.filter(|_| known_type.name.is_some()).find(|pair| pair.0 == template);
             found.map(|(_, data)| Answer::pure(data.clone()))
         }
         "loc" => {
@@ -127,10 +121,7 @@ pub(super) fn call(
 fn members_of(model: &Model<'_>, ty: TypeId, arguments: &[String]) -> Answer {
     let matches = |member: &TypeId| {
         let name = model.spec.ty(*member).name.as_deref();
-        arguments
-            .first()
-            .zip(name)
-            .is_none_or(|(glob, name)| tcl::glob_match(glob, name))
+        arguments.first().zip(name).is_none_or(|(glob, name)| tcl::glob_match(glob, name))
     };
     let mapper = model.mapper();
     let members = mapper.members(model.spec.resolve_alias(ty)).iter().copied();
@@ -141,9 +132,9 @@ fn members_of(model: &Model<'_>, ty: TypeId, arguments: &[String]) -> Answer {
 fn value_of(model: &Model<'_>, ty: TypeId) -> Option<String> {
     match &model.spec.ty(ty).kind {
         TypeKind::Const { value, .. } => Some(value_text(model.spec, value)),
-        TypeKind::UnionMember { labels, .. } => Some(tcl::list(
-            labels.iter().map(|label| label_text(model.spec, label)),
-        )),
+        TypeKind::UnionMember { labels, .. } => {
+            Some(tcl::list(labels.iter().map(|label| label_text(model.spec, label))))
+        }
         _ => None,
     }
 }

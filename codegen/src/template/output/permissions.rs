@@ -6,9 +6,7 @@ pub(super) fn parse(text: &str, current: u32) -> Option<u32> {
     let text = text.trim();
     let digits = text.strip_prefix("0o").unwrap_or(text);
     if !digits.is_empty() && digits.chars().all(|c| c.is_digit(8)) {
-        return u32::from_str_radix(digits, 8)
-            .ok()
-            .map(|number| number & 0o7777);
+        return u32::from_str_radix(digits, 8).ok().map(|number| number & 0o7777);
     }
     if text.len() == 9 && text.chars().all(|c| "rwxstST-".contains(c)) {
         return parse_listing(text);

@@ -21,23 +21,14 @@ impl StagedFiles {
     /// A staging area for a sink.
     pub(crate) fn new(sink: OutputSink) -> StagedFiles {
         match sink {
-            OutputSink::Direct => StagedFiles {
-                files: BTreeMap::new(),
-                direct: true,
-            },
-            OutputSink::Preview(files) => StagedFiles {
-                files,
-                direct: false,
-            },
+            OutputSink::Direct => StagedFiles { files: BTreeMap::new(), direct: true },
+            OutputSink::Preview(files) => StagedFiles { files, direct: false },
         }
     }
 
     /// Files to be written to disk.
     pub(crate) fn direct(files: BTreeMap<PathBuf, PreviewFile>) -> StagedFiles {
-        StagedFiles {
-            files,
-            direct: true,
-        }
+        StagedFiles { files, direct: true }
     }
 
     /// Number of files that differ from those of the disk.
@@ -62,22 +53,13 @@ impl StagedFiles {
                 // An unchanged file is not written: build tools compare modification times.
                 match file.before.as_ref() == Some(&file.after) {
                     true => modes.extend(file.mode.map(|mode| (path, mode))),
-                    false => contents.push(NewContent {
-                        path,
-                        bytes: file.after,
-                        mode: file.mode,
-                    }),
+                    false => contents.push(NewContent { path, bytes: file.after, mode: file.mode }),
                 }
             }
             written = disk.write(&contents);
             for (path, mode) in modes {
                 if let (Ok(()), Err(reason)) = (&written, disk.set_mode(&path, mode)) {
-                    written = Err(WriteError {
-                        path,
-                        reason,
-                        changed: Vec::new(),
-                        of: 1,
-                    });
+                    written = Err(WriteError { path, reason, changed: Vec::new(), of: 1 });
                 }
             }
         }
@@ -111,12 +93,7 @@ impl StagedFiles {
             Some(file) => (file.before.clone(), file.mode),
             None => (on_disk(disk, &path)?, None),
         };
-        let file = PreviewFile {
-            before,
-            after: bytes.to_vec(),
-            mode,
-            concern: None,
-        };
+        let file = PreviewFile { before, after: bytes.to_vec(), mode, concern: None };
         self.files.insert(path, file);
         Ok(())
     }
@@ -126,10 +103,7 @@ impl StagedFiles {
     /// # Errors
     /// Fails for an unknown form.
     pub(crate) fn mode(&self, disk: &dyn Disk, path: &Path, text: &str) -> Result<u32, Failure> {
-        let known = self
-            .files
-            .get(&plain(disk, path))
-            .and_then(|file| file.mode);
+        let known = self.files.get(&plain(disk, path)).and_then(|file| file.mode);
         let current =
             known.unwrap_or_else(|| match disk.status(path).map_or(0, |status| status.mode) {
                 0 => 0o644,

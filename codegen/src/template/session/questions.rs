@@ -46,9 +46,7 @@ impl Session<'_> {
             template: &template,
             language,
         };
-        ask(&model, &mut |lambda, handle| {
-            self.evaluate(&tcl::list(["apply", lambda, handle]))
-        })
+        ask(&model, &mut |lambda, handle| self.evaluate(&tcl::list(["apply", lambda, handle])))
     }
 
     fn call_object(&mut self, language: Language, words: &[String], more: &mut String) -> Reply {
@@ -81,9 +79,7 @@ impl Session<'_> {
 
     /// Evaluates a script at global level in the main interpreter.
     pub(super) fn evaluate(&mut self, script: &str) -> Result<String, Failure> {
-        self.host
-            .send(&[b"eval", script.as_bytes(), b"0", b""])
-            .map_err(Failure::Stop)?;
+        self.host.send(&[b"eval", script.as_bytes(), b"0", b""]).map_err(Failure::Stop)?;
         loop {
             let words = self.host.receive().map_err(Failure::Stop)?;
             if words.first().is_some_and(|word| word == b"return") {
@@ -105,10 +101,9 @@ impl Session<'_> {
         match (word(0), word(1)) {
             ("genom", "program") => Ok(Answer::pure(run.program.clone())),
             ("genom", "cmdline") => Ok(Answer::pure(run.cmdline.clone())),
-            ("genom", "version") => Ok(Answer::pure(format!(
-                "genom {}",
-                self.compiled.spec.release
-            ))),
+            ("genom", "version") => {
+                Ok(Answer::pure(format!("genom {}", self.compiled.spec.release)))
+            }
             ("genom", "templates") => Ok(Answer::pure(tcl::list(run.search.list(&*run.disk)))),
             ("genom", "debug") => flag(run.debug),
             ("genom", "verbose") => flag(run.verbose),
@@ -299,10 +294,7 @@ impl Session<'_> {
     /// Fails for any other file.
     fn check_input(&self, file: &str) -> Result<(), Failure> {
         let path = self.run.base.join(file);
-        let results = self
-            .run
-            .confined
-            .map(|confinement| confinement.results.as_slice());
+        let results = self.run.confined.map(|confinement| confinement.results.as_slice());
         match results.is_some_and(|paths| readable_files::is_below(&*self.run.disk, &path, paths)) {
             true => Ok(()),
             false => self.check_read(&path),
@@ -364,9 +356,7 @@ fn text_helper(language: Language, words: &[String]) -> Reply {
     let mut arguments = words.get(1..).unwrap_or_default();
     let spec = dotgen_analysis::model::Spec::default();
     let mapper = Mapper::new(&spec, &NoPlaces, language);
-    let option = arguments
-        .first()
-        .and_then(|argument| argument.strip_prefix('-'));
+    let option = arguments.first().and_then(|argument| argument.strip_prefix('-'));
     let answer = match name {
         "comment" => match option {
             Some(mark) => text::marked_comment(mark, &arguments[1..].join(" ")),
@@ -374,15 +364,9 @@ fn text_helper(language: Language, words: &[String]) -> Reply {
         },
         "fileext" => {
             if arguments.len() > 1 {
-                return Err(Failure::Error(
-                    "wrong # args: should be \"fileext ?kind?\"".into(),
-                ));
+                return Err(Failure::Error("wrong # args: should be \"fileext ?kind?\"".into()));
             }
-            mapper.file_extension(
-                arguments
-                    .first()
-                    .is_some_and(|argument| argument == "header"),
-            )?
+            mapper.file_extension(arguments.first().is_some_and(|argument| argument == "header"))?
         }
         _ => {
             let mut column = 70;
@@ -396,9 +380,7 @@ fn text_helper(language: Language, words: &[String]) -> Reply {
                 arguments = &arguments[1..];
             }
             if name == "---" {
-                let filler = arguments
-                    .last()
-                    .and_then(|argument| argument.chars().last());
+                let filler = arguments.last().and_then(|argument| argument.chars().last());
                 let words = arguments.split_last().map_or(&[][..], |(_, words)| words);
                 text::rule(&words.join(" "), filler, column)
             } else {

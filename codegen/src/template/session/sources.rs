@@ -26,27 +26,13 @@ impl Session<'_> {
             .map_err(|error| Failure::Error(format!("{name}:{}: {}", error.line, error.fault)))?;
         let path = self.temporary();
         if self.output.modes.is_on("debug") && !self.output.modes.is_on("silent") {
-            self.print(&format!(
-                "generating template code for {name} in {}",
-                path.display()
-            ));
+            self.print(&format!("generating template code for {name} in {}", path.display()));
         }
-        self.run
-            .disk
-            .put(&path, program.text.as_bytes())
-            .map_err(|error| {
-                Failure::Error(format!(
-                    "couldn't open \"{}\": {}",
-                    path.display(),
-                    posix(&error)
-                ))
-            })?;
+        self.run.disk.put(&path, program.text.as_bytes()).map_err(|error| {
+            Failure::Error(format!("couldn't open \"{}\": {}", path.display(), posix(&error)))
+        })?;
         let path = path.display().to_string();
-        self.scripts.push(Script {
-            path: path.clone(),
-            name,
-            text: program.text,
-        });
+        self.scripts.push(Script { path: path.clone(), name, text: program.text });
         Ok(Answer::volatile(path))
     }
 
@@ -82,13 +68,8 @@ impl Session<'_> {
         self.check_output(self.files).map_err(Failure::Stop)?;
         let mut output = {
             let disk = std::sync::Arc::clone(&self.run.disk);
-            let empty = Output::new(
-                String::new(),
-                Default::default(),
-                false,
-                disk,
-                OutputSink::Direct,
-            );
+            let empty =
+                Output::new(String::new(), Default::default(), false, disk, OutputSink::Direct);
             std::mem::replace(&mut self.output, empty)
         };
         let result = output.commit(name, permissions, text, self);

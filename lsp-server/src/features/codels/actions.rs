@@ -84,16 +84,8 @@ pub(crate) fn actions(
         let mut mendable = 0;
         for found in compared.findings(&snapshot.analysis) {
             let (folder, findings) = found?;
-            let work = Work {
-                snapshot,
-                subject,
-                folder,
-                texts: &texts,
-            };
-            mendable += findings
-                .iter()
-                .filter(|finding| !finding.repairs.is_empty())
-                .count();
+            let work = Work { snapshot, subject, folder, texts: &texts };
+            mendable += findings.iter().filter(|finding| !finding.repairs.is_empty()).count();
             for drift in findings.iter().filter(|_| quick) {
                 here |= work.fixes(drift, range, offers, out)?;
             }
@@ -139,9 +131,7 @@ impl Work<'_> {
         };
         let shown = diagnostic::to_proto(self.snapshot, &here)?;
         let expected = self.folder.expected();
-        let Some(expected) = expected
-            .iter()
-            .find(|expected| expected.component == drift.component)
+        let Some(expected) = expected.iter().find(|expected| expected.component == drift.component)
         else {
             return Ok(true);
         };
@@ -215,9 +205,7 @@ impl Work<'_> {
             if !silent || missing.is_empty() {
                 continue;
             }
-            let codel = missing
-                .iter()
-                .find(|codel| selected(component.codel(**codel).src));
+            let codel = missing.iter().find(|codel| selected(component.codel(**codel).src));
             if let Some(at) = codel {
                 wanted.push((repairs.title(&Repair::Stub { at: *at }), vec![*at]));
             }
@@ -243,9 +231,7 @@ impl Work<'_> {
                     kind: Some(CodeActionKind::REFACTOR_REWRITE),
                     ..CodeAction::default()
                 };
-                let first = codels
-                    .first()
-                    .map(|codel| component.codel(*codel).name.as_str());
+                let first = codels.first().map(|codel| component.codel(*codel).name.as_str());
                 out.extend(self.action(action, &edit, first, None, offers)?);
             }
         }
@@ -302,10 +288,7 @@ fn stub_groups(repairs: &Repairs<'_>, owner: Owner) -> Vec<(String, Vec<CodelRef
     let all = repairs.missing();
     let mut out = Vec::new();
     if of_owner.len() > 1 {
-        out.push((
-            owner_title(repairs, owner, of_owner.len()),
-            of_owner.clone(),
-        ));
+        out.push((owner_title(repairs, owner, of_owner.len()), of_owner.clone()));
     }
     if all.len() > of_owner.len().max(1) {
         out.push((component_title(repairs, all.len()), all));
@@ -342,10 +325,7 @@ fn sync_action(
         ..CodeAction::default()
     };
     let action = match snapshot.client.resolves_edits {
-        true => Some(CodeAction {
-            data: Some(json!({ "sync": subject.path })),
-            ..action
-        }),
+        true => Some(CodeAction { data: Some(json!({ "sync": subject.path })), ..action }),
         false => {
             sync_edit(snapshot, &subject.path)?.and_then(|edit| with_edit(snapshot, action, edit))
         }
@@ -363,12 +343,7 @@ pub(crate) fn resolve(
         return Ok(UserResult::default());
     };
     let edit = sync_edit(snapshot, &data.sync)?.transpose();
-    Ok(UserResult(edit.map(|edit| {
-        Some(CodeAction {
-            edit,
-            ..action.clone()
-        })
-    })))
+    Ok(UserResult(edit.map(|edit| Some(CodeAction { edit, ..action.clone() }))))
 }
 
 /// Every fix around a document, hints included.
@@ -378,13 +353,7 @@ fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<EditRes
         for folder in compared.folders() {
             let beside = folder.specification.parent();
             roots.push(snapshot.analysis.root_of(&folder.specification)?);
-            roots.extend(
-                snapshot
-                    .roots
-                    .iter()
-                    .filter(|root| root.parent() == beside)
-                    .cloned(),
-            );
+            roots.extend(snapshot.roots.iter().filter(|root| root.parent() == beside).cloned());
         }
     }
     roots.sort();
@@ -398,12 +367,7 @@ fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<EditRes
     drop(project);
     texts.check()?;
     let mut edit = Edit::default();
-    for FileChange {
-        path,
-        before,
-        after,
-    } in done.changes
-    {
+    for FileChange { path, before, after } in done.changes {
         match before {
             Some(before) => {
                 for line_edit in line_edits(&before, &after) {

@@ -44,10 +44,7 @@ pub(crate) fn handle(
     use crate::protocol::user_result::UserResult;
     let mut specification = None;
     for compared in codels::around(snapshot, &subject.path)? {
-        specification = compared
-            .folders()
-            .next()
-            .map(|folder| folder.specification.clone());
+        specification = compared.folders().next().map(|folder| folder.specification.clone());
     }
     let specification = match (specification, snapshot.is_code(&subject.path)) {
         (Some(specification), _) => specification,
@@ -68,10 +65,7 @@ pub(crate) fn handle(
     drop(project);
     texts.check()?;
     let files = files.into_iter().filter_map(|file| {
-        Some(HeaderFile {
-            uri: snapshot.uri(&output.join(file.path))?,
-            text: file.text,
-        })
+        Some(HeaderFile { uri: snapshot.uri(&output.join(file.path))?, text: file.text })
     });
     let ignored = HeaderFile {
         uri: match snapshot.uri(&output.join(".gitignore")) {
@@ -81,8 +75,6 @@ pub(crate) fn handle(
         text: IGNORED.to_owned(),
     };
     let files = std::iter::once(ignored).chain(files).collect();
-    let answer = snapshot
-        .uri(&output)
-        .map(|folder| CodelHeaders { folder, files });
+    let answer = snapshot.uri(&output).map(|folder| CodelHeaders { folder, files });
     Ok(UserResult(Ok(answer)))
 }

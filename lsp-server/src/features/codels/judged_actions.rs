@@ -38,11 +38,7 @@ pub(crate) fn offers<T>(
     let texts = Texts::new(snapshot);
     let mut project = project(&mut host, snapshot, &texts, &roots[0]);
     let judge = Judge::new(&mut project, &roots);
-    let out = offer(&mut JudgedActions {
-        snapshot,
-        texts: &texts,
-        judge,
-    })?;
+    let out = offer(&mut JudgedActions { snapshot, texts: &texts, judge })?;
     texts.check()?;
     Ok(out)
 }
@@ -107,9 +103,6 @@ pub(crate) fn project<'a>(
     file: &Utf8Path,
 ) -> Project<'a> {
     let files = snapshot.config.codels_of(file).cloned().unwrap_or_default();
-    let stubs = StubOptions {
-        use_parameters: true,
-        ..StubOptions::default()
-    };
+    let stubs = StubOptions { use_parameters: true, ..StubOptions::default() };
     Project::new(host, texts, files, stubs)
 }

@@ -80,11 +80,8 @@ pub(crate) fn lenses(
     for folder in around.iter().flat_map(|folders| folders.folders()) {
         let all = folder.expected();
         let mut components = all.iter().map(Expected::component);
-        let meets = |component: &Component| {
-            component
-                .all_codels()
-                .any(|at| uses_port(component.codel(at)))
-        };
+        let meets =
+            |component: &Component| component.all_codels().any(|at| uses_port(component.codel(at)));
         if units.is_none() && components.any(meets) {
             units = Some(snapshot.system_units(path)?);
         }
@@ -101,10 +98,7 @@ pub(crate) fn lenses(
                     let Some(expected) = expected else { continue };
                     let place = expected.component().codel(*at).src;
                     let place = folder.unit.locations.locate(place);
-                    let places = place
-                        .into_iter()
-                        .map(|place| (place.path, place.range))
-                        .collect();
+                    let places = place.into_iter().map(|place| (place.path, place.range)).collect();
                     let mut title = title(expected, *at, &system);
                     if folder.is_earlier {
                         title += EARLIER;
@@ -167,10 +161,7 @@ fn uses_port(codel: &Codel) -> bool {
 
 /// Codels of other components that a codel excludes: `nav.go_codel through pom.pose`.
 fn remote_exclusions(component: &Component, at: CodelRef, system: &System<'_>) -> Vec<String> {
-    let Some(part) = system
-        .part(&component.name)
-        .filter(|_| uses_port(component.codel(at)))
-    else {
+    let Some(part) = system.part(&component.name).filter(|_| uses_port(component.codel(at))) else {
         return Vec::new();
     };
     // Another unit may have read the declaration differently.
@@ -183,11 +174,7 @@ fn remote_exclusions(component: &Component, at: CodelRef, system: &System<'_>) -
     for exclusion in system.exclusions(part, at) {
         let other = system.parts[exclusion.part].component;
         let codel = &other.codel(exclusion.codel).name;
-        let name = format!(
-            "{}.{codel} through {}",
-            other.name,
-            system.port_name(exclusion.port)
-        );
+        let name = format!("{}.{codel} through {}", other.name, system.port_name(exclusion.port));
         if !out.contains(&name) {
             out.push(name);
         }

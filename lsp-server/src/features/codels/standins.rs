@@ -22,16 +22,10 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 pub fn changes(specification: &Utf8Path, stand_ins: &[StandIn]) -> Vec<FileChange> {
     let new = |path: &Utf8Path, text: &str| {
         let there = Disk.read(path).is_some();
-        (!there).then(|| FileChange {
-            path: path.to_owned(),
-            before: None,
-            after: text.to_owned(),
-        })
+        (!there).then(|| FileChange { path: path.to_owned(), before: None, after: text.to_owned() })
     };
-    let mut out: Vec<FileChange> = stand_ins
-        .iter()
-        .filter_map(|stand_in| new(&stand_in.path, &stand_in.text))
-        .collect();
+    let mut out: Vec<FileChange> =
+        stand_ins.iter().filter_map(|stand_in| new(&stand_in.path, &stand_in.text)).collect();
     if !out.is_empty() {
         let beside = specification.parent().unwrap_or(Utf8Path::new(""));
         out.extend(new(&beside.join(FOLDER).join(".gitignore"), IGNORED));
@@ -51,10 +45,8 @@ pub(crate) fn actions(
     let touches = |diagnostic: &&Diagnostic| {
         diagnostic.range.start <= range.end && range.start <= diagnostic.range.end
     };
-    let mut here = found
-        .iter()
-        .filter(|diagnostic| is_environment(diagnostic.code))
-        .filter(touches);
+    let mut here =
+        found.iter().filter(|diagnostic| is_environment(diagnostic.code)).filter(touches);
     let cause = here.next();
     let missing = snapshot.analysis.missing_includes(&subject.path)?;
     let mut missing = missing.iter().map(|include| &include.range);

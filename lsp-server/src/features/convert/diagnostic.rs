@@ -45,10 +45,7 @@ pub(crate) fn to_proto(
     let page = page.and_then(types::Uri::from_file_path);
     Ok(Some(types::Diagnostic {
         range: lines.range(&diagnostic.range),
-        severity: Some(severity(severity_here(
-            diagnostic.code,
-            diagnostic.severity,
-        ))),
+        severity: Some(severity(severity_here(diagnostic.code, diagnostic.severity))),
         code: Some(types::NumberOrString::String(diagnostic.code.to_owned())),
         code_description: page.map(|href| types::CodeDescription { href }),
         source: Some(types::SOURCE.to_owned()),

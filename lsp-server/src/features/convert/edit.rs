@@ -125,12 +125,7 @@ pub(crate) fn edit_of(
             Err(why) => return Ok(Err(why)),
         }
     }
-    Ok(Ok(reviewed_edit(
-        &snapshot.client,
-        review,
-        created,
-        changed,
-    )))
+    Ok(Ok(reviewed_edit(&snapshot.client, review, created, changed)))
 }
 
 /// The changes as one edit, with a review in clients that support it.
@@ -156,10 +151,7 @@ fn reviewed_edit(
     let annotation = label.map(|_| REVIEWED.to_owned());
     let document = |uri, version, edits: Vec<TextEdit>| {
         let edits = edits.into_iter().map(|text_edit| match annotation.clone() {
-            Some(annotation_id) => OneOf::Right(AnnotatedTextEdit {
-                text_edit,
-                annotation_id,
-            }),
+            Some(annotation_id) => OneOf::Right(AnnotatedTextEdit { text_edit, annotation_id }),
             None => OneOf::Left(text_edit),
         });
         DocumentChangeOperation::Edit(TextDocumentEdit {
@@ -169,16 +161,14 @@ fn reviewed_edit(
     };
     let mut operations = Vec::new();
     for (uri, edit) in created {
-        operations.push(DocumentChangeOperation::Op(ResourceOp::Create(
-            CreateFile {
-                uri: uri.clone(),
-                options: Some(CreateFileOptions {
-                    overwrite: Some(false),
-                    ignore_if_exists: Some(false),
-                }),
-                annotation_id: annotation.clone(),
-            },
-        )));
+        operations.push(DocumentChangeOperation::Op(ResourceOp::Create(CreateFile {
+            uri: uri.clone(),
+            options: Some(CreateFileOptions {
+                overwrite: Some(false),
+                ignore_if_exists: Some(false),
+            }),
+            annotation_id: annotation.clone(),
+        })));
         operations.push(document(uri, None, vec![edit]));
     }
     for (uri, version, edits) in changed {
@@ -213,10 +203,7 @@ pub(crate) fn with_edit(
     edit: EditResult,
 ) -> Option<CodeAction> {
     match edit {
-        Ok(edit) => Some(CodeAction {
-            edit: Some(edit),
-            ..action
-        }),
+        Ok(edit) => Some(CodeAction { edit: Some(edit), ..action }),
         Err(reason) => snapshot.client.disabled_actions.then(|| CodeAction {
             disabled: Some(CodeActionDisabled { reason }),
             is_preferred: None,
@@ -229,7 +216,6 @@ pub(crate) fn with_edit(
 pub(crate) fn is_wanted(params: &CodeActionParams, kind: &CodeActionKind) -> bool {
     let only = params.context.only.as_deref();
     only.is_none_or(|only| {
-        only.iter()
-            .any(|action_kind| kind.as_str().starts_with(action_kind.as_str()))
+        only.iter().any(|action_kind| kind.as_str().starts_with(action_kind.as_str()))
     })
 }

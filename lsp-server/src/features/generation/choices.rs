@@ -12,12 +12,10 @@ use crate::config::Generate;
 /// # Errors
 /// The reason why the text cannot be edited.
 pub(crate) fn remember(text: &str, choice: &Generate) -> Result<String, String> {
-    let mut document: DocumentMut = text
-        .parse()
-        .map_err(|error: toml_edit::TomlError| error.message().trim().to_owned())?;
-    let entry = document
-        .entry("generate")
-        .or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
+    let mut document: DocumentMut =
+        text.parse().map_err(|error: toml_edit::TomlError| error.message().trim().to_owned())?;
+    let entry =
+        document.entry("generate").or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
     let Some(tables) = entry.as_array_of_tables_mut() else {
         return Err("`generate` is not a list of tables, `[[generate]]`".to_owned());
     };
@@ -32,10 +30,7 @@ pub(crate) fn remember(text: &str, choice: &Generate) -> Result<String, String> 
             let same = table.get("arguments").and_then(Item::as_array);
             let same = same.is_some_and(|array| {
                 let given = array.iter().map(toml_edit::Value::as_str);
-                given.eq(choice
-                    .arguments
-                    .iter()
-                    .map(|argument| Some(argument.as_str())))
+                given.eq(choice.arguments.iter().map(|argument| Some(argument.as_str())))
             });
             if !same {
                 table.insert("arguments", value(arguments));
@@ -68,10 +63,7 @@ mod tests {
         Generate {
             file: "arm.gen".to_owned(),
             template: template.to_owned(),
-            arguments: arguments
-                .iter()
-                .map(|argument| (*argument).to_owned())
-                .collect(),
+            arguments: arguments.iter().map(|argument| (*argument).to_owned()).collect(),
         }
     }
 

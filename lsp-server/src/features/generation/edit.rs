@@ -80,26 +80,20 @@ pub(crate) fn workspace_edit(changes: &[FileChange], able: EditSupport) -> Works
     #[allow(clippy::mutable_key_type, reason = "the type of the protocol")]
     let mut plain: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
     for change in changes {
-        let edits = text_edits(
-            change.before.as_deref().unwrap_or_default(),
-            &change.after,
-            able,
-        );
+        let edits = text_edits(change.before.as_deref().unwrap_or_default(), &change.after, able);
         if !able.create {
             plain.insert(change.uri.clone(), edits);
             continue;
         }
         if change.before.is_none() {
-            operations.push(DocumentChangeOperation::Op(ResourceOp::Create(
-                CreateFile {
-                    uri: change.uri.clone(),
-                    options: Some(CreateFileOptions {
-                        overwrite: Some(false),
-                        ignore_if_exists: Some(true),
-                    }),
-                    annotation_id: None,
-                },
-            )));
+            operations.push(DocumentChangeOperation::Op(ResourceOp::Create(CreateFile {
+                uri: change.uri.clone(),
+                options: Some(CreateFileOptions {
+                    overwrite: Some(false),
+                    ignore_if_exists: Some(true),
+                }),
+                annotation_id: None,
+            })));
         }
         operations.push(DocumentChangeOperation::Edit(TextDocumentEdit {
             text_document: OptionalVersionedTextDocumentIdentifier {
@@ -132,9 +126,7 @@ fn text_edits(before: &str, after: &str, able: EditSupport) -> Vec<TextEdit> {
     let (old_at, new_at) = (starts(&old), starts(&new));
     let lines = Lines::new(Arc::from(before), able.encoding);
     let ops = capture_diff_slices(Algorithm::Myers, &old, &new);
-    let changed = ops
-        .iter()
-        .filter(|slice| !matches!(slice, DiffOp::Equal { .. }));
+    let changed = ops.iter().filter(|slice| !matches!(slice, DiffOp::Equal { .. }));
     let edit = |op: &DiffOp| {
         let (old, new) = (op.old_range(), op.new_range());
         let range = lines.range(&(old_at[old.start]..old_at[old.end]));
@@ -147,11 +139,8 @@ fn text_edits(before: &str, after: &str, able: EditSupport) -> Vec<TextEdit> {
 mod tests {
     use super::*;
 
-    const ALL_EDITS: EditSupport = EditSupport {
-        apply: true,
-        create: true,
-        encoding: Encoding::Utf16,
-    };
+    const ALL_EDITS: EditSupport =
+        EditSupport { apply: true, create: true, encoding: Encoding::Utf16 };
 
     #[test]
     fn edits_change_the_lines_that_differ() {

@@ -61,11 +61,7 @@ fn problem(done: &Generated) -> Option<Value> {
 
 impl Plan {
     pub(crate) fn templates(&self) -> String {
-        let names: Vec<&str> = self
-            .choices
-            .iter()
-            .map(|choice| choice.template.as_str())
-            .collect();
+        let names: Vec<&str> = self.choices.iter().map(|choice| choice.template.as_str()).collect();
         names.join(", ")
     }
 
@@ -84,10 +80,7 @@ impl Plan {
             }
         };
         let list = |new: bool| -> Vec<String> {
-            let of = self
-                .changes
-                .iter()
-                .filter(|change| change.before.is_none() == new);
+            let of = self.changes.iter().filter(|change| change.before.is_none() == new);
             of.map(name).collect()
         };
         let mut parts = Vec::new();
@@ -136,11 +129,7 @@ pub(crate) fn remember(folder: &Utf8Path, choices: &[Generate]) -> std::result::
     if text == before {
         return Ok(());
     }
-    let file = NewContent {
-        path: path.into(),
-        bytes: text.into_bytes(),
-        mode: None,
-    };
+    let file = NewContent { path: path.into(), bytes: text.into_bytes(), mode: None };
     SystemDisk.write(&[file]).map_err(|error| error.to_string())
 }
 

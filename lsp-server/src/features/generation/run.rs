@@ -69,10 +69,7 @@ pub(crate) fn job(snapshot: &Snapshot, subject: &Subject, _: &()) -> Cancellable
         }
     }
     let own = file.parent().map(Utf8Path::to_owned).unwrap_or_default();
-    let folders = snapshot
-        .folders
-        .iter()
-        .filter(|folder| file.starts_with(folder));
+    let folders = snapshot.folders.iter().filter(|folder| file.starts_with(folder));
     let folder = folders.max_by_key(|folder| folder.as_str().len()).cloned();
     let project = snapshot.config.project(&file);
     let folder = project.map(|project| project.directory.clone()).or(folder);
@@ -102,10 +99,7 @@ impl Job {
     pub(crate) fn remembered(&self) -> Vec<Generate> {
         let all = self.config.generate.iter();
         let own = all.filter(|generate| generate.file == self.file.as_str());
-        let named = own.map(|generate| Generate {
-            file: self.name(),
-            ..generate.clone()
-        });
+        let named = own.map(|generate| Generate { file: self.name(), ..generate.clone() });
         named.collect()
     }
 
@@ -163,16 +157,12 @@ impl Job {
     /// not options.
     fn unknown(&self, template: &str) -> Option<String> {
         let all = self.templates();
-        let known = all
-            .iter()
-            .any(|template_info| template_info.name == template);
+        let known = all.iter().any(|template_info| template_info.name == template);
         if known || Utf8Path::new(template).is_absolute() {
             return None;
         }
-        let names: Vec<String> = all
-            .iter()
-            .map(|template| format!("`{}`", template.name))
-            .collect();
+        let names: Vec<String> =
+            all.iter().map(|template| format!("`{}`", template.name)).collect();
         Some(format!(
             "there is no template `{template}`; choose one of {}, or add the directory that has it to the setting \
              `dotgen.templatePaths` (`template-paths` in dotgen.toml)",
@@ -216,10 +206,7 @@ impl Job {
                 })
             }),
             console: &mut console,
-            limits: Limits {
-                cancel: Some(cancel),
-                ..Limits::preview()
-            },
+            limits: Limits { cancel: Some(cancel), ..Limits::preview() },
             base: self.file.parent().map(Into::into).unwrap_or_default(),
             sink: OutputSink::preview(),
             processes: dotgen_platform::process::system(),

@@ -53,11 +53,7 @@ fn formatted(
         touched && text[range.clone()].replace("\r\n", "\n") != *new
     });
     let edits: Vec<FileEdit> = edits
-        .map(|(range, new_text)| FileEdit {
-            path: subject.path.clone(),
-            range,
-            new_text,
-        })
+        .map(|(range, new_text)| FileEdit { path: subject.path.clone(), range, new_text })
         .collect();
     match edits.is_empty() {
         true => Ok(None),
@@ -75,10 +71,7 @@ pub(super) fn selections(
         return Ok(None);
     };
     selection_range::answer(snapshot, subject, params, |offsets| {
-        Ok(offsets
-            .iter()
-            .map(|&offset| selection::selections(&text, offset))
-            .collect())
+        Ok(offsets.iter().map(|&offset| selection::selections(&text, offset)).collect())
     })
 }
 
@@ -88,10 +81,9 @@ pub(super) fn folds(
     subject: &Subject,
     _: &FoldingRangeParams,
 ) -> Cancellable<Option<Vec<FoldingRange>>> {
-    let (Some(text), Some(lines)) = (
-        snapshot.analysis.text(&subject.path)?,
-        snapshot.lines(&subject.path)?,
-    ) else {
+    let (Some(text), Some(lines)) =
+        (snapshot.analysis.text(&subject.path)?, snapshot.lines(&subject.path)?)
+    else {
         return Ok(None);
     };
     let mut open = Vec::new();
@@ -120,11 +112,7 @@ pub(super) fn folds(
                 }
             }
             Kind::BlockComment => {
-                fold(
-                    token.range.start,
-                    token.range.end,
-                    Some(FoldingRangeKind::Comment),
-                );
+                fold(token.range.start, token.range.end, Some(FoldingRangeKind::Comment));
             }
             _ => {}
         }

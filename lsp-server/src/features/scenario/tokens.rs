@@ -34,12 +34,7 @@ pub(super) fn range(
     let mut tokens = tokens(snapshot, subject)?;
     tokens.retain(|token| token.range.start <= part.end && part.start <= token.range.end);
     let data = semantic_tokens::encoded(snapshot, subject, tokens)?;
-    Ok(data.map(|data| {
-        SemanticTokensRangeResult::Tokens(SemanticTokens {
-            result_id: None,
-            data,
-        })
-    }))
+    Ok(data.map(|data| SemanticTokensRangeResult::Tokens(SemanticTokens { result_id: None, data })))
 }
 
 fn tokens(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Vec<Token>> {
@@ -71,11 +66,7 @@ fn tokens(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Vec<Token>> {
         if !token.kind.is_trivia() {
             before = Some(token.kind);
         }
-        out.extend(ty.map(|ty| Token {
-            range: token.range,
-            ty,
-            modifiers: TokenModifiers::NONE,
-        }));
+        out.extend(ty.map(|ty| Token { range: token.range, ty, modifiers: TokenModifiers::NONE }));
     }
     Ok(out)
 }

@@ -61,10 +61,8 @@ fn offered(
             && wanted(&kind)
             && let Some(fix_all) = fix_all(snapshot, title, all.iter(), which, offers)?
         {
-            actions.push(CodeActionOrCommand::CodeAction(CodeAction {
-                kind: Some(kind),
-                ..fix_all
-            }));
+            actions
+                .push(CodeActionOrCommand::CodeAction(CodeAction { kind: Some(kind), ..fix_all }));
         }
     }
     for action in crate::features::verification::actions(snapshot, subject, &range, offers)? {
@@ -101,9 +99,8 @@ fn quick_fixes(
     let mut codes: Vec<&str> = Vec::new();
     let mut offered: Vec<&Fix> = Vec::new();
     // Findings at this place come first, then findings elsewhere that a fix at this place repairs.
-    let (here, elsewhere): (Vec<_>, Vec<_>) = all
-        .iter()
-        .partition(|finding| touches(&finding.range, range));
+    let (here, elsewhere): (Vec<_>, Vec<_>) =
+        all.iter().partition(|finding| touches(&finding.range, range));
     let mut tried = 0;
     for diagnostic in here {
         let before = actions.len();
@@ -133,10 +130,8 @@ fn quick_fixes(
     }
     actions.extend(standins::actions(snapshot, subject, all, range, offers)?);
     for code in codes {
-        let alike = || {
-            all.iter()
-                .filter(|finding| finding.code == code && !finding.fixes.is_empty())
-        };
+        let alike =
+            || all.iter().filter(|finding| finding.code == code && !finding.fixes.is_empty());
         if alike().count() > 1 {
             let title = format!("Fix all `{code}` in this file");
             let action = fix_all(snapshot, &title, alike(), |_| true, offers)?;
@@ -211,11 +206,8 @@ fn refactorings(
             AssistKind::OrganizeIncludes => organize.clone(),
         };
         if wanted(&kind) {
-            let action = CodeAction {
-                title: assist.title,
-                kind: Some(kind),
-                ..CodeAction::default()
-            };
+            let action =
+                CodeAction { title: assist.title, kind: Some(kind), ..CodeAction::default() };
             actions.extend(offers.action(action, &Edit::of(&assist.edits), None)?);
         }
     }
@@ -249,11 +241,7 @@ fn generate(
         return Ok(());
     };
     let path = subject.path.as_str();
-    let remembered = snapshot
-        .config
-        .generate
-        .iter()
-        .any(|generate| generate.file == path);
+    let remembered = snapshot.config.generate.iter().any(|generate| generate.file == path);
     for (title, command) in crate::features::generation::actions(&subject.uri, remembered) {
         actions.push(CodeActionOrCommand::CodeAction(CodeAction {
             title,

@@ -69,20 +69,16 @@ pub(crate) fn resolve(snapshot: &Snapshot, lens: &CodeLens) -> Cancellable<Optio
         }));
     };
     let (command, argument) = match &data.lens {
-        LensKind::StateMachine { component, owner } => (
-            SHOW_DIAGRAM,
-            json!({ "uri": uri, "component": component, "owner": owner }),
-        ),
+        LensKind::StateMachine { component, owner } => {
+            (SHOW_DIAGRAM, json!({ "uri": uri, "component": component, "owner": owner }))
+        }
         LensKind::Accesses { .. } if !text.references.is_empty() => {
             let mut locations = Vec::with_capacity(text.references.len());
             for reference in &text.references {
                 locations.extend(snapshot.location(&reference.path, &reference.range)?);
             }
             let position = lens.range.start;
-            (
-                SHOW_REFERENCES,
-                json!({ "uri": uri, "position": position, "locations": locations }),
-            )
+            (SHOW_REFERENCES, json!({ "uri": uri, "position": position, "locations": locations }))
         }
         _ => ("", json!(null)),
     };

@@ -40,20 +40,16 @@ pub(crate) fn handle(
     if !is_wanted(snapshot, subject, params)? {
         return Ok(None);
     }
-    let (Some(at), Some(lines)) = (
-        snapshot.cursor(subject, position)?,
-        snapshot.lines(&subject.path)?,
-    ) else {
+    let (Some(at), Some(lines)) =
+        (snapshot.cursor(subject, position)?, snapshot.lines(&subject.path)?)
+    else {
         return Ok(None);
     };
     let mut items = snapshot.analysis.completions(&at)?;
     functions(snapshot, &at, &mut items)?;
     let convert = (0..).zip(items).map(|(order, completion)| {
         let data = data(&subject.path, &completion);
-        CompletionItem {
-            data,
-            ..to_proto(snapshot, &lines, completion, order)
-        }
+        CompletionItem { data, ..to_proto(snapshot, &lines, completion, order) }
     });
     Ok(Some(CompletionResponse::List(CompletionList {
         is_incomplete: false,
@@ -80,10 +76,7 @@ fn functions(
             let all = folder.expected();
             for (file, function) in folder.unnamed(&all) {
                 let name = function.name.to_string();
-                if items
-                    .iter()
-                    .any(|completion_item| completion_item.label == name)
-                {
+                if items.iter().any(|completion_item| completion_item.label == name) {
                     continue;
                 }
                 let stubs = codels::stub_options(folder, &texts);
@@ -93,20 +86,15 @@ fn functions(
                     Some(repairs.parameters_of(function, owner).join(", "))
                 });
                 let insert = match place.parameters {
-                    true => format!(
-                        "{name}(${{1:{}}}){}",
-                        parameters.unwrap_or_default(),
-                        place.tail
-                    ),
+                    true => {
+                        format!("{name}(${{1:{}}}){}", parameters.unwrap_or_default(), place.tail)
+                    }
                     false => name.clone(),
                 };
                 items.push(ide::CompletionItem {
                     label: name,
                     insert,
-                    detail: file
-                        .path
-                        .file_name()
-                        .map(|name| format!("function in {name}")),
+                    detail: file.path.file_name().map(|name| format!("function in {name}")),
                     // Ranked before the generated name.
                     rank: 0,
                     ..item.clone()
@@ -115,10 +103,7 @@ fn functions(
         }
     }
     items.sort_by_key(|completion_item| {
-        (
-            completion_item.rank,
-            completion_item.codel.is_some() && completion_item.detail.is_none(),
-        )
+        (completion_item.rank, completion_item.codel.is_some() && completion_item.detail.is_none())
     });
     texts.check()
 }
@@ -201,9 +186,7 @@ pub(crate) fn resolve(
     let Some(Ok(data)) = data else {
         return Ok(None);
     };
-    let doc = snapshot
-        .analysis
-        .resolve_completion(&data.path, data.definition, &data.name)?;
+    let doc = snapshot.analysis.resolve_completion(&data.path, data.definition, &data.name)?;
     let documentation = doc.map(|doc| {
         Documentation::MarkupContent(MarkupContent {
             kind: match snapshot.client.markdown_hover {
@@ -213,8 +196,5 @@ pub(crate) fn resolve(
             value: doc.markdown,
         })
     });
-    Ok(Some(CompletionItem {
-        documentation,
-        ..item.clone()
-    }))
+    Ok(Some(CompletionItem { documentation, ..item.clone() }))
 }

@@ -12,10 +12,9 @@ pub(crate) fn handle(
     params: &DocumentHighlightParams,
 ) -> Cancellable<Option<Vec<DocumentHighlight>>> {
     let position = params.text_document_position_params.position;
-    let (Some(at), Some(lines)) = (
-        snapshot.cursor(subject, position)?,
-        snapshot.lines(&subject.path)?,
-    ) else {
+    let (Some(at), Some(lines)) =
+        (snapshot.cursor(subject, position)?, snapshot.lines(&subject.path)?)
+    else {
         return Ok(None);
     };
     let highlights = snapshot.analysis.highlights(&at)?;

@@ -17,10 +17,5 @@ pub(crate) fn handle(
     let symbols = snapshot.analysis.document_symbols(&subject.path)?;
     let symbols = symbols.into_iter().map(Symbol::from);
     let nested = snapshot.client.hierarchical_symbols;
-    Ok(Some(symbol::response(
-        symbols,
-        nested,
-        &subject.uri,
-        &lines,
-    )))
+    Ok(Some(symbol::response(symbols, nested, &subject.uri, &lines)))
 }

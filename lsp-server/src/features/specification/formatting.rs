@@ -12,11 +12,7 @@ pub(crate) fn document(
     subject: &Subject,
     params: &DocumentFormattingParams,
 ) -> Cancellable<Option<Vec<TextEdit>>> {
-    let style = style::options(
-        &snapshot.config.format,
-        &subject.path,
-        Some(&params.options),
-    );
+    let style = style::options(&snapshot.config.format, &subject.path, Some(&params.options));
     let edits = snapshot.analysis.format(&subject.path, None, &style)?;
     text_edits(snapshot, &subject.path, &edits)
 }
@@ -32,14 +28,8 @@ pub(crate) fn range(
     let Some(range) = lines.clamped(params.range) else {
         return Ok(None);
     };
-    let style = style::options(
-        &snapshot.config.format,
-        &subject.path,
-        Some(&params.options),
-    );
-    let edits = snapshot
-        .analysis
-        .format(&subject.path, Some(range), &style)?;
+    let style = style::options(&snapshot.config.format, &subject.path, Some(&params.options));
+    let edits = snapshot.analysis.format(&subject.path, Some(range), &style)?;
     text_edits(snapshot, &subject.path, &edits)
 }
 
@@ -49,17 +39,11 @@ pub(crate) fn on_type(
     params: &DocumentOnTypeFormattingParams,
 ) -> Cancellable<Option<Vec<TextEdit>>> {
     let position = params.text_document_position.position;
-    let (Some(at), Some(typed)) = (
-        snapshot.cursor(subject, position)?,
-        params.ch.chars().next(),
-    ) else {
+    let (Some(at), Some(typed)) = (snapshot.cursor(subject, position)?, params.ch.chars().next())
+    else {
         return Ok(None);
     };
-    let style = style::options(
-        &snapshot.config.format,
-        &subject.path,
-        Some(&params.options),
-    );
+    let style = style::options(&snapshot.config.format, &subject.path, Some(&params.options));
     let edits = snapshot.analysis.format_on_type(&at, typed, &style)?;
     text_edits(snapshot, &subject.path, &edits)
 }

@@ -87,9 +87,7 @@ pub(crate) fn links(
     let Some(found) = question(&snapshot.analysis, at)? else {
         return Ok(links);
     };
-    let origin = snapshot
-        .location(&at.path, &found.range)?
-        .map(|location| location.range);
+    let origin = snapshot.location(&at.path, &found.range)?.map(|location| location.range);
     for target in found.info {
         let whole = snapshot.location(&target.path, &target.full_range)?;
         let focus = snapshot.location(&target.path, &target.focus_range)?;

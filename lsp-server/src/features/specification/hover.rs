@@ -48,13 +48,7 @@ pub(crate) fn response(snapshot: &Snapshot, markdown: String, range: Option<Rang
         true => MarkupKind::Markdown,
         false => MarkupKind::PlainText,
     };
-    Hover {
-        contents: HoverContents::Markup(MarkupContent {
-            kind,
-            value: markdown,
-        }),
-        range,
-    }
+    Hover { contents: HoverContents::Markup(MarkupContent { kind, value: markdown }), range }
 }
 
 /// Maximum number of codels of other components in a hover.
@@ -91,12 +85,7 @@ fn remote_exclusions(
             }
         }
     }
-    let text = || {
-        format!(
-            "* excludes in other components {}",
-            listed(&names, MAX_CODELS)
-        )
-    };
+    let text = || format!("* excludes in other components {}", listed(&names, MAX_CODELS));
     Ok((!names.is_empty()).then(text))
 }
 
@@ -118,10 +107,7 @@ fn prototypes(
     let found = components.find(|(_, candidate)| candidate.name.as_str() == component);
     let codel = found.and_then(|(index, component)| {
         let mut codels = component.all_codels().map(|codel| component.codel(codel));
-        Some((
-            index,
-            codels.find(|candidate| candidate.name.as_str() == codel)?,
-        ))
+        Some((index, codels.find(|candidate| candidate.name.as_str() == codel)?))
     });
     let Some((index, codel)) = codel else {
         return Ok(None);

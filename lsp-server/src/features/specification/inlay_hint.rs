@@ -18,9 +18,7 @@ pub(crate) fn handle(
         return Ok(None);
     };
     let config = snapshot.config.inlay_hints;
-    let hints = snapshot
-        .analysis
-        .inlay_hints(&subject.path, range, &config)?;
+    let hints = snapshot.analysis.inlay_hints(&subject.path, range, &config)?;
     let convert = hints.into_iter().map(|hint| InlayHint {
         position: lines.range(&(hint.at..hint.at)).start,
         label: InlayHintLabel::String(hint.label),

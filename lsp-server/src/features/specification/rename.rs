@@ -31,11 +31,9 @@ pub(crate) fn prepare(
         Err(error) => return Ok(UserResult(Err(error.0))),
     };
     let location = snapshot.location(&at.path, &found.range)?;
-    Ok(UserResult(Ok(location.map(|location| {
-        PrepareRenameResponse::RangeWithPlaceholder {
-            range: location.range,
-            placeholder: found.info,
-        }
+    Ok(UserResult(Ok(location.map(|location| PrepareRenameResponse::RangeWithPlaceholder {
+        range: location.range,
+        placeholder: found.info,
     }))))
 }
 
@@ -89,18 +87,12 @@ pub(crate) fn rename_at(
         }
     }
     let label = format!("Rename to {new_name}");
-    let mut folders = snapshot
-        .folders
-        .iter()
-        .filter(|folder| at.path.starts_with(folder));
+    let mut folders = snapshot.folders.iter().filter(|folder| at.path.starts_with(folder));
     let folder = folders.next().cloned().unwrap_or_default();
     let left = listed(&sources.left, MAX_LISTED, &folder);
     let review = match left.is_empty() {
         true => Review::SeveralFiles(&label),
-        false => Review::Leaves {
-            label: &label,
-            left: &left,
-        },
+        false => Review::Leaves { label: &label, left: &left },
     };
     Ok(UserResult(edit_of(snapshot, review, &all)?.map(Some)))
 }

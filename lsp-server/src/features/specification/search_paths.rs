@@ -27,15 +27,9 @@ struct Setting {
     wanted: &'static str,
 }
 
-const INCLUDES: Setting = Setting {
-    key: "include-paths",
-    wanted: "included files",
-};
+const INCLUDES: Setting = Setting { key: "include-paths", wanted: "included files" };
 
-const PACKAGES: Setting = Setting {
-    key: "package-paths",
-    wanted: "packages",
-};
+const PACKAGES: Setting = Setting { key: "package-paths", wanted: "packages" };
 
 /// Fixes at a missing file or package: for every missing file and package, the directories that contain it. A
 /// file may belong to a package, so both are searched in either case.
@@ -58,9 +52,8 @@ pub(crate) fn fixes(
     let Some(project) = project(snapshot, &subject.path) else {
         return Ok(());
     };
-    let of_includes = includes
-        .iter()
-        .flat_map(|include| below(&project, Utf8Path::new(&include.path)));
+    let of_includes =
+        includes.iter().flat_map(|include| below(&project, Utf8Path::new(&include.path)));
     for directory in of_includes.collect::<BTreeSet<_>>() {
         add(snapshot, &project, &INCLUDES, &directory, out)?;
     }
@@ -69,9 +62,7 @@ pub(crate) fn fixes(
         let file = format!("{name}.pc");
         let mut found = below(&project, Utf8Path::new(&file));
         for prefix in prefixes() {
-            let all = BELOW_PREFIX
-                .iter()
-                .map(|below_prefix| prefix.join(below_prefix));
+            let all = BELOW_PREFIX.iter().map(|below_prefix| prefix.join(below_prefix));
             found.extend(all.filter(|prefix| prefix.join(&file).is_file()));
         }
         found.truncate(MAX_DIRECTORIES);
@@ -114,11 +105,7 @@ fn add(
         name => name,
     };
     let action = CodeAction {
-        title: format!(
-            "Search `{name}` for {}, in {}",
-            setting.wanted,
-            config::FILE_NAME
-        ),
+        title: format!("Search `{name}` for {}, in {}", setting.wanted, config::FILE_NAME),
         kind: Some(CodeActionKind::QUICKFIX),
         ..CodeAction::default()
     };
@@ -132,10 +119,7 @@ fn project(snapshot: &Snapshot, path: &Utf8Path) -> Option<Utf8PathBuf> {
     if let Some(project) = snapshot.config.project(path) {
         return Some(project.directory.clone());
     }
-    let around = snapshot
-        .folders
-        .iter()
-        .filter(|folder| path.starts_with(folder));
+    let around = snapshot.folders.iter().filter(|folder| path.starts_with(folder));
     around.max_by_key(|folder| folder.as_str().len()).cloned()
 }
 
@@ -167,8 +151,7 @@ fn edit(project: &Utf8Path, setting: &Setting, directory: &Utf8Path) -> Option<E
         }
         _ if path.exists() => return None,
         _ => {
-            edit.created
-                .insert(path, with_directory("", setting, directory)?);
+            edit.created.insert(path, with_directory("", setting, directory)?);
         }
     }
     Some(edit)
@@ -182,12 +165,8 @@ fn with_directory(text: &str, setting: &Setting, directory: &Utf8Path) -> Option
         other => other.replace('\\', "/"),
     };
     let mut document: DocumentMut = text.parse().ok()?;
-    let entry = document
-        .entry(setting.key)
-        .or_insert_with(|| value(Array::new()));
-    let paths = entry
-        .as_value_mut()
-        .and_then(|value| value.as_array_mut())?;
+    let entry = document.entry(setting.key).or_insert_with(|| value(Array::new()));
+    let paths = entry.as_value_mut().and_then(|value| value.as_array_mut())?;
     if paths.iter().any(|path| path.as_str() == Some(&directory)) {
         return None;
     }
@@ -207,28 +186,15 @@ mod tests {
                 "# ours\ninclude-paths = [\"a\"] # here\n[codels]\ncheck = false\n",
                 "# ours\ninclude-paths = [\"a\", \"idl\"] # here\n[codels]\ncheck = false\n",
             ),
-            (
-                "release = \"2.99.41\"\n",
-                "release = \"2.99.41\"\ninclude-paths = [\"idl\"]\n",
-            ),
+            ("release = \"2.99.41\"\n", "release = \"2.99.41\"\ninclude-paths = [\"idl\"]\n"),
         ] {
             assert_eq!(
                 with_directory(before, &INCLUDES, Utf8Path::new("idl")).as_deref(),
                 Some(after)
             );
-            assert_eq!(
-                with_directory(after, &INCLUDES, Utf8Path::new("idl")),
-                None,
-                "it is there"
-            );
+            assert_eq!(with_directory(after, &INCLUDES, Utf8Path::new("idl")), None, "it is there");
         }
-        assert_eq!(
-            with_directory("include-paths = 1\n", &INCLUDES, Utf8Path::new("idl")),
-            None
-        );
-        assert_eq!(
-            with_directory("= no toml", &INCLUDES, Utf8Path::new("idl")),
-            None
-        );
+        assert_eq!(with_directory("include-paths = 1\n", &INCLUDES, Utf8Path::new("idl")), None);
+        assert_eq!(with_directory("= no toml", &INCLUDES, Utf8Path::new("idl")), None);
     }
 }

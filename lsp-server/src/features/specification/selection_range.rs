@@ -27,9 +27,8 @@ pub(crate) fn answer(
         return Ok(None);
     };
     let positions = params.positions.iter();
-    let Some(offsets) = positions
-        .map(|position| lines.offset(*position))
-        .collect::<Option<Vec<_>>>()
+    let Some(offsets) =
+        positions.map(|position| lines.offset(*position)).collect::<Option<Vec<_>>>()
     else {
         return Ok(None);
     };
@@ -40,15 +39,9 @@ pub(crate) fn answer(
         let outermost_first = chain.iter().rev();
         outermost_first
             .fold(None, |parent, range| {
-                Some(SelectionRange {
-                    range: lines.range(range),
-                    parent: parent.map(Box::new),
-                })
+                Some(SelectionRange { range: lines.range(range), parent: parent.map(Box::new) })
             })
-            .unwrap_or(SelectionRange {
-                range: Range::new(*position, *position),
-                parent: None,
-            })
+            .unwrap_or(SelectionRange { range: Range::new(*position, *position), parent: None })
     });
     Ok(Some(answer.collect()))
 }

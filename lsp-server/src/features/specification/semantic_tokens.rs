@@ -29,12 +29,7 @@ pub(crate) fn range(
     };
     let tokens = (snapshot.analysis).semantic_tokens(&subject.path, Some(range))?;
     let data = encoded(snapshot, subject, tokens)?;
-    Ok(data.map(|data| {
-        SemanticTokensRangeResult::Tokens(SemanticTokens {
-            result_id: None,
-            data,
-        })
-    }))
+    Ok(data.map(|data| SemanticTokensRangeResult::Tokens(SemanticTokens { result_id: None, data })))
 }
 
 /// The tokens of a document as the client wants them, in the form of the protocol.

@@ -19,18 +19,13 @@ pub(crate) fn handle(
     };
     // Offsets of labels are in UTF-16 units, independent of the encoding of positions.
     let units = |byte: usize| help.label[..byte].encode_utf16().count() as u32;
-    let parameters = help
-        .parameters
-        .iter()
-        .map(|parameter| ParameterInformation {
-            label: match snapshot.client.label_offsets {
-                true => {
-                    ParameterLabel::LabelOffsets([units(parameter.start), units(parameter.end)])
-                }
-                false => ParameterLabel::Simple(help.label[parameter.clone()].to_owned()),
-            },
-            documentation: None,
-        });
+    let parameters = help.parameters.iter().map(|parameter| ParameterInformation {
+        label: match snapshot.client.label_offsets {
+            true => ParameterLabel::LabelOffsets([units(parameter.start), units(parameter.end)]),
+            false => ParameterLabel::Simple(help.label[parameter.clone()].to_owned()),
+        },
+        documentation: None,
+    });
     let active = help.active.map(|index| index as u32);
     Ok(Some(SignatureHelp {
         signatures: vec![SignatureInformation {

@@ -50,13 +50,7 @@ pub(crate) struct VerificationParams {
 impl VerificationParams {
     /// The complete result for a document, with a variation.
     pub(super) fn about(text_document: TextDocumentIdentifier, what_if: WhatIf) -> Self {
-        VerificationParams {
-            text_document,
-            check: None,
-            after: None,
-            take: Vec::new(),
-            what_if,
-        }
+        VerificationParams { text_document, check: None, after: None, take: Vec::new(), what_if }
     }
 
     /// True if the request is about a variation.
@@ -317,21 +311,13 @@ impl Prepared {
     pub(crate) async fn answer(mut self) -> PreparedAnswer {
         let failures = self.errors();
         if let Some(answer) = self.known.clone() {
-            return PreparedAnswer {
-                prepared: self,
-                answer,
-                errors: failures,
-            };
+            return PreparedAnswer { prepared: self, answer, errors: failures };
         }
         let (problem, options) = match self.varied() {
             Ok(varied) => varied,
             Err(errors) => {
                 self.status = Status::Blocked;
-                return PreparedAnswer {
-                    prepared: self,
-                    answer: None,
-                    errors,
-                };
+                return PreparedAnswer { prepared: self, answer: None, errors };
             }
         };
         let cancel = Arc::new(Cancel::default());
@@ -359,11 +345,7 @@ impl Prepared {
             self.places = answer.problem.clone();
             self.bounds = answer.bounds.clone();
         }
-        PreparedAnswer {
-            prepared: self,
-            answer,
-            errors: Vec::new(),
-        }
+        PreparedAnswer { prepared: self, answer, errors: Vec::new() }
     }
 }
 
@@ -382,17 +364,9 @@ pub(crate) fn present(
     question: &Question,
 ) -> Cancellable<Option<VerificationResult>> {
     let Question { shown, params } = question;
-    let PreparedAnswer {
-        prepared,
-        answer,
-        errors,
-    } = shown;
-    let options = answer
-        .as_ref()
-        .map_or(&prepared.options, |answer| &answer.options);
-    let problem = answer
-        .as_ref()
-        .map_or(&prepared.problem, |answer| &answer.problem);
+    let PreparedAnswer { prepared, answer, errors } = shown;
+    let options = answer.as_ref().map_or(&prepared.options, |answer| &answer.options);
+    let problem = answer.as_ref().map_or(&prepared.problem, |answer| &answer.problem);
     let settings = settings(&problem.scenario, options);
     let unit = TimeUnit::of(&settings);
     let (codels, blocking) = codels(snapshot, prepared, problem, options, unit)?;
@@ -409,10 +383,7 @@ pub(crate) fn present(
         durations: settings.durations.name().to_owned(),
         errors: errors.clone(),
         bounds: (prepared.bounds.iter())
-            .map(|bound| BoundResult {
-                task: bound.task.clone(),
-                bound: unit.show(bound.bound),
-            })
+            .map(|bound| BoundResult { task: bound.task.clone(), bound: unit.show(bound.bound) })
             .collect(),
         blocking,
         codels,
@@ -476,10 +447,7 @@ fn codels(
             by.push(BlockerResult {
                 codel: blocker.codel.path.to_string(),
                 location: location(&blocker.codel)?,
-                time: blocker
-                    .codel
-                    .upper
-                    .map_or("no end".to_owned(), |number| unit.show(number)),
+                time: blocker.codel.upper.map_or("no end".to_owned(), |number| unit.show(number)),
                 through: Phrase::joined(&blocker.through, ", ").to_string(),
             });
         }

@@ -77,11 +77,7 @@ pub(crate) fn in_specification(
     let mut out = Vec::new();
     for (_, entry) in about(snapshot, path) {
         let found = specification(snapshot, entry, path);
-        out.extend(
-            found
-                .into_iter()
-                .map(|specification| specification.diagnostic),
-        );
+        out.extend(found.into_iter().map(|specification| specification.diagnostic));
         out.extend(of_model(entry, path));
     }
     Ok(out)
@@ -115,9 +111,7 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Abo
             let given_up = view.outcome == Outcome::GaveUp
                 && view.report.kind == PropertyKind::Schedulable
                 && !entry.problem.is_written()
-                && !out
-                    .iter()
-                    .any(|check: &AboutCheck| check.diagnostic.code == GAVE_UP);
+                && !out.iter().any(|check: &AboutCheck| check.diagnostic.code == GAVE_UP);
             let vacuous =
                 view.outcome == Outcome::Vacuous && view.report.kind == PropertyKind::Schedulable;
             if given_up || vacuous || (asked && view.report.verdict == Verdict::Refuted) {
@@ -190,11 +184,8 @@ fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<AboutChe
 
 /// The changes that fix a check: first those found for it, then those that repair the whole system.
 pub(super) fn changes(answer: &Answer, view: &CheckView) -> Vec<Change> {
-    let mut out: Vec<Change> = view
-        .why
-        .and_then(|cause| cause.remedy.clone())
-        .into_iter()
-        .collect();
+    let mut out: Vec<Change> =
+        view.why.and_then(|cause| cause.remedy.clone()).into_iter().collect();
     if view.why.is_some() {
         for repair in &answer.repairs.all {
             if !out.contains(&repair.change) {
@@ -305,11 +296,7 @@ fn related(entry: &Entry, answer: &Answer, check: &CheckReport) -> Vec<Related> 
             && let Some((path, range)) = place(entry.places(), event.src)
         {
             let message = format!("{}: {}", unit.show(event.time), event.what);
-            related.push(Related {
-                path,
-                range,
-                message,
-            });
+            related.push(Related { path, range, message });
         }
     }
     related.reverse();

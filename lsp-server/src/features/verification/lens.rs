@@ -63,10 +63,7 @@ pub(crate) fn lenses(
             }
         }
     }
-    Ok(worst
-        .into_iter()
-        .map(|triple| (triple.0.start, triple.2))
-        .collect())
+    Ok(worst.into_iter().map(|triple| (triple.0.start, triple.2)).collect())
 }
 
 /// The results of the task whose name is at an offset, for its hover.
@@ -81,24 +78,16 @@ pub(crate) fn hover(
         let here = |location: &TaskLocation| {
             location.range.start <= offset && offset <= location.range.end
         };
-        let Some((task, (mark, title))) = tasks
-            .find(here)
-            .and_then(|task| Some((task.id, verdict(entry, task.id)?)))
+        let Some((task, (mark, title))) =
+            tasks.find(here).and_then(|task| Some((task.id, verdict(entry, task.id)?)))
         else {
             continue;
         };
         let scenario = &entry.problem.scenario.name;
-        out.push(format!(
-            "**{title}** in scenario {}",
-            markdown::code(scenario)
-        ));
+        out.push(format!("**{title}** in scenario {}", markdown::code(scenario)));
         if mark != Mark::Open {
             let details = details(entry, task);
-            out.extend(
-                details
-                    .iter()
-                    .map(|detail| format!("* {}", markdown::text(detail))),
-            );
+            out.extend(details.iter().map(|detail| format!("* {}", markdown::text(detail))));
         }
     }
     Ok((!out.is_empty()).then(|| out.join("\n")))
@@ -113,10 +102,9 @@ pub(crate) fn scenario_lenses(
     if !snapshot.config.code_lens.verdicts {
         return Ok(Some(Vec::new()));
     }
-    let (Some(lines), Some(entry)) = (
-        snapshot.lines(&subject.path)?,
-        snapshot.verification.get(&subject.path),
-    ) else {
+    let (Some(lines), Some(entry)) =
+        (snapshot.lines(&subject.path)?, snapshot.verification.get(&subject.path))
+    else {
         return Ok(None);
     };
     let uri = &subject.uri;
@@ -169,11 +157,7 @@ fn lens(
         true => Command::new(title, SHOW_VERIFICATION.to_owned(), Some(vec![argument])),
         false => Command::new(title, String::new(), None),
     };
-    CodeLens {
-        range,
-        command: Some(command),
-        data: None,
-    }
+    CodeLens { range, command: Some(command), data: None }
 }
 
 /// Returns true if a run refutes a check of an entry.
@@ -184,16 +168,10 @@ fn refutes(entry: &Entry, check: usize) -> bool {
 /// The check to show for a task: a refuted one, else its response time.
 fn shown(entry: &Entry, task: DeclaredTask) -> Option<usize> {
     let view = entry.known()?.view();
-    let of_task = || {
-        view.of_task(task)
-            .filter(|task| task.1.outcome != Outcome::Open)
-    };
+    let of_task = || view.of_task(task).filter(|task| task.1.outcome != Outcome::Open);
     let refuted = of_task().find(|task| task.1.report.verdict == Verdict::Refuted);
     let response = || of_task().find(|task| task.1.report.kind == PropertyKind::Response);
-    refuted
-        .or_else(response)
-        .or_else(|| of_task().next())
-        .map(|task| task.0)
+    refuted.or_else(response).or_else(|| of_task().next()).map(|task| task.0)
 }
 
 /// The state of a verification as a whole.
@@ -207,10 +185,9 @@ fn whole(entry: &Entry) -> String {
         Status::Blocked => return "not verified: there are errors".to_owned(),
     };
     match (entry.settled(), entry.known()) {
-        (Some(answer), _) => format!(
-            "{text} · {} states, {:.2} s",
-            answer.report.states, answer.report.seconds
-        ),
+        (Some(answer), _) => {
+            format!("{text} · {} states, {:.2} s", answer.report.states, answer.report.seconds)
+        }
         (None, Some(answer)) => format!("{text} · {}", answer.report.how_far()),
         (None, None) => text,
     }
@@ -266,9 +243,7 @@ fn verdict(entry: &Entry, task: DeclaredTask) -> Option<(Mark, String)> {
     if all.is_empty() || first(Outcome::Nothing).is_some() {
         return None;
     }
-    let response = all
-        .iter()
-        .find(|task| task.report.kind == PropertyKind::Response);
+    let response = all.iter().find(|task| task.report.kind == PropertyKind::Response);
     let measured = response.and_then(|response| response.share.clone());
     let and_measured = |text: &str| match &measured {
         Some(share) => format!("{text}: {share}"),
@@ -294,10 +269,7 @@ fn verdict(entry: &Entry, task: DeclaredTask) -> Option<(Mark, String)> {
         return say(Mark::Fails, &and_measured("later than its period"));
     }
     if let Some(open) = first(Outcome::GaveUp) {
-        return say(
-            Mark::Unsettled,
-            &and_measured(&undecided_causes(answer, open)),
-        );
+        return say(Mark::Unsettled, &and_measured(&undecided_causes(answer, open)));
     }
     if first(Outcome::Open).is_some() {
         return say(Mark::Open, "verifying");
@@ -314,14 +286,10 @@ fn verdict(entry: &Entry, task: DeclaredTask) -> Option<(Mark, String)> {
 /// `not settled in 10 s, any client`: the causes that a user can change, not the progress of the search.
 fn undecided_causes(answer: &Answer, check: &CheckView) -> String {
     let mut text = "not settled".to_owned();
-    if let Some(seconds) = check
-        .report
-        .gave_up
-        .and_then(|gave_up| match gave_up.reason {
-            Stop::Time => gave_up.seconds,
-            _ => None,
-        })
-    {
+    if let Some(seconds) = check.report.gave_up.and_then(|gave_up| match gave_up.reason {
+        Stop::Time => gave_up.seconds,
+        _ => None,
+    }) {
         text += &format!(" in {seconds} s");
     }
     if !answer.problem.is_written() {

@@ -46,17 +46,10 @@ pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<VerificationRequest
             continue;
         };
         let files = problem::used(&scn::parse(&text).scenario, path);
-        if files
-            .iter()
-            .any(|file| snapshot.open.contains_key(&file.path))
-        {
+        if files.iter().any(|file| snapshot.open.contains_key(&file.path)) {
             unopened += 1;
             let problem = scenario(snapshot, path, text)?;
-            out.push(VerificationRequest {
-                path: path.clone(),
-                version: None,
-                problem,
-            });
+            out.push(VerificationRequest { path: path.clone(), version: None, problem });
         }
     }
     let specifications = open.iter().filter(|path| language::is_specification(path));
@@ -67,11 +60,7 @@ pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<VerificationRequest
         if let Some(problem) = problem_of(snapshot, path)?
             && problem.units.iter().any(|unit| is_timed(&unit.spec))
         {
-            out.push(VerificationRequest {
-                path: path.clone(),
-                version: version(path),
-                problem,
-            });
+            out.push(VerificationRequest { path: path.clone(), version: version(path), problem });
         }
     }
     Ok(out)
@@ -96,12 +85,7 @@ pub(crate) fn problem_of(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Op
         policy: snapshot.config.verification.policy(),
         semantics: snapshot.config.verification.semantics(),
     };
-    Ok(Some(Problem::default_scenario_on(
-        platform,
-        path,
-        &[name],
-        vec![unit],
-    )))
+    Ok(Some(Problem::default_scenario_on(platform, path, &[name], vec![unit])))
 }
 
 /// A scenario and the specifications it uses, open documents included.

@@ -37,19 +37,12 @@ pub(super) fn of_run(
     judged_actions::offers(snapshot, &subject.path, |offers| {
         let mut out = Vec::new();
         for change in changes {
-            let titled = |title| CodeAction {
-                title,
-                ..CodeAction::default()
-            };
+            let titled = |title| CodeAction { title, ..CodeAction::default() };
             let judged = judged(snapshot, offers, problem, change, titled)?;
             if let Some(CodeActionOrCommand::CodeAction(action)) = judged
                 && let Some(edit) = action.edit
             {
-                out.push(Remedy {
-                    title: action.title,
-                    edit,
-                    what_if: WhatIf::of(change),
-                });
+                out.push(Remedy { title: action.title, edit, what_if: WhatIf::of(change) });
             }
         }
         Ok(out)

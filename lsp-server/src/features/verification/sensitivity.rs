@@ -121,22 +121,15 @@ pub(crate) async fn ask(
         })
     });
     let found = match work.await {
-        Ok(found) => found.map_err(|all| {
-            all.into_iter()
-                .map(|diagnostic| diagnostic.message)
-                .collect()
-        }),
+        Ok(found) => {
+            found.map_err(|all| all.into_iter().map(|diagnostic| diagnostic.message).collect())
+        }
         Err(error) => {
             tracing::error!("the search for limits panicked: {error}");
             Err(vec!["the search failed; the log says more".to_owned()])
         }
     };
-    SensitivityAnswer {
-        version,
-        problem,
-        options,
-        found,
-    }
+    SensitivityAnswer { version, problem, options, found }
 }
 
 /// The answer for a client.
@@ -145,10 +138,7 @@ pub(crate) fn shown(
     _: &Subject,
     asked: &SensitivityAnswer,
 ) -> Cancellable<SensitivityResult> {
-    let mut out = SensitivityResult {
-        version: asked.version,
-        ..SensitivityResult::default()
-    };
+    let mut out = SensitivityResult { version: asked.version, ..SensitivityResult::default() };
     let found = match &asked.found {
         Ok(found) => found,
         Err(errors) => {
@@ -159,10 +149,7 @@ pub(crate) fn shown(
     let specs = asked.problem.specs();
     let names = Names::new(&specs);
     let settings = settings(&asked.problem.scenario, &asked.options);
-    let (unit, system) = (
-        TimeUnit::of(&settings),
-        build(&names, &settings, &|_| true).system,
-    );
+    let (unit, system) = (TimeUnit::of(&settings), build(&names, &settings, &|_| true).system);
     let spec = |c: usize| names.components[c].spec_index;
     let codels = system.codels.iter();
     let codels = codels.map(|codel| {

@@ -68,9 +68,7 @@ pub(crate) fn trace(
             None => title(check),
         },
         unit: report.unit,
-        events: simulation
-            .as_ref()
-            .map_or(check.run(), |simulation| &simulation.events),
+        events: simulation.as_ref().map_or(check.run(), |simulation| &simulation.events),
         ending: match simulation {
             Some(_) => Ending::Fine,
             None => ending(check),
@@ -90,19 +88,10 @@ pub(crate) fn trace(
     };
     let remedies = remedy::of_run(snapshot, subject, places, &changes)?;
     let next = simulation.map(|simulation| Next {
-        choices: simulation
-            .choices
-            .iter()
-            .map(|choice| in_words(choice, answer))
-            .collect(),
+        choices: simulation.choices.iter().map(|choice| in_words(choice, answer)).collect(),
         taken: simulation.taken,
     });
-    Ok(Some(TraceResult {
-        trace,
-        check: number,
-        next,
-        remedies,
-    }))
+    Ok(Some(TraceResult { trace, check: number, next, remedies }))
 }
 
 /// Returns the run of a check continued by the chosen steps, if the request has some.
@@ -110,9 +99,7 @@ fn simulated(answer: &Answer, check: &CheckReport, question: &Question) -> Optio
     let after = question.params.after?;
     let take = &question.params.take;
     let take = &take[..take.len().min(MAX_TAKEN)];
-    let input = SystemInput {
-        specs: answer.problem.specs(),
-    };
+    let input = SystemInput { specs: answer.problem.specs() };
     let run = check.kept.as_ref()?;
     Some(run.simulate(&input, answer.report.unit, after, take))
 }

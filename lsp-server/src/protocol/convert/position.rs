@@ -67,11 +67,7 @@ impl Lines {
 
     /// A text whose lines are already known.
     pub fn with_index(text: Arc<str>, index: Arc<LineIndex>, encoding: Encoding) -> Lines {
-        Lines {
-            text,
-            index,
-            encoding,
-        }
+        Lines { text, index, encoding }
     }
 
     /// The text.
@@ -99,10 +95,7 @@ impl Lines {
         if position.line == self.index.line_count() && position.character == 0 {
             return Some(self.text.len());
         }
-        let at = LineCol {
-            line: position.line,
-            col: position.character,
-        };
+        let at = LineCol { line: position.line, col: position.character };
         let offset = self.index.offset(at, self.encoding.unit())?;
         Some(offset.into())
     }
@@ -139,11 +132,9 @@ mod tests {
 
     #[test]
     fn every_line_end_counts_and_units_differ() {
-        for (encoding, character) in [
-            (Encoding::Utf8, 7),
-            (Encoding::Utf16, 4),
-            (Encoding::Utf32, 3),
-        ] {
+        for (encoding, character) in
+            [(Encoding::Utf8, 7), (Encoding::Utf16, 4), (Encoding::Utf32, 3)]
+        {
             let lines = lines(encoding);
             assert_eq!(lines.position(7), Position::new(0, character));
             assert_eq!(lines.offset(Position::new(0, character)), Some(7));
@@ -161,11 +152,7 @@ mod tests {
         assert_eq!(offset(0, 2), Some(1), "between two surrogates");
         assert_eq!(offset(4, 0), Some(TEXT.len()), "the line after the last");
         assert_eq!(offset(5, 0), None);
-        assert_eq!(
-            lines.position(3),
-            Position::new(0, 1),
-            "inside of a character"
-        );
+        assert_eq!(lines.position(3), Position::new(0, 1), "inside of a character");
         let backwards = Range::new(Position::new(2, 0), Position::new(1, 0));
         assert_eq!(lines.bytes(backwards), None);
         let long = Range::new(Position::new(1, 0), Position::new(99, 0));

@@ -48,10 +48,7 @@ const MODIFIERS: [SemanticTokenModifier; 7] = [
 
 /// The legend of [`encode`].
 pub fn legend() -> SemanticTokensLegend {
-    SemanticTokensLegend {
-        token_types: TYPES.to_vec(),
-        token_modifiers: MODIFIERS.to_vec(),
-    }
+    SemanticTokensLegend { token_types: TYPES.to_vec(), token_modifiers: MODIFIERS.to_vec() }
 }
 
 /// Relative tokens. A token with several lines becomes one per line, because few clients accept others.
@@ -96,12 +93,7 @@ pub fn delta(old: &[SemanticToken], new: &[SemanticToken]) -> Vec<SemanticTokens
     let same = |(a, b): &(&SemanticToken, &SemanticToken)| a == b;
     let head = old.iter().zip(new).take_while(same).count();
     let (old, new) = (&old[head..], &new[head..]);
-    let tail = old
-        .iter()
-        .rev()
-        .zip(new.iter().rev())
-        .take_while(same)
-        .count();
+    let tail = old.iter().rev().zip(new.iter().rev()).take_while(same).count();
     let (old, new) = (&old[..old.len() - tail], &new[..new.len() - tail]);
     if old.is_empty() && new.is_empty() {
         return Vec::new();
@@ -123,11 +115,7 @@ mod tests {
     use crate::protocol::convert::Encoding;
 
     fn token(range: std::ops::Range<usize>) -> Token {
-        Token {
-            range,
-            ty: TokenType::Comment,
-            modifiers: TokenModifiers::NONE,
-        }
+        Token { range, ty: TokenType::Comment, modifiers: TokenModifiers::NONE }
     }
 
     fn plain(tokens: &[SemanticToken]) -> Vec<[u32; 3]> {
@@ -146,10 +134,7 @@ mod tests {
     #[test]
     fn a_delta_keeps_what_is_common() {
         let lines = Lines::new("a b c d".into(), Encoding::Utf8);
-        let all = encode(
-            &[token(0..1), token(2..3), token(4..5), token(6..7)],
-            &lines,
-        );
+        let all = encode(&[token(0..1), token(2..3), token(4..5), token(6..7)], &lines);
         let mut changed = all.clone();
         changed[1].token_type = 3;
         let edits = delta(&all, &changed);

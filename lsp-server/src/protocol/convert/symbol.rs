@@ -60,10 +60,7 @@ pub fn response(
 }
 
 fn nested(symbol: Symbol, lines: &Lines) -> DocumentSymbol {
-    let children = symbol
-        .children
-        .into_iter()
-        .map(|child| nested(child, lines));
+    let children = symbol.children.into_iter().map(|child| nested(child, lines));
     #[allow(deprecated, reason = "the field has to be given")]
     DocumentSymbol {
         children: Some(children.collect()),

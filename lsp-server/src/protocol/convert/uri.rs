@@ -48,12 +48,7 @@ mod tests {
 
     #[test]
     fn documents_that_are_no_files_get_a_path_of_their_own() {
-        assert_eq!(
-            path("untitled:Untitled-1"),
-            "/dotgen-virtual/untitled:Untitled-1"
-        );
-        assert!(is_virtual(&to_path(
-            &"git:/a/b.gen?x".parse().expect("a URI")
-        )));
+        assert_eq!(path("untitled:Untitled-1"), "/dotgen-virtual/untitled:Untitled-1");
+        assert!(is_virtual(&to_path(&"git:/a/b.gen?x".parse().expect("a URI"))));
     }
 }

@@ -113,12 +113,8 @@ impl Backend {
                         None => return Ok(Some(json!({ "status": "cancelled" }))),
                     },
                 };
-                let before = remembered
-                    .into_iter()
-                    .find(|generate| generate.template == template);
-                let before = before
-                    .map(|generate| generate.arguments)
-                    .unwrap_or_default();
+                let before = remembered.into_iter().find(|generate| generate.template == template);
+                let before = before.map(|generate| generate.arguments).unwrap_or_default();
                 let choice = Generate {
                     file: job.name(),
                     arguments: params.arguments.unwrap_or(before),
@@ -141,13 +137,10 @@ impl Backend {
 
     /// Asks the user for a template.
     async fn choose(&self, job: &Job) -> Result<Option<String>> {
-        let actions = job
-            .templates()
-            .into_iter()
-            .map(|template| MessageActionItem {
-                title: template.name,
-                properties: Default::default(),
-            });
+        let actions = job.templates().into_iter().map(|template| MessageActionItem {
+            title: template.name,
+            properties: Default::default(),
+        });
         let question = format!("Generate from {} with the template", job.name());
         let client = self.dispatch.client();
         let answer = client
@@ -164,10 +157,7 @@ impl Backend {
     ) -> Result<Option<Value>> {
         let cancel = Arc::new(AtomicBool::new(false));
         let _guard = StopOnDrop(cancel.clone());
-        let names: Vec<&str> = choices
-            .iter()
-            .map(|choice| choice.template.as_str())
-            .collect();
+        let names: Vec<&str> = choices.iter().map(|choice| choice.template.as_str()).collect();
         let title = format!("Generating {}", names.join(", "));
         let progress = self.begin_progress(&job, &title, &cancel).await;
         let work = job.clone();
@@ -191,10 +181,7 @@ impl Backend {
             if apply {
                 let text = plan.messages.lines().next().unwrap_or_default();
                 let message = format!("{title} failed: {text}");
-                self.dispatch
-                    .client()
-                    .show_message(MessageType::ERROR, message)
-                    .await;
+                self.dispatch.client().show_message(MessageType::ERROR, message).await;
             }
             answer["status"] = json!("failed");
         } else if plan.changes.is_empty() {
@@ -224,9 +211,8 @@ impl Backend {
             properties: Default::default(),
         };
         let actions = vec![action("Write"), action("Cancel")];
-        let answer = client
-            .show_message_request(MessageType::INFO, plan.question(), Some(actions))
-            .await?;
+        let answer =
+            client.show_message_request(MessageType::INFO, plan.question(), Some(actions)).await?;
         if answer.is_none_or(|answer| answer.title != "Write") {
             return Ok(false);
         }
@@ -239,13 +225,8 @@ impl Backend {
         write(&ours).map_err(refused)?;
         if !theirs.is_empty() {
             let edit = edit::workspace_edit(&theirs, able);
-            let params = ApplyWorkspaceEditParams {
-                label: Some(title.to_owned()),
-                edit,
-            };
-            let answer = client
-                .send_request::<request::ApplyWorkspaceEdit>(params)
-                .await?;
+            let params = ApplyWorkspaceEditParams { label: Some(title.to_owned()), edit };
+            let answer = client.send_request::<request::ApplyWorkspaceEdit>(params).await?;
             if !answer.applied {
                 return Ok(false);
             }
@@ -263,11 +244,7 @@ impl Backend {
         let found = plan.problem.as_ref().and_then(|problem| {
             let uri: Uri = serde_json::from_value(problem["uri"].clone()).ok()?;
             let line = u32::try_from(problem["line"].as_u64()?).ok()?;
-            Some((
-                uri::to_path(&uri),
-                line,
-                problem["message"].as_str()?.to_owned(),
-            ))
+            Some((uri::to_path(&uri), line, problem["message"].as_str()?.to_owned()))
         });
         for choice in &plan.choices {
             let before = reported.remove(&choice.template).unwrap_or_default();
@@ -329,11 +306,7 @@ async fn blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) 
 
 /// An error that the client shows.
 fn refused(message: String) -> Error {
-    Error {
-        code: ErrorCode::ServerError(-32803),
-        message: message.into(),
-        data: None,
-    }
+    Error { code: ErrorCode::ServerError(-32803), message: message.into(), data: None }
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {

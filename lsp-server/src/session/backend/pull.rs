@@ -41,13 +41,8 @@ impl Backend {
             let mut items: Vec<_> = gone.map(|pair| diagnostics::gone(pair.1)).collect();
             while !queue.is_empty() || !items.is_empty() && token.is_some() {
                 let paths = queue.drain(..BATCH.min(queue.len())).collect();
-                let ids = known
-                    .iter()
-                    .map(|pair| (pair.0.clone(), pair.1.value.clone()));
-                let part = Part {
-                    paths,
-                    known: Arc::new(ids.collect()),
-                };
+                let ids = known.iter().map(|pair| (pair.0.clone(), pair.1.value.clone()));
+                let part = Part { paths, known: Arc::new(ids.collect()) };
                 let reports = self.dispatch.workspace(part, diagnostics::part);
                 items.extend(reports.await.map_err(retriggered)?);
                 let Some(token) = &token else { continue };
@@ -82,10 +77,7 @@ impl Backend {
                     queue.extend(open.into_iter().chain(left).chain(done));
                 }
             }
-            let news = told
-                || items
-                    .iter()
-                    .any(|report| !diagnostics::is_unchanged(report));
+            let news = told || items.iter().any(|report| !diagnostics::is_unchanged(report));
             if news || !has_results || !self.changed(&mut revisions).await {
                 return Ok(WorkspaceDiagnosticReport { items });
             }

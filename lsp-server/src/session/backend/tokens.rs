@@ -24,10 +24,7 @@ impl TokenResults {
         data: Vec<SemanticToken>,
     ) -> SemanticTokens {
         let id = self.next.fetch_add(1, Ordering::Relaxed);
-        let tokens = SemanticTokens {
-            result_id: Some(id.to_string()),
-            data,
-        };
+        let tokens = SemanticTokens { result_id: Some(id.to_string()), data };
         self.forget(&uri);
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         last.push_back((uri, tokens.clone()));
@@ -47,11 +44,7 @@ impl TokenResults {
         let edits = known.map(|known| delta(&known, &data));
         let tokens = self.remember(uri, data);
         match edits {
-            Some(edits) => SemanticTokensDelta {
-                result_id: tokens.result_id,
-                edits,
-            }
-            .into(),
+            Some(edits) => SemanticTokensDelta { result_id: tokens.result_id, edits }.into(),
             None => tokens.into(),
         }
     }

@@ -47,9 +47,7 @@ fn wait(id: i64) -> bool {
 
 #[cfg(all(unix, not(target_os = "linux")))]
 fn wait(id: i64) -> bool {
-    let pid = i32::try_from(id)
-        .ok()
-        .and_then(rustix::process::Pid::from_raw);
+    let pid = i32::try_from(id).ok().and_then(rustix::process::Pid::from_raw);
     pid.is_some_and(poll_exit)
 }
 

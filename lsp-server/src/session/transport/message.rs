@@ -44,11 +44,7 @@ pub(super) fn parse(body: &[u8]) -> Result<Parsed, String> {
     let halves = replace_halves(&mut text);
     if halves || text != body {
         let (value, end) = parse_one(&text)?;
-        return Ok(Parsed {
-            value,
-            mended: true,
-            rest: text[end..].trim_ascii_start().to_vec(),
-        });
+        return Ok(Parsed { value, mended: true, rest: text[end..].trim_ascii_start().to_vec() });
     }
     Err(first)
 }
@@ -147,10 +143,7 @@ mod tests {
         let mended = |body: &str| text(body);
         assert_eq!(mended(r#""a\ud83db""#), (json!("a\u{fffd}b"), true));
         assert_eq!(mended(r#""\uDE00""#), (json!("\u{fffd}"), true));
-        assert_eq!(
-            mended(r#""\ud83d\ud83d\ude00""#),
-            (json!("\u{fffd}😀"), true)
-        );
+        assert_eq!(mended(r#""\ud83d\ud83d\ude00""#), (json!("\u{fffd}😀"), true));
         assert_eq!(mended(r#""\ud83d\ude00""#), (json!("😀"), false));
         assert_eq!(mended(r#""\\ud83d""#), (json!(r"\ud83d"), false));
         assert_eq!(mended(r#"["\\\ud83d"]"#), (json!(["\\\u{fffd}"]), true));

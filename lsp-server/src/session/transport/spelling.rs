@@ -12,14 +12,7 @@ use crate::protocol::convert::uri;
 use crate::protocol::types::Uri;
 
 /// Fields whose value is a URI.
-const FIELDS: [&str; 6] = [
-    "uri",
-    "targetUri",
-    "oldUri",
-    "newUri",
-    "scopeUri",
-    "baseUri",
-];
+const FIELDS: [&str; 6] = ["uri", "targetUri", "oldUri", "newUri", "scopeUri", "baseUri"];
 
 const PUBLISH: &str = "textDocument/publishDiagnostics";
 
@@ -127,9 +120,8 @@ impl Spelling {
         let spelt = match self.files.get(&path) {
             Some(own) => own.clone(),
             None => {
-                let folder = path
-                    .ancestors()
-                    .find_map(|ancestor| self.folders.get_key_value(ancestor));
+                let folder =
+                    path.ancestors().find_map(|ancestor| self.folders.get_key_value(ancestor));
                 let (folder, own) = folder?;
                 // The rest of the path has the spelling of the server.
                 let server = uri::from_path(folder)?;
@@ -176,11 +168,8 @@ mod tests {
         let opened = opened("file:///%77%2bx/a%3Ab.gen");
         spelling.store_uris("textDocument/didOpen", &opened);
         let server = |path: &str| uri::from_path(path.into()).expect("a URI").to_string();
-        let (open, other, apart) = (
-            server("/w+x/a:b.gen"),
-            server("/w+x/sub/c.gen"),
-            server("/o+.gen"),
-        );
+        let (open, other, apart) =
+            (server("/w+x/a:b.gen"), server("/w+x/sub/c.gen"), server("/o+.gen"));
         let mut message = json!({ "result": [
             { "uri": open, "message": open },
             { "targetUri": other },
@@ -206,10 +195,7 @@ mod tests {
         spelling.store_uris("textDocument/didOpen", &opened("file:///a%2Bb.gen"));
         let mut again = publish("file:///a+b.gen", 1);
         let before = spelling.apply(&mut again).expect("a message");
-        assert_eq!(
-            before["params"],
-            json!({ "uri": "file:///a+b.gen", "diagnostics": [] })
-        );
+        assert_eq!(before["params"], json!({ "uri": "file:///a+b.gen", "diagnostics": [] }));
         assert_eq!(again["params"]["uri"], "file:///a%2Bb.gen");
         assert_eq!(spelling.apply(&mut publish("file:///a+b.gen", 0)), None);
     }

@@ -35,13 +35,7 @@ impl Job {
     pub(super) fn spawn(self, cancel: Arc<Cancel>, events: Post<News>, runtime: &Handle) {
         let pace = runtime.clone();
         runtime.spawn_blocking(move || {
-            let Job {
-                path,
-                number,
-                problem,
-                options,
-                limit,
-            } = self;
+            let Job { path, number, problem, options, limit } = self;
             // The last interim answer that was not sent yet.
             let held: Arc<Mutex<Option<JobResult>>> = Arc::default();
             let send = |events: &Post<News>, answer: JobResult| {
@@ -49,11 +43,7 @@ impl Job {
             };
             let tell = |found: Interim| {
                 let part = matches!(found, Interim::SoFar(_));
-                let answer = JobResult {
-                    path: path.clone(),
-                    number,
-                    found,
-                };
+                let answer = JobResult { path: path.clone(), number, found };
                 if !part {
                     return send(&events, answer);
                 }

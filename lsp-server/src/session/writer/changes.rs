@@ -76,10 +76,7 @@ impl State {
                 if self.documents.is_mended(&path) {
                     self.ask_for_text(params.text_document.uri);
                 }
-                match self
-                    .documents
-                    .edit(&path, version, params.content_changes, encoding)
-                {
+                match self.documents.edit(&path, version, params.content_changes, encoding) {
                     EditEffect::Changed => self.touch(path),
                     EditEffect::Lost => {
                         tracing::error!(%path, version, "an edit does not fit; document dropped");
@@ -121,9 +118,7 @@ impl State {
             }
             Mutation::Choose(file, root) => {
                 self.focus.chosen.retain(|entry| entry.0 != file);
-                self.focus
-                    .chosen
-                    .extend(root.map(|root| (file.clone(), root)));
+                self.focus.chosen.extend(root.map(|root| (file.clone(), root)));
                 self.pending.chosen = true;
                 self.pending.files.insert(file);
             }

@@ -43,13 +43,8 @@ impl State {
                     Language::Scenario | Language::Template => {}
                 }
             }
-            let mut roots: Vec<_> = self
-                .workspace
-                .files
-                .iter()
-                .chain(specifications)
-                .cloned()
-                .collect();
+            let mut roots: Vec<_> =
+                self.workspace.files.iter().chain(specifications).cloned().collect();
             // A source finds its specification even if its folder is not searched.
             let home = |source: &&Utf8PathBuf| codels::home(self.config.codels_of(source)?, source);
             let homes = code.iter().filter_map(home);
@@ -88,8 +83,7 @@ impl State {
             self.host.apply(change);
         }
         self.revisions.send_modify(|revision| *revision += 1);
-        self.publisher
-            .changed(self.revision(), &self.outbox, &Post::new(&self.events));
+        self.publisher.changed(self.revision(), &self.outbox, &Post::new(&self.events));
         self.schedule_verification();
         if std::mem::take(&mut self.publisher.refresh_wanted) {
             self.refresh(Stale::Meaning);

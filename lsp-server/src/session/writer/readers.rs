@@ -49,21 +49,14 @@ impl State {
             let mut read = read;
             let subject = read.subject.as_ref().map(uri::to_path);
             let version = subject.and_then(|subject| {
-                self.documents
-                    .open_files()
-                    .get(&subject)
-                    .map(|file| file.version)
+                self.documents.open_files().get(&subject).map(|file| file.version)
             });
             read.expected.get_or_insert(version);
             return self.listings.waiting.push(read);
         }
         let subject = read.subject.map(|uri| {
             let path = uri::to_path(&uri);
-            let version = self
-                .documents
-                .open_files()
-                .get(&path)
-                .map(|file| file.version);
+            let version = self.documents.open_files().get(&path).map(|file| file.version);
             Subject { path, uri, version }
         });
         if let Some(subject) = &subject {
@@ -74,10 +67,7 @@ impl State {
             if unknown {
                 return (read.work)(Admission::UnknownDocument);
             }
-            if read
-                .expected
-                .is_some_and(|version| version != subject.version)
-            {
+            if read.expected.is_some_and(|version| version != subject.version) {
                 return (read.work)(Admission::Outdated);
             }
         }

@@ -69,10 +69,8 @@ impl State {
             return;
         }
         let before = std::mem::replace(&mut self.foreign, wanted.clone());
-        let (definition, hover) = (
-            self.client.definition_registration,
-            self.client.hover_registration,
-        );
+        let (definition, hover) =
+            (self.client.definition_registration, self.client.hover_registration);
         let offered = move |method: &str| match method {
             "textDocument/definition" => definition,
             "textDocument/hover" => hover,

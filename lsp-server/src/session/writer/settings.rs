@@ -27,10 +27,8 @@ impl State {
             return;
         };
         let scopes = std::iter::once(None).chain(self.workspace.folder_uris().map(Some));
-        let items = scopes.map(|scope_uri| ConfigurationItem {
-            scope_uri,
-            section: Some("dotgen".to_owned()),
-        });
+        let items = scopes
+            .map(|scope_uri| ConfigurationItem { scope_uri, section: Some("dotgen".to_owned()) });
         let items = items.collect();
         self.outbox.run_conversation(|client| async move {
             match client.configuration(items).await {

@@ -58,22 +58,14 @@ impl State {
         if !self.documents.restored(&path) {
             return;
         }
-        let version = self
-            .documents
-            .open_files()
-            .get(&path)
-            .map(|file| file.version);
+        let version = self.documents.open_files().get(&path).map(|file| file.version);
         if let (Some(version), FileContent::Text(text)) = (version, vfs::read(&path)) {
             self.replace_text(&path, version, text);
         }
     }
 
     fn replace_text(&mut self, path: &camino::Utf8Path, version: i32, text: String) {
-        let edit = TextDocumentContentChangeEvent {
-            range: None,
-            range_length: None,
-            text,
-        };
+        let edit = TextDocumentContentChangeEvent { range: None, range_length: None, text };
         let encoding = self.client.encoding;
         self.documents.edit(path, version, vec![edit], encoding);
         self.touch(path.to_owned());

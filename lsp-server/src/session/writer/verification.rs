@@ -48,8 +48,7 @@ impl State {
 
     /// Updates diagnostics and lenses after a change of the results of verification.
     pub(super) fn show_verification(&mut self) {
-        self.publisher
-            .changed(self.revision(), &self.outbox, &Post::new(&self.events));
+        self.publisher.changed(self.revision(), &self.outbox, &Post::new(&self.events));
         self.refresh(Stale::Findings);
     }
 }

@@ -13,50 +13,28 @@ async fn drift_is_shown_once_without_a_document_being_open() {
     }
     for message in check(&path(&folder.uri("tank.gen"))) {
         let times = shown.values().flat_map(messages);
-        assert_eq!(
-            times.filter(|time| *time == message).count(),
-            1,
-            "{message}"
-        );
+        assert_eq!(times.filter(|time| *time == message).count(), 1, "{message}");
         let is_missing = message.starts_with("codel/missing-definition");
-        assert_eq!(
-            messages(&shown["tank.gen"]).contains(&message),
-            is_missing,
-            "{message}"
-        );
+        assert_eq!(messages(&shown["tank.gen"]).contains(&message), is_missing, "{message}");
     }
     // The related information is on the other side.
-    let mut all = shown["codels/tank_codels.c"]
-        .as_array()
-        .expect("a list")
-        .iter();
+    let mut all = shown["codels/tank_codels.c"].as_array().expect("a list").iter();
     let there = all
         .find(|codelsc| {
             let message = codelsc["message"].as_str().unwrap_or_default();
             codelsc["code"] == "codel/signature-mismatch" && message.contains("tank_mix")
         })
         .expect("it is there");
-    assert_eq!(
-        there["relatedInformation"][0]["location"]["uri"],
-        folder.uri("tank.gen")
-    );
-    let page = there["codeDescription"]["href"]
-        .as_str()
-        .unwrap_or_default();
-    assert!(
-        page.ends_with("docs/diagnostics/codel/signature-mismatch.md"),
-        "{page}"
-    );
+    assert_eq!(there["relatedInformation"][0]["location"]["uri"], folder.uri("tank.gen"));
+    let page = there["codeDescription"]["href"].as_str().unwrap_or_default();
+    assert!(page.ends_with("docs/diagnostics/codel/signature-mismatch.md"), "{page}");
     client.finish().await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn an_edit_of_either_side_changes_what_is_said_of_both() {
     let folder = Folder::new(&[
-        (
-            "c.gen",
-            "component c {\n  function f(in long n) { codel c_f(local in n); };\n};\n",
-        ),
+        ("c.gen", "component c {\n  function f(in long n) { codel c_f(local in n); };\n};\n"),
         (
             "codels/c_codels.c",
             "genom_event c_f(int32_t n, const genom_context self)\n{\n  return genom_ok;\n}\n",
@@ -67,13 +45,9 @@ async fn an_edit_of_either_side_changes_what_is_said_of_both() {
     capabilities["workspace"] = json!({ "diagnostics": { "refreshSupport": true } });
     let refresh = ("workspace/diagnostic/refresh", Value::Null);
     let mut client = Client::start_answering(folder.params(capabilities), vec![refresh]).await;
-    client
-        .open(&gen_uri, &on_disk(&gen_uri).expect("it is there"))
-        .await;
+    client.open(&gen_uri, &on_disk(&gen_uri).expect("it is there")).await;
     assert_eq!(client.pulled(&gen_uri).await, Vec::<String>::new());
-    client
-        .open_code(&c_uri, &on_disk(&c_uri).expect("it is there"))
-        .await;
+    client.open_code(&c_uri, &on_disk(&c_uri).expect("it is there")).await;
     client.pushed_until(&c_uri, <[String]>::is_empty).await;
 
     // The source, as typed and not yet saved.
@@ -100,18 +74,14 @@ async fn an_edit_of_either_side_changes_what_is_said_of_both() {
     assert_eq!(client.pulled(&gen_uri).await, Vec::<String>::new());
 
     // Closed without saving: the text on the disk counts.
-    client
-        .notify("textDocument/didClose", document(&c_uri))
-        .await;
+    client.notify("textDocument/didClose", document(&c_uri)).await;
     client.pushed_until(&c_uri, mismatch).await;
     // Changed by another program.
     folder.write(
         "codels/c_codels.c",
         "genom_event c_f(double n, const genom_context self)\n{\n  return genom_ok;\n}\n",
     );
-    client
-        .notify(DID_CHANGE_FILES, folder.event("codels/c_codels.c", 2))
-        .await;
+    client.notify(DID_CHANGE_FILES, folder.event("codels/c_codels.c", 2)).await;
     client.pushed_until(&c_uri, <[String]>::is_empty).await;
     client.ignore("textDocument/publishDiagnostics");
     client.finish().await;
@@ -145,12 +115,8 @@ async fn projects_of_a_workspace_have_folders_of_their_own() {
     let mut client = Client::start(params).await;
     for name in ["a/codels/a_codels.c", "b/src/b_codels.c"] {
         let uri = folder.uri(name);
-        client
-            .open_code(&uri, &on_disk(&uri).expect("it is there"))
-            .await;
-        client
-            .pushed_until(&uri, |codes| codes == ["codel/signature-mismatch"])
-            .await;
+        client.open_code(&uri, &on_disk(&uri).expect("it is there")).await;
+        client.pushed_until(&uri, |codes| codes == ["codel/signature-mismatch"]).await;
         assert_eq!(client.pulled(&uri).await, ["codel/signature-mismatch"]);
     }
     client.ignore("textDocument/publishDiagnostics");
@@ -165,48 +131,30 @@ async fn findings_follow_the_configuration_and_comments() {
     let (uri, code) = (folder.uri("c.gen"), folder.uri("codels/c_codels.c"));
     let mut client = Client::start(folder.params(capable())).await;
     let is = |wanted: &'static [&'static str]| move |codes: &[String]| codes == wanted;
-    let shown = client
-        .pushed_until(&uri, is(&["codel/missing-definition"]))
-        .await;
+    let shown = client.pushed_until(&uri, is(&["codel/missing-definition"])).await;
     assert!(messages(&shown)[0].contains("c_g"), "{shown}");
     client.pushed_until(&code, is(&["codel/orphan"])).await;
 
     // In the source.
-    let allowed = source.replace(
-        "/** Codel",
-        "// dotgen: allow(codel/orphan) old scripts call it\n/** Codel",
-    );
+    let allowed = source
+        .replace("/** Codel", "// dotgen: allow(codel/orphan) old scripts call it\n/** Codel");
     client.open_code(&code, &allowed).await;
     client.pushed_until(&code, is(&[])).await;
 
     // In the configuration.
-    folder.write(
-        "dotgen.toml",
-        "[severity]\n\"codel/missing-definition\" = \"error\"\n",
-    );
-    client
-        .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 1))
-        .await;
-    let shown = client
-        .pushed_until(&uri, is(&["codel/missing-definition"]))
-        .await;
+    folder.write("dotgen.toml", "[severity]\n\"codel/missing-definition\" = \"error\"\n");
+    client.notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 1)).await;
+    let shown = client.pushed_until(&uri, is(&["codel/missing-definition"])).await;
     assert_eq!(shown[0]["severity"], 1);
-    folder.write(
-        "dotgen.toml",
-        "[severity]\n\"codel/missing-definition\" = \"off\"\n",
-    );
-    client
-        .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 2))
-        .await;
+    folder.write("dotgen.toml", "[severity]\n\"codel/missing-definition\" = \"off\"\n");
+    client.notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 2)).await;
     client.pushed_until(&uri, is(&[])).await;
     folder.write("dotgen.toml", "[codels]\nfolder = \"src\"\n");
     folder.write(
         "src/c_codels.c",
         "genom_event c_f(int x, const genom_context self)\n{\n  return genom_ok;\n}\n",
     );
-    client
-        .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 2))
-        .await;
+    client.notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 2)).await;
     let elsewhere = [
         // The function exists now.
         "lint/unused-suppression",
@@ -215,9 +163,7 @@ async fn findings_follow_the_configuration_and_comments() {
     ];
     client.pushed_until(&uri, |codes| codes == elsewhere).await;
     folder.write("dotgen.toml", "[codels]\ncheck = false\n");
-    client
-        .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 2))
-        .await;
+    client.notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 2)).await;
     client.pushed_until(&uri, is(&[])).await;
     client.ignore("textDocument/publishDiagnostics");
     drop(client);
@@ -238,11 +184,7 @@ async fn comments_that_allow_nothing_are_told_on_both_sides() {
     client.open_code(&code, &source).await;
     let unused = |wanted: usize| {
         move |codes: &[String]| {
-            codes
-                .iter()
-                .filter(|code| *code == "lint/unused-suppression")
-                .count()
-                == wanted
+            codes.iter().filter(|code| *code == "lint/unused-suppression").count() == wanted
         }
     };
     let shown = client.pushed_until(&uri, unused(2)).await;
@@ -255,10 +197,7 @@ async fn comments_that_allow_nothing_are_told_on_both_sides() {
         ]
     );
     assert_eq!(shown[0]["severity"], 4);
-    assert_eq!(
-        shown[0]["range"]["start"],
-        place(specification, "codel/missing", 0)
-    );
+    assert_eq!(shown[0]["range"]["start"], place(specification, "codel/missing", 0));
     let shown = client.pushed_until(&code, unused(1)).await;
     assert_eq!(
         messages(&shown),
@@ -266,24 +205,17 @@ async fn comments_that_allow_nothing_are_told_on_both_sides() {
             "lint/unused-suppression: nothing here is reported as `codel/orphan`: remove it from the comment"
         ]
     );
-    assert_eq!(
-        shown[0]["range"]["start"],
-        place(&source, "codel/orphan", 0)
-    );
+    assert_eq!(shown[0]["range"]["start"], place(&source, "codel/orphan", 0));
 
     // The fix is at its place.
     let at = place(specification, "codel/missing", 0);
-    let actions = client
-        .actions(&uri, &json!({ "start": at, "end": at }), Some("quickfix"))
-        .await;
+    let actions = client.actions(&uri, &json!({ "start": at, "end": at }), Some("quickfix")).await;
     let titles: Vec<_> = actions.iter().map(title).collect();
     assert!(titles.contains(&"Remove the comment"), "{titles:?}");
 
     // Without a comparison there are no findings.
     folder.write("dotgen.toml", "[codels]\nfolder = \"src\"\n");
-    client
-        .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 1))
-        .await;
+    client.notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 1)).await;
     client.pushed_until(&uri, <[String]>::is_empty).await;
     client.ignore("textDocument/publishDiagnostics");
     drop(client);

@@ -11,17 +11,11 @@ async fn every_quick_fix_removes_what_it_is_offered_for() {
         let uri = original.uri(name);
         let pushed = client.pushed(&uri).await;
         for diagnostic in pushed["diagnostics"].as_array().expect("a list") {
-            if !diagnostic["code"]
-                .as_str()
-                .unwrap_or_default()
-                .starts_with("codel/")
-            {
+            if !diagnostic["code"].as_str().unwrap_or_default().starts_with("codel/") {
                 continue;
             }
             let finding = messages(&json!([diagnostic])).remove(0);
-            let actions = client
-                .actions(&uri, &diagnostic["range"], Some("quickfix"))
-                .await;
+            let actions = client.actions(&uri, &diagnostic["range"], Some("quickfix")).await;
             let mut offered = 0;
             for action in &actions {
                 let about = action["diagnostics"].as_array().into_iter().flatten();
@@ -32,14 +26,9 @@ async fn every_quick_fix_removes_what_it_is_offered_for() {
             }
             assert!(offered > 0, "no fix for {finding} in {name}: {actions:#?}");
             // Only unambiguous fixes are preferred.
-            let preferred = actions
-                .iter()
-                .filter(|action| action["isPreferred"] == true);
+            let preferred = actions.iter().filter(|action| action["isPreferred"] == true);
             let preferred: Vec<&str> = preferred.map(title).collect();
-            assert!(
-                preferred.iter().all(|title| !title.starts_with("Remove")),
-                "{preferred:?}"
-            );
+            assert!(preferred.iter().all(|title| !title.starts_with("Remove")), "{preferred:?}");
             assert!(offered == 1 || preferred.len() < offered, "{finding}");
         }
     }
@@ -58,11 +47,7 @@ async fn every_quick_fix_removes_what_it_is_offered_for() {
         assert_eq!(annotation["needsConfirmation"] == true, shown, "{action:#}");
         write(&action["edit"]);
         let left = check(&path(&copy.uri("tank.gen")));
-        assert!(
-            !left.contains(&finding),
-            "{} leaves {finding}",
-            title(&action)
-        );
+        assert!(!left.contains(&finding), "{} leaves {finding}", title(&action));
     }
 }
 
@@ -96,18 +81,11 @@ async fn shown_body(capabilities: Value) -> Option<String> {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_new_stub_is_shown_where_its_code_goes() {
-    assert_eq!(
-        shown_body(capable()).await,
-        None,
-        "the client shows no documents"
-    );
+    assert_eq!(shown_body(capable()).await, None, "the client shows no documents");
     let mut able = capable();
     able["window"] = json!({ "showDocument": { "support": true } });
     let body = shown_body(able).await;
-    assert_eq!(
-        body.as_deref(),
-        Some("/* skeleton sample: insert your code */")
-    );
+    assert_eq!(body.as_deref(), Some("/* skeleton sample: insert your code */"));
 }
 
 /// Applies the action for every fix, and checks the remaining findings.
@@ -115,9 +93,7 @@ async fn fix_all(only: Option<&str>, ranges: &Value) {
     let folder = tank();
     let uri = folder.uri("tank.gen");
     let mut client = Client::start(folder.params(capable())).await;
-    client
-        .open(&uri, &on_disk(&uri).expect("it is there"))
-        .await;
+    client.open(&uri, &on_disk(&uri).expect("it is there")).await;
     let actions = client.actions(&uri, ranges, only).await;
     let all: Vec<_> = actions
         .iter()
@@ -129,19 +105,10 @@ async fn fix_all(only: Option<&str>, ranges: &Value) {
     let specification = path(&uri);
     // A yield that the code does not use may be intended: it is removed only on request.
     let left = check(&specification);
-    assert!(
-        left.len() == 1 && left[0].starts_with("codel/never-yielded: "),
-        "{left:?}"
-    );
+    assert!(left.len() == 1 && left[0].starts_with("codel/never-yielded: "), "{left:?}");
 
     // The result compiles, with the headers that the server makes for clangd.
-    client
-        .change(
-            &uri,
-            2,
-            json!([{ "text": on_disk(&uri).expect("it is there") }]),
-        )
-        .await;
+    client.change(&uri, 2, json!([{ "text": on_disk(&uri).expect("it is there") }])).await;
     let headers = client.ok("dotgen/codelHeaders", document(&uri)).await;
     assert_eq!(headers["folder"], folder.uri(".dotgen"), "{headers}");
     for file in headers["files"].as_array().expect("files") {
@@ -188,12 +155,7 @@ async fn saving_with_fix_all_does_not_touch_codels() {
     let all =
         json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 50, "character": 0 } });
     let actions = client.actions(&uri, &all, Some("source.fixAll")).await;
-    assert!(
-        !actions
-            .iter()
-            .any(|action| action.to_string().contains("_codels.c")),
-        "{actions:#?}"
-    );
+    assert!(!actions.iter().any(|action| action.to_string().contains("_codels.c")), "{actions:#?}");
     client.ignore("textDocument/publishDiagnostics");
     drop(client);
 }
@@ -217,10 +179,8 @@ async fn stubs_of_a_component_without_sources_make_the_files_of_the_skeleton() {
             .find(|action| title(action) == "Write the 13 missing stubs of component `tank`")
             .unwrap_or_else(|| panic!("{actions:#?}"));
         let files = applied(&stubs["edit"], on_disk);
-        let names: Vec<_> = files
-            .keys()
-            .map(|key| key.rsplit('/').next().unwrap_or_default())
-            .collect();
+        let names: Vec<_> =
+            files.keys().map(|key| key.rsplit('/').next().unwrap_or_default()).collect();
         assert_eq!(names, ["tank_codels.c", "tank_control_codels.c"]);
         std::fs::create_dir_all(path(&folder.uri("codels"))).expect("a folder");
         write(&stubs["edit"]);
@@ -285,10 +245,7 @@ lamp_stop(double light, const genom_context self)
 ";
 
 fn lamp() -> Folder {
-    Folder::new(&[
-        ("lamp.gen", LAMP),
-        ("codels/lamp_main_codels.c", LAMP_CODELS),
-    ])
+    Folder::new(&[("lamp.gen", LAMP), ("codels/lamp_main_codels.c", LAMP_CODELS)])
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -303,9 +260,7 @@ async fn a_state_is_split_on_both_sides() {
         let start = place_at(LAMP, offset + "codel<".len());
         let range = json!({ "start": start, "end": start });
         let actions = client.actions(&uri, &range, Some("refactor")).await;
-        let found = actions
-            .into_iter()
-            .filter(|action| title(action).starts_with("Split state"));
+        let found = actions.into_iter().filter(|action| title(action).starts_with("Split state"));
         split.extend(found);
     }
     client.finish().await;

@@ -5,10 +5,7 @@ use super::*;
 #[tokio::test(flavor = "multi_thread")]
 async fn from_codels_to_functions_and_back() {
     let folder = tank();
-    let (uri, source) = (
-        folder.uri("tank.gen"),
-        folder.uri("codels/tank_control_codels.c"),
-    );
+    let (uri, source) = (folder.uri("tank.gen"), folder.uri("codels/tank_control_codels.c"));
     let (text, code) = (read(path(&uri)), read(path(&source)));
     let mut capabilities = capable();
     capabilities["window"] = json!({ "showDocument": { "support": true } });
@@ -18,46 +15,29 @@ async fn from_codels_to_functions_and_back() {
     client.open_code(&source, &code).await;
 
     let params = at(&uri, &text, "tank_fill_wait", 0);
-    let found = client
-        .ok("textDocument/implementation", params.clone())
-        .await;
+    let found = client.ok("textDocument/implementation", params.clone()).await;
     assert_eq!(found[0]["uri"], source);
-    assert_eq!(
-        found[0]["range"]["start"],
-        place(&code, "tank_fill_wait(double", 0)
-    );
+    assert_eq!(found[0]["range"]["start"], place(&code, "tank_fill_wait(double", 0));
 
     let mut references = params;
     references["context"] = json!({ "includeDeclaration": true });
     let found = client.ok("textDocument/references", references).await;
-    let uris: Vec<_> = found
-        .as_array()
-        .expect("a list")
-        .iter()
-        .map(|client| client["uri"].clone())
-        .collect();
+    let uris: Vec<_> =
+        found.as_array().expect("a list").iter().map(|client| client["uri"].clone()).collect();
     assert_eq!(uris, [json!(uri), json!(source)]);
 
     let mut references = at(&source, &code, "tank_fill_wait(double", 0);
     references["context"] = json!({ "includeDeclaration": true });
     let found = client.ok("textDocument/references", references).await;
     assert_eq!(found[0]["uri"], uri);
-    assert_eq!(
-        found[0]["range"]["start"],
-        place(&text, "tank_fill_wait", 0)
-    );
+    assert_eq!(found[0]["range"]["start"], place(&text, "tank_fill_wait", 0));
 
     let lenses = client.ok("textDocument/codeLens", document(&source)).await;
     let titles: Vec<_> = lenses
         .as_array()
         .expect("a list")
         .iter()
-        .map(|lens| {
-            lens["command"]["title"]
-                .as_str()
-                .unwrap_or_default()
-                .to_owned()
-        })
+        .map(|lens| lens["command"]["title"].as_str().unwrap_or_default().to_owned())
         .collect();
     assert_eq!(
         titles,
@@ -78,10 +58,7 @@ async fn from_codels_to_functions_and_back() {
     }
     let shown = &client.asked[0]["params"];
     assert_eq!(shown["uri"], uri);
-    assert_eq!(
-        shown["selection"]["start"],
-        place(&text, "tank_fill_wait", 0)
-    );
+    assert_eq!(shown["selection"]["start"], place(&text, "tank_fill_wait", 0));
     client.ignore("textDocument/publishDiagnostics");
     drop(client);
 }
@@ -89,16 +66,10 @@ async fn from_codels_to_functions_and_back() {
 #[tokio::test(flavor = "multi_thread")]
 async fn names_in_sources_lead_to_their_declarations() {
     let folder = tank();
-    let (uri, source) = (
-        folder.uri("tank.gen"),
-        folder.uri("codels/tank_control_codels.c"),
-    );
+    let (uri, source) = (folder.uri("tank.gen"), folder.uri("codels/tank_control_codels.c"));
     let (text, code) = (read(path(&uri)), read(path(&source)));
     // A variable in place of a parameter.
-    let code = code.replace(
-        "*setpoint = until;",
-        "{ double until = 1.; *setpoint = until; }",
-    );
+    let code = code.replace("*setpoint = until;", "{ double until = 1.; *setpoint = until; }");
     let mut client = Client::start(folder.params(capable())).await;
     client.open(&uri, &text).await;
     client.open_code(&source, &code).await;
@@ -111,30 +82,12 @@ async fn names_in_sources_lead_to_their_declarations() {
         ("tank_reading *out", 0, "reading {", 0, "reading"),
         ("tank_e_valve_detail", 0, "e_valve {", 0, "e_valve"),
         ("return tank_main", 7, "main> tank_control_main", 0, "main"),
-        (
-            "return tank_pause_main",
-            7,
-            "main> tank_control_main",
-            0,
-            "main",
-        ),
-        (
-            "tank_wait;\n}\n\n/** Codel tank_fill",
-            0,
-            "wait> tank_fill_wait",
-            0,
-            "wait",
-        ),
+        ("return tank_pause_main", 7, "main> tank_control_main", 0, "main"),
+        ("tank_wait;\n}\n\n/** Codel tank_fill", 0, "wait> tank_fill_wait", 0, "wait"),
         ("tank_wait;\n}\n$", 0, "wait> tank_drain_wait", 0, "wait"),
         ("target ? ", 0, "target, in reading limit", 0, "target"),
         ("state->data", 0, "state;\n\n  task", 0, "state"),
-        (
-            "\ntank_fill_stop(",
-            1,
-            "tank_fill_stop(ids",
-            0,
-            "tank_fill_stop",
-        ),
+        ("\ntank_fill_stop(", 1, "tank_fill_stop(ids", 0, "tank_fill_stop"),
     ] {
         let at = match name.strip_suffix('$') {
             Some(last) => code.rfind(last),
@@ -156,24 +109,12 @@ async fn names_in_sources_lead_to_their_declarations() {
         references["context"] = json!({ "includeDeclaration": true });
         let found = client.ok("textDocument/references", references).await;
         let found = found.as_array().cloned().unwrap_or_default();
-        let starts: Vec<_> = found
-            .iter()
-            .map(|client| &client["range"]["start"])
-            .collect();
+        let starts: Vec<_> = found.iter().map(|client| &client["range"]["start"]).collect();
         assert!(starts.contains(&&wanted), "{name}: {found:#?}");
-        assert!(
-            found.iter().all(|client| client["uri"] == uri),
-            "{name}: {found:#?}"
-        );
+        assert!(found.iter().all(|client| client["uri"] == uri), "{name}: {found:#?}");
     }
     // Names that only the source declares belong to the server of its language.
-    for name in [
-        "out = state",
-        "NULL",
-        "data(self)",
-        "tank_stuck(0",
-        "until; }",
-    ] {
+    for name in ["out = state", "NULL", "data(self)", "tank_stuck(0", "until; }"] {
         let params = at(&source, &code, name, 0);
         let found = client.ok("textDocument/definition", params.clone()).await;
         assert_eq!(found, Value::Null, "{name}");
@@ -187,10 +128,7 @@ async fn names_in_sources_lead_to_their_declarations() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_codel_is_renamed_on_both_sides() {
     let folder = tank();
-    let (uri, source) = (
-        folder.uri("tank.gen"),
-        folder.uri("codels/tank_control_codels.c"),
-    );
+    let (uri, source) = (folder.uri("tank.gen"), folder.uri("codels/tank_control_codels.c"));
     let text = read(path(&uri));
     let mut client = Client::start(folder.params(capable())).await;
     let before = check(&path(&uri));
@@ -204,21 +142,14 @@ async fn a_codel_is_renamed_on_both_sides() {
     write(&edit);
     let code = read(path(&source));
     assert!(code.contains("\ntank_fill_watch(double target"), "{code}");
-    assert!(
-        code.contains("Codel tank_fill_watch of activity fill"),
-        "{code}"
-    );
-    let after: Vec<_> = check(&path(&uri))
-        .iter()
-        .map(|check| check.replace("fill_watch", "fill_wait"))
-        .collect();
+    assert!(code.contains("Codel tank_fill_watch of activity fill"), "{code}");
+    let after: Vec<_> =
+        check(&path(&uri)).iter().map(|check| check.replace("fill_watch", "fill_wait")).collect();
     assert_eq!(after, before);
 
     params["newName"] = json!("tank_fill_stop");
-    let refused = client
-        .request("textDocument/rename", params)
-        .await
-        .expect_err("the name is taken");
+    let refused =
+        client.request("textDocument/rename", params).await.expect_err("the name is taken");
     let message = refused["message"].as_str().unwrap_or_default();
     assert!(message.contains("tank_fill_stop"), "{message}");
     client.ignore("textDocument/publishDiagnostics");
@@ -232,9 +163,7 @@ async fn sources_are_left_to_the_server_of_their_language() {
     let code = read(path(&source));
     let mut client = Client::start(folder.params(capable())).await;
     client.open_code(&source, &code).await;
-    client
-        .open_code(&other, "int main(void) { return 0; }\n")
-        .await;
+    client.open_code(&other, "int main(void) { return 0; }\n").await;
     for method in [
         "textDocument/documentSymbol",
         "textDocument/foldingRange",
@@ -249,9 +178,7 @@ async fn sources_are_left_to_the_server_of_their_language() {
     assert_eq!(lenses, json!([]));
     // A source outside of folders of codels has no findings.
     client.pushed(&source).await;
-    client
-        .ok("test/text", document(&folder.uri("tank.gen")))
-        .await;
+    client.ok("test/text", document(&folder.uri("tank.gen"))).await;
     client.ok("shutdown", Value::Null).await;
     for message in client.all() {
         assert_ne!(message["params"]["uri"], other, "{message}");
@@ -263,14 +190,8 @@ async fn sources_are_asked_for_where_clients_let_choose() {
     let folder = tank();
     let dynamic = json!({ "dynamicRegistration": true });
     let mut capabilities = capable();
-    for method in [
-        "synchronization",
-        "codeAction",
-        "codeLens",
-        "definition",
-        "hover",
-        "references",
-    ] {
+    for method in ["synchronization", "codeAction", "codeLens", "definition", "hover", "references"]
+    {
         capabilities["textDocument"][method]["dynamicRegistration"] = json!(true);
     }
     capabilities["workspace"]["didChangeWatchedFiles"] = dynamic;
@@ -282,18 +203,12 @@ async fn sources_are_asked_for_where_clients_let_choose() {
     client.pushed(&folder.uri("tank.gen")).await;
     let lens = |asked: &[Value]| -> Vec<Value> {
         let all = asked.iter().flat_map(|message| {
-            message["params"]["registrations"]
-                .as_array()
-                .cloned()
-                .unwrap_or_default()
+            message["params"]["registrations"].as_array().cloned().unwrap_or_default()
         });
-        all.filter(|registration| registration["method"] == "textDocument/codeLens")
-            .collect()
+        all.filter(|registration| registration["method"] == "textDocument/codeLens").collect()
     };
     while lens(&client.asked).is_empty() {
-        client
-            .ok("test/text", document(&folder.uri("tank.gen")))
-            .await;
+        client.ok("test/text", document(&folder.uri("tank.gen"))).await;
     }
     let selector = &lens(&client.asked)[0]["registerOptions"]["documentSelector"];
     assert_eq!(
@@ -304,13 +219,9 @@ async fn sources_are_asked_for_where_clients_let_choose() {
         ])
     );
     folder.write("dotgen.toml", "[codels]\nfolder = \"src\"\n");
-    client
-        .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 1))
-        .await;
+    client.notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 1)).await;
     while lens(&client.asked).len() < 2 {
-        client
-            .ok("test/text", document(&folder.uri("tank.gen")))
-            .await;
+        client.ok("test/text", document(&folder.uri("tank.gen"))).await;
     }
     let selector = &lens(&client.asked)[1]["registerOptions"]["documentSelector"];
     assert_eq!(selector[0]["pattern"], "**/src/**");

@@ -32,10 +32,7 @@ async fn drift(client: &mut Client, documents: &[String]) -> Vec<String> {
 async fn a_text_that_breaks_off_anywhere_keeps_lenses_implementations_and_findings() {
     const EARLIER: &str = " · as of the last text without syntax errors";
     let folder = tank();
-    let (uri, source) = (
-        folder.uri("tank.gen"),
-        folder.uri("codels/tank_control_codels.c"),
-    );
+    let (uri, source) = (folder.uri("tank.gen"), folder.uri("codels/tank_control_codels.c"));
     let (text, code) = (read(path(&uri)), read(path(&source)));
     let mut params = folder.params(pulling());
     params["initializationOptions"] = json!({ "pullSources": true });
@@ -44,13 +41,7 @@ async fn a_text_that_breaks_off_anywhere_keeps_lenses_implementations_and_findin
     client.open_code(&source, &code).await;
     let titles = |lenses: &Value| -> Vec<String> {
         let all = lenses.as_array().expect("a list").iter();
-        all.map(|lens| {
-            lens["command"]["title"]
-                .as_str()
-                .unwrap_or_default()
-                .to_owned()
-        })
-        .collect()
+        all.map(|lens| lens["command"]["title"].as_str().unwrap_or_default().to_owned()).collect()
     };
     let lenses = titles(&client.ok("textDocument/codeLens", document(&source)).await);
     assert!(lenses.len() > 3);
@@ -62,19 +53,13 @@ async fn a_text_that_breaks_off_anywhere_keeps_lenses_implementations_and_findin
     for cut in tokens(&text).into_iter().step_by(2) {
         // The text is complete before it is cut.
         version += 2;
-        client
-            .change(&uri, version - 1, json!([{ "text": text }]))
-            .await;
+        client.change(&uri, version - 1, json!([{ "text": text }])).await;
         let whole = titles(&client.ok("textDocument/codeLens", document(&source)).await);
         assert_eq!(whole, lenses);
-        client
-            .change(&uri, version, json!([{ "text": &text[..cut] }]))
-            .await;
+        client.change(&uri, version, json!([{ "text": &text[..cut] }])).await;
         let now = titles(&client.ok("textDocument/codeLens", document(&source)).await);
-        let plain: Vec<_> = now
-            .iter()
-            .map(|title| title.trim_end_matches(EARLIER).to_owned())
-            .collect();
+        let plain: Vec<_> =
+            now.iter().map(|title| title.trim_end_matches(EARLIER).to_owned()).collect();
         // A text that ends between two declarations is complete, with fewer declarations.
         if now.iter().all(|title| !title.ends_with(EARLIER)) {
             continue;
@@ -83,19 +68,12 @@ async fn a_text_that_breaks_off_anywhere_keeps_lenses_implementations_and_findin
         assert_eq!(plain, lenses, "at {cut}");
         let left = drift(&mut client, &places).await;
         // The last codel name may be cut; names after it have no place for a finding.
-        let whole = text[..cut]
-            .rfind("codel")
-            .map_or("", |index| &text[..index]);
+        let whole = text[..cut].rfind("codel").map_or("", |index| &text[..index]);
         for message in &findings {
             let named = message.split('`').skip(1).step_by(2);
             let mut codels = named.filter(|part| part.starts_with("tank_"));
-            let is_whole = codels
-                .next()
-                .is_some_and(|codel| whole.contains(&format!("{codel}(")));
-            assert!(
-                left.contains(message) || !is_whole,
-                "at {cut}: {message}\n{left:#?}"
-            );
+            let is_whole = codels.next().is_some_and(|codel| whole.contains(&format!("{codel}(")));
+            assert!(left.contains(message) || !is_whole, "at {cut}: {message}\n{left:#?}");
         }
         if whole.contains("tank_mix") {
             let params = at(&uri, &text, "tank_mix", 0);
@@ -104,7 +82,5 @@ async fn a_text_that_breaks_off_anywhere_keeps_lenses_implementations_and_findin
         }
     }
     assert!(earlier > 50, "{earlier}");
-    client
-        .finish_ignoring("textDocument/publishDiagnostics")
-        .await;
+    client.finish_ignoring("textDocument/publishDiagnostics").await;
 }

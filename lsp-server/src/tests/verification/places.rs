@@ -55,20 +55,12 @@ async fn what_prevents_a_verification_stands_in_the_specification() {
     let items = report["items"].as_array().expect("a list").iter();
     let error = items.clone().find(|json| json["code"] == "scn-zero-period");
     let range = &error.expect("it is an error")["range"]["start"];
-    assert_eq!(
-        (&range["line"], &range["character"]),
-        (&json!(2), &json!(14))
-    );
+    assert_eq!((&range["line"], &range["character"]), (&json!(2), &json!(14)));
     // Without a scenario file, the diagnostics of analysis are sufficient.
-    client
-        .change(&uri, 2, json!([{ "text": pump("4 ms") }]))
-        .await;
+    client.change(&uri, 2, json!([{ "text": pump("4 ms") }])).await;
     until(&mut client, &uri, 2, "proved").await;
     let said = client.pulled(&uri).await;
-    assert!(
-        said.iter().all(|said| !said.starts_with("timing-")),
-        "{said:?}"
-    );
+    assert!(said.iter().all(|said| !said.starts_with("timing-")), "{said:?}");
     client.finish_ignoring(STATUS).await;
 }
 
@@ -77,9 +69,7 @@ async fn what_was_given_up_names_the_setting_to_raise() {
     let folder = Folder::new(&[("pump.gen", &pump("6 ms"))]);
     let mut client = Client::start(telling(&folder)).await;
     let limits = json!({ "settings": { "dotgen": { "verification": { "max-states": 3 } } } });
-    client
-        .notify("workspace/didChangeConfiguration", limits)
-        .await;
+    client.notify("workspace/didChangeConfiguration", limits).await;
     let scn = folder.uri("pump.scn");
     let scenario = SCENARIO.replace("check limit:", "check deadlock; check limit:");
     client.open(&scn, &scenario).await;
@@ -98,10 +88,7 @@ async fn what_was_given_up_names_the_setting_to_raise() {
     );
     let answer = client.ok("dotgen/verification", document(&scn)).await;
     let advice = answer["advice"].as_str().expect("text");
-    assert!(
-        advice.starts_with("raise `verification.max-states` in the settings, or "),
-        "{advice}"
-    );
+    assert!(advice.starts_with("raise `verification.max-states` in the settings, or "), "{advice}");
     // An assumption is not an error, and links to the codels.
     assert_eq!(answer["errors"], json!([]));
     let warning = &answer["warnings"][0];
@@ -122,9 +109,7 @@ async fn each_check_is_answered_where_it_is_written() {
     let report = client.ok("textDocument/diagnostic", document(&scn)).await;
     let exceeded = report["items"].as_array().expect("a list").iter();
     let exceeded = exceeded.filter(|json| json["code"] == "timing/response-exceeded");
-    let lines: Vec<&Value> = exceeded
-        .map(|json| &json["range"]["start"]["line"])
-        .collect();
+    let lines: Vec<&Value> = exceeded.map(|json| &json["range"]["start"]["line"]).collect();
     assert_eq!(lines, [3], "{report}");
     let lenses = client.ok("textDocument/codeLens", document(&scn)).await;
     let mut titles: Vec<(u64, &str)> = Vec::new();
@@ -132,16 +117,8 @@ async fn each_check_is_answered_where_it_is_written() {
         let line = lens["range"]["start"]["line"].as_u64().expect("a line");
         titles.push((line, lens["command"]["title"].as_str().expect("text")));
     }
-    let of = |line| {
-        titles
-            .iter()
-            .find(|title| title.0 == line)
-            .map(|title| title.1)
-    };
-    assert_eq!(
-        (of(2), of(3)),
-        (Some("4 ms · proved"), Some("4 ms · refuted"))
-    );
+    let of = |line| titles.iter().find(|title| title.0 == line).map(|title| title.1);
+    assert_eq!((of(2), of(3)), (Some("4 ms · proved"), Some("4 ms · refuted")));
     client.finish_ignoring(STATUS).await;
 }
 
@@ -159,9 +136,7 @@ async fn without_execution_times_no_lens_is_green() {
     until(&mut client, &scn, 1, "nothing").await;
     let mut titles = lenses(&mut client, &scn).await;
     titles.extend(lenses(&mut client, &uri).await);
-    let nothing = titles
-        .iter()
-        .filter(|title| title.contains("nothing to verify"));
+    let nothing = titles.iter().filter(|title| title.contains("nothing to verify"));
     assert!(nothing.count() >= 3, "{titles:?}");
     let green = |text: &String| text.contains("proved") || text.contains('✓');
     assert!(!titles.iter().any(green), "{titles:?}");

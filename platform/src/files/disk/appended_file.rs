@@ -71,11 +71,7 @@ impl AppendedFile {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
                 let mut options = OpenOptions::new();
                 // The link may point to a file that does not exist.
-                let file = options
-                    .write(true)
-                    .create(true)
-                    .truncate(false)
-                    .open(path)?;
+                let file = options.write(true).create(true).truncate(false).open(path)?;
                 (file, None)
             }
             made => (made?, Some(path.to_owned())),
@@ -94,11 +90,7 @@ impl AppendedFile {
                 }
             }
         })?;
-        Ok(AppendedFile {
-            writer: Some(writer),
-            shared,
-            new,
-        })
+        Ok(AppendedFile { writer: Some(writer), shared, new })
     }
 
     /// Ends the file. Returns false after an error, which was already reported.
@@ -192,10 +184,7 @@ fn write(shared: &Shared, mut file: File) -> io::Result<()> {
 /// Syncs a file. Some file systems do not support this, which is not an error of the file.
 fn sync(file: &File) -> io::Result<()> {
     let cannot = |error: &io::Error| {
-        matches!(
-            error.kind(),
-            ErrorKind::InvalidInput | ErrorKind::Unsupported
-        )
+        matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported)
     };
     file.sync_data().or_else(|error| match cannot(&error) {
         true => Ok(()),
@@ -226,10 +215,7 @@ mod tests {
         let text = std::fs::read_to_string(&path).expect("a file");
         assert_eq!(text.lines().count(), 100_000);
         assert!(text.starts_with("0 and") && text.ends_with('\n'));
-        assert_eq!(
-            std::fs::read_dir(folder.path()).expect("a folder").count(),
-            1
-        );
+        assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
     }
 
     #[test]

@@ -29,10 +29,7 @@ impl Stream {
                 (file, Some((TemporaryFile::new(temporary), target)))
             }
         };
-        Ok(Stream {
-            out: BufWriter::with_capacity(1 << 20, file),
-            replaces,
-        })
+        Ok(Stream { out: BufWriter::with_capacity(1 << 20, file), replaces })
     }
 
     /// Renames the file to its final name, and replaces an existing file.
@@ -94,10 +91,7 @@ mod tests {
         };
         assert!(kind());
         let mut stream = Stream::create(device).expect("opened");
-        assert!(
-            stream.replaces.is_none(),
-            "it would take the place of the device"
-        );
+        assert!(stream.replaces.is_none(), "it would take the place of the device");
         stream.write_all(b"something").expect("it waits");
         let error = stream.finish().expect_err("there is no room");
         assert_eq!(error.kind(), io::ErrorKind::StorageFull);

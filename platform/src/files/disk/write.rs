@@ -80,9 +80,7 @@ pub(super) fn write(
     hook: Hook<'_>,
 ) -> Result<(), WriteError> {
     let mut batch = Batch::default();
-    let done = batch
-        .stage_all(files, hook)
-        .and_then(|()| batch.back_up_all(hook));
+    let done = batch.stage_all(files, hook).and_then(|()| batch.back_up_all(hook));
     let done = done.and_then(|()| {
         if files.len() > 1 {
             finisher.register_moves(batch.moves());
@@ -99,10 +97,7 @@ pub(super) fn write(
                 finisher.register_moves(batch.rollback_moves());
             }
             Err(WriteError {
-                path: files
-                    .get(at)
-                    .map(|file| file.path.clone())
-                    .unwrap_or_default(),
+                path: files.get(at).map(|file| file.path.clone()).unwrap_or_default(),
                 reason,
                 changed: batch.roll_back(hook),
                 of: files.len(),
@@ -138,10 +133,7 @@ struct StagedFile {
 
 enum Content {
     /// A temporary file. The open file keeps its lock.
-    File(
-        PathBuf,
-        #[allow(dead_code, reason = "held for its lock")] File,
-    ),
+    File(PathBuf, #[allow(dead_code, reason = "held for its lock")] File),
     /// Bytes for a device or pipe, which is written directly.
     Stream(Vec<u8>),
 }
@@ -174,10 +166,7 @@ impl Batch {
         let staged = |content| StagedFile {
             target: target.clone(),
             content,
-            old: old.as_ref().map(|_| PreviousFile {
-                second: None,
-                lock: None,
-            }),
+            old: old.as_ref().map(|_| PreviousFile { second: None, lock: None }),
             replaced: false,
         };
         if old.as_ref().is_some_and(|metadata| !metadata.is_file()) {
@@ -235,8 +224,7 @@ impl Batch {
         let several = self.files.len() > 1;
         for (at, file) in self.files.iter_mut().enumerate() {
             if let (true, Some(old), Content::File(..)) = (several, &mut file.old, &file.content) {
-                old.back_up(&file.target, hook)
-                    .map_err(|error| (at, error))?;
+                old.back_up(&file.target, hook).map_err(|error| (at, error))?;
             }
         }
         Ok(())
@@ -245,10 +233,9 @@ impl Batch {
     /// The moves that put every file in its place and remove the second names.
     fn moves(&self) -> Vec<Move> {
         let staged = self.files.iter().filter_map(|file| match &file.content {
-            Content::File(temporary, _) => Some(Move {
-                from: absolute(temporary),
-                to: Some(absolute(&file.target)),
-            }),
+            Content::File(temporary, _) => {
+                Some(Move { from: absolute(temporary), to: Some(absolute(&file.target)) })
+            }
             Content::Stream(_) => None,
         });
         let seconds = self.files.iter().filter_map(StagedFile::second);
@@ -260,10 +247,9 @@ impl Batch {
         let mut moves = Vec::new();
         for file in &self.files {
             match (file.replaced, file.second(), &file.content) {
-                (true, Some(second), _) => moves.push(Move {
-                    from: absolute(second),
-                    to: Some(absolute(&file.target)),
-                }),
+                (true, Some(second), _) => {
+                    moves.push(Move { from: absolute(second), to: Some(absolute(&file.target)) })
+                }
                 (true, None, Content::File(..)) if file.old.is_none() => {
                     moves.push(removal(&file.target));
                 }
@@ -362,13 +348,9 @@ impl PreviousFile {
     fn back_up(&mut self, target: &Path, hook: Hook<'_>) -> io::Result<()> {
         hook(Step::Remember)?;
         let directory = directory_of(target);
-        self.lock = File::open(target)
-            .ok()
-            .filter(|file| file.try_lock_shared().is_ok());
-        let named = tempfile::Builder::new()
-            .prefix(OLD)
-            .suffix(SUFFIX)
-            .make_in(directory, |second| {
+        self.lock = File::open(target).ok().filter(|file| file.try_lock_shared().is_ok());
+        let named =
+            tempfile::Builder::new().prefix(OLD).suffix(SUFFIX).make_in(directory, |second| {
                 match std::fs::hard_link(target, second) {
                     // Some file systems do not support hard links.
                     Err(error) if error.kind() != ErrorKind::AlreadyExists => {
@@ -411,10 +393,7 @@ fn absolute(path: &Path) -> PathBuf {
 }
 
 fn removal(path: impl AsRef<Path>) -> Move {
-    Move {
-        from: absolute(path.as_ref()),
-        to: None,
-    }
+    Move { from: absolute(path.as_ref()), to: None }
 }
 
 fn directory_of(path: &Path) -> &Path {
@@ -443,10 +422,8 @@ fn may_write(path: &Path) -> io::Result<()> {
 fn create(directory: &Path, private: bool, hook: Hook<'_>) -> io::Result<(PathBuf, File)> {
     hook(Step::Create)?;
     loop {
-        let named = tempfile::Builder::new()
-            .prefix(NEW)
-            .suffix(SUFFIX)
-            .make_in(directory, |path| {
+        let named =
+            tempfile::Builder::new().prefix(NEW).suffix(SUFFIX).make_in(directory, |path| {
                 let mut options = File::options();
                 options.write(true).create_new(true);
                 #[cfg(unix)]
@@ -530,8 +507,5 @@ fn clean(directory: &Path) {
 /// An error with its context.
 fn with_context(error: &io::Error, what: &str, path: &Path) -> io::Error {
     let reason = crate::files::reason(error);
-    io::Error::new(
-        error.kind(),
-        format!("{what} `{}`: {reason}", path.display()),
-    )
+    io::Error::new(error.kind(), format!("{what} `{}`: {reason}", path.display()))
 }

@@ -13,10 +13,7 @@ const PACKAGE: &str = "genom3";
 
 /// The release.
 pub(super) fn release(config: &PackageConfig) -> Option<ReleaseChoice> {
-    let configured = config
-        .templates
-        .iter()
-        .map(|template| template.clone().into_std_path_buf());
+    let configured = config.templates.iter().map(|template| template.clone().into_std_path_buf());
     // The settings replace the list of templates in the environment. The built-in folder is always searched.
     let search = search_path(None, &|name| std::env::var(name).ok());
     let mut templates: Vec<std::path::PathBuf> = configured.collect();
@@ -27,17 +24,11 @@ pub(super) fn release(config: &PackageConfig) -> Option<ReleaseChoice> {
     if let Some((release, file)) = discover::release_of(&crate::files::disk::SystemDisk, &templates)
     {
         let file = Utf8PathBuf::from_path_buf(file).unwrap_or_default();
-        return Some(ReleaseChoice {
-            release,
-            origin: ReleaseOrigin::Templates(file),
-        });
+        return Some(ReleaseChoice { release, origin: ReleaseOrigin::Templates(file) });
     }
     let directories = pkg_file::search_path(&config.paths);
     let version = pkg_file::version(&directories, PACKAGE);
     // The tool may search more directories.
     let version = version.or_else(|| pkg_config::version(config, PACKAGE))?;
-    Some(ReleaseChoice {
-        release: version.parse().ok()?,
-        origin: ReleaseOrigin::Package,
-    })
+    Some(ReleaseChoice { release: version.parse().ok()?, origin: ReleaseOrigin::Package })
 }

@@ -117,9 +117,7 @@ fn is_whole(folder: &Utf8Path) -> bool {
 fn write(folder: &Utf8Path) -> std::io::Result<()> {
     let around = folder.parent().unwrap_or(folder);
     std::fs::create_dir_all(around)?;
-    let fresh = tempfile::Builder::new()
-        .prefix(".interfaces-")
-        .tempdir_in(around)?;
+    let fresh = tempfile::Builder::new().prefix(".interfaces-").tempdir_in(around)?;
     for (path, text) in DEFINITIONS {
         let file = fresh.path().join(path);
         std::fs::create_dir_all(file.parent().unwrap_or(fresh.path()))?;
@@ -190,20 +188,14 @@ mod tests {
     #[test]
     fn a_folder_that_was_changed_is_written_anew() {
         let folder = tempfile::tempdir().expect("a temporary directory");
-        let folder = Utf8Path::from_path(folder.path())
-            .expect("UTF-8")
-            .join("a/b");
+        let folder = Utf8Path::from_path(folder.path()).expect("UTF-8").join("a/b");
         write(&folder).expect("written");
         assert!(is_whole(&folder));
         std::fs::write(folder.join(DEFINITIONS[0].0), "").expect("written");
         assert!(!is_whole(&folder));
         write(&folder).expect("written");
         assert!(is_whole(&folder));
-        let left = folder
-            .parent()
-            .expect("a folder")
-            .read_dir_utf8()
-            .expect("read");
+        let left = folder.parent().expect("a folder").read_dir_utf8().expect("read");
         assert_eq!(left.count(), 1);
     }
 }

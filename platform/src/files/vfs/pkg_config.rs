@@ -30,10 +30,7 @@ pub fn query(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlag
         answer => return answer,
     };
     let (own, rest) = replaced(config, arguments);
-    let folders: Vec<_> = own
-        .iter()
-        .flat_map(|package| interfaces::folders_of(package))
-        .collect();
+    let folders: Vec<_> = own.iter().flat_map(|package| interfaces::folders_of(package)).collect();
     if folders.is_empty() {
         return Err(why);
     }
@@ -155,30 +152,17 @@ fn run(
             String::from_utf8_lossy(&bytes).into_owned()
         })
     };
-    let stdout = drain(
-        child
-            .stdout
-            .take()
-            .map(|stdout| Box::new(stdout) as Box<dyn Read + Send>),
-    );
-    let stderr = drain(
-        child
-            .stderr
-            .take()
-            .map(|stderr| Box::new(stderr) as Box<dyn Read + Send>),
-    );
+    let stdout = drain(child.stdout.take().map(|stdout| Box::new(stdout) as Box<dyn Read + Send>));
+    let stderr = drain(child.stderr.take().map(|stderr| Box::new(stderr) as Box<dyn Read + Send>));
     for _ in 0..2 {
         if finished.recv_timeout(PKG_CONFIG_TIMEOUT).is_err() {
             process.kill();
             let seconds = PKG_CONFIG_TIMEOUT.as_secs();
-            return Err(Failure::Said(format!(
-                "`{program}` gave no answer within {seconds} s"
-            )));
+            return Err(Failure::Said(format!("`{program}` gave no answer within {seconds} s")));
         }
     }
-    let status = process
-        .wait()
-        .map_err(|error| Failure::Said(format!("`{program}` was lost: {error}")))?;
+    let status =
+        process.wait().map_err(|error| Failure::Said(format!("`{program}` was lost: {error}")))?;
     let text = |thread: std::thread::JoinHandle<String>| thread.join().unwrap_or_default();
     if status.success() {
         return Ok(text(stdout));
@@ -206,16 +190,10 @@ fn flags_of(words: &[String]) -> PackageFlags {
     while let Some(word) = words.next() {
         let mut argument = |flag: &str| -> Option<String> {
             let attached = word.strip_prefix(flag)?;
-            if attached.is_empty() {
-                words.next().cloned()
-            } else {
-                Some(attached.to_owned())
-            }
+            if attached.is_empty() { words.next().cloned() } else { Some(attached.to_owned()) }
         };
         if let Some(directory) = argument("-I") {
-            flags
-                .include_dirs
-                .push(super::normalize(Utf8Path::new(&directory)));
+            flags.include_dirs.push(super::normalize(Utf8Path::new(&directory)));
         } else if let Some(define) = argument("-D") {
             let (name, body) = define.split_once('=').unwrap_or((&define, "1"));
             flags.defines.push((name.into(), body.into()));

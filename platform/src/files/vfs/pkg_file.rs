@@ -58,9 +58,7 @@ pub(super) fn search_path(configured: &[Utf8PathBuf]) -> Vec<Utf8PathBuf> {
 
 /// The package tool: the program that the environment variable `PKG_CONFIG` names, or [`TOOL`].
 pub(super) fn tool() -> String {
-    let named = std::env::var("PKG_CONFIG")
-        .ok()
-        .filter(|variable| !variable.is_empty());
+    let named = std::env::var("PKG_CONFIG").ok().filter(|variable| !variable.is_empty());
     named.unwrap_or_else(|| TOOL.to_owned())
 }
 
@@ -100,11 +98,7 @@ pub(super) fn names(configured: &[Utf8PathBuf]) -> Vec<String> {
 pub(super) fn cflags(path: &[Utf8PathBuf], arguments: &[String]) -> Result<Vec<String>, String> {
     let mut todo: Vec<(Requirement, Option<String>)> = Vec::new();
     for argument in arguments {
-        todo.extend(
-            requirements(argument)
-                .into_iter()
-                .map(|requirement| (requirement, None)),
-        );
+        todo.extend(requirements(argument).into_iter().map(|requirement| (requirement, None)));
     }
     todo.reverse();
     let mut words = Vec::new();
@@ -150,10 +144,7 @@ fn find(path: &[Utf8PathBuf], name: &str) -> Option<Package> {
         let package = parse(&String::from_utf8_lossy(&text), directory);
         // pkg-config ignores files without these fields.
         let fields = [&package.name, &package.description, &package.version];
-        fields
-            .iter()
-            .all(|field| !field.is_empty())
-            .then_some(package)
+        fields.iter().all(|field| !field.is_empty()).then_some(package)
     })
 }
 
@@ -204,9 +195,8 @@ fn expand(text: &str, variables: &FxHashMap<String, String>) -> String {
         if let Some(after) = rest.strip_prefix("$$") {
             out.push('$');
             rest = after;
-        } else if let Some((name, after)) = rest
-            .strip_prefix("${")
-            .and_then(|after| after.split_once('}'))
+        } else if let Some((name, after)) =
+            rest.strip_prefix("${").and_then(|after| after.split_once('}'))
         {
             out.push_str(variables.get(name).map_or("", String::as_str));
             rest = after;
@@ -237,15 +227,10 @@ fn requirements(text: &str) -> Vec<Requirement> {
     let mut out = Vec::new();
     while let Some(name) = words.next() {
         let constraint = match words.next_if(|word| word.starts_with(['<', '>', '=', '!'])) {
-            Some(operator) => words
-                .next()
-                .map(|version| (operator.to_owned(), version.to_owned())),
+            Some(operator) => words.next().map(|version| (operator.to_owned(), version.to_owned())),
             None => None,
         };
-        out.push(Requirement {
-            name: name.to_owned(),
-            constraint,
-        });
+        out.push(Requirement { name: name.to_owned(), constraint });
     }
     out
 }
@@ -330,12 +315,7 @@ mod tests {
             .collect();
         assert_eq!(
             plain,
-            [
-                "a Some((\">=\", \"1.2\"))",
-                "b None",
-                "c Some((\"=\", \"3\"))",
-                "d None"
-            ]
+            ["a Some((\">=\", \"1.2\"))", "b None", "c Some((\"=\", \"3\"))", "d None"]
         );
     }
 

@@ -177,9 +177,7 @@ impl Live<'_> {
                 unknown.push(task.executor);
             }
         }
-        unknown
-            .into_iter()
-            .for_each(|executor| self.probe(executor));
+        unknown.into_iter().for_each(|executor| self.probe(executor));
         for component in silent {
             self.end_component(component, "did not answer within 2 s");
         }

@@ -140,9 +140,7 @@ impl Live<'_> {
         if disturbed.is_empty() && self.delegations.deferred[component].is_empty() {
             return Some(request);
         }
-        disturbed
-            .into_iter()
-            .for_each(|executor| self.recall(executor));
+        disturbed.into_iter().for_each(|executor| self.recall(executor));
         self.delegations.deferred[component].push_back(Message::OutsideRequest(request));
         None
     }

@@ -56,20 +56,11 @@ pub(super) fn open<'a>(p: &mut Parser<'_>, fragment: Fragment, owner: &'a str) -
     let brace = p.position();
     let found = p.eat(L_CURLY);
     if !found && !p.is_reported() {
-        p.expected_because(
-            &format!("`{{` to open the body of {owner}"),
-            "add `{` before it",
-        );
+        p.expected_because(&format!("`{{` to open the body of {owner}"), "add `{` before it");
         p.add_missing_brace("{");
     }
     p.open += 1;
-    Body {
-        fragment,
-        owner,
-        brace: found.then_some(brace),
-        item: p.item,
-        first: p.position(),
-    }
+    Body { fragment, owner, brace: found.then_some(brace), item: p.item, first: p.position() }
 }
 
 /// Ends a body. A missing `}` is reported at the token in its place.
@@ -265,14 +256,8 @@ pub(super) fn lacks_head(p: &Parser<'_>) -> bool {
 /// Returns true if items that only components hold are between a token and the next `}` that closes nothing
 /// opened here; `None` if a component begins before that `}`.
 fn holds_component_items(p: &Parser<'_>, start: usize) -> Option<bool> {
-    const HELD: TokenSet = TokenSet::new(&[
-        IDS_KW,
-        PORT_KW,
-        TASK_KW,
-        ATTRIBUTE_KW,
-        FUNCTION_KW,
-        ACTIVITY_KW,
-    ]);
+    const HELD: TokenSet =
+        TokenSet::new(&[IDS_KW, PORT_KW, TASK_KW, ATTRIBUTE_KW, FUNCTION_KW, ACTIVITY_KW]);
     let mut found = false;
     let ends = each_beginning(p, start, |i| {
         let word = p.input.contextual(i);

@@ -12,11 +12,7 @@ pub(super) fn component(p: &mut Parser<'_>) -> bool {
         return false;
     }
     let m = p.start();
-    let what = if p.at(INTERFACE_KW) {
-        "this interface"
-    } else {
-        "this component"
-    };
+    let what = if p.at(INTERFACE_KW) { "this interface" } else { "this component" };
     p.bump_contextual();
     p.headless = false;
     let named = property::unless_item(p, name);

@@ -93,9 +93,7 @@ fn param(p: &mut Parser<'_>, params: Params) {
 // test typed_param
 // component c { function f(in long a = 1 : "text", out t b[2], inout string<8> c = : "text"); };
 fn typed_param(p: &mut Parser<'_>) {
-    p.respell(DIRECTION, |p| {
-        p.nth_at_ts(1, types::TYPE_FIRST) && p.nth(2) != COMMA
-    });
+    p.respell(DIRECTION, |p| p.nth_at_ts(1, types::TYPE_FIRST) && p.nth(2) != COMMA);
     if !p.at_ts(DIRECTION) && types::begins_param(p) {
         // A type before the name, as in C.
         if p.expected("the direction of a parameter, `in`, `out` or `inout`") {
@@ -208,9 +206,6 @@ fn default_value(p: &mut Parser<'_>) {
     if p.eat(EQ) {
         initializer::initializer(p);
     } else if p.at(COLON) {
-        p.expected_because(
-            "`,` or `)`",
-            "write `= : \"…\"` for a documentation without a value",
-        );
+        p.expected_because("`,` or `)`", "write `= : \"…\"` for a documentation without a value");
     }
 }

@@ -251,9 +251,7 @@ fn foreign_unit(p: &mut Parser<'_>) {
         p.error_here(Parsing::Frequency { word });
         // The rate in whole microseconds, at least one, if the number is written here.
         let rate = p.nth_text_at(at - 1).parse::<f64>().ok();
-        let time = rate
-            .filter(|rate| *rate > 0.0)
-            .map(|rate| 1e6 / (rate * factor));
+        let time = rate.filter(|rate| *rate > 0.0).map(|rate| 1e6 / (rate * factor));
         if let Some(time) = time.filter(|time| time.fract() == 0.0) {
             let text = match time {
                 _ if time % 1e6 == 0.0 => format!("{} s", time / 1e6),

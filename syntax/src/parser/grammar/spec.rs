@@ -3,9 +3,8 @@
 use super::*;
 
 /// Words that always begin a declaration.
-const RESERVED_STARTS: TokenSet = TokenSet::new(&[
-    MODULE_KW, CONST_KW, TYPEDEF_KW, STRUCT_KW, UNION_KW, ENUM_KW,
-]);
+const RESERVED_STARTS: TokenSet =
+    TokenSet::new(&[MODULE_KW, CONST_KW, TYPEDEF_KW, STRUCT_KW, UNION_KW, ENUM_KW]);
 
 /// Items until the end of the file, or of the body they are in.
 pub(super) fn items(p: &mut Parser<'_>, fragment: Fragment, body: Option<braces::Body<'_>>) {
@@ -33,9 +32,7 @@ pub(super) fn body(p: &mut Parser<'_>, fragment: Fragment, may_be_empty: bool, o
     let m = p.start();
     let body = braces::open(p, fragment, owner);
     if p.at(R_CURLY) && !may_be_empty && !p.is_after_include() {
-        p.error_here(Parsing::EmptyBody {
-            owner: owner.into(),
-        });
+        p.error_here(Parsing::EmptyBody { owner: owner.into() });
     }
     items(p, fragment, Some(body));
     braces::close(p, body);
@@ -76,14 +73,8 @@ fn respell_first(p: &mut Parser<'_>, fragment: Fragment) {
         UNION_KW,
         ENUM_KW,
     ]);
-    const IN_COMPONENT: TokenSet = TokenSet::new(&[
-        IDS_KW,
-        TASK_KW,
-        PORT_KW,
-        ATTRIBUTE_KW,
-        FUNCTION_KW,
-        ACTIVITY_KW,
-    ]);
+    const IN_COMPONENT: TokenSet =
+        TokenSet::new(&[IDS_KW, TASK_KW, PORT_KW, ATTRIBUTE_KW, FUNCTION_KW, ACTIVITY_KW]);
     let keywords = match fragment {
         Fragment::Specification | Fragment::Module => TOP,
         Fragment::Component => TOP.union(IN_COMPONENT).union(property::PROPERTY_FIRST),
@@ -206,20 +197,14 @@ fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
             "a component, interface, module, constant or type",
             "declarations begin with a keyword such as `component` or `typedef`",
         ),
-        Fragment::Module => (
-            "a module, constant or type",
-            "components stand outside modules",
-        ),
+        Fragment::Module => ("a module, constant or type", "components stand outside modules"),
         Fragment::Component => (
             "a declaration or property of a component",
             "such as `ids`, `task`, `port`, `function`, `activity` or `doc`",
         ),
         Fragment::Members => ("a member", "write `TYPE NAME;`"),
         Fragment::Cases => ("`case` or `default`", "write `case VALUE: TYPE NAME;`"),
-        Fragment::Properties => (
-            "a property",
-            "such as `doc`, `period`, `codel` or `validate`",
-        ),
+        Fragment::Properties => ("a property", "such as `doc`, `period`, `codel` or `validate`"),
     };
     let known = at_declaration(p) || property::at_property(p);
     let outside = known && matches!(fragment, Fragment::Specification | Fragment::Module);
@@ -234,14 +219,8 @@ fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
     if outside {
         let word = p.current_text().into();
         p.error_here(match p.headless {
-            true => Parsing::HeadlessComponent {
-                word,
-                expected: what,
-            },
-            false => Parsing::Outside {
-                word,
-                expected: what,
-            },
+            true => Parsing::HeadlessComponent { word, expected: what },
+            false => Parsing::Outside { word, expected: what },
         });
         if !(component::component(p) || component::export(p) || property::property(p)) {
             skip_tokens(p);

@@ -9,15 +9,8 @@ use super::*;
 pub(super) fn const_decl(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(CONST_KW);
-    const UNFIT: TokenSet = TokenSet::new(&[
-        ANY_KW,
-        SEQUENCE_KW,
-        OPTIONAL_KW,
-        FIXED_KW,
-        STRUCT_KW,
-        UNION_KW,
-        ENUM_KW,
-    ]);
+    const UNFIT: TokenSet =
+        TokenSet::new(&[ANY_KW, SEQUENCE_KW, OPTIONAL_KW, FIXED_KW, STRUCT_KW, UNION_KW, ENUM_KW]);
     if p.at_ts(UNFIT) {
         unfit_type(p, Parsing::UnfitConstant);
     } else {
@@ -379,11 +372,7 @@ fn template_type(p: &mut Parser<'_>) -> bool {
         return false;
     }
     let m = p.start();
-    let kind = if p.at(SEQUENCE_KW) {
-        SEQUENCE_TYPE
-    } else {
-        OPTIONAL_TYPE
-    };
+    let kind = if p.at(SEQUENCE_KW) { SEQUENCE_TYPE } else { OPTIONAL_TYPE };
     p.bump_any();
     if p.expect(L_ANGLE) && type_spec(p, AllowedTypes::Simple) {
         if kind == SEQUENCE_TYPE && p.eat(COMMA) {

@@ -111,20 +111,9 @@ impl Expander<'_> {
         if named == 0 && !variadic && args.len() == 1 && args.iter().all(Vec::is_empty) {
             args.clear();
         }
-        self.check_count(
-            definition,
-            &args,
-            Arguments {
-                count: named,
-                open: variadic,
-            },
-            end,
-        );
+        self.check_count(definition, &args, Arguments { count: named, open: variadic }, end);
         args.resize(named + usize::from(variadic), Vec::new());
-        Ok(Args {
-            expanded: vec![None; args.len()],
-            spelled: args,
-        })
+        Ok(Args { expanded: vec![None; args.len()], spelled: args })
     }
 
     fn report_open_call(&mut self, stop: ArgumentsEnd, definition: &Macro) {
@@ -150,17 +139,10 @@ impl Expander<'_> {
     ) {
         let complete = args.len() == takes.count || takes.open && args.len() > takes.count;
         if !complete {
-            let given = if args.len() == 1 && args.iter().all(Vec::is_empty) {
-                0
-            } else {
-                args.len()
-            };
+            let given =
+                if args.len() == 1 && args.iter().all(Vec::is_empty) { 0 } else { args.len() };
             self.problems.push(CallProblem {
-                kind: Preprocessing::WrongArguments {
-                    name: definition.name.clone(),
-                    takes,
-                    given,
-                },
+                kind: Preprocessing::WrongArguments { name: definition.name.clone(), takes, given },
                 end,
             });
         }

@@ -28,10 +28,8 @@ impl Walker<'_> {
     pub(super) fn execute(&mut self, directive: &Directive, index: usize) -> Option<bool> {
         let range = directive.range;
         if let Some(misspelt) = &directive.misspelt {
-            let kind = Preprocessing::Misspelt {
-                word: misspelt.word.text.clone(),
-                meant: misspelt.meant,
-            };
+            let kind =
+                Preprocessing::Misspelt { word: misspelt.word.text.clone(), meant: misspelt.meant };
             self.error(misspelt.word.range, kind);
         }
         match &directive.kind {
@@ -44,9 +42,7 @@ impl Walker<'_> {
             }
             DirectiveKind::Ifdef(operand) | DirectiveKind::Ifndef(operand) => {
                 let wanted = matches!(directive.kind, DirectiveKind::Ifdef(_));
-                let value = self
-                    .is_defined(operand, directive)
-                    .is_some_and(|flag| flag == wanted);
+                let value = self.is_defined(operand, directive).is_some_and(|flag| flag == wanted);
                 return Some(self.open(index, value));
             }
             DirectiveKind::Elif(condition) => return self.elif(condition.clone(), range),
@@ -72,10 +68,7 @@ impl Walker<'_> {
             }
             DirectiveKind::Pragma(pragma) => self.pragma(pragma, range),
             DirectiveKind::Unknown => {
-                let word = directive
-                    .keyword
-                    .as_ref()
-                    .map_or("", |keyword| keyword.text.as_str());
+                let word = directive.keyword.as_ref().map_or("", |keyword| keyword.text.as_str());
                 self.report(PpError {
                     kind: Preprocessing::UnknownDirective { word: word.into() },
                     range,
@@ -102,11 +95,7 @@ impl Walker<'_> {
             let extra = self.span(operand.rest.start, operand.rest.end);
             self.error(extra, Preprocessing::IncludeWithMore);
         }
-        let request = named.map(|(path, angled)| IncludeRequest {
-            ordinal,
-            path,
-            angled,
-        });
+        let request = named.map(|(path, angled)| IncludeRequest { ordinal, path, angled });
         let mut included = false;
         if let Some(request) = &request {
             match self.host.include(request, &self.env) {
@@ -167,11 +156,7 @@ impl Walker<'_> {
             match self.env.get(&text) {
                 Some(used) => {
                     let site = Some(used.site.clone());
-                    self.expander.uses.push(MacroUse {
-                        name: text,
-                        range,
-                        site,
-                    });
+                    self.expander.uses.push(MacroUse { name: text, range, site });
                 }
                 None => self.body_words.push(Name { text, range }),
             }
@@ -187,9 +172,7 @@ impl Walker<'_> {
                 .flatten()
                 .map(|directive| (directive.range, "the former definition"));
             self.report(PpError {
-                kind: Preprocessing::Redefined {
-                    name: definition.name.clone(),
-                },
+                kind: Preprocessing::Redefined { name: definition.name.clone() },
                 range,
                 severity: Severity::Warning,
                 related,
@@ -209,16 +192,11 @@ impl Walker<'_> {
     }
 
     fn is_defined(&mut self, operand: &Operand, directive: &Directive) -> Option<bool> {
-        let keyword = directive
-            .keyword
-            .as_ref()
-            .map_or("", |keyword| keyword.text.as_str());
+        let keyword = directive.keyword.as_ref().map_or("", |keyword| keyword.text.as_str());
         let Some(name) = &operand.name else {
             self.error(
                 directive.range,
-                Preprocessing::IfdefWithoutName {
-                    keyword: keyword.into(),
-                },
+                Preprocessing::IfdefWithoutName { keyword: keyword.into() },
             );
             return None;
         };
@@ -230,26 +208,14 @@ impl Walker<'_> {
     fn extra_tokens(&mut self, operand: &Operand, keyword: &str) {
         if !operand.rest.is_empty() {
             let range = self.span(operand.rest.start, operand.rest.end);
-            self.error(
-                range,
-                Preprocessing::MoreThanAName {
-                    keyword: keyword.into(),
-                },
-            );
+            self.error(range, Preprocessing::MoreThanAName { keyword: keyword.into() });
         }
     }
 
     /// Records that a name was looked up.
     fn record(&mut self, name: &Name) {
-        let site = self
-            .env
-            .get(&name.text)
-            .map(|environment| environment.site.clone());
-        self.expander.uses.push(MacroUse {
-            name: name.text.clone(),
-            range: name.range,
-            site,
-        });
+        let site = self.env.get(&name.text).map(|environment| environment.site.clone());
+        self.expander.uses.push(MacroUse { name: name.text.clone(), range: name.range, site });
     }
 
     /// Expands the operand of a directive.
@@ -282,11 +248,7 @@ impl Walker<'_> {
     }
 
     fn open(&mut self, opening: usize, value: bool) -> bool {
-        self.conditionals.push(Conditional {
-            opening,
-            closed: false,
-            seen_else: false,
-        });
+        self.conditionals.push(Conditional { opening, closed: false, seen_else: false });
         self.live = value;
         value
     }
@@ -337,26 +299,13 @@ impl Walker<'_> {
 
     /// Warns about superfluous tokens after `#else` and `#endif`, or about a missing line end.
     fn tail(&mut self, rest: &Range<u32>, directive: &Directive) {
-        let keyword = directive
-            .keyword
-            .as_ref()
-            .map_or("", |keyword| keyword.text.as_str());
+        let keyword = directive.keyword.as_ref().map_or("", |keyword| keyword.text.as_str());
         if !rest.is_empty() {
             let range = self.span(rest.start, rest.end);
-            self.warning(
-                range,
-                Preprocessing::Tail {
-                    keyword: keyword.into(),
-                },
-            );
+            self.warning(range, Preprocessing::Tail { keyword: keyword.into() });
         }
         if self.at >= self.raw.len() && !self.open_comment {
-            self.warning(
-                directive.range,
-                Preprocessing::NoLineEnd {
-                    keyword: keyword.into(),
-                },
-            );
+            self.warning(directive.range, Preprocessing::NoLineEnd { keyword: keyword.into() });
         }
     }
 
@@ -382,19 +331,11 @@ impl Walker<'_> {
         }
         match pragma.args.len() {
             0 => {
-                self.error(
-                    range,
-                    Preprocessing::EmptyRequires {
-                        word: name.text.clone(),
-                    },
-                );
+                self.error(range, Preprocessing::EmptyRequires { word: name.text.clone() });
             }
             1..=MAX_PACKAGES => {
-                let arguments: Vec<SmolStr> = pragma
-                    .args
-                    .iter()
-                    .map(|argument| argument.text.clone())
-                    .collect();
+                let arguments: Vec<SmolStr> =
+                    pragma.args.iter().map(|argument| argument.text.clone()).collect();
                 match self.host.requires(&arguments, &self.env) {
                     Ok(required) => {
                         self.env = required.env;
@@ -426,14 +367,10 @@ impl Walker<'_> {
             IncludeError::NotFound { searched } if searched.is_empty() => {
                 Preprocessing::NotFound { path }
             }
-            IncludeError::NotFound { searched } => Preprocessing::NotFoundIn {
-                path,
-                searched: SearchedDirectories(searched),
-            },
-            IncludeError::Unreadable(why) => Preprocessing::NotIncluded {
-                path,
-                why: why.into(),
-            },
+            IncludeError::NotFound { searched } => {
+                Preprocessing::NotFoundIn { path, searched: SearchedDirectories(searched) }
+            }
+            IncludeError::Unreadable(why) => Preprocessing::NotIncluded { path, why: why.into() },
             IncludeError::TooDeep => Preprocessing::TooDeep { path },
             IncludeError::Silent => return,
         };

@@ -37,14 +37,7 @@ impl Files {
                 }
             }
         }
-        (
-            main,
-            Files {
-                texts,
-                depth: 0,
-                errors: Vec::new(),
-            },
-        )
+        (main, Files { texts, depth: 0, errors: Vec::new() })
     }
 
     fn run(&mut self, file: &SmolStr, env: MacroEnv) -> Option<Preprocessed> {
@@ -53,10 +46,7 @@ impl Files {
         let out = preprocess(file, &text, &raw, env, self);
         assert_covers(&text, &raw, &out);
         for error in &out.errors {
-            let line = text[..usize::from(error.range.start())]
-                .matches('\n')
-                .count()
-                + 1;
+            let line = text[..usize::from(error.range.start())].matches('\n').count() + 1;
             let severity = format!("{:?}", error.severity).to_lowercase();
             self.errors.push(format!(
                 "{file}:{line}: {severity} {}: {}",
@@ -82,9 +72,7 @@ impl Host for Files {
         self.depth -= 1;
         match out {
             Some(out) => Ok(out.exit_env),
-            None => Err(IncludeError::NotFound {
-                searched: vec!["here".into()],
-            }),
+            None => Err(IncludeError::NotFound { searched: vec!["here".into()] }),
         }
     }
 
@@ -95,9 +83,8 @@ impl Host for Files {
     ) -> Result<RequiredPackages, String> {
         let mut env = env.clone();
         for argument in arguments {
-            let package = argument
-                .strip_prefix("have")
-                .ok_or(format!("unknown package `{argument}`"))?;
+            let package =
+                argument.strip_prefix("have").ok_or(format!("unknown package `{argument}`"))?;
             env.define_option(&format!("HAVE{package}=7"))?;
         }
         Ok(env.into())
@@ -154,13 +141,8 @@ fn live_text(text: &str, raw: &RawTokens, out: &Preprocessed) -> String {
             }
         }
     }
-    let lines = live
-        .lines()
-        .map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "));
-    lines
-        .filter(|line| !line.is_empty())
-        .map(|line| line + "\n")
-        .collect()
+    let lines = live.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "));
+    lines.filter(|line| !line.is_empty()).map(|line| line + "\n").collect()
 }
 
 fn run(fixture: &str) -> (Files, Preprocessed, String) {
@@ -206,21 +188,12 @@ fn includes() {
             format!(
                 "{} {:?} {}",
                 include.directive,
-                include
-                    .request
-                    .as_ref()
-                    .map(|request| (&*request.path, request.angled)),
+                include.request.as_ref().map(|request| (&*request.path, request.angled)),
                 include.included
             )
         })
         .collect();
-    assert_eq!(
-        requests,
-        [
-            r#"3 Some(("a", false)) true"#,
-            r#"4 Some(("b", true)) false"#
-        ]
-    );
+    assert_eq!(requests, [r#"3 Some(("a", false)) true"#, r#"4 Some(("b", true)) false"#]);
 }
 
 #[test]
@@ -412,18 +385,12 @@ fn environments_are_values() {
     let words = |text: &str| crate::preproc::mentioned(&lex(text), text);
     let names = |env: MacroEnv| format!("{env:?}");
     let all = env("#define A B\n#define B(x) C x\n#define C 1\n#define D C\n");
-    assert_eq!(
-        names(all.restrict(&words("A \"D\" /* D */"))),
-        r#"{"A", "B", "C"}"#
-    );
+    assert_eq!(names(all.restrict(&words("A \"D\" /* D */"))), r#"{"A", "B", "C"}"#);
     assert_eq!(names(all.restrict(&words("c"))), "{}");
     assert_eq!(all.restrict(&words("a ## b")), all);
     let pastes = env("#define P(a) a##b\n#define D\n");
     assert_eq!(pastes.restrict(&words("P")), pastes);
-    assert_eq!(
-        names(pastes.restrict(&words("D __LINE__"))),
-        r#"{"D", "__LINE__"}"#
-    );
+    assert_eq!(names(pastes.restrict(&words("D __LINE__"))), r#"{"D", "__LINE__"}"#);
 }
 
 #[test]

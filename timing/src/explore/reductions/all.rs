@@ -42,12 +42,7 @@ impl Reduced for SystemRules<'_> {
 impl Reductions<SystemRules<'_>> for AllReductions {
     fn new(rules: &SystemRules, asked: &Watched, without: Kinds) -> Self {
         let facts = Facts::new(rules.system, asked);
-        let setting = Setting {
-            rules,
-            asked,
-            facts: &facts,
-            without,
-        };
+        let setting = Setting { rules, asked, facts: &facts, without };
         let mut notes = Vec::new();
         let persistent = match rules.points.cycle {
             Cycle::Jobs => Ample::examine(&setting, &mut notes).map(PersistentSets::Ample),
@@ -60,16 +55,10 @@ impl Reductions<SystemRules<'_>> for AllReductions {
             _ if rules.points.cycle == Cycle::Passes => Some(Some(Reason::OneQueue)),
             _ => None,
         };
-        notes.push(part(
-            Kind::PersistentRequests,
-            requests,
-            Kind::PersistentSets,
-        ));
+        notes.push(part(Kind::PersistentRequests, requests, Kind::PersistentSets));
         let overtake = Overtake::examine(&setting, &mut notes);
         let deferral = Deferral::examine(&setting, &mut notes);
-        let resting = deferral
-            .as_ref()
-            .map(|deferral| deferral.without_rest(&setting));
+        let resting = deferral.as_ref().map(|deferral| deferral.without_rest(&setting));
         notes.push(part(Kind::RestingLoops, resting, Kind::Deferral));
         let symmetry = Symmetry::examine(&setting, &mut notes);
         AllReductions {
@@ -108,12 +97,7 @@ impl Reductions<SystemRules<'_>> for AllReductions {
         out: &mut Vec<(Action, SleepSet)>,
     ) {
         self.persistent(rules, s, enabled, first);
-        let now = Now {
-            rules,
-            facts: &self.facts,
-            s,
-            enabled,
-        };
+        let now = Now { rules, facts: &self.facts, s, enabled };
         match &self.overtake {
             Some(overtake) => overtake.select(now, held, first, out),
             None => {
@@ -169,8 +153,5 @@ impl Reductions<SystemRules<'_>> for AllReductions {
 
 /// Returns the activity of a part of a reduction, which is used only together with the whole.
 fn part(kind: Kind, off: Option<Option<Reason>>, whole: Kind) -> Activity {
-    Activity {
-        kind,
-        off: off.unwrap_or(Some(Reason::Without(whole))),
-    }
+    Activity { kind, off: off.unwrap_or(Some(Reason::Without(whole))) }
 }

@@ -60,9 +60,7 @@ impl Reduction for Ample {
         if setting.system().platform.semantics.locks != LockRule::Free {
             return Err(Reason::LocksInOrder);
         }
-        Ok(Ample {
-            requests: Requests::new(setting),
-        })
+        Ok(Ample { requests: Requests::new(setting) })
     }
 }
 
@@ -82,13 +80,7 @@ impl Ample {
     ) {
         out.clear();
         if !enabled.committed && enabled.actions.len() > 1 {
-            let moment = AmpleState {
-                ample: self,
-                facts,
-                rules,
-                s,
-                enabled,
-            };
+            let moment = AmpleState { ample: self, facts, rules, s, enabled };
             if moment.select(out) {
                 return;
             }
@@ -169,10 +161,7 @@ impl AmpleState<'_, '_> {
         let permanent = self.system().tasks[TaskId::from(task)].permanent;
         l.started(self.s, task)
             && permanent.is_none_or(|a| {
-                matches!(
-                    l.mode(self.s, l.number_of(a)),
-                    permanent::NORMAL | permanent::ENDED
-                )
+                matches!(l.mode(self.s, l.number_of(a)), permanent::NORMAL | permanent::ENDED)
             })
     }
 
@@ -235,13 +224,7 @@ impl AmpleState<'_, '_> {
             return false;
         }
         let mut tasks = 0..self.system().tasks.len();
-        if tasks.any(|t| {
-            if self.due(t) {
-                !self.ready(t)
-            } else {
-                self.may_ask(t)
-            }
-        }) {
+        if tasks.any(|t| if self.due(t) { !self.ready(t) } else { self.may_ask(t) }) {
             return false;
         }
         let ticks = self.enabled.actions.iter();
@@ -278,11 +261,7 @@ impl AmpleState<'_, '_> {
             return false;
         }
         let state = &self.system().machine_of(id).states[l.at(self.s, executor) as usize];
-        if state
-            .yields
-            .iter()
-            .all(|transition| matches!(transition, Yield::Next(_)))
-        {
+        if state.yields.iter().all(|transition| matches!(transition, Yield::Next(_))) {
             return true;
         }
         self.system().tasks[task].period.is_some()
@@ -390,10 +369,7 @@ impl AmpleState<'_, '_> {
                     phase::EXECUTING if !later || l.window(self.s, a).0 > 0 => Rivalry::None,
                     phase::LOCKING => {
                         let here = self.rules.codel(self.s, a);
-                        let now = self
-                            .enabled
-                            .actions
-                            .contains(&Action::Acquire { executor: a });
+                        let now = self.enabled.actions.contains(&Action::Acquire { executor: a });
                         if here.is_some_and(|codel| conflicts.contains(codel)) {
                             // Later actions belong to states after the set.
                             if now { Rivalry::Now(a) } else { Rivalry::Later }

@@ -64,10 +64,7 @@ impl Reduction for Components {
     fn applies(setting: &Setting) -> Result<Self, Reason> {
         independent(setting)?;
         let system = setting.system();
-        Ok(Components {
-            asked: asked(system, setting.asked),
-            addressed: addressed(system),
-        })
+        Ok(Components { asked: asked(system, setting.asked), addressed: addressed(system) })
     }
 }
 
@@ -114,11 +111,7 @@ impl Components {
         // it belongs to the group that the client addresses.
         let component = |action: Action| {
             let own = rules.component_of_action(s, action);
-            own.or_else(|| {
-                self.addressed[rules.client_of_action(action)?]
-                    .first()
-                    .copied()
-            })
+            own.or_else(|| self.addressed[rules.client_of_action(action)?].first().copied())
         };
         let group = |action: Action| component(action).map(|component| groups.of(component));
         let mut tried: SmallVec<[usize; 16]> = SmallVec::new();
@@ -128,12 +121,7 @@ impl Components {
             };
             tried.push(own);
             out.clear();
-            out.extend(
-                enabled
-                    .actions
-                    .iter()
-                    .filter(|&&action| group(action) == Some(own)),
-            );
+            out.extend(enabled.actions.iter().filter(|&&action| group(action) == Some(own)));
             let acts = out.iter().any(|&action| rules.has_to_act(s, action));
             let at_cores = rules.waits_for_core(s, |component| groups.of(component) == own)
                 || out.iter().any(|&action| rules.is_about_cores(s, action));
@@ -167,9 +155,7 @@ pub(super) fn addressed(system: &TimedSystem) -> TiVec<ClientId, Vec<ComponentId
     };
     let clients = system.clients.iter();
     let of_client = clients.map(|client| client.steps.iter());
-    of_client
-        .map(|steps| steps.filter_map(|step| component(&step.action)).collect())
-        .collect()
+    of_client.map(|steps| steps.filter_map(|step| component(&step.action)).collect()).collect()
 }
 
 /// Returns, by component, whether a predicate is about it.
@@ -186,10 +172,7 @@ fn mark(system: &TimedSystem, predicate: &Predicate, about: &mut TiSlice<Compone
     predicate.atoms(&mut |atom| match *atom {
         Atom::Task(task, _) => about[system.tasks[task].component] = true,
         Atom::State { machine, .. } => {
-            for automaton in system
-                .automata
-                .iter()
-                .filter(|automaton| automaton.machine == machine)
+            for automaton in system.automata.iter().filter(|automaton| automaton.machine == machine)
             {
                 about[system.tasks[automaton.task].component] = true;
             }

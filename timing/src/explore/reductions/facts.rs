@@ -64,10 +64,8 @@ impl Visible {
             predicate.atoms(&mut |atom| match *atom {
                 Atom::Task(task, _) => tasks[usize::from(task)] = true,
                 Atom::State { machine, .. } => {
-                    for automaton in system
-                        .automata
-                        .iter()
-                        .filter(|automaton| automaton.machine == machine)
+                    for automaton in
+                        system.automata.iter().filter(|automaton| automaton.machine == machine)
                     {
                         tasks[usize::from(automaton.task)] = true;
                     }
@@ -81,11 +79,7 @@ impl Visible {
                 Atom::Handling { .. } | Atom::ControlBusy(_) | Atom::Client(..) => others = true,
             });
         }
-        Visible {
-            tasks,
-            others,
-            parts,
-        }
+        Visible { tasks, others, parts }
     }
 }
 
@@ -166,9 +160,7 @@ impl Facts {
                 .clone()
                 .map(|task| system.has_activities(TaskId::from(task), &requested))
                 .collect(),
-            later: (system.automata.keys())
-                .map(|a| later(system.machine_of(a)))
-                .collect(),
+            later: (system.automata.keys()).map(|a| later(system.machine_of(a))).collect(),
         }
     }
 

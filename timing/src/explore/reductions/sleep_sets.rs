@@ -100,11 +100,7 @@ impl Overtake {
         }
         let mut all = started_after.clone();
         (0..n).for_each(|task| own(task, &mut all[task]));
-        Overtake {
-            limited: system.platform.cores.is_some(),
-            all,
-            started_after,
-        }
+        Overtake { limited: system.platform.cores.is_some(), all, started_after }
     }
 
     /// Writes the actions to follow in a state, each with the actions that it holds back. `first` is an ample
@@ -118,11 +114,7 @@ impl Overtake {
     ) {
         out.clear();
         let enabled = now.enabled;
-        let moment = DueState {
-            overtake: self,
-            now,
-            held,
-        };
+        let moment = DueState { overtake: self, now, held };
         if enabled.committed || enabled.is_calm() {
             out.extend(first.iter().map(|&action| (action, held)));
         } else if moment.may_depend_on_order() {
@@ -181,14 +173,12 @@ fn contested(rules: &SystemRules, s: &State, task: usize) -> bool {
 /// Returns true if the start-up of a task is over.
 fn settled(rules: &SystemRules, s: &State, task: usize) -> bool {
     rules.layout.started(s, task)
-        && rules.system.tasks[TaskId::from(task)]
-            .permanent
-            .is_none_or(|a| {
-                matches!(
-                    rules.layout.mode(s, rules.layout.number_of(a)),
-                    permanent::NORMAL | permanent::ENDED
-                )
-            })
+        && rules.system.tasks[TaskId::from(task)].permanent.is_none_or(|a| {
+            matches!(
+                rules.layout.mode(s, rules.layout.number_of(a)),
+                permanent::NORMAL | permanent::ENDED
+            )
+        })
 }
 
 fn bits(mut held: SleepSet) -> impl Iterator<Item = usize> {
@@ -284,10 +274,7 @@ impl DueState<'_, '_> {
     fn rivals(&self, bit: usize) -> Tasks {
         let tasks = 0..self.rules.layout.tasks;
         let set = |contains: &dyn Fn(usize) -> bool| {
-            tasks
-                .clone()
-                .filter(|&task| contains(task))
-                .fold(0, |set, task| set | 1 << task)
+            tasks.clone().filter(|&task| contains(task)).fold(0, |set, task| set | 1 << task)
         };
         let system = self.rules.system;
         if let Some(task) = bit.checked_sub(TICKS) {
@@ -298,9 +285,7 @@ impl DueState<'_, '_> {
                     || (needs && system.platform.policy != Policy::Fifo && self.on_core(q))
             });
         }
-        let own: usize = system.automata[self.rules.layout.automaton_numbered(bit)]
-            .task
-            .into();
+        let own: usize = system.automata[self.rules.layout.automaton_numbered(bit)].task.into();
         if self.rules.layout.phase(self.s, bit) == phase::EXECUTING {
             let joins = self.may_join(own);
             return set(&|q| joins && q != own && self.may_join(q));
@@ -375,13 +360,13 @@ impl DueState<'_, '_> {
             return true;
         }
         let permanent = self.rules.system.tasks[TaskId::from(task)].permanent;
-        permanent
-            .map(|automaton| l.number_of(automaton))
-            .is_some_and(|a| match l.phase(self.s, a) {
+        permanent.map(|automaton| l.number_of(automaton)).is_some_and(|a| {
+            match l.phase(self.s, a) {
                 phase::EXECUTING => l.window(self.s, a).0 == 0,
                 phase::LOCKING => self.held >> a & 1 == 0 && self.rules.may_leave(self.s, a),
                 _ => false,
-            })
+            }
+        })
     }
 
     /// Returns the tasks whose progress can let other tasks, and finally some of `wanted`, proceed.
@@ -418,9 +403,7 @@ impl DueState<'_, '_> {
                     || l.pending(self.s, task)
                     || self.may_join(task));
             if wants_core {
-                (0..l.tasks)
-                    .filter(|&task| self.on_core(task))
-                    .for_each(add);
+                (0..l.tasks).filter(|&task| self.on_core(task)).for_each(add);
             }
         }
         out

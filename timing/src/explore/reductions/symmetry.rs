@@ -75,8 +75,7 @@ impl NamedOutside {
     fn of(&self, unit: usize) -> impl Iterator<Item = &Named> {
         let begin = self.0.partition_point(|&(of, _)| usize::from(of) < unit);
         let all = self.0[begin..].iter();
-        all.take_while(move |&&(of, _)| usize::from(of) == unit)
-            .map(|(_, named)| named)
+        all.take_while(move |&&(of, _)| usize::from(of) == unit).map(|(_, named)| named)
     }
 }
 
@@ -208,13 +207,9 @@ impl Symmetry {
         }
         let unit = |parts: &Parts| {
             let UnitPlaces { discrete, times } = rules.unit_places(parts);
-            let own = names
-                .lists
-                .iter()
-                .filter(|triple| discrete.contains(&triple.0));
-            let of_lists: Vec<usize> = (own.clone())
-                .flat_map(|&(base, capacity, _)| base..=base + capacity)
-                .collect();
+            let own = names.lists.iter().filter(|triple| discrete.contains(&triple.0));
+            let of_lists: Vec<usize> =
+                (own.clone()).flat_map(|&(base, capacity, _)| base..=base + capacity).collect();
             let rest = discrete.iter().filter(|index| !of_lists.contains(index));
             let (named, plain) = rest.partition(|&&index| at[index].is_some());
             Unit {
@@ -226,9 +221,8 @@ impl Symmetry {
                 times,
             }
         };
-        let classes: Vec<Vec<Unit>> = (orbits.classes.iter())
-            .map(|class| class.iter().map(unit).collect())
-            .collect();
+        let classes: Vec<Vec<Unit>> =
+            (orbits.classes.iter()).map(|class| class.iter().map(unit).collect()).collect();
         let mut members: [Vec<Option<Member>>; Part::COUNT] = Default::default();
         for (list, all) in members.iter_mut().zip(orbits.identity.all()) {
             list.resize(all.len(), None);
@@ -246,30 +240,13 @@ impl Symmetry {
             .map(|class| {
                 let own = |place: usize| class.iter().any(|class| class.discrete.contains(&place));
                 Names {
-                    single: names
-                        .single
-                        .iter()
-                        .filter(|triple| !own(triple.0))
-                        .copied()
-                        .collect(),
-                    lists: names
-                        .lists
-                        .iter()
-                        .filter(|triple| !own(triple.0))
-                        .copied()
-                        .collect(),
+                    single: names.single.iter().filter(|triple| !own(triple.0)).copied().collect(),
+                    lists: names.lists.iter().filter(|triple| !own(triple.0)).copied().collect(),
                     sets: Vec::new(),
                 }
             })
             .collect();
-        Symmetry {
-            orbits,
-            classes,
-            names,
-            at,
-            members,
-            outside,
-        }
+        Symmetry { orbits, classes, names, at, members, outside }
     }
 
     /// Returns the orbits.
@@ -295,9 +272,7 @@ impl Symmetry {
             return None;
         }
         let mut renaming = self.orbits.identity();
-        moves
-            .iter()
-            .for_each(|(from, to)| renaming.put(&from.parts, &to.parts));
+        moves.iter().for_each(|(from, to)| renaming.put(&from.parts, &to.parts));
         let before = s.clone();
         for (one, other) in moves {
             for (&x, &y) in one.discrete.iter().zip(&other.discrete) {

@@ -21,11 +21,7 @@ impl SystemRules<'_> {
                     TaskState::Active => status != TaskStatus::Idle,
                 }
             }
-            Atom::State {
-                machine,
-                state,
-                phase,
-            } => (0..l.threads).any(|executor| {
+            Atom::State { machine, state, phase } => (0..l.threads).any(|executor| {
                 self.slot_of(s, executor).is_some_and(|slot| {
                     l.at(s, slot) as usize == state
                         && (l.automaton(s, slot)).is_some_and(|automaton| {
@@ -35,11 +31,7 @@ impl SystemRules<'_> {
                 })
             }),
             Atom::Slot(service, status) => self.has_slots(s, service, status),
-            Atom::Handling {
-                service,
-                codel,
-                phase,
-            } => {
+            Atom::Handling { service, codel, phase } => {
                 let component = self.system.services[service].component;
                 let executor = l.control_executor(component);
                 (control::TICKET..=control::EXECUTING).contains(&l.control(s, component))

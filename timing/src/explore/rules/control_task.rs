@@ -16,12 +16,7 @@ impl SystemRules<'_> {
         let l = &self.layout;
         let at = l.position(s, client) as usize;
         let step = &self.system.clients[client].steps[at];
-        let ClientAction::Send {
-            service,
-            ref trackers,
-            ..
-        } = step.action
-        else {
+        let ClientAction::Send { service, ref trackers, .. } = step.action else {
             return;
         };
         for &t in trackers {
@@ -394,11 +389,7 @@ impl SystemRules<'_> {
             for t in 0..client.trackers {
                 if l.tracker(s, k, t) == tracker::SLOT + slot as u16 {
                     let failed = !success && l.outcomes[k][t];
-                    let value = if failed {
-                        tracker::FAILED
-                    } else {
-                        tracker::NONE
-                    };
+                    let value = if failed { tracker::FAILED } else { tracker::NONE };
                     l.set_tracker(s, k, t, value);
                 }
             }

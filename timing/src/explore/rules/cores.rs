@@ -46,11 +46,7 @@ impl SystemRules<'_> {
             control::QUEUED => self.may_leave(s, executor),
             control::READY => {
                 l.signal(s, component) != 0
-                    || self
-                        .system
-                        .clients
-                        .keys()
-                        .any(|client| self.asks(s, client, component))
+                    || self.system.clients.keys().any(|client| self.asks(s, client, component))
             }
             _ => false,
         }
@@ -74,9 +70,8 @@ impl SystemRules<'_> {
             return Threads::MAX;
         }
         let l = &self.layout;
-        let mut order: Vec<usize> = (l.core_queue(s).iter())
-            .map(|&executor| executor as usize)
-            .collect();
+        let mut order: Vec<usize> =
+            (l.core_queue(s).iter()).map(|&executor| executor as usize).collect();
         if self.system.platform.policy == Policy::Priority {
             order.sort_by_key(|&priority| self.priorities[priority]);
         }
@@ -167,9 +162,8 @@ impl SystemRules<'_> {
     /// Puts the list in a normal form: only orders that matter remain.
     fn normalize(&self, s: &mut State) {
         let l = &self.layout;
-        let mut order: Vec<usize> = (l.core_queue(s).iter())
-            .map(|&executor| executor as usize)
-            .collect();
+        let mut order: Vec<usize> =
+            (l.core_queue(s).iter()).map(|&executor| executor as usize).collect();
         if self.system.platform.policy == Policy::Fair {
             let chosen = self.chosen(&order);
             order.sort_by_key(|&order| (!chosen.contains(&order), order));
@@ -177,12 +171,8 @@ impl SystemRules<'_> {
             // Between different priorities the order is irrelevant.
             order.sort_by_key(|&priority| self.priorities[priority]);
         }
-        order
-            .iter()
-            .for_each(|&executor| l.core_queue_remove(s, executor));
-        order
-            .iter()
-            .for_each(|&executor| l.core_queue_push(s, executor));
+        order.iter().for_each(|&executor| l.core_queue_remove(s, executor));
+        order.iter().for_each(|&executor| l.core_queue_push(s, executor));
     }
 
     /// Adds the swaps that the policy `fair` allows.
@@ -194,10 +184,7 @@ impl SystemRules<'_> {
         let has_core = |number: u16| running >> number & 1 == 1;
         for &by in list.iter().filter(|&&executor| !has_core(executor)) {
             for &executor in list.iter().filter(|&&executor| has_core(executor)) {
-                out.actions.push(Action::Preempt {
-                    executor: executor as usize,
-                    by: by as usize,
-                });
+                out.actions.push(Action::Preempt { executor: executor as usize, by: by as usize });
             }
         }
     }
@@ -211,9 +198,7 @@ impl SystemRules<'_> {
             .collect();
         l.core_queue_remove(s, by);
         l.core_queue_remove(s, executor);
-        order
-            .iter()
-            .for_each(|&executor| l.core_queue_remove(s, executor));
+        order.iter().for_each(|&executor| l.core_queue_remove(s, executor));
         let others = order.iter().copied();
         for executor in std::iter::once(by).chain(others).chain([executor]) {
             l.core_queue_push(s, executor);

@@ -180,10 +180,7 @@ impl SystemRules<'_> {
                     return;
                 };
                 let path = self.system.service_path(service);
-                let what = match (
-                    l.refused(before, component) != 0,
-                    l.given(before, component),
-                ) {
+                let what = match (l.refused(before, component) != 0, l.given(before, component)) {
                     (true, _) => format!("refuses {path}"),
                     (false, 0) => format!("{path} has succeeded"),
                     (false, _) => format!("accepts {path}"),
@@ -194,9 +191,7 @@ impl SystemRules<'_> {
             Action::Preempt { executor, by } => {
                 let name = |task: usize| match task < l.tasks {
                     true => self.system.task_path(TaskId::from(task)),
-                    false => self.system.components[ComponentId::from(task - l.tasks)]
-                        .name
-                        .clone(),
+                    false => self.system.components[ComponentId::from(task - l.tasks)].name.clone(),
                 };
                 let what = format!("takes the core of {}", name(executor));
                 let moment = match by < l.tasks {
@@ -380,11 +375,7 @@ impl SystemRules<'_> {
         let blockers = self.blockers(after, executor, codel);
         if !blockers.is_empty() {
             let named = blockers.iter().map(|blocker| {
-                let queued = if blocker.ahead {
-                    " (ahead in the queue)"
-                } else {
-                    ""
-                };
+                let queued = if blocker.ahead { " (ahead in the queue)" } else { "" };
                 format!("{}{queued}", self.system.codels[blocker.codel].path)
             });
             let named: Vec<String> = named.collect();
@@ -414,19 +405,15 @@ impl SystemRules<'_> {
     fn blockers(&self, s: &State, executor: usize, codel: CodelId) -> Vec<Blocker> {
         let l = &self.layout;
         let waiting = &self.system.codels[codel];
-        let holders = l
-            .executing(s)
-            .filter(|&other| self.blocks(s, waiting, other));
-        let mut out: Vec<Blocker> = (holders)
-            .filter_map(|other| self.blocker(s, other, false))
-            .collect();
+        let holders = l.executing(s).filter(|&other| self.blocks(s, waiting, other));
+        let mut out: Vec<Blocker> =
+            (holders).filter_map(|other| self.blocker(s, other, false)).collect();
         if let Some(component) = self.component_of(executor) {
             let queue = l.lock_queue(s, component).iter();
-            let ahead = (queue.map(|&other| other as usize))
-                .take_while(|&other| other != executor)
-                .filter(|&other| {
-                    self.points.locks == LockRule::Queue || self.blocks(s, waiting, other)
-                });
+            let ahead =
+                (queue.map(|&other| other as usize)).take_while(|&other| other != executor).filter(
+                    |&other| self.points.locks == LockRule::Queue || self.blocks(s, waiting, other),
+                );
             out.extend(ahead.filter_map(|other| self.blocker(s, other, true)));
         }
         out
@@ -434,11 +421,7 @@ impl SystemRules<'_> {
 
     /// Returns the work of an executor, as a codel that keeps others waiting.
     fn blocker(&self, s: &State, executor: usize, ahead: bool) -> Option<Blocker> {
-        Some(Blocker {
-            codel: self.codel(s, executor)?,
-            by: self.executing(executor),
-            ahead,
-        })
+        Some(Blocker { codel: self.codel(s, executor)?, by: self.executing(executor), ahead })
     }
 
     /// Returns the thread of an executor: a task, or a control task.

@@ -127,10 +127,7 @@ impl SystemRules<'_> {
             (parts[Part::Service].iter())
                 .filter_map(|&service| l.success[ServiceId::from(service)]),
         );
-        for component in parts[Part::Component]
-            .iter()
-            .map(|&id| ComponentId::from(id))
-        {
+        for component in parts[Part::Component].iter().map(|&id| ComponentId::from(id)) {
             let base = l.component_place(component);
             d.extend(base..base + OF_COMPONENT);
             if let (Some(base), Cycle::Passes) = (l.lock_queue[component], self.points.cycle) {
@@ -146,10 +143,7 @@ impl SystemRules<'_> {
             d.push(l.phase_place(executor));
             t.extend([l.window_place(executor), l.window_place(executor) + 1]);
         }
-        UnitPlaces {
-            discrete: d,
-            times: t,
-        }
+        UnitPlaces { discrete: d, times: t }
     }
 
     /// Returns the names in a state.

@@ -31,13 +31,7 @@ impl SystemRules<'_> {
             Cycle::Passes => task,
         };
         let tick = l.timer(s, task);
-        Some(IdleTurn {
-            executor,
-            slot,
-            automaton,
-            state,
-            tick,
-        })
+        Some(IdleTurn { executor, slot, automaton, state, tick })
     }
 
     /// Returns true if the automaton in a slot is paused, and false if it has no work. `None`: it may do

@@ -96,9 +96,8 @@ impl Layout {
         let slot_base = places.discrete(of_slot * slots.iter().map(Vec::len).sum::<usize>());
         let visits = visits(system, &slots, jobs, &mut places);
         let component_base = places.discrete(OF_COMPONENT * components);
-        let client_base = (system.clients.iter())
-            .map(|client| places.discrete(2 + client.trackers))
-            .collect();
+        let client_base =
+            (system.clients.iter()).map(|client| places.discrete(2 + client.trackers)).collect();
         let capacity = match system.preempts() {
             true => tasks + components,
             false => tasks,
@@ -110,10 +109,7 @@ impl Layout {
             ti_vec![Some(places.discrete(1 + executors)); components]
         } else {
             let queue = |tasks: usize| Some(places.discrete(2 + tasks));
-            let tasks = system
-                .components
-                .iter()
-                .map(|component| component.tasks.len());
+            let tasks = system.components.iter().map(|component| component.tasks.len());
             tasks.map(queue).collect()
         };
         let success = success(system, jobs, &mut places);
@@ -128,16 +124,11 @@ impl Layout {
         let by_deadline = system.platform.cores.is_some() && system.platform.policy == Policy::Edf;
         let edf = by_deadline.then(|| match jobs {
             true => EdfTimes::Slack(places.times(tasks)),
-            false => EdfTimes::Ages {
-                tick: places.times(tasks),
-                kept: places.times(tasks),
-            },
+            false => EdfTimes::Ages { tick: places.times(tasks), kept: places.times(tasks) },
         });
         let measured = clocks.response.iter().map(|&measured| measured && !jobs);
-        let (frame, first_kept) = places.frame(
-            clocks,
-            measured.clone().filter(|response| *response).count(),
-        );
+        let (frame, first_kept) =
+            places.frame(clocks, measured.clone().filter(|response| *response).count());
         let mut kept_places = first_kept..;
         Layout {
             frame,
@@ -154,21 +145,13 @@ impl Layout {
             core_queue,
             lock_queue,
             shutdown,
-            follows: (system.clients.iter())
-                .map(|client| !jobs && follows(client))
-                .collect(),
+            follows: (system.clients.iter()).map(|client| !jobs && follows(client)).collect(),
             outcomes: (system.clients.iter())
-                .map(|client| {
-                    (0..client.trackers)
-                        .map(|t| client.asks_outcome(t))
-                        .collect()
-                })
+                .map(|client| (0..client.trackers).map(|t| client.asks_outcome(t)).collect())
                 .collect(),
             success,
             edf,
-            kept: measured
-                .map(|measured| measured.then(|| kept_places.next()).flatten())
-                .collect(),
+            kept: measured.map(|measured| measured.then(|| kept_places.next()).flatten()).collect(),
         }
     }
 
@@ -351,9 +334,7 @@ impl Layout {
 
     /// Adds to the queue for cores, at an index.
     pub(super) fn core_queue_insert(&self, s: &mut State, at: usize, executor: usize) {
-        let (base, _) = self
-            .core_queue
-            .expect("tasks wait only for cores that are limited");
+        let (base, _) = self.core_queue.expect("tasks wait only for cores that are limited");
         insert(s, base, at, executor as u16);
     }
 
@@ -449,9 +430,7 @@ fn success(
 /// Returns true if a client can abort instances that it has requested.
 fn follows(client: &Client) -> bool {
     client.steps.iter().any(|step| match &step.action {
-        ClientAction::Send {
-            accepted, aborts, ..
-        } => aborts.is_some() || !accepted.is_empty(),
+        ClientAction::Send { accepted, aborts, .. } => aborts.is_some() || !accepted.is_empty(),
         _ => false,
     })
 }

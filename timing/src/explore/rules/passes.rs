@@ -30,9 +30,8 @@ impl SystemRules<'_> {
         let mode = l.mode(s, path);
         let flags = mode & !slot::STATUS;
         let marked = mode & slot::MARK != 0;
-        let stop = self
-            .machine(s, path)
-            .and_then(|machine| machine.stop.or(Some(machine.states.len())));
+        let stop =
+            self.machine(s, path).and_then(|machine| machine.stop.or(Some(machine.states.len())));
         let to_stop = |s: &mut State| {
             l.set_at(s, path, stop.unwrap_or(1) as u16);
             self.begin_turn(s, path);
@@ -186,9 +185,7 @@ impl SystemRules<'_> {
     pub(super) fn begin_turn(&self, s: &mut State, index: usize) {
         self.clear_visits(s, index);
         let (base, most) = self.layout.visits[index];
-        let limited = self
-            .machine(s, index)
-            .is_some_and(|machine| machine.loop_limit.is_some());
+        let limited = self.machine(s, index).is_some_and(|machine| machine.loop_limit.is_some());
         let at = self.layout.at(s, index) as usize;
         // The number of entries is irrelevant if the state is never entered from another state.
         let entered = |machine: &Machine| {
@@ -207,9 +204,7 @@ impl SystemRules<'_> {
         if !within {
             return self.begin_turn(s, slot);
         }
-        let limited = self
-            .machine(s, slot)
-            .is_some_and(|machine| machine.loop_limit.is_some());
+        let limited = self.machine(s, slot).is_some_and(|machine| machine.loop_limit.is_some());
         if limited {
             s.d[self.layout.visits[slot].0 + to] += 1;
         }

@@ -81,11 +81,7 @@ impl SystemRules<'_> {
     /// Raises the flag of a task at a tick of the clock. Several ticks while the task is busy count as one.
     fn tick(&self, s: &mut State, task: usize) {
         let l = &self.layout;
-        l.set_timer(
-            s,
-            task,
-            self.system.tasks[TaskId::from(task)].period.unwrap_or(0),
-        );
+        l.set_timer(s, task, self.system.tasks[TaskId::from(task)].period.unwrap_or(0));
         if self.waits_to_begin(s, task) && !l.has(s, task, flag::FIRST) {
             l.raise(s, task, flag::LATE);
         }
@@ -118,9 +114,7 @@ impl SystemRules<'_> {
     pub(super) fn queue_for_core(&self, s: &mut State, task: usize) {
         let l = &self.layout;
         let queue = l.core_queue(s);
-        let deadline = self.system.tasks[TaskId::from(task)]
-            .period
-            .unwrap_or(FOREVER);
+        let deadline = self.system.tasks[TaskId::from(task)].period.unwrap_or(FOREVER);
         let position = match (l.edf, self.system.platform.policy) {
             (Some(EdfTimes::Slack(base)), _) => {
                 queue.partition_point(|&other| s.t[base + other as usize] <= deadline)

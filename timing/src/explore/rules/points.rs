@@ -51,25 +51,11 @@ impl Points {
     /// Returns the points of a system's semantics.
     pub(super) fn of(system: &TimedSystem) -> Points {
         let semantics = system.platform.semantics;
-        let Semantics {
-            ticks,
-            turns,
-            locks,
-            pause,
-            ..
-        } = semantics;
+        let Semantics { ticks, turns, locks, pause, .. } = semantics;
         let (cycle, start_up, handling) = match semantics.is_published() {
             true => (Cycle::Jobs, StartUp::FirstCodel, Handling::AtOnce),
             false => (Cycle::Passes, StartUp::FirstPass, Handling::InSteps),
         };
-        Points {
-            ticks,
-            turns,
-            locks,
-            pause,
-            cycle,
-            start_up,
-            handling,
-        }
+        Points { ticks, turns, locks, pause, cycle, start_up, handling }
     }
 }

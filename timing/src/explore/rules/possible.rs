@@ -117,8 +117,7 @@ impl SystemRules<'_> {
                             _ => false,
                         };
                         let next = step.next.iter().filter(over);
-                        out.actions
-                            .extend(next.map(|&next| Action::Proceed { client: k, next }));
+                        out.actions.extend(next.map(|&next| Action::Proceed { client: k, next }));
                         false
                     }
                     ClientAction::Send { .. } | ClientAction::Delay(..) => false,
@@ -179,9 +178,7 @@ impl SystemRules<'_> {
         if queue.is_empty() || !self.core_free(s) {
             return;
         }
-        let grant = |task: u16| Action::Grant {
-            task: task as usize,
-        };
+        let grant = |task: u16| Action::Grant { task: task as usize };
         match (self.system.platform.policy, l.edf) {
             (Policy::Any, _) => out.actions.extend(queue.iter().map(|&task| grant(task))),
             (_, Some(EdfTimes::Ages { tick, .. })) => {
@@ -299,15 +296,12 @@ impl SystemRules<'_> {
             return false;
         };
         let queue = self.layout.lock_queue(s, component);
-        let mut ahead = (queue.iter())
-            .map(|&other| other as usize)
-            .take_while(|&other| other != executor);
+        let mut ahead =
+            (queue.iter()).map(|&other| other as usize).take_while(|&other| other != executor);
         let turn = match self.points.locks {
             LockRule::Queue => ahead.next().is_none(),
             LockRule::Fifo => {
-                let codel = self
-                    .codel(s, executor)
-                    .map(|codel| &self.system.codels[codel]);
+                let codel = self.codel(s, executor).map(|codel| &self.system.codels[codel]);
                 !codel.is_some_and(|codel| ahead.any(|other| self.blocks(s, codel, other)))
             }
             LockRule::Free => true,
@@ -378,9 +372,7 @@ impl SystemRules<'_> {
             let component = ComponentId::from(executor - l.threads);
             push(0);
             let throws = || {
-                let codel = self
-                    .codel(s, executor)
-                    .map(|codel| &self.system.codels[codel]);
+                let codel = self.codel(s, executor).map(|codel| &self.system.codels[codel]);
                 self.points.handling == Handling::InSteps && codel.is_some_and(|codel| codel.throws)
             };
             if self.validates(s, component) || throws() {
@@ -398,13 +390,7 @@ impl SystemRules<'_> {
         if self.points.cycle == Cycle::Jobs {
             return false;
         }
-        let outcomes = || {
-            self.layout
-                .outcomes
-                .iter()
-                .flatten()
-                .any(|outcome| *outcome)
-        };
+        let outcomes = || self.layout.outcomes.iter().flatten().any(|outcome| *outcome);
         match self.service(s, slot) {
             Some(service) => {
                 !yields.contains(&Yield::End)

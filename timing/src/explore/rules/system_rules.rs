@@ -55,9 +55,7 @@ impl<'s> SystemRules<'s> {
             priorities: system.priorities(),
             rejected: ti_vec![Cell::new(false); system.services.len()],
             restarts: ti_vec![Cell::new(false); system.services.len()],
-            lockless: (system.codels.iter())
-                .map(|codel| codel.conflicts.is_empty())
-                .collect(),
+            lockless: (system.codels.iter()).map(|codel| codel.conflicts.is_empty()).collect(),
             system,
         }
     }
@@ -440,8 +438,7 @@ impl Rules for SystemRules<'_> {
 
     fn tick(&self, s: &State, task: usize) -> Option<(Ticks, bool)> {
         let l = &self.layout;
-        self.counts(s, task)
-            .then(|| (l.timer(s, task), l.pending(s, task)))
+        self.counts(s, task).then(|| (l.timer(s, task), l.pending(s, task)))
     }
 
     fn interrupt_activity(&self, s: &mut State, place: usize) {

@@ -40,11 +40,7 @@ impl SystemRules<'_> {
         let executing = l.executing(s);
         for executor in executing.filter(|&executor| self.executes_on(s, running, executor)) {
             let (a, b) = l.window(s, executor);
-            least = least.min(if can_be_deferred(executor) {
-                b
-            } else {
-                a.max(1)
-            });
+            least = least.min(if can_be_deferred(executor) { b } else { a.max(1) });
         }
         (least != FOREVER).then_some(least)
     }

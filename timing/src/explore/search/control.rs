@@ -95,11 +95,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
 
     /// Returns the results for the next exploration of the same system, including the runs seen by this one.
     pub(super) fn into_carry_over(self, layers: &Layers<'a, R>) -> CarryOver {
-        let SearchControl {
-            random_search,
-            zone_search,
-            ..
-        } = self;
+        let SearchControl { random_search, zone_search, .. } = self;
         CarryOver {
             random_search: random_search.map(|search| search.carried_over(layers)),
             zones: zone_search.into_proof(),
@@ -138,10 +134,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
 
     /// Returns the number of states examined outside the layers.
     pub(super) fn states_outside_layers(&self) -> usize {
-        self.random_search
-            .as_ref()
-            .map_or(0, |search| search.states)
-            + self.zone_search.states()
+        self.random_search.as_ref().map_or(0, |search| search.states) + self.zone_search.states()
     }
 
     /// Returns the number of steps so far, including those of randomised search and of zones.
@@ -169,8 +162,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     /// Returns, by predicate of the watch, whether the predicate is certainly never reached.
     fn never(&self, watch: &Watch) -> Vec<bool> {
         let all = 0..watch.reach.len();
-        all.map(|predicate| self.zone_search.never_reached(predicate))
-            .collect()
+        all.map(|predicate| self.zone_search.never_reached(predicate)).collect()
     }
 
     /// Returns the services with a refused request.
@@ -232,10 +224,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     fn activities(&self, layers: &Layers<'a, R>) -> Vec<Activity> {
         let beside = [
             (Kind::Zones, self.zone_search.reason_against()),
-            (
-                Kind::RandomSearch,
-                self.random_search.as_ref().err().copied(),
-            ),
+            (Kind::RandomSearch, self.random_search.as_ref().err().copied()),
         ];
         let beside = beside.map(|(kind, off)| Activity { kind, off });
         layers.activities().chain(beside).collect()
@@ -266,9 +255,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
             absent: (self.zone_search.absent())
                 .map_or_else(|| layers.observations.seen.absent.clone(), Clone::clone),
             no_deadlock: self.zone_search.never_deadlocked(),
-            deadlock: deadlock.map(|at| Found {
-                run: layers.trace(at, &Target::Deadlock),
-            }),
+            deadlock: deadlock.map(|at| Found { run: layers.trace(at, &Target::Deadlock) }),
             refused: self.refused(layers),
             restarts: restarts.collect(),
             reductions: vec![self.activities(layers)],

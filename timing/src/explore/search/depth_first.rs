@@ -56,11 +56,7 @@ impl Order {
 
     /// Returns this order with steady choices, mostly with codels that take their longest time.
     pub(super) fn steady(self) -> Self {
-        Order {
-            late: self.late || self.patient,
-            steady: true,
-            ..self
-        }
+        Order { late: self.late || self.patient, steady: true, ..self }
     }
 
     /// Sorts actions: the one to follow first comes last. Actions of a task that is `kept` from ending come
@@ -154,12 +150,7 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
         let mut followed = Vec::new();
         let mut encoding = Encoded::default();
         while !self.is_over() && self.steps < steps {
-            let Some(Open {
-                mut s,
-                mut held,
-                mut at,
-            }) = self.open.pop()
-            else {
+            let Some(Open { mut s, mut held, mut at }) = self.open.pop() else {
                 break;
             };
             self.steps += 1;
@@ -217,10 +208,7 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
         self.trail.clear();
         self.open.clear();
         self.steps = 0;
-        let at = Sight {
-            parent: START,
-            time: 0,
-        };
+        let at = Sight { parent: START, time: 0 };
         let s = self.observations.rules.initial();
         self.observations.check(None, &s, at);
         self.open.push(Open { s, held: 0, at });
@@ -236,16 +224,13 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
 
     /// Returns true if a run has continued for so long that it is unlikely to show news.
     fn is_unpromising(&self, at: Sight<StepId>) -> bool {
-        self.lasts
-            .is_some_and(|number| at.time > MAX_PLAUSIBLE_TIMES * u64::from(number))
+        self.lasts.is_some_and(|number| at.time > MAX_PLAUSIBLE_TIMES * u64::from(number))
     }
 
     /// Returns the longest time seen, if it is longer than the one searched for.
     fn longest(&self) -> Option<Longest<StepId>> {
         let longest = self.observations.seen.longest.first().copied().flatten()?;
-        self.lasts
-            .is_some_and(|number| longest.value > number)
-            .then_some(longest)
+        self.lasts.is_some_and(|number| longest.value > number).then_some(longest)
     }
 
     /// Returns a run whose last measurement is as long as the one searched for, and the length.
@@ -256,12 +241,7 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
 
     /// Returns the repetition within the last measurement of a run.
     pub(super) fn repetition(&self, run: &Run, value: Ticks) -> Option<(u64, u64)> {
-        let Observations {
-            rules,
-            observers,
-            gauges,
-            ..
-        } = &self.observations;
+        let Observations { rules, observers, gauges, .. } = &self.observations;
         let of = gauges.first().map(|gauge| gauge.of);
         let age = |s: &State| of.map_or((0, 0), |gauge| gauge.age(rules.frame(), s));
         run.repetition(rules, (observers, value), &age, self.cancel)
@@ -284,9 +264,7 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
 
     /// Returns the time to let pass, in base units.
     fn jump(&self, s: &State, order: Order) -> Option<Ticks> {
-        let Observations {
-            rules, reductions, ..
-        } = &self.observations;
+        let Observations { rules, reductions, .. } = &self.observations;
         if !order.late {
             return reductions.next_moment(rules, s);
         }
@@ -311,10 +289,7 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
 
     fn act(&mut self, s: &State, mut held: SleepSet, at: Sight<StepId>, action: Action) {
         let mut s = s.clone();
-        let at = Sight {
-            parent: push(&mut self.trail, at.parent, Step::Act(action)),
-            ..at
-        };
+        let at = Sight { parent: push(&mut self.trail, at.parent, Step::Act(action)), ..at };
         self.observations.step(&mut s, action, &mut held, at);
         self.open.push(Open { s, held, at });
     }
@@ -356,25 +331,17 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
             match step {
                 Step::Act(action) => {
                     run.steps.push((run.end, names.action(action)));
-                    let now = Sight {
-                        time: run.end,
-                        ..at
-                    };
+                    let now = Sight { time: run.end, ..at };
                     self.observations.step(&mut s, action, &mut 0, now);
                 }
                 Step::Pass(time) => {
                     run.end += u64::from(time);
-                    let now = Sight {
-                        time: run.end,
-                        ..at
-                    };
+                    let now = Sight { time: run.end, ..at };
                     self.observations.rules.elapse(&mut s, time);
                     self.look_at_clocks(&mut s, now);
                 }
                 Step::Order => {
-                    let Observations {
-                        rules, reductions, ..
-                    } = &self.observations;
+                    let Observations { rules, reductions, .. } = &self.observations;
                     if let Some(order) = reductions.order(rules, &mut s) {
                         names = names.after(&order.inverse());
                     }
@@ -385,12 +352,7 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
             return run;
         };
         let observations = &self.observations;
-        let mut alike = observations
-            .reductions
-            .orbits()
-            .of_task(task)
-            .iter()
-            .copied();
+        let mut alike = observations.reductions.orbits().of_task(task).iter().copied();
         match alike.find(|&task| shown(&observations.rules, &s, task)) {
             Some(index) if names.task(index) != task => {
                 observations.exchanged(&run, names.task(index), task)
@@ -428,13 +390,7 @@ pub fn search_once(
     limits: Limits,
     cancel: &Cancel,
 ) -> Findings {
-    search_once_by(
-        &SystemRules::new(system),
-        watch,
-        (number, steps),
-        limits,
-        cancel,
-    )
+    search_once_by(&SystemRules::new(system), watch, (number, steps), limits, cancel)
 }
 
 fn search_once_by<R: Reduced>(

@@ -50,12 +50,7 @@ impl<'w> Goals<'w> {
 
     /// Returns the number of goals of each kind, in the order of the list.
     fn counts(&self) -> [usize; 3] {
-        let Watch {
-            schedulable,
-            overdue,
-            reach,
-            ..
-        } = self.watch;
+        let Watch { schedulable, overdue, reach, .. } = self.watch;
         [schedulable.len(), overdue.len(), reach.len()]
     }
 
@@ -107,9 +102,7 @@ impl<'w> Goals<'w> {
     pub(super) fn alike(&self, id: GoalId, orbits: &Orbits) -> Vec<GoalId> {
         let same = |all: &mut dyn Iterator<Item = (GoalId, usize)>, task: usize| {
             let orbit = orbits.of_task(task);
-            all.filter(|pair| orbit.contains(&pair.1))
-                .map(|pair| pair.0)
-                .collect()
+            all.filter(|pair| orbit.contains(&pair.1)).map(|pair| pair.0).collect()
         };
         match self.get(id) {
             Goal::Missed(task) => same(&mut self.missed(), task),
@@ -126,10 +119,7 @@ impl<'w> Goals<'w> {
     /// Returns a watch for some of the goals, which must be in order. Their indices there are their positions
     /// in `some`.
     pub(super) fn only(&self, some: &[GoalId]) -> Watch {
-        let mut watch = Watch {
-            stop_at_first: self.watch.stop_at_first,
-            ..Watch::default()
-        };
+        let mut watch = Watch { stop_at_first: self.watch.stop_at_first, ..Watch::default() };
         for &id in some {
             match self.get(id) {
                 Goal::Missed(task) => watch.schedulable.push(TaskId::from(task)),

@@ -101,22 +101,15 @@ impl<'a, R: Reduced> Layers<'a, R> {
     ) -> Self {
         let observations = Observations::new(rules, watch, gauges, limits.without);
         let system = rules.system();
-        let longest = system
-            .tasks
-            .iter()
-            .filter_map(|task| task.period)
-            .max()
-            .unwrap_or(0);
+        let longest = system.tasks.iter().filter_map(|task| task.period).max().unwrap_or(0);
         let work = system
             .codels
             .iter()
-            .map(|codel| {
-                if codel.upper == crate::system::FOREVER {
-                    codel.lower
-                } else {
-                    codel.upper
-                }
-            })
+            .map(
+                |codel| {
+                    if codel.upper == crate::system::FOREVER { codel.lower } else { codel.upper }
+                },
+            )
             .fold(0u32, |sum, codel| sum.saturating_add(codel));
         let clocks = observations.rules.frame().clocks();
         let covering = covering(limits);
@@ -135,9 +128,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
             deadlock: None,
             traced: ReconstructedRuns::default(),
             divergence_threshold: longest.saturating_add(work).max(16),
-            patient: gauges
-                .iter()
-                .any(|gauge| gauge.how == MeasurementMode::UntilRepetition),
+            patient: gauges.iter().any(|gauge| gauge.how == MeasurementMode::UntilRepetition),
             diverging: None,
             limits,
             cancel,
@@ -225,18 +216,11 @@ impl<'a, R: Reduced> Layers<'a, R> {
         self.layer.states.clear();
         self.layer.calm.clear();
         let mut links = Links::default();
-        let mut stack: Vec<(State, NodeId, SleepSet)> = states
-            .into_iter()
-            .map(|(s, parent)| (s, parent, 0))
-            .collect();
+        let mut stack: Vec<(State, NodeId, SleepSet)> =
+            states.into_iter().map(|(s, parent)| (s, parent, 0)).collect();
         if initial {
             for (s, parent, _) in &mut stack {
-                observe::observe(
-                    &self.observations.rules,
-                    &self.observations.observers,
-                    None,
-                    s,
-                );
+                observe::observe(&self.observations.rules, &self.observations.observers, None, s);
                 let parent = *parent;
                 self.observations.check(None, s, Sight { parent, time });
             }
@@ -254,8 +238,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 return;
             }
             let at = Sight { parent, time };
-            self.observations
-                .settle(&mut s, &mut held, &mut enabled, |_| at);
+            self.observations.settle(&mut s, &mut held, &mut enabled, |_| at);
             encode(self.observations.rules.frame(), &s, &mut encoding);
             // States with different sleep sets have different actions to follow, and are different.
             if held != 0 {
@@ -276,8 +259,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
             if key as usize == self.layer.calm.len() {
                 self.layer.calm.push(!enabled.urgent);
             }
-            self.observations
-                .followed((&s, held), &enabled, &mut first, &mut followed);
+            self.observations.followed((&s, held), &enabled, &mut first, &mut followed);
             for &(action, mut held) in &followed {
                 let mut next = self.spare.pop().unwrap_or_default();
                 next.clone_from(&s);
@@ -342,9 +324,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 let Some(node) = self.graph.keep(&encoding, time, links.list(tag)) else {
                     continue;
                 };
-                let Observations {
-                    rules, reductions, ..
-                } = &self.observations;
+                let Observations { rules, reductions, .. } = &self.observations;
                 self.graph.state_to(rules.frame(), node, &mut s);
                 match reductions.next_moment(rules, &s) {
                     Some(jump) => self.graph.wait(node, time + u64::from(jump)),
@@ -370,9 +350,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
     /// incomplete if there are very many, because finding them must not take longer than following them. It
     /// is empty if there is no memory for the search.
     fn redundant(&self, layer: &Store) -> FxHashSet<u32> {
-        let Observations {
-            rules, reductions, ..
-        } = &self.observations;
+        let Observations { rules, reductions, .. } = &self.observations;
         // States with the most executing codels reach the most other states.
         let mut sources: Vec<(usize, u32, &[Ticks], u32)> = Vec::new();
         let room = self.limits.bytes.saturating_sub(self.memory());
@@ -443,11 +421,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
             self.divergence_threshold = self.divergence_threshold.saturating_mul(2);
             let Gauge { of, limit, .. } = self.observations.gauges[gauge];
             let run = self.trace(at, &Target::Lasts(of, value));
-            let mut out = Divergence {
-                gauge,
-                proof: None,
-                excess: None,
-            };
+            let mut out = Divergence { gauge, proof: None, excess: None };
             let rules = &self.observations.rules;
             let recent = (&self.observations.observers[..], value);
             let age = |s: &State| of.age(rules.frame(), s);
@@ -489,12 +463,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
 
     /// Records the limits that are exceeded in jumps under way at the end of the exploration.
     fn limits_under_way(&mut self) {
-        if self
-            .observations
-            .gauges
-            .iter()
-            .all(|gauge| gauge.limit.is_none())
-        {
+        if self.observations.gauges.iter().all(|gauge| gauge.limit.is_none()) {
             return;
         }
         for (time, parents) in self.graph.take_queue() {
@@ -521,22 +490,13 @@ impl<'a, R: Reduced> Layers<'a, R> {
         let task = |gauge: usize| self.observations.gauges[gauge].of.task();
         let of = |gauge: usize| {
             let run = |run: &Option<Run>| {
-                run.as_ref()
-                    .map(|run| match (task(found.gauge), task(gauge)) {
-                        (Some(from), Some(to)) => self.observations.exchanged(run, from, to),
-                        _ => run.clone(),
-                    })
+                run.as_ref().map(|run| match (task(found.gauge), task(gauge)) {
+                    (Some(from), Some(to)) => self.observations.exchanged(run, from, to),
+                    _ => run.clone(),
+                })
             };
-            Divergence {
-                gauge,
-                proof: run(&found.proof),
-                excess: run(&found.excess),
-            }
+            Divergence { gauge, proof: run(&found.proof), excess: run(&found.excess) }
         };
-        self.observations
-            .alike(found.gauge)
-            .into_iter()
-            .map(of)
-            .collect()
+        self.observations.alike(found.gauge).into_iter().map(of).collect()
     }
 }

@@ -66,20 +66,15 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
                     && system.tasks[TaskId::from(t)].period.is_some()
             })
             .collect();
-        let observed: Vec<bool> = (0..system.tasks.len())
-            .map(|t| measured_task(t) || waiting_only[t])
-            .collect();
+        let observed: Vec<bool> =
+            (0..system.tasks.len()).map(|t| measured_task(t) || waiting_only[t]).collect();
         let clocked: Vec<Stages> = (watch.within.iter().enumerate())
             .map(|(i, bound)| Stages {
                 count: bound.responses.len(),
                 measured: measured(Timing::Within(i)),
             })
             .collect();
-        let clocks = Clocks {
-            response: observed,
-            within: clocked,
-            token: 0,
-        };
+        let clocks = Clocks { response: observed, within: clocked, token: 0 };
         let own = rules.with_clocks(&clocks);
         let predicates: Vec<&Predicate> = (watch.within.iter())
             .flat_map(|bound| bound.responses.iter().chain([&bound.trigger]))
@@ -210,9 +205,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         for (task, only) in self.waiting_only.iter().enumerate() {
             if *only && let Some(clock) = l.response[task] {
                 let running = self.rules.job(s, task) == TaskStatus::Running;
-                let most = self.rules.system().tasks[TaskId::from(task)]
-                    .period
-                    .unwrap_or(0);
+                let most = self.rules.system().tasks[TaskId::from(task)].period.unwrap_or(0);
                 s.t[clock] = if running { 0 } else { s.t[clock].min(most) };
             }
         }
@@ -342,9 +335,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         let Some(task) = self.rules.task_of(action) else {
             return false;
         };
-        self.gauges
-            .iter()
-            .any(|gauge| gauge.of == Timing::Response(task))
+        self.gauges.iter().any(|gauge| gauge.of == Timing::Response(task))
     }
 
     /// Returns true if a gauge has reached its known maximum, and its limit needs no further search.
@@ -377,9 +368,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
             let alike = matches!(other.of, Timing::Response(task) if orbit.contains(&task));
             alike && (other.limit, other.most) == (entry.limit, entry.most)
         };
-        (0..self.gauges.len())
-            .filter(|&other| same(&self.gauges[other]))
-            .collect()
+        (0..self.gauges.len()).filter(|&other| same(&self.gauges[other])).collect()
     }
 
     /// Returns a run with one task exchanged for another of its orbit.
@@ -387,9 +376,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         let renaming = self.reductions.orbits().exchange(from, to);
         let steps = run.steps.iter();
         Run {
-            steps: steps
-                .map(|&(time, step)| (time, renaming.action(step)))
-                .collect(),
+            steps: steps.map(|&(time, step)| (time, renaming.action(step))).collect(),
             ..run.clone()
         }
     }

@@ -48,10 +48,7 @@ pub fn walk_to_long_responses(
     cancel: &Cancel,
 ) -> Vec<Option<Measured>> {
     let rules = SystemRules::new(system);
-    let watch = Watch {
-        response: responses.to_vec(),
-        ..Watch::default()
-    };
+    let watch = Watch { response: responses.to_vec(), ..Watch::default() };
     let gauges = Gauge::of(&watch, &MeasurementMode::Shared);
     let without = Kind::ALL.into_iter().fold(Kinds::NONE, Kinds::with);
     let mut walks = Walks {
@@ -69,19 +66,11 @@ pub fn walk_to_long_responses(
             (actions / responses.len() as u64).min(ACTIONS_OF_RESPONSE),
         );
     }
-    walks
-        .best
-        .into_iter()
-        .map(|best| best.map(measured))
-        .collect()
+    walks.best.into_iter().map(|best| best.map(measured)).collect()
 }
 
 fn measured((value, run): (Ticks, Run)) -> Measured {
-    Measured {
-        bound: Bound::Finite(value),
-        longest: Found { run },
-        excess: None,
-    }
+    Measured { bound: Bound::Finite(value), longest: Found { run }, excess: None }
 }
 
 /// The preferences of a walk.
@@ -166,17 +155,10 @@ impl Walks<'_> {
         let until = self.actions + actions;
         let task = usize::from(response.task);
         let mut walk = 0;
-        let start = Position {
-            s: self.observations.rules.initial(),
-            now: 0,
-            steps: 0,
-        };
+        let start = Position { s: self.observations.rules.initial(), now: 0, steps: 0 };
         while !self.is_over(number, response, until) {
-            let releases = self.walk(
-                &start,
-                (number, task, walk),
-                ACTIONS_OF_WALK.min(until - self.actions),
-            );
+            let releases =
+                self.walk(&start, (number, task, walk), ACTIONS_OF_WALK.min(until - self.actions));
             walk += 1;
             self.vary(&releases, (number, task), response, until);
         }
@@ -212,11 +194,7 @@ impl Walks<'_> {
             let mut fruitless = 0;
             let mut variant = 1_000;
             while fruitless < VARIANTS && !self.is_over(number, response, until) {
-                self.walk(
-                    position,
-                    (number, task, variant),
-                    length.min(until - self.actions),
-                );
+                self.walk(position, (number, task, variant), length.min(until - self.actions));
                 variant += 1;
                 fruitless += 1;
                 let found =
@@ -237,11 +215,7 @@ impl Walks<'_> {
     ) -> Vec<Position> {
         let mut preferences = Preferences::numbered(task, walk);
         self.observations.clear_observations();
-        let Position {
-            mut s,
-            mut now,
-            steps,
-        } = start.clone();
+        let Position { mut s, mut now, steps } = start.clone();
         self.trail.truncate(steps);
         let mut releases = Vec::new();
         let mut enabled = Enabled::default();
@@ -257,20 +231,13 @@ impl Walks<'_> {
             if of.runs(rules, &s) != runs {
                 runs = !runs;
                 if runs {
-                    releases.push(Position {
-                        s: s.clone(),
-                        now,
-                        steps: self.trail.len(),
-                    });
+                    releases.push(Position { s: s.clone(), now, steps: self.trail.len() });
                 }
             }
             rules.enabled(&s, &mut enabled);
             if let Some(action) = self.choose(&s, now, &enabled, &mut preferences) {
                 self.trail.push((now, action));
-                let at = Sight {
-                    parent: self.trail.len(),
-                    time: now,
-                };
+                let at = Sight { parent: self.trail.len(), time: now };
                 self.observations.step(&mut s, action, &mut 0, at);
                 continue;
             }
@@ -282,10 +249,7 @@ impl Walks<'_> {
             let Some(jump) = jump else { break };
             rules.elapse(&mut s, jump);
             now += u64::from(jump);
-            let at = Sight {
-                parent: self.trail.len(),
-                time: now,
-            };
+            let at = Sight { parent: self.trail.len(), time: now };
             for gauge in 0..self.observations.gauges.len() {
                 self.observations.longest_after_jump(gauge, &s, at);
             }
@@ -318,12 +282,7 @@ impl Walks<'_> {
         preferences: &mut Preferences,
     ) -> Option<Action> {
         let rules = &self.observations.rules;
-        let ticks = || {
-            enabled
-                .actions
-                .iter()
-                .any(|action| matches!(action, Action::Tick { .. }))
-        };
+        let ticks = || enabled.actions.iter().any(|action| matches!(action, Action::Tick { .. }));
         let wanted = |action: &Action| {
             let Action::Finish { executor, .. } = *action else {
                 return true;
@@ -361,9 +320,9 @@ impl Walks<'_> {
             |other| matches!(other, Action::Finish { executor: other, .. } if *other == executor),
         );
         let rest = |action: &Action| match *action {
-            Action::Finish { executor, outcome } => rules
-                .codel(s, executor)
-                .map_or(0, |codel| self.rest_after(codel, outcome)),
+            Action::Finish { executor, outcome } => {
+                rules.codel(s, executor).map_or(0, |codel| self.rest_after(codel, outcome))
+            }
             _ => 0,
         };
         outcomes.max_by_key(rest)
@@ -396,11 +355,7 @@ fn longest_rests(system: &TimedSystem) -> TiVec<CodelId, u64> {
                 });
                 let next = next.max().unwrap_or(0);
                 let upper = system.codels[state.codel].upper;
-                let own = if upper == FOREVER {
-                    0
-                } else {
-                    u64::from(upper)
-                };
+                let own = if upper == FOREVER { 0 } else { u64::from(upper) };
                 rest[state.codel] = rest[state.codel].max(own + next);
             }
         }

@@ -102,8 +102,7 @@ impl<'a, R: Reduced> Zones<'a, R> {
                 continue;
             }
             self.rules.enabled(&s, &mut enabled);
-            self.reductions
-                .persistent(&self.rules, &s, &enabled, &mut followed);
+            self.reductions.persistent(&self.rules, &s, &enabled, &mut followed);
             for &action in &followed {
                 let (mut s, mut zone) = (s.clone(), zone.clone());
                 self.step(&mut s, &mut zone, action);
@@ -357,13 +356,7 @@ impl<'a, R: Reduced> ZoneSearch<'a, R> {
             return;
         }
         let without = layers.limits.without;
-        let new = || {
-            Box::new(Zones::new(
-                &observations.rules,
-                &observations.watch.reach,
-                without,
-            ))
-        };
+        let new = || Box::new(Zones::new(&observations.rules, &observations.watch.reach, without));
         let zones = zones.get_or_insert_with(new);
         zones.run((ZONE_STEPS_PER_STEP * layers.steps).min(zones.steps + STEPS_PER_POLL));
         if let Some(mut proof) = zones.proof() {
@@ -394,8 +387,7 @@ impl<'a, R: Reduced> ZoneSearch<'a, R> {
 
     /// Returns true if a predicate is proved never to hold.
     pub(super) fn never_reached(&self, predicate: usize) -> bool {
-        self.proof()
-            .is_some_and(|proof| !proof.seen.reached[predicate])
+        self.proof().is_some_and(|proof| !proof.seen.reached[predicate])
     }
 
     /// Returns the jobs and atoms that no state has.
@@ -410,8 +402,7 @@ impl<'a, R: Reduced> ZoneSearch<'a, R> {
 
     /// Returns true if a request for a service was refused in a state with a zone.
     pub(super) fn refused(&self, service: ServiceId) -> bool {
-        self.proof()
-            .is_some_and(|proof| proof.seen.refused.contains(&service))
+        self.proof().is_some_and(|proof| proof.seen.refused.contains(&service))
     }
 
     /// Returns the number of examined states.

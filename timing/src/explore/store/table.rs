@@ -22,10 +22,7 @@ pub(super) struct Table {
 
 impl Default for Table {
     fn default() -> Self {
-        Table {
-            parts: vec![HashTable::new()],
-            capacity: 0,
-        }
+        Table { parts: vec![HashTable::new()], capacity: 0 }
     }
 }
 
@@ -37,9 +34,7 @@ impl Table {
 
     /// Returns the number with this hash for which `is` returns true.
     pub(super) fn find(&self, hash: u64, mut is: impl FnMut(u32) -> bool) -> Option<u32> {
-        self.parts[self.part(hash)]
-            .find(hash, |&index| is(index))
-            .copied()
+        self.parts[self.part(hash)].find(hash, |&index| is(index)).copied()
     }
 
     /// Adds a number that is not in the table. `hash_of` returns the hash of a number in the table.
@@ -93,10 +88,7 @@ mod tests {
             assert_eq!(all.find(hash(i), |table| table == i), None);
             all.insert(hash(i), i, hash);
             let grown = all.memory() - before;
-            assert!(
-                i < DIVIDED as u32 || grown * 64 < all.memory() + (1 << 20),
-                "{grown} at {i}"
-            );
+            assert!(i < DIVIDED as u32 || grown * 64 < all.memory() + (1 << 20), "{grown} at {i}");
         }
         for i in (0..1_000_000).step_by(997) {
             assert_eq!(all.find(hash(i), |table| table == i), Some(i));

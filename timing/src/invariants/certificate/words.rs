@@ -43,9 +43,7 @@ impl Names {
             parts: (parts.parts.iter())
                 .map(|part| of_parts.name(self::part(parts.system, part.kind)))
                 .collect(),
-            codels: codels
-                .map(|codel| of_codels.name(codel.path.to_string()))
-                .collect(),
+            codels: codels.map(|codel| of_codels.name(codel.path.to_string())).collect(),
         }
     }
 
@@ -57,20 +55,13 @@ impl Names {
     pub(super) fn states(&self, parts: &Parts, part: &Part) -> Vec<String> {
         let mut unique = Unique::default();
         let names = part.locals.iter();
-        names
-            .map(|local| unique.name(self.state(parts.system, local)))
-            .collect()
+        names.map(|local| unique.name(self.state(parts.system, local))).collect()
     }
 
     fn state(&self, system: &TimedSystem, local: &Local) -> String {
         match *local {
             Local::Task(_, state) => of_task(state).to_owned(),
-            Local::Codel {
-                machine,
-                state,
-                executes,
-                ..
-            } => {
+            Local::Codel { machine, state, executes, .. } => {
                 let machine = &system.machines[machine];
                 let state = &machine.states[state].name;
                 format!("{}.{state} {}", machine.name, phase(executes))
@@ -80,9 +71,9 @@ impl Names {
             Local::Slots { void: false, .. } => "an activity".to_owned(),
             Local::Ready => "ready".to_owned(),
             Local::Busy => "busy".to_owned(),
-            Local::Handling {
-                codel, executes, ..
-            } => format!("{} {}", self.codel(codel), phase(executes)),
+            Local::Handling { codel, executes, .. } => {
+                format!("{} {}", self.codel(codel), phase(executes))
+            }
             Local::At(client, step) => {
                 let client = &system.clients[client];
                 match client.steps.get(step) {
@@ -133,34 +124,16 @@ pub(super) fn step(parts: &Parts, names: &Names, part: &str, step: (&Local, &Loc
             TaskState::Waiting => format!("{part} is released, and waits for a core"),
             _ => format!("{part} begins its cycle"),
         },
-        (
-            &Local::Codel {
-                codel,
-                executes: false,
-                ..
-            },
-            Local::Task(..) | Local::Rest,
-        ) => {
+        (&Local::Codel { codel, executes: false, .. }, Local::Task(..) | Local::Rest) => {
             format!("codel {} is not executed", names.codel(codel))
         }
-        (
-            &Local::Codel {
-                codel,
-                machine,
-                state,
-                ..
-            },
-            Local::Task(..) | Local::Rest,
-        ) => {
+        (&Local::Codel { codel, machine, state, .. }, Local::Task(..) | Local::Rest) => {
             let states = &parts.system.machines[machine].states;
-            let each = states[state]
-                .yields
-                .iter()
-                .filter_map(|successor| match *successor {
-                    Yield::Next(_) => None,
-                    Yield::Pause(to) => Some(format!("pause::{}", states[to].name)),
-                    Yield::End => Some("ether".to_owned()),
-                });
+            let each = states[state].yields.iter().filter_map(|successor| match *successor {
+                Yield::Next(_) => None,
+                Yield::Pause(to) => Some(format!("pause::{}", states[to].name)),
+                Yield::End => Some("ether".to_owned()),
+            });
             let mut each: Vec<String> = each.collect();
             each.push("is interrupted or fails".to_owned());
             ends(codel, &format!(": {}", each.join(", or ")))
@@ -195,11 +168,7 @@ pub(super) fn atom(system: &TimedSystem, names: &Names, atom: &Atom) -> String {
     };
     match *atom {
         Atom::Task(task, state) => format!("{}.{}", system.task_path(task), of_task(state)),
-        Atom::State {
-            machine,
-            state,
-            phase: wanted,
-        } => {
+        Atom::State { machine, state, phase: wanted } => {
             let machine = &system.machines[machine];
             let state = &machine.states[state].name;
             format!("{}.{state}{}", machine.name, phase(wanted))
@@ -214,11 +183,7 @@ pub(super) fn atom(system: &TimedSystem, names: &Names, atom: &Atom) -> String {
             };
             format!("{}.{status}", system.service_path(service))
         }
-        Atom::Handling {
-            service,
-            codel,
-            phase: wanted,
-        } => {
+        Atom::Handling { service, codel, phase: wanted } => {
             let of = codel.map_or_else(
                 || system.service_path(service),
                 |codel| names.codel(codel).to_owned(),

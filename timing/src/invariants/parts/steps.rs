@@ -23,21 +23,14 @@ impl Parts<'_> {
             }
             from += 1;
         }
-        self.parts.push(Part {
-            kind,
-            locals,
-            steps,
-        });
+        self.parts.push(Part { kind, locals, steps });
     }
 
     fn initial(&self, kind: PartKind) -> Local {
         match kind {
             PartKind::Thread(task) | PartKind::Status(task) => Local::Task(task, TaskState::Idle),
             PartKind::Automaton(_) => Local::Rest,
-            PartKind::Slots(service) => Local::Slots {
-                service,
-                void: true,
-            },
+            PartKind::Slots(service) => Local::Slots { service, void: true },
             PartKind::Control(_) if self.jobs => Local::Ready,
             PartKind::Control(_) => Local::Busy,
             // Before the first step.
@@ -62,10 +55,7 @@ impl Parts<'_> {
             (PartKind::Automaton(automaton), Local::Rest) => self.begun(automaton),
             (PartKind::Automaton(_), Local::Codel { .. }) => self.after_codel(from, Local::Rest),
             (PartKind::Slots(service), Local::Slots { void, .. }) if self.requested[service] => {
-                vec![Local::Slots {
-                    service,
-                    void: !void,
-                }]
+                vec![Local::Slots { service, void: !void }]
             }
             (PartKind::Control(_), Local::Ready) => vec![Local::Busy],
             (PartKind::Control(component), Local::Busy) => self.taken(component),
@@ -105,23 +95,11 @@ impl Parts<'_> {
     /// Returns the local states after a codel of a machine, which gets its locks, or ends. At the end of a
     /// turn the part is at `rest`.
     fn after_codel(&self, from: Local, rest: Local) -> Vec<Local> {
-        let Local::Codel {
-            task,
-            machine,
-            state,
-            codel,
-            executes,
-        } = from
-        else {
+        let Local::Codel { task, machine, state, codel, executes } = from else {
             return Vec::new();
         };
-        let at = |state: usize, codel, executes| Local::Codel {
-            task,
-            machine,
-            state,
-            codel,
-            executes,
-        };
+        let at =
+            |state: usize, codel, executes| Local::Codel { task, machine, state, codel, executes };
         if !executes {
             return vec![at(state, codel, true), rest];
         }
@@ -143,30 +121,17 @@ impl Parts<'_> {
         let first = requested.filter_map(|&service| {
             let it = &self.system.services[service];
             let codel = *it.validate.iter().chain(&it.simple).next()?;
-            Some(Local::Handling {
-                service,
-                codel,
-                executes: false,
-            })
+            Some(Local::Handling { service, codel, executes: false })
         });
         std::iter::once(Local::Ready).chain(first).collect()
     }
 
     /// Returns the local states after a codel of a control task.
     fn after_handling(&self, from: Local) -> Vec<Local> {
-        let Local::Handling {
-            service,
-            codel,
-            executes,
-        } = from
-        else {
+        let Local::Handling { service, codel, executes } = from else {
             return Vec::new();
         };
-        let at = |codel, executes| Local::Handling {
-            service,
-            codel,
-            executes,
-        };
+        let at = |codel, executes| Local::Handling { service, codel, executes };
         if !executes {
             return vec![at(codel, true)];
         }

@@ -15,13 +15,7 @@ impl<'f> Finder<'f> {
         let mut i = rest.len();
         while i >= 2 && rest[i - 1].kind == Kind::Dot && rest[i - 2].kind == Kind::Name {
             let range = rest[i - 2].range.clone();
-            path.names.insert(
-                0,
-                Spanned {
-                    value: self.text[range.clone()].to_owned(),
-                    range,
-                },
-            );
+            path.names.insert(0, Spanned { value: self.text[range.clone()].to_owned(), range });
             i -= 2;
         }
         let begun = i < rest.len() && path.names.is_empty();
@@ -86,11 +80,7 @@ impl<'f> Finder<'f> {
             Target::Status(_) => meaning,
             _ => format!("{form}: {meaning}"),
         };
-        self.items.push(Completion {
-            label,
-            kind,
-            detail,
-        });
+        self.items.push(Completion { label, kind, detail });
     }
 
     fn paths(&self, wanted: PathKind) -> Vec<(String, Target)> {
@@ -132,10 +122,9 @@ impl<'f> Finder<'f> {
     pub(super) fn predicate(&mut self, rest: &[&Token], sequence: bool) -> bool {
         let after_operand = rest.last().is_some_and(|token| match token.kind {
             Kind::CloseParen => true,
-            Kind::Name => !matches!(
-                word(self.text, Some(token)),
-                "and" | "or" | "not" | "leave" | "then"
-            ),
+            Kind::Name => {
+                !matches!(word(self.text, Some(token)), "and" | "or" | "not" | "leave" | "then")
+            }
             _ => false,
         });
         if after_operand {
@@ -170,12 +159,8 @@ impl<'f> Finder<'f> {
             }
         } else if let [name] = path.names.as_slice() {
             let mut labels = Vec::new();
-            let client = self
-                .clients()
-                .find(|client| client.name.value == name.value);
-            client
-                .into_iter()
-                .for_each(|client| steps(&client.steps, &mut labels));
+            let client = self.clients().find(|client| client.name.value == name.value);
+            client.into_iter().for_each(|client| steps(&client.steps, &mut labels));
             for label in labels {
                 let target = Target::Step(name.value.clone(), label.clone());
                 self.push(label, &target);

@@ -22,11 +22,7 @@ pub(in crate::scn) const CHECKS: &[&str] = &[
 impl Parser<'_> {
     pub(super) fn check_body(&mut self, start: usize) -> Option<Check> {
         let mut name = None;
-        if self
-            .tokens
-            .get(self.at + 1)
-            .is_some_and(|token| token.kind == Kind::Colon)
-        {
+        if self.tokens.get(self.at + 1).is_some_and(|token| token.kind == Kind::Colon) {
             name = Some(self.name("the name of the check")?);
             self.at += 1;
         }
@@ -62,11 +58,7 @@ impl Parser<'_> {
             "deadlock" => CheckKind::Deadlock,
             _ => CheckKind::Reachable(self.pred()?),
         };
-        Some(Check {
-            name,
-            kind,
-            range: start..self.end(),
-        })
+        Some(Check { name, kind, range: start..self.end() })
     }
 
     fn chain(&mut self) -> Option<ChainPath> {

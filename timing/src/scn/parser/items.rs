@@ -100,8 +100,7 @@ impl Parser<'_> {
                 let unit = self.unit()?;
                 if count == 0 {
                     let message = "the unit is zero; give at least 1".to_owned();
-                    self.errors
-                        .push(Diagnostic::error("scn-zero-unit", range, message));
+                    self.errors.push(Diagnostic::error("scn-zero-unit", range, message));
                     return None;
                 }
                 Item::Unit(count, unit)
@@ -113,8 +112,7 @@ impl Parser<'_> {
                 if count == 0 {
                     let message =
                         "without a core nothing runs; give at least 1, or `free`".to_owned();
-                    self.errors
-                        .push(Diagnostic::error("scn-no-core", range, message));
+                    self.errors.push(Diagnostic::error("scn-no-core", range, message));
                     return None;
                 }
                 Item::Cores(Some(count))
@@ -126,8 +124,7 @@ impl Parser<'_> {
                 let core = self.small()?;
                 if core == 0 {
                     let message = "cores are numbered from 1".to_owned();
-                    self.errors
-                        .push(Diagnostic::error("scn-affinity", range, message));
+                    self.errors.push(Diagnostic::error("scn-affinity", range, message));
                     return None;
                 }
                 Item::Affinity(path, core)
@@ -159,8 +156,7 @@ impl Parser<'_> {
                     let limit = self.small()?;
                     if limit == 0 {
                         let message = "a turn enters a state at least once".to_owned();
-                        self.errors
-                            .push(Diagnostic::error("scn-loop-zero", range, message));
+                        self.errors.push(Diagnostic::error("scn-loop-zero", range, message));
                         return None;
                     }
                     Some(limit)
@@ -182,20 +178,14 @@ impl Parser<'_> {
                     self.expected_word(&["to"]);
                     return None;
                 }
-                let to = if self.eat_word("none") {
-                    None
-                } else {
-                    Some(self.path()?)
-                };
+                let to = if self.eat_word("none") { None } else { Some(self.path()?) };
                 Item::Connect(from, to)
             }
             "slots" => {
                 let path = self.path()?;
                 let range = self.range();
                 let count = self.number()?;
-                let Some(count) = u32::try_from(count)
-                    .ok()
-                    .filter(|number| SLOTS.contains(number))
+                let Some(count) = u32::try_from(count).ok().filter(|number| SLOTS.contains(number))
                 else {
                     let message = format!(
                         "a task or an activity can have {} to {} slots, not {count}: without one it never \
@@ -203,18 +193,14 @@ impl Parser<'_> {
                         SLOTS.start(),
                         SLOTS.end()
                     );
-                    self.errors
-                        .push(Diagnostic::error("scn-slots", range, message));
+                    self.errors.push(Diagnostic::error("scn-slots", range, message));
                     return None;
                 };
                 Item::Slots(path, count)
             }
             "client" => {
                 let name = self.name("the name of the client")?;
-                return Some(Item::Client(Client {
-                    name,
-                    steps: self.steps()?,
-                }));
+                return Some(Item::Client(Client { name, steps: self.steps()? }));
             }
             _ => {
                 let check = self.check_body(start)?;

@@ -6,9 +6,8 @@ use crate::scn::ast::{Ending, Step, StepKind};
 use crate::scn::lexer::Kind;
 
 /// Words that begin a step of a client.
-pub(in crate::scn) const STEPS: &[&str] = &[
-    "send", "await", "delay", "repeat", "choice", "abort", "kill", "connect",
-];
+pub(in crate::scn) const STEPS: &[&str] =
+    &["send", "await", "delay", "repeat", "choice", "abort", "kill", "connect"];
 
 /// Greatest number of repetitions that are unrolled.
 const REPEAT: u64 = 1000;
@@ -59,11 +58,7 @@ impl Parser<'_> {
     fn step(&mut self) -> Option<Step> {
         let start = self.range().start;
         let mut label = None;
-        if self
-            .tokens
-            .get(self.at + 1)
-            .is_some_and(|token| token.kind == Kind::Colon)
-        {
+        if self.tokens.get(self.at + 1).is_some_and(|token| token.kind == Kind::Colon) {
             label = Some(self.name("a label")?);
             self.at += 1;
         }
@@ -100,19 +95,14 @@ impl Parser<'_> {
                     let count = self.number()?;
                     if count > REPEAT {
                         let message = format!("more than {REPEAT} repetitions; use `*` for no end");
-                        self.errors
-                            .push(Diagnostic::error("scn-repeat", range, message));
+                        self.errors.push(Diagnostic::error("scn-repeat", range, message));
                         return None;
                     }
                     Some(count as u32)
                 };
                 let body = self.steps()?;
                 let kind = StepKind::Repeat(count, body);
-                return Some(Step {
-                    label,
-                    kind,
-                    range: start..self.end(),
-                });
+                return Some(Step { label, kind, range: start..self.end() });
             }
             _ => {
                 let mut branches = vec![self.steps()?];
@@ -120,18 +110,10 @@ impl Parser<'_> {
                     branches.push(self.steps()?);
                 }
                 let kind = StepKind::Choice(branches);
-                return Some(Step {
-                    label,
-                    kind,
-                    range: start..self.end(),
-                });
+                return Some(Step { label, kind, range: start..self.end() });
             }
         };
         self.expect(Kind::Semicolon, "`;`")?;
-        Some(Step {
-            label,
-            kind,
-            range: start..self.end(),
-        })
+        Some(Step { label, kind, range: start..self.end() })
     }
 }

@@ -30,13 +30,7 @@ impl Builder<'_> {
                 ast::Policy::Priority => format!(
                     "cores: {cores}, at each moment for the ready tasks of highest priority, control tasks \
                         included{}",
-                    match self
-                        .out
-                        .system
-                        .tasks
-                        .iter()
-                        .any(|task| task.priority.is_some())
-                    {
+                    match self.out.system.tasks.iter().any(|task| task.priority.is_some()) {
                         true => "",
                         false => "; no task has a `priority`: the shorter period goes first",
                     }
@@ -76,12 +70,7 @@ impl Builder<'_> {
         }
         .to_owned());
         if !settings.async_free || !published {
-            let any = self
-                .out
-                .system
-                .machines
-                .iter()
-                .flat_map(|machine| &machine.states);
+            let any = self.out.system.machines.iter().flat_map(|machine| &machine.states);
             if any.clone().any(|state| state.is_async) {
                 self.out.assumptions.push(
                     "async: executed like any other codel, the task keeps its core".to_owned(),
@@ -121,9 +110,7 @@ impl Builder<'_> {
             .iter()
             .any(|diagnostic| matches!(diagnostic.remark.as_deref(), Some(Remark::NoWcet { .. })))
         {
-            self.out
-                .assumptions
-                .push("codels without `wcet` take no time".to_owned());
+            self.out.assumptions.push("codels without `wcet` take no time".to_owned());
         }
         if published && self.out.system.tasks.iter().any(|task| task.delay > 0) {
             self.out.assumptions.push(

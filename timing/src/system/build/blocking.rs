@@ -89,9 +89,7 @@ impl Builder<'_> {
         long: RunnableCodel,
         time: Ticks,
     ) -> Option<Remark> {
-        let others = live
-            .iter()
-            .filter(|codel| codel.component != long.component);
+        let others = live.iter().filter(|codel| codel.component != long.component);
         let waiting = others.filter(|codel| self.waits_for(**codel, long));
         let (other, task, period) = self.shortest(waiting, time)?;
         let system = &self.out.system;
@@ -114,14 +112,9 @@ impl Builder<'_> {
         if semantics.is_published() || semantics.locks != LockRule::Queue {
             return None;
         }
-        let own = || {
-            live.iter()
-                .filter(|codel| codel.component == long.component)
-        };
-        let heads: Vec<RunnableCodel> = own()
-            .filter(|codel| self.waits_for(**codel, long))
-            .copied()
-            .collect();
+        let own = || live.iter().filter(|codel| codel.component == long.component);
+        let heads: Vec<RunnableCodel> =
+            own().filter(|codel| self.waits_for(**codel, long)).copied().collect();
         // A task that shares a lock with the codel waits in any case, and is not reported. Any codel of such
         // a task can be at the head of the queue.
         let shares = |codel: &RunnableCodel| heads.iter().any(|head| head.same_thread(*codel));

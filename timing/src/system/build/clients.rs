@@ -48,9 +48,7 @@ impl Builder<'_> {
                     continue;
                 }
                 StepKind::Choice(branches) => {
-                    branches
-                        .iter()
-                        .for_each(|branch| self.only_of_servers(branch));
+                    branches.iter().for_each(|branch| self.only_of_servers(branch));
                     continue;
                 }
                 _ => continue,
@@ -58,11 +56,7 @@ impl Builder<'_> {
             let message = format!(
                 "the published models have no `{what}`; write `semantics servers;`, or leave this step out"
             );
-            self.report(Diagnostic::error(
-                "scn-semantics",
-                step.range.clone(),
-                message,
-            ));
+            self.report(Diagnostic::error("scn-semantics", step.range.clone(), message));
         }
     }
 
@@ -198,15 +192,10 @@ impl Builder<'_> {
         }
         for (service, path) in found {
             let system = &self.out.system;
-            let missing = system.services[service]
-                .after
-                .iter()
-                .filter(|&&index| !can[index]);
+            let missing = system.services[service].after.iter().filter(|&&index| !can[index]);
             let remark = Remark::OnlyRefused {
                 service: system.service_path(service),
-                missing: missing
-                    .map(|&service| system.service_path(service))
-                    .collect(),
+                missing: missing.map(|&service| system.service_path(service)).collect(),
             };
             self.report(remark.warning(path.range(), Vec::new()));
         }
@@ -271,9 +260,9 @@ fn builtins<'s>(
             StepKind::Kill(path) => each(path, Builtin::Kill),
             StepKind::Connect(path) => each(path, Builtin::Connect),
             StepKind::Repeat(_, body) => builtins(client, body, each),
-            StepKind::Choice(branches) => branches
-                .iter()
-                .for_each(|branch| builtins(client, branch, each)),
+            StepKind::Choice(branches) => {
+                branches.iter().for_each(|branch| builtins(client, branch, each))
+            }
             _ => {}
         }
     }

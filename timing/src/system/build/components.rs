@@ -43,24 +43,16 @@ impl Builder<'_> {
             let delay = self.ticks(delay, &delay_of);
             self.check_ticks(c, t, &path);
             let id = self.out.system.tasks.next_key();
-            let permanent = self
-                .machine(c, number, Owner::Task(t), &path)
-                .map(|machine| {
-                    self.out.system.automata.push_and_get_key(Automaton {
-                        task: id,
-                        machine,
-                        service: None,
-                    })
-                });
+            let permanent = self.machine(c, number, Owner::Task(t), &path).map(|machine| {
+                self.out.system.automata.push_and_get_key(Automaton {
+                    task: id,
+                    machine,
+                    service: None,
+                })
+            });
             // The servers have no such rule.
             let keep = self.idle_rule(c, t) && self.settings.semantics().is_published();
-            self.out.tasks.insert(
-                DeclaredTask {
-                    component: c,
-                    index: t,
-                },
-                id,
-            );
+            self.out.tasks.insert(DeclaredTask { component: c, index: t }, id);
             self.out.system.components[number].tasks.push(id);
             self.out.system.tasks.push(Task {
                 name: task.name.to_string(),
@@ -109,11 +101,7 @@ impl Builder<'_> {
     }
 
     fn time_of_task(&self, what: &str, path: &str, place: Place) -> TimeOf {
-        TimeOf {
-            what: format!("the {what} of {path}"),
-            range: 0..0,
-            place,
-        }
+        TimeOf { what: format!("the {what} of {path}"), range: 0..0, place }
     }
 
     fn services(&mut self, c: usize, number: ComponentId) {
@@ -150,10 +138,7 @@ impl Builder<'_> {
                 && let Some(machine) = self.machine(c, number, owner, &path)
                 && let Some(task) = service
                     .task
-                    .map(|index| DeclaredTask {
-                        component: c,
-                        index,
-                    })
+                    .map(|index| DeclaredTask { component: c, index })
                     .and_then(|task| self.out.tasks.get(&task).copied())
                 && self.requested.contains(&(c, s))
             {
@@ -201,17 +186,13 @@ impl Builder<'_> {
                         true => all.collect(),
                         false => list.services.clone(),
                     };
-                    let known = list
-                        .iter()
-                        .filter_map(|service| self.out.services.get(&(c, *service)));
+                    let known =
+                        list.iter().filter_map(|service| self.out.services.get(&(c, *service)));
                     known.copied().collect()
                 };
                 let interrupts = listed(&service.interrupts, true);
                 let (after, before) = match counts {
-                    true => (
-                        listed(&service.after, false),
-                        listed(&service.before, false),
-                    ),
+                    true => (listed(&service.after, false), listed(&service.before, false)),
                     false => (Vec::new(), Vec::new()),
                 };
                 let id = self.out.services[&(c, s)];

@@ -13,10 +13,7 @@ impl Builder<'_> {
         let mut found = Vec::new();
         for machine in self.out.system.machines.keys() {
             let system = &self.out.system;
-            let used = system
-                .automata
-                .iter()
-                .find(|automaton| automaton.machine == machine);
+            let used = system.automata.iter().find(|automaton| automaton.machine == machine);
             let Some(used) = used else { continue };
             let aperiodic = system.tasks[used.task].period.is_none();
             let permanent = used.service.is_none();
@@ -29,10 +26,8 @@ impl Builder<'_> {
             if definition.loop_limit.is_none() {
                 let can_be_limited = rounds || loops::can_be_limited(definition);
                 for cycle in cycles {
-                    let names: Vec<&str> = cycle
-                        .iter()
-                        .map(|&at| &*definition.states[at].name)
-                        .collect();
+                    let names: Vec<&str> =
+                        cycle.iter().map(|&at| &*definition.states[at].name).collect();
                     let remark = Remark::StateCycle {
                         machine: definition.name.clone(),
                         cycle: names.join(" → "),

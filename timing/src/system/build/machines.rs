@@ -23,12 +23,8 @@ impl Builder<'_> {
         let mut names: Vec<(String, u32)> = Vec::new();
         for (index, codel) in (0..).zip(codels) {
             if codel.kind == CodelKind::Fsm {
-                names.extend(
-                    codel
-                        .triggers
-                        .iter()
-                        .map(|trigger| (trigger.name.to_string(), index)),
-                );
+                names
+                    .extend(codel.triggers.iter().map(|trigger| (trigger.name.to_string(), index)));
             }
         }
         let find = |name: &str| names.iter().position(|(text, _)| text == name);
@@ -61,12 +57,7 @@ impl Builder<'_> {
                 {
                     yields.push(Yield::End);
                 }
-                State {
-                    name: name.clone(),
-                    codel: codel_id,
-                    yields,
-                    is_async: codel.is_async,
-                }
+                State { name: name.clone(), codel: codel_id, yields, is_async: codel.is_async }
             })
             .collect();
         let id = self.out.system.machines.next_key();
@@ -93,11 +84,7 @@ impl Builder<'_> {
         state: &str,
         codel: &ModelCodel,
     ) -> CodelId {
-        let name = if state.is_empty() {
-            codel.name.as_str()
-        } else {
-            state
-        };
+        let name = if state.is_empty() { codel.name.as_str() } else { state };
         let component = self.names.components[c].component;
         let path = CodelName::new(&component.name, component.owner_name(owner), name);
         let given = self
@@ -105,10 +92,7 @@ impl Builder<'_> {
             .get(&(c, owner, index, state.to_owned()))
             .map(|&duration| self.settings.duration[duration].0.range());
         if codel.wcet.is_none() && given.is_none() {
-            let remark = Remark::NoWcet {
-                codel: codel.name.to_string(),
-                path: path.to_string(),
-            };
+            let remark = Remark::NoWcet { codel: codel.name.to_string(), path: path.to_string() };
             let place = self.place(c, codel.src, "no `wcet`");
             self.report(remark.warning(0..0, vec![place]));
         }

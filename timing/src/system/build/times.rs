@@ -105,9 +105,8 @@ impl Builder<'_> {
                 (seconds(interval.lower), interval.upper.map(seconds))
             }
             None => {
-                let wcet = codel
-                    .and_then(|codel| codel.wcet.as_ref())
-                    .map_or(zero, |wcet| wcet.value);
+                let wcet =
+                    codel.and_then(|codel| codel.wcet.as_ref()).map_or(zero, |wcet| wcet.value);
                 (zero, Some(wcet))
             }
         }
@@ -130,10 +129,9 @@ impl Builder<'_> {
     ) -> (Seconds, Option<Seconds>) {
         let (lower, upper) = self.stated(c, owner, index, state, codel);
         let (lower, upper) = match self.unit() {
-            Some(unit) => (
-                units::round_down(lower, unit),
-                upper.map(|ratio| units::round_up(ratio, unit)),
-            ),
+            Some(unit) => {
+                (units::round_down(lower, unit), upper.map(|ratio| units::round_up(ratio, unit)))
+            }
             None => (lower, upper),
         };
         let upper = match &self.settings.upper_bound {
@@ -172,13 +170,11 @@ impl Builder<'_> {
         let down = (lower, units::round_down(lower, unit));
         let changed = [up, Some(down)].into_iter().flatten();
         let changed = { changed }.find(|(exact, taken)| exact != taken);
-        self.out
-            .rounded
-            .extend(changed.map(|(exact, taken)| Rounded {
-                codel: path.to_owned(),
-                exact,
-                taken,
-            }));
+        self.out.rounded.extend(changed.map(|(exact, taken)| Rounded {
+            codel: path.to_owned(),
+            exact,
+            taken,
+        }));
     }
 
     /// Reports periods that are not multiples of the unit. Periods are never rounded: such a system is not

@@ -47,9 +47,9 @@ impl Brute<'_> {
             if let Some(followed) = &followed {
                 let counts = match chain.kind {
                     ChainKind::Reaction => true,
-                    ChainKind::Age => followed
-                        .places
-                        .contains(&(DataPlace::Shared(chain.last), None)),
+                    ChainKind::Age => {
+                        followed.places.contains(&(DataPlace::Shared(chain.last), None))
+                    }
                 };
                 if counts {
                     greatest = greatest.max(Some(followed.age));
@@ -60,10 +60,8 @@ impl Brute<'_> {
                 self.step(chain, (&s, &followed), action, &mut todo);
             }
             if !urgent {
-                let later = followed.map(|followed| Followed {
-                    age: (followed.age + 1).min(CAP),
-                    ..followed
-                });
+                let later = followed
+                    .map(|followed| Followed { age: (followed.age + 1).min(CAP), ..followed });
                 self.come_to(chain, (self.pass(&s), later), (&[], false), &mut todo);
             }
         }
@@ -119,9 +117,8 @@ impl Brute<'_> {
             };
             for a in s.automata.keys().filter(born) {
                 let of_request = followed.places.iter().filter(|place| place.1 == Some(e));
-                let own: Vec<Datum> = of_request
-                    .map(|request| (request.0, Some(a.into())))
-                    .collect();
+                let own: Vec<Datum> =
+                    of_request.map(|request| (request.0, Some(a.into()))).collect();
                 followed.places.extend(own);
             }
         }
@@ -131,10 +128,7 @@ impl Brute<'_> {
             // Variables last as long as the instance, or the handling of the request.
             followed.places.retain(|place| match place.1 {
                 Some(e) if e < automata => n.automata[AutomatonId::from(e)].mode != Mode::Void,
-                Some(e) => !matches!(
-                    n.controls[ComponentId::from(e - automata)].step,
-                    Step::Ready
-                ),
+                Some(e) => !matches!(n.controls[ComponentId::from(e - automata)].step, Step::Ready),
                 None => true,
             });
             if followed.places.is_empty() && followed.readers.is_empty() {

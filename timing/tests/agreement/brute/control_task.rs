@@ -57,11 +57,7 @@ impl Brute<'_> {
         let definition = &self.system.services[service];
         let mut own = None;
         if definition.activity {
-            own = definition
-                .slots
-                .iter()
-                .copied()
-                .find(|&a| s.automata[a].mode == Mode::Void);
+            own = definition.slots.iter().copied().find(|&a| s.automata[a].mode == Mode::Void);
             let Some(a) = own else {
                 results.refused[usize::from(service)] = true;
                 self.replied(s, c, client);
@@ -123,15 +119,10 @@ impl Brute<'_> {
             for &a in &self.system.tasks[t].slots {
                 if s.automata[a].mode == Mode::Wait {
                     let service = self.system.automata[a].service.unwrap();
-                    let free = self.system.services[service]
-                        .interrupts
-                        .iter()
-                        .all(|&other| {
-                            let slots = &self.system.services[other].slots;
-                            slots
-                                .iter()
-                                .all(|&b| b == a || s.automata[b].mode == Mode::Void)
-                        });
+                    let free = self.system.services[service].interrupts.iter().all(|&other| {
+                        let slots = &self.system.services[other].slots;
+                        slots.iter().all(|&b| b == a || s.automata[b].mode == Mode::Void)
+                    });
                     if free {
                         s.automata[a].mode = Mode::Run;
                     }

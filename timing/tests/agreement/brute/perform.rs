@@ -67,11 +67,8 @@ impl Brute<'_> {
             }
             Action::Request { client, next } => {
                 let at = n.clients[client].at.unwrap();
-                let ClientAction::Send {
-                    service,
-                    ref trackers,
-                    ..
-                } = self.system.clients[client].steps[at].action
+                let ClientAction::Send { service, ref trackers, .. } =
+                    self.system.clients[client].steps[at].action
                 else {
                     panic!("not at a request");
                 };
@@ -216,9 +213,7 @@ impl Brute<'_> {
             }
         }
         if mode == Mode::FirstCodel {
-            let Step::Starting(i) = s.controls[c].step else {
-                panic!("not starting")
-            };
+            let Step::Starting(i) = s.controls[c].step else { panic!("not starting") };
             self.start_from(s, c, i + 1);
         }
         if turn_ends && !first_run && !separate {

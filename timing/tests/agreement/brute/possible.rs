@@ -19,10 +19,7 @@ impl Brute<'_> {
             let over = |t: usize| client.tracked[t] == Tracked::Over;
             match client.at {
                 None => out.extend(
-                    definition
-                        .first
-                        .iter()
-                        .map(|&next| Action::Proceed { client: k, next }),
+                    definition.first.iter().map(|&next| Action::Proceed { client: k, next }),
                 ),
                 Some(at) if at < definition.steps.len() => {
                     let ready = match definition.steps[at].action {
@@ -98,10 +95,7 @@ impl Brute<'_> {
                     let (a, b) = self.bounds(s, e);
                     if elapsed >= a {
                         for outcome in self.outcomes(s, e) {
-                            out.push(Action::Finish {
-                                executor: e,
-                                outcome,
-                            });
+                            out.push(Action::Finish { executor: e, outcome });
                         }
                     }
                     urgent |= elapsed == b && b != FOREVER;
@@ -122,11 +116,7 @@ impl Brute<'_> {
             if let ClientAction::Send { service, .. } = step.action {
                 let control = &s.controls[sys.services[service].component];
                 if control.step == Step::Ready && !control.signal && !client.outstanding {
-                    out.extend(
-                        step.next
-                            .iter()
-                            .map(|&next| Action::Request { client: k, next }),
-                    );
+                    out.extend(step.next.iter().map(|&next| Action::Request { client: k, next }));
                     urgent = true;
                 }
             }
@@ -147,9 +137,8 @@ impl Brute<'_> {
             };
             let mut out: Vec<usize> = (0..yields.len()).filter(|&i| fresh(&yields[i])).collect();
             if out.is_empty() && machine.rounds {
-                out = (0..yields.len())
-                    .filter(|&i| yields[i] != Yield::Next(automaton.at))
-                    .collect();
+                out =
+                    (0..yields.len()).filter(|&i| yields[i] != Yield::Next(automaton.at)).collect();
             }
             out
         } else if e < na + nc {
@@ -159,9 +148,7 @@ impl Brute<'_> {
             }
         } else {
             let k = ClientId::from(e - na - nc);
-            self.system.clients[k].steps[s.clients[k].at.unwrap()]
-                .next
-                .clone()
+            self.system.clients[k].steps[s.clients[k].at.unwrap()].next.clone()
         }
     }
 
@@ -177,11 +164,7 @@ impl Brute<'_> {
             }
         }
         if self.system.platform.semantics.locks == LockRule::Fifo {
-            let place = s
-                .lock_queue
-                .iter()
-                .position(|&lock_queue| lock_queue == e)
-                .unwrap();
+            let place = s.lock_queue.iter().position(|&lock_queue| lock_queue == e).unwrap();
             if s.lock_queue[..place]
                 .iter()
                 .any(|&lock_queue| mine.contains(self.codel(s, lock_queue)))

@@ -54,11 +54,7 @@ impl Brute<'_> {
                 TaskState::Running => s.tasks[usize::from(t)].status == Status::Running,
                 TaskState::Active => s.tasks[usize::from(t)].status != Status::Idle,
             },
-            Atom::State {
-                machine,
-                state,
-                phase,
-            } => s.automata.keys().any(|a| {
+            Atom::State { machine, state, phase } => s.automata.keys().any(|a| {
                 self.system.automata[a].machine == machine
                     && s.automata[a].at == state
                     && match s.automata[a].doing {
@@ -68,10 +64,8 @@ impl Brute<'_> {
                     }
             }),
             Atom::Slot(service, status) => {
-                let mut modes = self.system.services[service]
-                    .slots
-                    .iter()
-                    .map(|&a| s.automata[a].mode);
+                let mut modes =
+                    self.system.services[service].slots.iter().map(|&a| s.automata[a].mode);
                 match status {
                     SlotStatus::Void => modes.all(|mode| mode == Mode::Void),
                     SlotStatus::Wait => modes.any(|mode| mode == Mode::Wait),

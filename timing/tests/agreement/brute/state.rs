@@ -110,23 +110,13 @@ impl Brute<'_> {
             tasks: sys
                 .tasks
                 .iter()
-                .map(|_| Task {
-                    status: Status::Idle,
-                    tick: false,
-                    timer: None,
-                    age: 0,
-                    turn: 0,
-                })
+                .map(|_| Task { status: Status::Idle, tick: false, timer: None, age: 0, turn: 0 })
                 .collect(),
             automata: sys
                 .automata
                 .iter()
                 .map(|automaton| Automaton {
-                    mode: if automaton.service.is_some() {
-                        Mode::Void
-                    } else {
-                        Mode::Unstarted
-                    },
+                    mode: if automaton.service.is_some() { Mode::Void } else { Mode::Unstarted },
                     stopping: false,
                     at: if automaton.service.is_some() {
                         sys.machines[automaton.machine].start
@@ -141,11 +131,7 @@ impl Brute<'_> {
             controls: sys
                 .components
                 .iter()
-                .map(|_| Control {
-                    step: Step::Starting(0),
-                    doing: Doing::Nothing,
-                    signal: false,
-                })
+                .map(|_| Control { step: Step::Starting(0), doing: Doing::Nothing, signal: false })
                 .collect(),
             clients: sys
                 .clients
@@ -180,10 +166,7 @@ impl Brute<'_> {
             s.controls[ComponentId::from(e - na)].doing
         } else {
             let k = ClientId::from(e - na - nc);
-            match s.clients[k]
-                .at
-                .and_then(|at| self.system.clients[k].steps.get(at))
-            {
+            match s.clients[k].at.and_then(|at| self.system.clients[k].steps.get(at)) {
                 Some(step) if matches!(step.action, ClientAction::Delay(..)) => {
                     Doing::Executing(s.clients[k].clock)
                 }

@@ -18,11 +18,7 @@ impl Brute<'_> {
         for e in 0..self.executors(s) {
             if let Doing::Executing(elapsed) = self.doing(s, e) {
                 let (a, b) = self.bounds(s, e);
-                let elapsed = if b == FOREVER {
-                    (elapsed + 1).min(a)
-                } else {
-                    elapsed + 1
-                };
+                let elapsed = if b == FOREVER { (elapsed + 1).min(a) } else { elapsed + 1 };
                 let (na, nc) = (n.automata.len(), n.controls.len());
                 if e < na {
                     n.automata[AutomatonId::from(e)].doing = Doing::Executing(elapsed);

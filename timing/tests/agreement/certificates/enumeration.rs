@@ -11,18 +11,16 @@ const MOST: usize = 100_000;
 /// holds. `None`: there are too many states.
 pub(super) fn is_possible(certificate: &Value) -> Option<bool> {
     let system = &certificate["scenarios"][0]["systems"][0];
-    let parts: BTreeMap<&str, &Value> = (list(&system["parts"]))
-        .map(|part| (text(&part["name"]), part))
-        .collect();
+    let parts: BTreeMap<&str, &Value> =
+        (list(&system["parts"])).map(|part| (text(&part["name"]), part)).collect();
     if parts.values().any(|part| !is_closed(part)) {
         return Some(true);
     }
     let never = &system["checks"][0]["never"];
     let mut leaves = Vec::new();
     find_leaves(never, &mut leaves);
-    let atoms: BTreeMap<&str, &Value> = (list(&system["atoms"]))
-        .map(|atom| (text(&atom["name"]), atom))
-        .collect();
+    let atoms: BTreeMap<&str, &Value> =
+        (list(&system["atoms"])).map(|atom| (text(&atom["name"]), atom)).collect();
     let mut within = BTreeSet::new();
     for atom in atoms.values() {
         for (part, states) in atom["parts"].as_object()? {
@@ -36,20 +34,11 @@ pub(super) fn is_possible(certificate: &Value) -> Option<bool> {
         }
     }
     for (_, atom) in &leaves {
-        within.extend(
-            atoms[*atom]["parts"]
-                .as_object()?
-                .keys()
-                .map(|part| &**part),
-        );
+        within.extend(atoms[*atom]["parts"].as_object()?.keys().map(|part| &**part));
     }
     let within: Vec<&str> = within.into_iter().collect();
-    let sizes = within
-        .iter()
-        .map(|part| list(&parts[part]["states"]).count());
-    let total = sizes
-        .clone()
-        .try_fold(1_usize, |all, size| all.checked_mul(size))?;
+    let sizes = within.iter().map(|part| list(&parts[part]["states"]).count());
+    let total = sizes.clone().try_fold(1_usize, |all, size| all.checked_mul(size))?;
     if total > MOST {
         return None;
     }
@@ -97,10 +86,7 @@ fn find_leaves<'v>(predicate: &'v Value, out: &mut Vec<(&'v str, &'v str)>) {
 
 fn is_permitted(system: &Value, states: &BTreeMap<&str, &Value>) -> bool {
     let cores = system["cores"].as_u64().unwrap_or(u64::MAX);
-    let on_core = states
-        .values()
-        .filter(|state| state["core"] == true)
-        .count();
+    let on_core = states.values().filter(|state| state["core"] == true).count();
     let without_slot = states.values().any(|state| {
         let service = &state["service"];
         !service.is_null() && states.values().any(|other| other["void"] == *service)

@@ -25,21 +25,13 @@ pub(super) fn atoms(system: &TimedSystem) -> Vec<Predicate> {
     let phases = [StatePhase::Lock, StatePhase::Exec];
     for (machine, it) in system.machines.iter_enumerated() {
         for state in 0..it.states.len() {
-            out.extend(phases.map(|phase| Atom::State {
-                machine,
-                state,
-                phase,
-            }));
+            out.extend(phases.map(|phase| Atom::State { machine, state, phase }));
         }
     }
     for (service, it) in system.services.iter_enumerated() {
         out.push(Atom::Slot(service, SlotStatus::Void));
         for codel in it.validate.iter().chain(&it.simple).copied().map(Some) {
-            out.extend(phases.map(|phase| Atom::Handling {
-                service,
-                codel,
-                phase,
-            }));
+            out.extend(phases.map(|phase| Atom::Handling { service, codel, phase }));
         }
     }
     out.extend(system.components.keys().map(Atom::ControlBusy));
@@ -67,10 +59,7 @@ pub(super) fn run(
     let mut followed: Vec<Followed> = list(&of["parts"]).map(Followed::new).collect();
     let negated = |atom: &Predicate| Predicate::Not(Box::new(atom.clone()));
     let watched = Watched {
-        reach: atoms
-            .iter()
-            .flat_map(|atom| [atom.clone(), negated(atom)])
-            .collect(),
+        reach: atoms.iter().flat_map(|atom| [atom.clone(), negated(atom)]).collect(),
         within: Vec::new(),
     };
     let mut values = vec![None; atoms.len()];
@@ -82,11 +71,7 @@ pub(super) fn run(
         for seen in fresh.drain(..) {
             match seen {
                 Seen::Reached { predicate } => values[predicate / 2] = Some(predicate % 2 == 0),
-                Seen::Begun {
-                    executor,
-                    time: (least, greatest),
-                    ..
-                } => {
+                Seen::Begun { executor, time: (least, greatest), .. } => {
                     let more = dice.below(greatest.min(least + 20) - least + 1);
                     stepper.decide(executor, least + more);
                 }
@@ -116,9 +101,7 @@ impl<'c> Followed<'c> {
     fn new(part: &'c Value) -> Self {
         let mut next: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
         for step in list(&part["steps"]) {
-            next.entry(text(&step["from"]))
-                .or_default()
-                .push(text(&step["to"]));
+            next.entry(text(&step["from"])).or_default().push(text(&step["to"]));
         }
         let now = list(&part["initial"]).map(text).collect();
         Followed { part, next, now }
@@ -129,9 +112,8 @@ impl<'c> Followed<'c> {
         &mut self,
         atoms: impl Iterator<Item = (&'v Value, &'v Option<bool>)>,
     ) -> Result<(), String> {
-        let mut agree: BTreeSet<&str> = list(&self.part["states"])
-            .map(|state| text(&state["name"]))
-            .collect();
+        let mut agree: BTreeSet<&str> =
+            list(&self.part["states"]).map(|state| text(&state["name"])).collect();
         let mut told = Vec::new();
         for (atom, value) in atoms {
             let value = value.ok_or_else(|| format!("{} has no value", atom["name"]))?;
@@ -154,10 +136,7 @@ impl<'c> Followed<'c> {
         }
         self.now.retain(|state| agree.contains(state));
         match self.now.is_empty() {
-            true => Err(format!(
-                "{}: from {before:?} to {told:?}",
-                self.part["name"]
-            )),
+            true => Err(format!("{}: from {before:?} to {told:?}", self.part["name"])),
             false => Ok(()),
         }
     }

@@ -48,9 +48,7 @@ pub(super) fn mutate(certificate: &mut Value, kind: usize, dice: &mut Dice) -> b
 
 fn any<'v>(list: &'v mut Value, dice: &mut Dice) -> Option<&'v mut Value> {
     let list = list.as_array_mut()?;
-    let length = u32::try_from(list.len())
-        .ok()
-        .filter(|&length| length > 0)?;
+    let length = u32::try_from(list.len()).ok().filter(|&length| length > 0)?;
     list.get_mut(dice.below(length) as usize)
 }
 
@@ -89,10 +87,7 @@ fn flip(system: &mut Value, dice: &mut Dice) -> Option<()> {
     let parts = system["parts"].clone();
     let atom = any(&mut system["atoms"], dice)?;
     let (name, states) = atom["parts"].as_object_mut()?.iter_mut().next()?;
-    let part = parts
-        .as_array()?
-        .iter()
-        .find(|part| part["name"] == **name)?;
+    let part = parts.as_array()?.iter().find(|part| part["name"] == **name)?;
     let all = part["states"].as_array()?;
     let state = &all[dice.below(all.len() as u32) as usize]["name"];
     let states = states.as_array_mut()?;

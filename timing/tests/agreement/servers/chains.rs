@@ -68,10 +68,8 @@ impl Interpreter<'_> {
                 self.follow(chain, (&s, &followed), step, &mut todo);
             }
             if !urgent {
-                let later = followed.map(|followed| Followed {
-                    age: (followed.age + 1).min(CAP),
-                    ..followed
-                });
+                let later = followed
+                    .map(|followed| Followed { age: (followed.age + 1).min(CAP), ..followed });
                 self.come_to(chain, (self.pass(&s), later), (&[], false), &mut todo);
             }
         }
@@ -127,10 +125,7 @@ impl Interpreter<'_> {
             followed.data.retain(|data| match data.1 {
                 Some((c, Some((t, slot)))) => n.components[c].tasks[t].slots[slot].is_some(),
                 Some((c, None)) => {
-                    matches!(
-                        n.components[c].control,
-                        Control::Codel(..) | Control::Rest(..)
-                    )
+                    matches!(n.components[c].control, Control::Codel(..) | Control::Rest(..))
                 }
                 None => true,
             });

@@ -17,10 +17,7 @@ impl System {
 
     /// Returns the priority, or the period if no task states a priority; the lower number goes first.
     fn priority(&self, c: usize, who: Who) -> u64 {
-        let mut all = self
-            .components
-            .iter()
-            .flat_map(|component| &component.tasks);
+        let mut all = self.components.iter().flat_map(|component| &component.tasks);
         let stated = all.any(|task| task.priority.is_some());
         let of = |t: usize| {
             let task = &self.components[c].tasks[t];
@@ -31,10 +28,7 @@ impl System {
         };
         match who {
             Who::Task(t) => of(t),
-            Who::Control => (0..self.components[c].tasks.len())
-                .map(of)
-                .min()
-                .unwrap_or(0),
+            Who::Control => (0..self.components[c].tasks.len()).map(of).min().unwrap_or(0),
         }
     }
 }
@@ -86,9 +80,7 @@ impl Interpreter<'_> {
         };
         let mut out: Vec<(usize, Who)> = Vec::new();
         for order in order {
-            let free = out
-                .iter()
-                .all(|other| tied(other).is_none() || tied(other) != tied(order));
+            let free = out.iter().all(|other| tied(other).is_none() || tied(other) != tied(order));
             if free && out.len() < self.cores.unwrap_or(usize::MAX) {
                 out.push(*order);
             }
@@ -127,8 +119,7 @@ impl Interpreter<'_> {
             s.ready.retain(|pair| ready.contains(pair));
             s.on.retain(|pair| ready.contains(pair));
             // The order in which threads of different priorities became ready is irrelevant.
-            s.ready
-                .sort_by_key(|&(c, who)| self.system.priority(c, who));
+            s.ready.sort_by_key(|&(c, who)| self.system.priority(c, who));
         }
     }
 
@@ -154,11 +145,7 @@ impl Interpreter<'_> {
         if !self.preempts() || self.system.policy != Policy::Fair {
             return;
         }
-        for pair in self
-            .all_ready(s)
-            .into_iter()
-            .filter(|pair| !s.on.contains(pair))
-        {
+        for pair in self.all_ready(s).into_iter().filter(|pair| !s.on.contains(pair)) {
             for &other in &s.on {
                 let mut order = s.on.clone();
                 order.retain(|order| *order != other);

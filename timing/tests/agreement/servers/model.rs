@@ -132,12 +132,8 @@ fn in_millis(count: u64, unit: Unit) -> u32 {
 
 /// Reads specifications and a scenario.
 pub(crate) fn read(specs: &[&model::Spec], scenario: &Scenario) -> System {
-    let mut reader = Reader {
-        fixed: false,
-        exceptions: Vec::new(),
-        connect: Vec::new(),
-        all: specs,
-    };
+    let mut reader =
+        Reader { fixed: false, exceptions: Vec::new(), connect: Vec::new(), all: specs };
     let mut points = Points::default();
     let mut out = System {
         components: Vec::new(),
@@ -172,8 +168,7 @@ pub(crate) fn read(specs: &[&model::Spec], scenario: &Scenario) -> System {
         for component in &spec.components {
             if component.kind == model::ComponentKind::Component {
                 let semantics = out.semantics;
-                out.components
-                    .push(reader.component(spec, component, semantics));
+                out.components.push(reader.component(spec, component, semantics));
             }
         }
     }
@@ -194,8 +189,7 @@ pub(crate) fn read(specs: &[&model::Spec], scenario: &Scenario) -> System {
 impl System {
     pub(crate) fn component(&self, name: &str) -> usize {
         let mut all = self.components.iter();
-        all.position(|component| component.name == name)
-            .expect("a component")
+        all.position(|component| component.name == name).expect("a component")
     }
 
     fn task(&mut self, path: &ast::Path) -> &mut Task {
@@ -235,10 +229,7 @@ impl Reader<'_> {
             None => true,
             Some(written) => *written == path || written == component,
         };
-        self.exceptions
-            .iter()
-            .rfind(about)
-            .is_none_or(|exception| exception.0)
+        self.exceptions.iter().rfind(about).is_none_or(|exception| exception.0)
     }
 
     /// Returns the data that a codel names, except parameters with this direction.
@@ -256,10 +247,7 @@ impl Reader<'_> {
             }
             other => panic!("{other:?} is not drawn"),
         };
-        params
-            .filter(|param| param.dir != but)
-            .flat_map(data)
-            .collect()
+        params.filter(|param| param.dir != but).flat_map(data).collect()
     }
 
     /// Returns the outputs that supply the data of a port, or the port itself.
@@ -267,10 +255,7 @@ impl Reader<'_> {
         let outputs = self.outputs(component, port).into_iter();
         let found: Vec<Datum> = outputs.map(|(c, p)| Datum::Port(c, p)).collect();
         match found.is_empty() {
-            true => vec![Datum::Port(
-                component.name.to_string(),
-                port.name.to_string(),
-            )],
+            true => vec![Datum::Port(component.name.to_string(), port.name.to_string())],
             false => found,
         }
     }
@@ -282,16 +267,10 @@ impl Reader<'_> {
             return vec![(name, port.name.to_string())];
         }
         let input = format!("{name}.{}", port.name);
-        let mut stated = self
-            .connect
-            .iter()
-            .filter(|entry| entry.0 == input)
-            .peekable();
+        let mut stated = self.connect.iter().filter(|entry| entry.0 == input).peekable();
         if stated.peek().is_some() {
             let outputs = stated.filter_map(|pair| pair.1.as_ref()?.split_once('.'));
-            return outputs
-                .map(|output| (output.0.to_owned(), output.1.to_owned()))
-                .collect();
+            return outputs.map(|output| (output.0.to_owned(), output.1.to_owned())).collect();
         }
         // An output of the same name.
         let others = self.all.iter().flat_map(|spec| &spec.components);
@@ -350,12 +329,7 @@ impl Reader<'_> {
             let list: Vec<(u32, &model::Codel)> = (0..).zip(component.codels_of(owner)).collect();
             let mut names: Vec<(&str, u32)> = Vec::new();
             for &(index, codel) in list.iter().filter(|pair| pair.1.kind == CodelKind::Fsm) {
-                names.extend(
-                    codel
-                        .triggers
-                        .iter()
-                        .map(|trigger| (trigger.name.as_str(), index)),
-                );
+                names.extend(codel.triggers.iter().map(|trigger| (trigger.name.as_str(), index)));
             }
             let find = |name: &str| names.iter().position(|candidate| candidate.0 == name);
             let states = names.iter().map(|&(name, index)| {
@@ -375,11 +349,7 @@ impl Reader<'_> {
                     outcomes,
                 }
             });
-            Machine {
-                states: states.collect(),
-                start: find("start"),
-                stop: find("stop"),
-            }
+            Machine { states: states.collect(), start: find("start"), stop: find("stop") }
         };
         let tasks = (0..).zip(&component.tasks).map(|(t, task)| Task {
             name: task.name.to_string(),
@@ -395,9 +365,7 @@ impl Reader<'_> {
         let mut machines: Vec<Option<(usize, Machine)>> = (0..)
             .zip(&component.services)
             .map(|(s, service)| {
-                let task = service
-                    .task
-                    .filter(|_| service.kind == ServiceKind::Activity)?;
+                let task = service.task.filter(|_| service.kind == ServiceKind::Activity)?;
                 let throws = throws(
                     &service.name,
                     &[&service.throws, &component.tasks[task as usize].throws],
@@ -420,11 +388,7 @@ impl Reader<'_> {
                 });
             }
             if service.kind == ServiceKind::Attribute {
-                control.push(ControlCodel {
-                    name: None,
-                    codel: usize::MAX,
-                    can_fail: false,
-                });
+                control.push(ControlCodel { name: None, codel: usize::MAX, can_fail: false });
             }
             for (index, found) in of_kind(CodelKind::Simple) {
                 control.push(ControlCodel {
@@ -436,11 +400,7 @@ impl Reader<'_> {
             let all = component.services.len();
             let list = |list: &ServiceList| match list.all {
                 true => (0..all).collect(),
-                false => list
-                    .services
-                    .iter()
-                    .map(|&service| service as usize)
-                    .collect(),
+                false => list.services.iter().map(|&service| service as usize).collect(),
             };
             Service {
                 name: service.name.to_string(),
@@ -454,22 +414,14 @@ impl Reader<'_> {
         });
         let mut services: Vec<Service> = services.collect();
         for (s, service) in (0..).zip(&mut services) {
-            for copy in service
-                .control
-                .iter_mut()
-                .filter(|control| control.name.is_none())
-            {
+            for copy in service.control.iter_mut().filter(|control| control.name.is_none()) {
                 let others = mutex::service_exclusions(spec, component, s).into_iter();
                 let others = others.map(|at| {
                     let task = component.task_of(at).map(|task| task as usize);
                     (task, component.codel(at).name.to_string())
                 });
                 let params = &component.services[s as usize].params;
-                let copied = || {
-                    (0..)
-                        .zip(params)
-                        .filter(|pair| pair.1.dir != model::ParamDir::Out)
-                };
+                let copied = || (0..).zip(params).filter(|pair| pair.1.dir != model::ParamDir::Out);
                 copy.codel = codels.len();
                 codels.push(Codel {
                     lower: 0,
@@ -480,19 +432,12 @@ impl Reader<'_> {
                     reads: copied()
                         .map(|(i, _)| Datum::Variable(component.name.to_string(), s, i))
                         .collect(),
-                    writes: copied()
-                        .map(|(_, param)| member(&component.name, param))
-                        .collect(),
+                    writes: copied().map(|(_, param)| member(&component.name, param)).collect(),
                 });
             }
         }
         self.builtins(&mut services, &mut codels);
-        Component {
-            name: component.name.to_string(),
-            tasks,
-            services,
-            codels,
-        }
+        Component { name: component.name.to_string(), tasks, services, codels }
     }
 }
 
@@ -519,11 +464,7 @@ impl Reader<'_> {
                     reads: Vec::new(),
                     writes: Vec::new(),
                 });
-                control.push(ControlCodel {
-                    name: None,
-                    codel: codels.len() - 1,
-                    can_fail: false,
-                });
+                control.push(ControlCodel { name: None, codel: codels.len() - 1, can_fail: false });
             };
             codel((None, format!("{builtin:?} itself")), Vec::new());
             if builtin == Builtin::Connect {

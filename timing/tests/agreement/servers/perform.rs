@@ -173,9 +173,7 @@ impl Interpreter<'_> {
             let Some(&slot) = slots.get(*at) else {
                 return self.end_pass(s, c, t, out);
             };
-            let has_codel = task.slots[slot]
-                .as_ref()
-                .is_some_and(|slot| slot.at != usize::MAX);
+            let has_codel = task.slots[slot].as_ref().is_some_and(|slot| slot.at != usize::MAX);
             *doing = Doing::Nothing;
             if has_codel {
                 return;
@@ -184,9 +182,7 @@ impl Interpreter<'_> {
             (task.event, task.ended) = (true, true);
             // The default `start` and `stop` of a permanent activity do nothing; an activity without `stop`
             // is interrupted.
-            let permanent = task.slots[slot]
-                .as_ref()
-                .is_some_and(|slot| slot.service.is_none());
+            let permanent = task.slots[slot].as_ref().is_some_and(|slot| slot.service.is_none());
             end_instance(&mut task.slots[slot], permanent);
         }
     }
@@ -203,9 +199,7 @@ impl Interpreter<'_> {
             (Outcome::Next(to), Some(slot)) => slot.at = to,
             (Outcome::Pause(to), Some(slot)) => (slot.at, slot.paused) = (to, true),
             (outcome, slot) => {
-                let permanent = slot
-                    .as_ref()
-                    .is_some_and(|instance| instance.service.is_none());
+                let permanent = slot.as_ref().is_some_and(|instance| instance.service.is_none());
                 task.failed |= permanent && outcome == Outcome::Throw;
                 task.ended = true;
                 end_instance(slot, outcome == Outcome::End);

@@ -118,8 +118,7 @@ impl Interpreter<'_> {
         }
         if self.preempts() {
             out.retain(|&step| {
-                self.thread(s, step)
-                    .is_none_or(|(c, who)| self.has_core(s, c, who))
+                self.thread(s, step).is_none_or(|(c, who)| self.has_core(s, c, who))
             });
         }
         urgent |= !out.is_empty();
@@ -248,12 +247,9 @@ impl Interpreter<'_> {
             Policy::Fifo => out.extend(s.queue.first().map(grant)),
             Policy::Any => out.extend(s.queue.iter().map(grant)),
             // The first of several equal deadlines.
-            Policy::Edf => out.extend(
-                s.queue
-                    .iter()
-                    .min_by_key(|queue| deadline(queue))
-                    .map(grant),
-            ),
+            Policy::Edf => {
+                out.extend(s.queue.iter().min_by_key(|queue| deadline(queue)).map(grant))
+            }
             Policy::Priority | Policy::Fair => unreachable!("cores are not granted for a cycle"),
         }
     }
@@ -274,10 +270,7 @@ impl Interpreter<'_> {
                 false => own.ports.iter().any(|port| codel.ports.contains(port)),
             })
         };
-        let mut ahead = s.components[c]
-            .tickets
-            .iter()
-            .take_while(|ticket| **ticket != who);
+        let mut ahead = s.components[c].tickets.iter().take_while(|ticket| **ticket != who);
         let turn = match self.system.semantics.locks {
             LockRule::Queue => ahead.next().is_none(),
             LockRule::Fifo => !ahead.any(|&ticket| waits_for(c, ticket)),

@@ -88,11 +88,7 @@ pub(crate) fn predicate(system: &System, written: &Pred) -> Predicate {
 /// Returns a fact, and whether the fact or its negation is meant.
 fn fact(system: &System, path: &Path) -> (Fact, bool) {
     let names: Vec<&str> = path.names.iter().map(|name| name.value.as_str()).collect();
-    if let Some(k) = system
-        .clients
-        .iter()
-        .position(|client| client.name == names[0])
-    {
+    if let Some(k) = system.clients.iter().position(|client| client.name == names[0]) {
         let client = &system.clients[k];
         let nodes = match names.get(1) {
             None => vec![client.end()],
@@ -118,10 +114,7 @@ fn fact(system: &System, path: &Path) -> (Fact, bool) {
         _ => At::Either,
     };
     let task = component.tasks.iter().position(|task| task.name == second);
-    let service = component
-        .services
-        .iter()
-        .position(|service| service.name == second);
+    let service = component.services.iter().position(|service| service.name == second);
     if let Some(t) = task {
         if let Some(state) = state(&component.tasks[t].machine) {
             return (Fact::State(c, Owner::Task(t), state, at(word(3))), true);

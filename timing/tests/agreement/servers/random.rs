@@ -45,43 +45,28 @@ pub(crate) fn texts(dice: &mut Dice) -> Texts {
 /// Returns such a system with single points of the semantics, preemption, ports, and permanent activities
 /// that throw.
 pub(crate) fn varied(dice: &mut Dice) -> Texts {
-    let varied = Known {
-        varied: true,
-        ..Known::default()
-    };
+    let varied = Known { varied: true, ..Known::default() };
     draw(dice, varied)
 }
 
 /// Returns such a system with clients that abort, kill and connect, and wait for success or failure.
 pub(crate) fn requests(dice: &mut Dice) -> Texts {
     let varied = dice.in_ten(4);
-    let requests = Known {
-        varied,
-        requests: true,
-        ..Known::default()
-    };
+    let requests = Known { varied, requests: true, ..Known::default() };
     draw(dice, requests)
 }
 
 /// Returns such a system with data that flow through ports, members of `ids` and variables of activities, and
 /// checks of chains.
 pub(crate) fn chained(dice: &mut Dice) -> Texts {
-    let chains = Known {
-        chains: true,
-        ..Known::default()
-    };
+    let chains = Known { chains: true, ..Known::default() };
     asking_chains(dice, chains)
 }
 
 /// Returns a system with chains through permanent activities of tasks with periods, none of which waits for a
 /// core.
 pub(crate) fn chained_steadily(dice: &mut Dice) -> Texts {
-    let steady = Known {
-        chains: true,
-        quiet: true,
-        periodic: true,
-        ..Known::default()
-    };
+    let steady = Known { chains: true, quiet: true, periodic: true, ..Known::default() };
     let mut out = asking_chains(dice, steady);
     for cores in ["cores 1;", "cores 2;", "cores 4;"] {
         out.scenario = out.scenario.replace(cores, "cores free;");
@@ -96,10 +81,7 @@ fn asking_chains(dice: &mut Dice, known: Known) -> Texts {
         1 => "c.r",
         _ => dice.pick(&["c.r", "d.q"]),
     };
-    let lines = out
-        .scenario
-        .lines()
-        .filter(|line| !line.starts_with(" check") && *line != "}");
+    let lines = out.scenario.lines().filter(|line| !line.starts_with(" check") && *line != "}");
     let lines: Vec<&str> = lines.collect();
     out.scenario = format!(
         "{}\n check reaction {from} -> {to};\n check age {from} -> {to};\n}}\n",
@@ -110,29 +92,19 @@ fn asking_chains(dice: &mut Dice, known: Known) -> Texts {
 
 /// Returns a system with permanent activities only, on few cores that are granted in order of release.
 pub(crate) fn quiet(dice: &mut Dice) -> Texts {
-    let quiet = Known {
-        quiet: true,
-        ..Known::default()
-    };
+    let quiet = Known { quiet: true, ..Known::default() };
     draw(dice, quiet)
 }
 
 /// Returns a system with permanent activities only, of tasks with periods.
 pub(crate) fn periodic(dice: &mut Dice) -> Texts {
-    let periodic = Known {
-        quiet: true,
-        periodic: true,
-        ..Known::default()
-    };
+    let periodic = Known { quiet: true, periodic: true, ..Known::default() };
     draw(dice, periodic)
 }
 
 /// Returns a system with tasks with and without periods, in any order, and requests.
 pub(crate) fn occasional(dice: &mut Dice) -> Texts {
-    let occasional = Known {
-        occasional: true,
-        ..Known::default()
-    };
+    let occasional = Known { occasional: true, ..Known::default() };
     draw(dice, occasional)
 }
 
@@ -140,16 +112,8 @@ pub(crate) fn occasional(dice: &mut Dice) -> Texts {
 /// Sometimes they differ, or only one of them is observed.
 pub(crate) fn alike(dice: &mut Dice) -> Texts {
     let varied = dice.in_ten(4);
-    let known = Known {
-        varied,
-        requests: dice.in_ten(3),
-        alone: true,
-        ..Known::default()
-    };
-    let Texts {
-        mut specifications,
-        scenario,
-    } = draw(dice, known);
+    let known = Known { varied, requests: dice.in_ten(3), alone: true, ..Known::default() };
+    let Texts { mut specifications, scenario } = draw(dice, known);
     let together = dice.in_ten(2);
     let copy = |line: &str| match together {
         true => line.to_owned(),
@@ -187,10 +151,7 @@ pub(crate) fn alike(dice: &mut Dice) -> Texts {
             false => second,
         });
     }
-    Texts {
-        specifications,
-        scenario: out,
-    }
+    Texts { specifications, scenario: out }
 }
 
 /// Returns a line with the names of the first component replaced by those of the second.
@@ -218,10 +179,7 @@ fn draw(dice: &mut Dice, mut known: Known) -> Texts {
             *specification = specification.replace("wcet 0 ms", "wcet 1 ms");
         }
     }
-    Texts {
-        specifications,
-        scenario,
-    }
+    Texts { specifications, scenario }
 }
 
 fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String {
@@ -234,14 +192,7 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
         let (text, params): (_, &[&str]) = match c {
             0 => (
                 " port out dt p; port in dt q; port out dt r;\n",
-                &[
-                    "out p",
-                    "in q",
-                    "in q, out f0",
-                    "in f0, out p",
-                    "in f0, out r",
-                    "in f1, out r",
-                ],
+                &["out p", "in q", "in q, out f0", "in f0, out p", "in f0, out r", "in f1, out r"],
             ),
             _ => (
                 " port in dt p; port out dt q;\n",
@@ -253,14 +204,8 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
     } else if known.varied && dice.in_ten(5) {
         out.insert_str(0, "struct dt { long v; };\n");
         let (text, params): (_, &[&str]) = match c {
-            0 => (
-                " port out dt p; port in dt q;\n",
-                &["out p", "out p", "in q"],
-            ),
-            _ => (
-                " port in dt p; port out dt q;\n",
-                &["in p", "in p", "out q"],
-            ),
+            0 => (" port out dt p; port in dt q;\n", &["out p", "out p", "in q"]),
+            _ => (" port in dt p; port out dt q;\n", &["in p", "in p", "out q"]),
         };
         out.push_str(text);
         known.ports = params;
@@ -322,11 +267,7 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
                     "local in x, out p",
                     "local in x, out f1",
                 ],
-                _ => &[
-                    "in p, local out x",
-                    "local in x, out q",
-                    "local in x, out f0",
-                ],
+                _ => &["in p, local out x", "local in x, out q", "local in x, out f0"],
             };
         }
         let _ = writeln!(out, " {kind} s{s}({params}) {{");
@@ -367,11 +308,7 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
     // An exception that no codel throws is not an error, but the component would throw it.
     out.replace(
         " exception bad;\n",
-        if out.contains("throw bad") {
-            " exception bad;\n"
-        } else {
-            ""
-        },
+        if out.contains("throw bad") { " exception bad;\n" } else { "" },
     )
 }
 
@@ -427,10 +364,7 @@ fn machine(
             true => format!("pause::{}", dice.pick(states)),
             false => "ether".to_owned(),
         };
-        let _ = writeln!(
-            out,
-            "  codel<stop> {owner}_stop({params}) yield {to} wcet {wcet} ms;"
-        );
+        let _ = writeln!(out, "  codel<stop> {owner}_stop({params}) yield {to} wcet {wcet} ms;");
         known.states.push(format!("{path}.stop"));
     }
 }
@@ -454,10 +388,7 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
         true => dice.pick(&["fixed", "interval", "interval"]),
         false => dice.pick(&["fixed", "fixed", "fixed", "interval"]),
     };
-    let _ = writeln!(
-        out,
-        " cores {cores}; policy {policy}; durations {durations};"
-    );
+    let _ = writeln!(out, " cores {cores}; policy {policy}; durations {durations};");
     if dice.in_ten(2) {
         out.push_str(" aperiodic free;\n");
     }
@@ -467,11 +398,7 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
     if dice.in_ten(1) {
         let _ = writeln!(out, " slots {} {};", known.tasks[0], 1 + dice.below(3));
     }
-    for k in 0..if known.services.is_empty() {
-        0
-    } else {
-        1 + dice.below(6) / 5
-    } {
+    for k in 0..if known.services.is_empty() { 0 } else { 1 + dice.below(6) / 5 } {
         let _ = writeln!(out, " client k{k} {{");
         let again = dice.in_ten(2);
         if again {
@@ -490,11 +417,7 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
             let sent = dice.pick(&all);
             let aborts = known.requests && known.activities.iter().any(|activity| activity == sent);
             if aborts && dice.in_ten(2) {
-                let _ = writeln!(
-                    out,
-                    "  a{step}: send {sent};\n  delay {} ms;",
-                    dice.below(6)
-                );
+                let _ = writeln!(out, "  a{step}: send {sent};\n  delay {} ms;", dice.below(6));
                 let _ = writeln!(out, "  abort a{step};");
             } else {
                 let _ = writeln!(out, "  send {sent};");

@@ -69,10 +69,7 @@ impl Interpreter<'_> {
             }
             Kill::Permanent(t) => {
                 let mut slots = component.tasks[t].slots.iter();
-                slots.any(|slot| {
-                    slot.as_ref()
-                        .is_none_or(|instance| instance.service.is_none())
-                })
+                slots.any(|slot| slot.as_ref().is_none_or(|instance| instance.service.is_none()))
             }
             Kill::Stopping(t) => {
                 let mut slots = component.tasks[t].slots.iter().flatten();
@@ -109,9 +106,7 @@ impl Interpreter<'_> {
             Kill::Permanent(t) => {
                 let slots = &mut s.components[c].tasks[t].slots;
                 let of = |instance: &Option<Instance>| {
-                    instance
-                        .as_ref()
-                        .is_some_and(|instance| instance.service.is_none())
+                    instance.as_ref().is_some_and(|instance| instance.service.is_none())
                 };
                 let at = slots.iter().position(of);
                 let at = at.or_else(|| slots.iter().position(Option::is_none));

@@ -199,13 +199,12 @@ impl State {
     pub(super) fn initial(system: &System, observers: usize) -> State {
         let component = |component: &super::model::Component| {
             let task = |task: &super::model::Task| Task {
-                timer: (task
-                    .period
-                    .filter(|_| system.semantics.ticks == TickRule::Component))
-                .map(|period| match task.delay {
-                    0 => period,
-                    delay => delay,
-                }),
+                timer: (task.period.filter(|_| system.semantics.ticks == TickRule::Component)).map(
+                    |period| match task.delay {
+                        0 => period,
+                        delay => delay,
+                    },
+                ),
                 flag: None,
                 runnable: task.period.is_none(),
                 phase: Phase::Idle,

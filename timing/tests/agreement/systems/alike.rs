@@ -26,12 +26,7 @@ pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)
         ..one.clone()
     };
     for copy in 0..copies {
-        Copier {
-            one: &one,
-            copy,
-            together,
-        }
-        .add_to(&mut system);
+        Copier { one: &one, copy, together }.add_to(&mut system);
     }
     between(&mut system, dice, (&one, copies, together));
     if dice.in_ten(2) && !system.codels.is_empty() {
@@ -118,9 +113,7 @@ fn between(
         for (a, b) in pairs(copies) {
             if (a == b && inside) || (a != b && across) {
                 let (v, w) = (a * services + v, b * services + w);
-                system.services[ServiceId::from(v)]
-                    .interrupts
-                    .push(w.into());
+                system.services[ServiceId::from(v)].interrupts.push(w.into());
             }
         }
     }
@@ -163,9 +156,7 @@ impl Copier<'_> {
             });
         }
         let component = &mut system.components[self.component()];
-        component
-            .tasks
-            .extend((0..one.tasks.len()).map(task).map(TaskId::from));
+        component.tasks.extend((0..one.tasks.len()).map(task).map(TaskId::from));
         component.services.extend(one.services.keys().map(service));
         system.tasks.extend(one.tasks.iter().map(|task| Task {
             component: self.component(),
@@ -176,51 +167,41 @@ impl Copier<'_> {
         system.machines.extend(one.machines.iter().map(|machine| {
             Machine {
                 states: (machine.states.iter())
-                    .map(|state| State {
-                        codel: codel(state.codel),
-                        ..state.clone()
-                    })
+                    .map(|state| State { codel: codel(state.codel), ..state.clone() })
                     .collect(),
                 ..machine.clone()
             }
         }));
-        system
-            .automata
-            .extend(one.automata.iter().map(|automaton| Automaton {
-                task: TaskId::from(task(usize::from(automaton.task))),
-                machine: machine(automaton.machine),
-                service: automaton.service.map(service),
-            }));
+        system.automata.extend(one.automata.iter().map(|automaton| Automaton {
+            task: TaskId::from(task(usize::from(automaton.task))),
+            machine: machine(automaton.machine),
+            service: automaton.service.map(service),
+        }));
         system.codels.extend(one.codels.iter().map(|codel| Codel {
             component: self.component(),
             conflicts: CodelSet::default(),
             ..codel.clone()
         }));
-        system
-            .services
-            .extend(one.services.iter().map(|service| Service {
-                component: self.component(),
-                validate: service.validate.map(codel),
-                simple: all(&service.simple, codel),
-                slots: all(&service.slots, automaton),
-                ..service.clone()
-            }));
+        system.services.extend(one.services.iter().map(|service| Service {
+            component: self.component(),
+            validate: service.validate.map(codel),
+            simple: all(&service.simple, codel),
+            slots: all(&service.slots, automaton),
+            ..service.clone()
+        }));
         system.clients.extend(one.clients.iter().map(|client| {
             Client {
                 steps: (client.steps.iter())
                     .map(|step| ClientStep {
                         action: match step.action.clone() {
-                            ClientAction::Send {
-                                service: index,
-                                trackers,
-                                accepted,
-                                aborts,
-                            } => ClientAction::Send {
-                                service: service(index),
-                                trackers,
-                                accepted,
-                                aborts,
-                            },
+                            ClientAction::Send { service: index, trackers, accepted, aborts } => {
+                                ClientAction::Send {
+                                    service: service(index),
+                                    trackers,
+                                    accepted,
+                                    aborts,
+                                }
+                            }
                             other => other,
                         },
                         ..step.clone()
@@ -234,19 +215,12 @@ impl Copier<'_> {
 
 fn renamed(predicate: &Predicate, one: &TimedSystem, copy: usize) -> Predicate {
     let atom = |atom: &Atom| match atom.clone() {
-        Atom::Task(task, state) => Atom::Task(
-            TaskId::from(copy * one.tasks.len() + usize::from(task)),
-            state,
-        ),
-        Atom::State {
-            machine,
-            state,
-            phase,
-        } => Atom::State {
-            machine: shifted(machine, copy * one.machines.len()),
-            state,
-            phase,
-        },
+        Atom::Task(task, state) => {
+            Atom::Task(TaskId::from(copy * one.tasks.len() + usize::from(task)), state)
+        }
+        Atom::State { machine, state, phase } => {
+            Atom::State { machine: shifted(machine, copy * one.machines.len()), state, phase }
+        }
         other => other,
     };
     let other = |predicate: &Predicate| Box::new(renamed(predicate, one, copy));

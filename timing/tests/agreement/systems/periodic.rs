@@ -9,12 +9,8 @@ use super::{Dice, automaton, codel, competing};
 pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
     let mut system = competing(dice);
     system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Edf, Policy::Any]);
-    system.platform.semantics.locks = dice.pick(&[
-        LockRule::Free,
-        LockRule::Free,
-        LockRule::Free,
-        LockRule::Fifo,
-    ]);
+    system.platform.semantics.locks =
+        dice.pick(&[LockRule::Free, LockRule::Free, LockRule::Free, LockRule::Fifo]);
     for t in 0..system.tasks.len() {
         let task = &mut system.tasks[TaskId::from(t)];
         task.period = Some(dice.pick(&[4, 6, 6, 8, 12, 12]));
@@ -22,21 +18,19 @@ pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
         if task.permanent.is_none() {
             let component = task.component;
             let codel = codel(&mut system, dice, component, format!("t{t}.s0"));
-            let machine = system
-                .machines
-                .push_and_get_key(dotgen_timing::system::Machine {
-                    name: format!("t{t}"),
-                    states: vec![State {
-                        name: "s0".to_owned(),
-                        codel,
-                        yields: vec![Yield::Pause(0)],
-                        is_async: false,
-                    }],
-                    start: 0,
-                    stop: None,
-                    loop_limit: None,
-                    rounds: false,
-                });
+            let machine = system.machines.push_and_get_key(dotgen_timing::system::Machine {
+                name: format!("t{t}"),
+                states: vec![State {
+                    name: "s0".to_owned(),
+                    codel,
+                    yields: vec![Yield::Pause(0)],
+                    is_async: false,
+                }],
+                start: 0,
+                stop: None,
+                loop_limit: None,
+                rounds: false,
+            });
             system.tasks[TaskId::from(t)].permanent =
                 Some(automaton(&mut system, t, machine, None));
         }

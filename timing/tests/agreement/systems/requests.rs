@@ -57,11 +57,7 @@ pub(crate) fn requests(dice: &mut Dice) -> TimedSystem {
     let from_zero = dice.in_ten(8);
     for codel in &mut system.codels {
         codel.upper = codel.upper.min(2);
-        codel.lower = if from_zero {
-            0
-        } else {
-            codel.lower.min(codel.upper)
-        };
+        codel.lower = if from_zero { 0 } else { codel.lower.min(codel.upper) };
     }
     for one in 0..system.codels.len() {
         for other in 0..one {
@@ -100,11 +96,7 @@ fn any(system: &TimedSystem, dice: &mut Dice, k: u32) -> Client {
         next: vec![if waits { services + 1 } else { back }],
         label: None,
     };
-    let wait = ClientStep {
-        action: ClientAction::AwaitEnded(0),
-        next: vec![back],
-        label: None,
-    };
+    let wait = ClientStep { action: ClientAction::AwaitEnded(0), next: vec![back], label: None };
     Client {
         name: format!("k{k}"),
         steps: std::iter::once(delay)

@@ -107,9 +107,7 @@ impl Lanes {
             return;
         };
         for (row, open) in lane.open.iter_mut().enumerate() {
-            if open
-                .as_ref()
-                .is_some_and(|pair| pair.1.of == *of && pair.1.kind == kind)
+            if open.as_ref().is_some_and(|pair| pair.1.of == *of && pair.1.kind == kind)
                 && let Some(begun) = open.take()
             {
                 lane.ended.extend(span(begun, row, now));

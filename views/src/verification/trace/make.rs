@@ -88,13 +88,10 @@ impl<'e> Exclusions<'e> {
     fn of(rows: &'e [Row]) -> Self {
         let others = |row: &'e Row| {
             let by = row.by.iter();
-            by.map(|blocker| (&*blocker.codel.path, &*blocker.through))
-                .collect()
+            by.map(|blocker| (&*blocker.codel.path, &*blocker.through)).collect()
         };
         let rows = rows.iter().filter(|row| !row.by.is_empty());
-        Exclusions {
-            through: rows.map(|row| (&*row.codel.path, others(row))).collect(),
-        }
+        Exclusions { through: rows.map(|row| (&*row.codel.path, others(row))).collect() }
     }
 
     /// The data that two codels share, if they exclude each other.
@@ -107,10 +104,7 @@ impl<'e> Exclusions<'e> {
         let mut out: Vec<String> = Vec::new();
         let others = self.through.get(codel).into_iter().flatten();
         let wanted = others.filter(|pair| with.is_none_or(|with| with.contains(pair.0)));
-        for text in wanted
-            .flat_map(|pair| pair.1.iter())
-            .map(ToString::to_string)
-        {
+        for text in wanted.flat_map(|pair| pair.1.iter()).map(ToString::to_string) {
             if !out.contains(&text) {
                 out.push(text);
             }
@@ -169,18 +163,12 @@ impl TraceBuilder<'_> {
             MomentKind::Excess => Some(MarkKind::Miss),
             _ => None,
         };
-        self.marks
-            .extend(mark.map(|mark| (key.clone(), now, mark, Some(step))));
+        self.marks.extend(mark.map(|mark| (key.clone(), now, mark, Some(step))));
         let blockers: Vec<&str> = event.waits_for.iter().map(|wait| &*wait.codel).collect();
         let with = (event.kind == MomentKind::Wait).then_some(&*blockers);
-        let codel_locks = event
-            .codel
-            .as_deref()
-            .map(|codel| self.excludes.shared(codel, with));
+        let codel_locks = event.codel.as_deref().map(|codel| self.excludes.shared(codel, with));
         let (rule, sentence) = rule(event.kind);
-        self.rules
-            .entry(rule.to_owned())
-            .or_insert_with(|| sentence.to_owned());
+        self.rules.entry(rule.to_owned()).or_insert_with(|| sentence.to_owned());
         let place = event.src.map(|src| {
             let known = self.places.iter().position(|place| *place == src);
             known.unwrap_or_else(|| {
@@ -214,10 +202,8 @@ impl TraceBuilder<'_> {
             step,
             ahead: Vec::new(),
         };
-        let shares = event
-            .codel
-            .as_deref()
-            .is_some_and(|codel| self.excludes.through.contains_key(codel));
+        let shares =
+            event.codel.as_deref().is_some_and(|codel| self.excludes.through.contains_key(codel));
         match (event.kind, &event.codel, &of) {
             (MomentKind::Release, ..) if event.for_core => {
                 let waits = SpanStart {
@@ -263,8 +249,7 @@ impl TraceBuilder<'_> {
             }
             (MomentKind::Complete, ..) => {
                 if let Some(core) = self.lanes.core_of(thread) {
-                    self.lanes
-                        .end(&core, now, &Of::Core(thread.clone()), SpanKind::Run);
+                    self.lanes.end(&core, now, &Of::Core(thread.clone()), SpanKind::Run);
                 }
             }
             _ => {}
@@ -287,18 +272,12 @@ impl TraceBuilder<'_> {
         let Some(core) = self.lanes.core_of(victim) else {
             return;
         };
-        self.lanes
-            .end(&core, now, &Of::Core(victim.clone()), SpanKind::Run);
+        self.lanes.end(&core, now, &Of::Core(victim.clone()), SpanKind::Run);
         self.has_core(&core, by.clone(), step, now);
     }
 
     fn finish(self, title: String, unit: Unit, end: f64, repeats: Option<f64>) -> Trace<SourceRef> {
-        let BuiltLanes {
-            lanes,
-            mut spans,
-            ahead,
-            at,
-        } = self.lanes.finish(end);
+        let BuiltLanes { lanes, mut spans, ahead, at } = self.lanes.finish(end);
         let lane = |key: &Key| at.get(key).copied().unwrap_or(0);
         let core = |span: &Span| span.codel.is_none() && span.kind == SpanKind::Run;
         let holds = SpanIndex::of(spans.iter().filter(|span| span.kind == SpanKind::Hold));
@@ -321,10 +300,7 @@ impl TraceBuilder<'_> {
                         let other = span.codel.as_deref()?;
                         let through = self.excludes.through(codel, other)?;
                         let through = through.iter().map(ToString::to_string).collect();
-                        Some(Holder {
-                            through,
-                            ..holder(span)
-                        })
+                        Some(Holder { through, ..holder(span) })
                     });
                     add_ahead(&mut by, &ahead[i], span);
                     by
@@ -338,12 +314,7 @@ impl TraceBuilder<'_> {
             spans[i].by = by;
         }
         let arrows = self.arrows.iter().filter_map(|(from, to, time, step)| {
-            Some(Arrow {
-                from: lane(from),
-                to: *at.get(to)?,
-                at: *time,
-                step: *step,
-            })
+            Some(Arrow { from: lane(from), to: *at.get(to)?, at: *time, step: *step })
         });
         let marks = self.marks.iter().map(|(key, at, kind, step)| Mark {
             lane: lane(key),
@@ -369,10 +340,7 @@ impl TraceBuilder<'_> {
             arrows: arrows.collect(),
             marks,
             steps: (self.steps.iter())
-                .map(|(key, step)| Step {
-                    lane: lane(key),
-                    ..step.clone()
-                })
+                .map(|(key, step)| Step { lane: lane(key), ..step.clone() })
                 .collect(),
             rules: self.rules,
             places: self.places,
@@ -410,10 +378,7 @@ impl<'s> SpanIndex<'s> {
     fn of(spans: impl Iterator<Item = &'s Span>) -> Self {
         let mut all: Vec<&Span> = spans.collect();
         all.sort_by(|a, b| a.from.total_cmp(&b.from));
-        let longest = all
-            .iter()
-            .map(|span| span.to - span.from)
-            .fold(0.0, f64::max);
+        let longest = all.iter().map(|span| span.to - span.from).fold(0.0, f64::max);
         SpanIndex { all, longest }
     }
 
@@ -425,8 +390,6 @@ impl<'s> SpanIndex<'s> {
         let after = self.all[first..].iter();
         let candidates = after.take_while(|span| span.from < wait.to);
         let meanwhile = candidates.filter(|candidate| candidate.to > wait.from);
-        meanwhile
-            .filter_map(|candidate| holder(candidate))
-            .collect()
+        meanwhile.filter_map(|candidate| holder(candidate)).collect()
     }
 }

@@ -6,15 +6,11 @@ use dotgen_timing::explore::MomentKind;
 pub(super) fn rule(kind: MomentKind) -> (&'static str, &'static str) {
     match kind {
         MomentKind::Tick => ("tick", "The timer of the task has come round."),
-        MomentKind::Release => (
-            "release",
-            "The task takes the tick, or is woken, and asks for a core.",
-        ),
+        MomentKind::Release => {
+            ("release", "The task takes the tick, or is woken, and asks for a core.")
+        }
         MomentKind::Grant => ("grant", "The task gets a core."),
-        MomentKind::Wait => (
-            "wait",
-            "The codel waits until no codel executes that excludes it.",
-        ),
+        MomentKind::Wait => ("wait", "The codel waits until no codel executes that excludes it."),
         MomentKind::Begin => ("begin", "The codel takes its locks and executes."),
         MomentKind::End => (
             "end",

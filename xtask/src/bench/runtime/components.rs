@@ -36,11 +36,7 @@ impl Component {
         std::fs::write(codels.join(format!("{name}.c")), source)?;
         let header = include_str!("stamp.h").replace("NUMBERS", &numbers);
         std::fs::write(codels.join("stamp.h"), header)?;
-        Ok(Component {
-            dotgen: dotgen.to_owned(),
-            folder: folder.to_owned(),
-            file,
-        })
+        Ok(Component { dotgen: dotgen.to_owned(), folder: folder.to_owned(), file })
     }
 
     /// Writes a scenario of a writer and a reader, next to the reader.

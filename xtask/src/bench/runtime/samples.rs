@@ -9,10 +9,7 @@ pub(super) struct Samples(Vec<u64>);
 /// Returns the head of the table.
 pub(super) fn header() -> String {
     let bounds: Vec<String> = BOUNDS.iter().map(|bound| format!("< {bound}")).collect();
-    let names = format!(
-        "| µs | number | p50 | p99 | max | {} | more |",
-        bounds.join(" | ")
-    );
+    let names = format!("| µs | number | p50 | p99 | max | {} | more |", bounds.join(" | "));
     format!("{names}\n|{}", " --- |".repeat(BOUNDS.len() + 6))
 }
 

@@ -54,8 +54,7 @@ impl Names<'_, '_> {
                 _ => {}
             }
         }
-        out.items
-            .retain(|completion_item| completion_item.rank != NOT_PROPOSED);
+        out.items.retain(|completion_item| completion_item.rank != NOT_PROPOSED);
         if before.last().is_some_and(|word| word.is("::")) {
             return;
         }
@@ -141,9 +140,8 @@ impl Names<'_, '_> {
             | TypeKind::Exception { members } => members.as_slice(),
             _ => return Vec::new(),
         };
-        let named = members
-            .iter()
-            .filter_map(|&member| Some((spec.ty(member).name.clone()?, member)));
+        let named =
+            members.iter().filter_map(|&member| Some((spec.ty(member).name.clone()?, member)));
         named.collect()
     }
 
@@ -160,8 +158,5 @@ impl Names<'_, '_> {
 fn is_operand(before: &[Word]) -> bool {
     use dotgen_syntax::SyntaxKind::*;
     let last = before.last().map(|word| word.kind);
-    matches!(
-        last,
-        Some(INT | FLOAT | STRING | CHAR | IDENT | R_PAREN | R_CURLY | R_BRACK)
-    )
+    matches!(last, Some(INT | FLOAT | STRING | CHAR | IDENT | R_PAREN | R_CURLY | R_BRACK))
 }

@@ -81,22 +81,14 @@ pub(super) fn with_comments(
 fn comments(gap: &str) -> Vec<(String, bool)> {
     let mut out = Vec::new();
     let mut at = 0;
-    while let Some(found) = gap[at..]
-        .find("/*")
-        .into_iter()
-        .chain(gap[at..].find("//"))
-        .min()
-    {
+    while let Some(found) = gap[at..].find("/*").into_iter().chain(gap[at..].find("//")).min() {
         let start = at + found;
         let length = match gap[start..].starts_with("/*") {
             true => gap[start..].find("*/").map(|gap| gap + 2),
             false => gap[start..].find('\n'),
         };
         let end = length.map_or(gap.len(), |length| start + length);
-        out.push((
-            gap[start..end].trim_end().to_owned(),
-            gap[..start].contains('\n'),
-        ));
+        out.push((gap[start..end].trim_end().to_owned(), gap[..start].contains('\n')));
         at = end;
     }
     out

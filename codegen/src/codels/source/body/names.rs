@@ -73,18 +73,15 @@ impl Names {
                 }
             }
             "enumerator" | "preproc_def" | "preproc_function_def" => {
-                self.declared
-                    .extend(node.child_by_field_name("name").map(name));
+                self.declared.extend(node.child_by_field_name("name").map(name));
             }
             "assignment_expression" if !around.conditional && !around.declares => {
                 let left = node.child_by_field_name("left");
-                self.written
-                    .extend(left.and_then(|child| through(child, text)));
+                self.written.extend(left.and_then(|child| through(child, text)));
             }
             "update_expression" if !around.conditional && !around.declares => {
                 let of = node.child_by_field_name("argument");
-                self.written
-                    .extend(of.and_then(|child| through(child, text)));
+                self.written.extend(of.and_then(|child| through(child, text)));
             }
             // Members of local classes are names in the functions of these classes.
             "field_identifier" => {
@@ -113,8 +110,7 @@ impl Names {
         for declarator in several {
             let mut cursor = declarator.walk();
             let names = declarator.named_children(&mut cursor);
-            self.declared
-                .extend(names.map(|name| SmolStr::from(source(name, text))));
+            self.declared.extend(names.map(|name| SmolStr::from(source(name, text))));
         }
         if let Some(name) = declared_name(declarator) {
             self.declared.insert(source(name, text).into());
@@ -123,9 +119,7 @@ impl Names {
 
     /// Names that are not declared in the function, each at its first use.
     pub(super) fn free(&self, parameters: &[Parameter]) -> Vec<(SmolStr, Span)> {
-        let parameters = parameters
-            .iter()
-            .filter_map(|parameter| parameter.name.as_ref());
+        let parameters = parameters.iter().filter_map(|parameter| parameter.name.as_ref());
         let mut known: FxHashSet<&SmolStr> = parameters.collect();
         known.extend(self.declared.iter().chain(&self.in_macros));
         let used = self.used.iter();
@@ -147,10 +141,7 @@ impl Names {
             .filter(|name| !self.declared.contains(*name))
             .collect();
         let written = self.written.iter();
-        written
-            .filter(|pair| names.contains(&pair.0))
-            .cloned()
-            .collect()
+        written.filter(|pair| names.contains(&pair.0)).cloned().collect()
     }
 }
 

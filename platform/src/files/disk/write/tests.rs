@@ -31,12 +31,7 @@ fn contents(directory: &Path) -> (BTreeMap<String, String>, usize) {
     let mut leftovers = 0;
     let mut files = BTreeMap::new();
     for entry in walkdir::WalkDir::new(directory).into_iter().flatten() {
-        let name = entry
-            .path()
-            .strip_prefix(directory)
-            .unwrap()
-            .display()
-            .to_string();
+        let name = entry.path().strip_prefix(directory).unwrap().display().to_string();
         if entry.file_type().is_file() {
             match name.ends_with(SUFFIX) {
                 true => leftovers += 1,
@@ -48,10 +43,7 @@ fn contents(directory: &Path) -> (BTreeMap<String, String>, usize) {
 }
 
 fn map(files: &[(&str, &str)]) -> BTreeMap<String, String> {
-    files
-        .iter()
-        .map(|(name, text)| (name.to_string(), text.to_string()))
-        .collect()
+    files.iter().map(|(name, text)| (name.to_string(), text.to_string())).collect()
 }
 
 /// The last group of moves.
@@ -84,11 +76,7 @@ fn all_files_are_written_and_nothing_else_stays() {
     let fixture = fixture();
     let all = steps(&fixture);
     assert_eq!(all.iter().filter(|step| **step == Step::Replace).count(), 3);
-    let after = map(&[
-        ("a.c", "new a.c\n"),
-        ("b.c", "new b.c\n"),
-        ("sub/c.c", "new sub/c.c\n"),
-    ]);
+    let after = map(&[("a.c", "new a.c\n"), ("b.c", "new b.c\n"), ("sub/c.c", "new sub/c.c\n")]);
     assert_eq!(contents(fixture.directory.path()), (after, 0));
 }
 
@@ -112,15 +100,8 @@ fn a_step_that_fails_leaves_everything_as_it_was() {
             continue;
         }
         let error = done.expect_err("it has failed").to_string();
-        assert!(
-            error.ends_with("; none of the 3 files was changed"),
-            "{error}"
-        );
-        assert_eq!(
-            contents(fixture.directory.path()),
-            (map(&BEFORE), 0),
-            "{failed:?}"
-        );
+        assert!(error.ends_with("; none of the 3 files was changed"), "{error}");
+        assert_eq!(contents(fixture.directory.path()), (map(&BEFORE), 0), "{failed:?}");
         assert!(!fixture.directory.path().join("sub").exists(), "{failed:?}");
     }
 }
@@ -171,17 +152,8 @@ fn killed_at(fixture: &Fixture, step: usize, fails: Option<usize>) -> Vec<Move> 
 #[test]
 fn after_a_kill_at_any_step_the_helper_finishes() {
     let all = steps(&fixture());
-    let after = map(&[
-        ("a.c", "new a.c\n"),
-        ("b.c", "new b.c\n"),
-        ("sub/c.c", "new sub/c.c\n"),
-    ]);
-    let replaces = |to: usize| {
-        all[..to]
-            .iter()
-            .filter(|step| **step == Step::Replace)
-            .count()
-    };
+    let after = map(&[("a.c", "new a.c\n"), ("b.c", "new b.c\n"), ("sub/c.c", "new sub/c.c\n")]);
+    let replaces = |to: usize| all[..to].iter().filter(|step| **step == Step::Replace).count();
     for (step, killed) in all.iter().enumerate() {
         let fixture = fixture();
         process::carry_out(&killed_at(&fixture, step, None));
@@ -202,11 +174,7 @@ fn after_a_kill_while_files_are_put_back_the_helper_finishes() {
     for step in last + 1..last + 3 {
         let fixture = fixture();
         process::carry_out(&killed_at(&fixture, step, Some(last)));
-        assert_eq!(
-            contents(fixture.directory.path()),
-            (map(&BEFORE), 0),
-            "{step}"
-        );
+        assert_eq!(contents(fixture.directory.path()), (map(&BEFORE), 0), "{step}");
     }
 }
 
@@ -252,9 +220,7 @@ fn kill_9_at_any_step() {
         let _ = written(&files, &mut |_| {
             if left == 0 {
                 let own = std::process::id().to_string();
-                let _ = std::process::Command::new("kill")
-                    .args(["-9", &own])
-                    .status();
+                let _ = std::process::Command::new("kill").args(["-9", &own]).status();
             }
             left -= 1;
             Ok(())
@@ -274,10 +240,7 @@ fn kill_9_at_any_step() {
         assert!(!status.unwrap().success(), "{step}: it is killed");
         for (name, old) in BEFORE {
             let now = std::fs::read(fixture.directory.path().join(name)).unwrap();
-            assert!(
-                now == old.as_bytes() || now == bytes(name),
-                "{step}: {name}"
-            );
+            assert!(now == old.as_bytes() || now == bytes(name), "{step}: {name}");
         }
         cleaned_up(&fixture, step);
     }
@@ -325,27 +288,14 @@ fn mode_stays_links_are_followed_and_permissions_are_given() {
     symlink("../a.c", at("links/a")).unwrap();
     symlink("links/a", at("again")).unwrap();
     symlink("nothing.c", at("dangling")).unwrap();
-    let new = |name: &str, mode| NewContent {
-        path: at(name),
-        bytes: b"x".to_vec(),
-        mode,
-    };
-    let files = [
-        new("again", None),
-        new("dangling", Some(0o755)),
-        new("b.c", Some(0o600)),
-    ];
+    let new = |name: &str, mode| NewContent { path: at(name), bytes: b"x".to_vec(), mode };
+    let files = [new("again", None), new("dangling", Some(0o755)), new("b.c", Some(0o600))];
     written(&files, &mut |_| Ok(())).unwrap();
     assert_eq!(std::fs::read(at("a.c")).unwrap(), b"x");
-    assert_eq!(
-        (mode("a.c"), mode("nothing.c"), mode("b.c")),
-        (0o640, 0o755, 0o600)
-    );
+    assert_eq!((mode("a.c"), mode("nothing.c"), mode("b.c")), (0o640, 0o755, 0o600));
     assert!(at("again").is_symlink() && at("dangling").is_symlink());
     symlink("loop", at("loop")).unwrap();
-    let error = written(&[new("loop", None)], &mut |_| Ok(()))
-        .unwrap_err()
-        .to_string();
+    let error = written(&[new("loop", None)], &mut |_| Ok(())).unwrap_err().to_string();
     assert!(error.contains("too many links"), "{error}");
 }
 
@@ -358,16 +308,8 @@ fn directories_in_the_way_are_told() {
         mode: None,
     };
     std::fs::create_dir(fixture.directory.path().join("d")).unwrap();
-    let refused = |name: &str| {
-        written(&[at(name)], &mut |_| Ok(()))
-            .unwrap_err()
-            .to_string()
-    };
-    assert!(
-        refused("d").ends_with("d`: is a directory"),
-        "{}",
-        refused("d")
-    );
+    let refused = |name: &str| written(&[at(name)], &mut |_| Ok(())).unwrap_err().to_string();
+    assert!(refused("d").ends_with("d`: is a directory"), "{}", refused("d"));
     let below = refused("a.c/x.c");
     assert!(below.contains("not a directory"), "{below}");
 }

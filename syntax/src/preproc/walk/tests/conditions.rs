@@ -15,11 +15,7 @@ fn conditionals_leave_text_out() {
         "#]],
     );
     let (_, out, _) = run("#if 0\na\n #elif 1\nb\n#else\nc\n#endif\n");
-    let taken: Vec<Option<bool>> = out
-        .directives
-        .iter()
-        .map(|directive| directive.taken)
-        .collect();
+    let taken: Vec<Option<bool>> = out.directives.iter().map(|directive| directive.taken).collect();
     assert_eq!(taken, [Some(false), Some(true), Some(false), None]);
     assert_eq!(format!("{:?}", out.inactive), "[6..8, 25..27]");
 }
@@ -95,11 +91,7 @@ fn conditions_that_hold() {
         "(1, 0, 3) == 3",
         "1 == 1 == 1 || 1",
     ] {
-        let expected = if holds.starts_with("1 == 1 ==") {
-            "pp-if-syntax"
-        } else {
-            "yes"
-        };
+        let expected = if holds.starts_with("1 == 1 ==") { "pp-if-syntax" } else { "yes" };
         assert_eq!(value(holds), expected, "#if {holds}");
     }
 }
@@ -142,9 +134,6 @@ fn conditions_that_do_not_hold() {
 #[test]
 fn deeply_nested_conditions_end() {
     for deep in ["(", "!", "1?", "1+", "-(", "F("] {
-        run(&format!(
-            "#define F(x) x\n#if {}1\n#endif\n",
-            deep.repeat(100_000)
-        ));
+        run(&format!("#define F(x) x\n#if {}1\n#endif\n", deep.repeat(100_000)));
     }
 }

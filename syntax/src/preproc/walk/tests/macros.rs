@@ -124,11 +124,7 @@ fn macros_that_grow_are_stopped() {
     text.push_str("A29\nA29\n");
     let (files, ..) = run(&text);
     assert_eq!(files.errors.len(), 1, "{:?}", files.errors);
-    assert!(
-        files.errors[0].contains("pp-macro-limit"),
-        "{:?}",
-        files.errors
-    );
+    assert!(files.errors[0].contains("pp-macro-limit"), "{:?}", files.errors);
 
     // Texts that double, arguments in arguments, and calls without end.
     let deep = |open: &str, count: usize| {
@@ -170,11 +166,7 @@ fn definition_mistakes() {
     );
     let params: Vec<String> = (0..129).map(|i| format!("p{i}")).collect();
     let (files, ..) = run(&format!("#define F({}) p0\n", params.join(", ")));
-    assert!(
-        files.errors[0].contains("pp-define-bad"),
-        "{:?}",
-        files.errors
-    );
+    assert!(files.errors[0].contains("pp-define-bad"), "{:?}", files.errors);
     let (files, ..) = run(&format!("#define F({}) p0\n", params[..128].join(", ")));
     assert_eq!(files.errors, [""; 0]);
 }
@@ -229,10 +221,7 @@ fn uses_and_definitions_of_macros() {
             _ => None,
         })
         .collect();
-    let site = |ordinal: u32| MacroSite {
-        file: Some("main.gen".into()),
-        ordinal,
-    };
+    let site = |ordinal: u32| MacroSite { file: Some("main.gen".into()), ordinal };
     let body = |ordinal: u32| format!("1 {:?}", crate::preproc::Origin::Body(site(ordinal)));
     assert_eq!(origins, [body(1), body(1)]);
 }

@@ -107,13 +107,7 @@ impl Requests {
             let task = &system.tasks[TaskId::from(task)];
             let mut automata = task.permanent.iter().chain(&task.slots);
             system.platform.async_free
-                && automata.any(|&a| {
-                    system
-                        .machine_of(a)
-                        .states
-                        .iter()
-                        .any(|state| state.is_async)
-                })
+                && automata.any(|&a| system.machine_of(a).states.iter().any(|state| state.is_async))
         };
         out.ordinary = (system.automata.iter())
             .map(|automaton| {
@@ -132,21 +126,19 @@ fn takes_time(client: &Client) -> bool {
         let step = &client.steps[step];
         !matches!(step.action, ClientAction::Delay(_, upper) if upper > 0)
     };
-    !(0..client.steps.len())
-        .filter(|&step| hasty(step))
-        .any(|start| {
-            let mut seen = vec![false; client.steps.len()];
-            let mut stack = client.steps[start].next.clone();
-            while let Some(at) = stack.pop() {
-                if at == start {
-                    return true;
-                }
-                if at < seen.len() && hasty(at) && !std::mem::replace(&mut seen[at], true) {
-                    stack.extend(&client.steps[at].next);
-                }
+    !(0..client.steps.len()).filter(|&step| hasty(step)).any(|start| {
+        let mut seen = vec![false; client.steps.len()];
+        let mut stack = client.steps[start].next.clone();
+        while let Some(at) = stack.pop() {
+            if at == start {
+                return true;
             }
-            false
-        })
+            if at < seen.len() && hasty(at) && !std::mem::replace(&mut seen[at], true) {
+                stack.extend(&client.steps[at].next);
+            }
+        }
+        false
+    })
 }
 
 /// Returns, by step, the services that a client can request in no time after it, if every awaited event has
@@ -213,10 +205,7 @@ impl AmpleState<'_, '_> {
             |other: &ServiceId| system.services[*other].interrupts.contains(&service);
         let mut waiting = system.components[definition.component].services.iter();
         void(service)
-            && definition
-                .interrupts
-                .iter()
-                .all(|&interrupt| void(interrupt))
+            && definition.interrupts.iter().all(|&interrupt| void(interrupt))
             && waiting.all(|other| !waits_for_it(other) || all(*other, &|init| init != slot::INIT))
             && definition.slots.first().is_none_or(|&a| {
                 known.ordinary[a]
@@ -235,10 +224,7 @@ impl AmpleState<'_, '_> {
             && l.status(self.s, task) == TaskStatus::Idle
             && !self.due(task)
             && !l.pending(self.s, task)
-            && definition
-                .slots
-                .iter()
-                .all(|&a| l.mode(self.s, l.number_of(a)) == slot::VOID)
+            && definition.slots.iter().all(|&a| l.mode(self.s, l.number_of(a)) == slot::VOID)
             && (!self.system().needs_core(TaskId::from(task)) || self.cores_for_all())
     }
 
@@ -272,11 +258,7 @@ impl AmpleState<'_, '_> {
                 | ClientAction::AwaitOutcome(..) => after,
             }
         };
-        let clients = self
-            .system()
-            .clients
-            .keys()
-            .filter(|&client| counts(client));
+        let clients = self.system().clients.keys().filter(|&client| counts(client));
         clients.fold(0, |set, client| set | of(client))
     }
 
@@ -291,24 +273,16 @@ impl AmpleState<'_, '_> {
             slots.any(|a| l.mode(self.s, a as usize) == slot::ETHER)
         };
         known.enabled
-            && system.components[component]
-                .services
-                .iter()
-                .all(|&service| {
-                    let mut slots = system.services[service]
-                        .slots
-                        .iter()
-                        .map(|&a| l.mode(self.s, l.number_of(a)));
-                    slots.all(|it_is| match it_is {
-                        slot::INIT => false,
-                        slot::ETHER => !known.visible.slots[service],
-                        _ => true,
-                    })
+            && system.components[component].services.iter().all(|&service| {
+                let mut slots =
+                    system.services[service].slots.iter().map(|&a| l.mode(self.s, l.number_of(a)));
+                slots.all(|it_is| match it_is {
+                    slot::INIT => false,
+                    slot::ETHER => !known.visible.slots[service],
+                    _ => true,
                 })
-            && system
-                .clients
-                .keys()
-                .all(|client| !known.visible.clients[client] || !ended(client))
+            })
+            && system.clients.keys().all(|client| !known.visible.clients[client] || !ended(client))
     }
 
     /// Returns true if the end of an activity's codel can come before anything else.
@@ -333,40 +307,28 @@ impl AmpleState<'_, '_> {
             return false;
         }
         let state = &system.machine_of(id).states[l.at(self.s, executor) as usize];
-        if state
-            .yields
-            .iter()
-            .all(|transition| matches!(transition, Yield::Next(_)))
-        {
+        if state.yields.iter().all(|transition| matches!(transition, Yield::Next(_))) {
             return true;
         }
         let definition = &system.tasks[task];
         let component = definition.component;
         // The beginning of the next turn shows whether the activity has been interrupted.
         let ends = (definition.period.is_some()
-            || state
-                .yields
-                .iter()
-                .all(|transition| !matches!(transition, Yield::Pause(_))))
+            || state.yields.iter().all(|transition| !matches!(transition, Yield::Pause(_))))
             && !known.visible.slots[service];
         let nothing_else = (definition.slots.iter())
             .all(|&a| a == id || self.cannot_change(a, service))
             && !self.due(usize::from(task))
             && !l.pending(self.s, usize::from(task))
-            && definition
-                .permanent
-                .is_none_or(|a| match l.mode(self.s, l.number_of(a)) {
-                    permanent::ENDED => true,
-                    permanent::NORMAL => definition.period.is_some(),
-                    _ => false,
-                })
+            && definition.permanent.is_none_or(|a| match l.mode(self.s, l.number_of(a)) {
+                permanent::ENDED => true,
+                permanent::NORMAL => definition.period.is_some(),
+                _ => false,
+            })
             && (!system.needs_core(task) || self.cores_for_all());
         let waits = |client: ClientId| {
             let at = l.position(self.s, client) as usize;
-            let step = system.clients[client]
-                .steps
-                .get(at)
-                .map(|step| &step.action);
+            let step = system.clients[client].steps.get(at).map(|step| &step.action);
             matches!(step, Some(&ClientAction::AwaitEnded(t))
                 if l.tracker(self.s, client, t) == tracker::SLOT + executor as u16)
         };
@@ -469,21 +431,9 @@ impl AmpleState<'_, '_> {
         let l = self.layout();
         let system = self.system();
         let definition = &system.tasks[TaskId::from(task)];
-        let automata = || {
-            definition
-                .permanent
-                .iter()
-                .chain(&definition.slots)
-                .copied()
-        };
+        let automata = || definition.permanent.iter().chain(&definition.slots).copied();
         let separate = system.platform.async_free
-            && automata().any(|a| {
-                system
-                    .machine_of(a)
-                    .states
-                    .iter()
-                    .any(|state| state.is_async)
-            });
+            && automata().any(|a| system.machine_of(a).states.iter().any(|state| state.is_async));
         let settled = self.started_up(task);
         // While a task executes a codel that does not end yet, no other action of the task is possible.
         let executes = (l.turn(self.s, task))

@@ -69,11 +69,8 @@ impl LazyMembers {
             members.for_each(|member| *member = to);
         };
         let requested = system.requested();
-        let live = |a: AutomatonId| {
-            system.automata[a]
-                .service
-                .is_none_or(|service| requested[service])
-        };
+        let live =
+            |a: AutomatonId| system.automata[a].service.is_none_or(|service| requested[service]);
         for (a, automaton) in system.automata.iter_enumerated() {
             if live(a) {
                 for state in &system.machine_of(a).states {
@@ -151,21 +148,16 @@ impl LazyMembers {
                 }
             }
         }
-        let not_lazy: Vec<usize> = (0..n)
-            .filter(|&index| !lazy[index])
-            .map(|index| group[index])
-            .collect();
-        let members: Vec<bool> = (0..n)
-            .map(|index| !not_lazy.contains(&group[index]))
-            .collect();
+        let not_lazy: Vec<usize> =
+            (0..n).filter(|&index| !lazy[index]).map(|index| group[index]).collect();
+        let members: Vec<bool> = (0..n).map(|index| !not_lazy.contains(&group[index])).collect();
         rest.retain(|&(a, _)| members[usize::from(system.automata[a].task)]);
         // The end of start-up lets the control task begin, so the group of the control task must be lazy as
         // well.
         let can_start = |task: usize| {
             let control = control(system.tasks[TaskId::from(task)].component);
-            let mut resting = rest
-                .iter()
-                .map(|&(a, _)| group[usize::from(system.automata[a].task)]);
+            let mut resting =
+                rest.iter().map(|&(a, _)| group[usize::from(system.automata[a].task)]);
             members[control] && resting.all(|index| index != group[control])
         };
         LazyMembers {
@@ -183,20 +175,16 @@ impl LazyMembers {
     /// Returns the members whose ends can be postponed in a calm state, if there are any.
     pub(crate) fn waiters(&self, rules: &SystemRules, s: &State) -> Option<Deferrable> {
         let l = &rules.layout;
-        let settled = rules
-            .system
-            .tasks
-            .iter()
-            .zip(&self.members)
-            .enumerate()
-            .all(|(task, (entry, &lazy))| {
+        let settled = rules.system.tasks.iter().zip(&self.members).enumerate().all(
+            |(task, (entry, &lazy))| {
                 let normal = |a| match l.mode(s, l.number_of(a)) {
                     permanent::NORMAL | permanent::ENDED => true,
                     permanent::FIRST_CODEL | permanent::FIRST_TURN => self.starts[task],
                     _ => false,
                 };
                 !lazy || (!l.pending(s, task) && entry.permanent.is_none_or(normal))
-            });
+            },
+        );
         if !settled {
             return None;
         }
@@ -214,10 +202,7 @@ impl LazyMembers {
         }
         let queue = l.core_queue(s);
         let all = queue.iter().all(|&task| out[task as usize]);
-        all.then_some(Deferrable {
-            members: out,
-            automata: true,
-        })
+        all.then_some(Deferrable { members: out, automata: true })
     }
 }
 
@@ -238,7 +223,5 @@ fn endless(system: &TimedSystem, task: usize, requested: &TiSlice<ServiceId, boo
     let definition = &system.tasks[TaskId::from(task)];
     definition.period.is_none()
         && !system.has_activities(TaskId::from(task), requested)
-        && definition
-            .permanent
-            .is_some_and(|a| system.machine_of(a).is_endless())
+        && definition.permanent.is_some_and(|a| system.machine_of(a).is_endless())
 }

@@ -38,20 +38,14 @@ impl LazyComponents {
         if without_rest || !lazy.contains(&true) {
             return Err(Reason::NothingToPutOff);
         }
-        Ok(LazyComponents {
-            lazy: SmallVec::from_vec(lazy),
-            rest,
-        })
+        Ok(LazyComponents { lazy: SmallVec::from_vec(lazy), rest })
     }
 
     /// Returns the executors whose ends can be postponed in a calm state, if there are any.
     pub(super) fn waiters(&self, rules: &SystemRules, s: &State) -> Option<Deferrable> {
         let can_defer_ends = !rules.keeps_first_tick(s, |task| self.lazy[task])
             && (self.rest.iter()).all(|&(task, state)| rules.rests(s, task, state));
-        can_defer_ends.then(|| Deferrable {
-            members: self.lazy.clone(),
-            automata: false,
-        })
+        can_defer_ends.then(|| Deferrable { members: self.lazy.clone(), automata: false })
     }
 }
 
@@ -93,9 +87,7 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
                 }
                 // The rounds of the loop are events: there must be no other task to be woken by them.
                 let others = component.tasks.iter().filter(|&&other| other != task);
-                let alone = others
-                    .clone()
-                    .all(|&task| system.tasks[task].period.is_some())
+                let alone = others.clone().all(|&task| system.tasks[task].period.is_some())
                     && definition.slots.is_empty()
                     && definition.period.is_none()
                     && machine.is_endless()
@@ -117,11 +109,7 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
                 }
             }
         }
-        for &service in component
-            .services
-            .iter()
-            .filter(|&&service| requested[service])
-        {
+        for &service in component.services.iter().filter(|&&service| requested[service]) {
             let service = &system.services[service];
             let mut codels = service.validate.iter().chain(&service.simple);
             lazy[number] &= codels.all(|&codel| system.codels[codel].lower == 0);
@@ -143,9 +131,7 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
     if system.platform.cores.is_some() && of_group.contains(&false) {
         return none();
     }
-    let mut out: Vec<bool> = (system.tasks.iter())
-        .map(|task| of_group[task.component])
-        .collect();
+    let mut out: Vec<bool> = (system.tasks.iter()).map(|task| of_group[task.component]).collect();
     out.extend(&of_group);
     let clients = addressed.iter();
     out.extend(clients.map(|client| client.iter().all(|&client| of_group[client])));

@@ -26,11 +26,8 @@ pub(super) fn place(
     owner: &TiSlice<CodelId, usize>,
 ) -> Option<usize> {
     let machine = system.machine_of(automaton);
-    let mut slow = machine
-        .states
-        .iter()
-        .enumerate()
-        .filter(|(_, state)| system.codels[state.codel].lower > 0);
+    let mut slow =
+        machine.states.iter().enumerate().filter(|(_, state)| system.codels[state.codel].lower > 0);
     let (place, state) = slow.next()?;
     let codel = &system.codels[state.codel];
     let task = usize::from(system.automata[automaton].task);
@@ -50,9 +47,7 @@ pub(super) fn start_up_only(system: &TimedSystem, codel: CodelId) -> bool {
     let mut uses = system.automata.keys().flat_map(|a| {
         let machine = system.machine_of(a);
         let states = machine.states.iter().enumerate();
-        states
-            .filter(move |state| state.1.codel == codel)
-            .map(move |(state, _)| (a, state))
+        states.filter(move |state| state.1.codel == codel).map(move |(state, _)| (a, state))
     });
     uses.all(|(a, state)| {
         let machine = system.machine_of(a);
@@ -96,23 +91,13 @@ fn always_same_visits(machine: &Machine, place: usize) -> bool {
             return false;
         }
         let yields =
-            machine.states[state]
-                .yields
-                .iter()
-                .filter_map(|transition| match *transition {
-                    Yield::Next(next) => Some(next),
-                    _ => None,
-                });
-        let allowed: Vec<usize> = yields
-            .clone()
-            .filter(|&index| visits[index] < limit)
-            .collect();
+            machine.states[state].yields.iter().filter_map(|transition| match *transition {
+                Yield::Next(next) => Some(next),
+                _ => None,
+            });
+        let allowed: Vec<usize> = yields.clone().filter(|&index| visits[index] < limit).collect();
         if allowed.is_empty() && machine.rounds {
-            stack.extend(
-                yields
-                    .filter(|&index| index != state)
-                    .map(|index| enter(&fresh, index)),
-            );
+            stack.extend(yields.filter(|&index| index != state).map(|index| enter(&fresh, index)));
         } else {
             stack.extend(allowed.into_iter().map(|index| enter(&visits, index)));
         }

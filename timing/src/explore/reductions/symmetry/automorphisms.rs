@@ -67,13 +67,10 @@ fn closed(system: &TimedSystem, class: &[Parts]) -> bool {
     class.iter().all(|unit| {
         let foreign = |service: ServiceId| {
             !unit[Part::Service].contains(&service.into())
-                && class
-                    .iter()
-                    .any(|class| class[Part::Service].contains(&service.into()))
+                && class.iter().any(|class| class[Part::Service].contains(&service.into()))
         };
-        let steps = unit[Part::Client]
-            .iter()
-            .flat_map(|&unit| &system.clients[ClientId::from(unit)].steps);
+        let steps =
+            unit[Part::Client].iter().flat_map(|&unit| &system.clients[ClientId::from(unit)].steps);
         let mut sends = steps.filter_map(|step| match step.action {
             ClientAction::Send { service, .. } => Some(service),
             _ => None,
@@ -95,12 +92,7 @@ impl Seed {
     fn resembles(self, other: Seed, system: &TimedSystem) -> bool {
         let task = |task: TaskId| {
             let task = &system.tasks[task];
-            (
-                task.period,
-                task.delay,
-                task.permanent.is_some(),
-                task.slots.len(),
-            )
+            (task.period, task.delay, task.permanent.is_some(), task.slots.len())
         };
         match (self, other) {
             (Seed::Component(one), Seed::Component(other)) => {
@@ -133,9 +125,7 @@ fn exchange(
         (Seed::Task(one), Seed::Task(other)) => exchange.task(one, other),
         _ => None,
     }?;
-    exchange
-        .changes_nothing(asked)
-        .then_some((exchange.one, exchange.other))
+    exchange.changes_nothing(asked).then_some((exchange.one, exchange.other))
 }
 
 /// Returns true if a unit contains the starting point of an exchange.
@@ -223,11 +213,7 @@ impl<'s> Exchange<'s> {
             let (one, other) = (&self.system.tasks[x], &self.system.tasks[y]);
             self.component(one.component, other.component)?;
             let list = |optional: Option<AutomatonId>| optional.into_iter().collect::<Vec<_>>();
-            self.each(
-                &list(one.permanent),
-                &list(other.permanent),
-                Self::automaton,
-            )?;
+            self.each(&list(one.permanent), &list(other.permanent), Self::automaton)?;
             self.each(&one.slots, &other.slots, Self::automaton)?;
         }
         Some(())
@@ -308,19 +294,14 @@ impl<'s> Exchange<'s> {
             && self.keeps_codels()
             && self.keeps_services()
             && self.keeps_clients()
-            && asked
-                .predicates
-                .iter()
-                .all(|predicate| self.keeps_predicate(predicate))
+            && asked.predicates.iter().all(|predicate| self.keeps_predicate(predicate))
     }
 
     fn keeps_components(&self) -> bool {
         let system = self.system;
         (system.components.keys()).all(|c| {
-            let (from, to) = (
-                &system.components[c],
-                &system.components[self.name(Part::Component, c)],
-            );
+            let (from, to) =
+                (&system.components[c], &system.components[self.name(Part::Component, c)]);
             // Tasks are started one after the other. In the published models, a task without a permanent
             // activity is started with the previous one.
             let together = system.platform.semantics.is_published();
@@ -338,10 +319,7 @@ impl<'s> Exchange<'s> {
                 blocks
             };
             let renamed = blocks(
-                &mut from
-                    .tasks
-                    .iter()
-                    .map(|&task| usize::from(self.name(Part::Task, task))),
+                &mut from.tasks.iter().map(|&task| usize::from(self.name(Part::Task, task))),
             );
             renamed == blocks(&mut to.tasks.iter().map(|&task| usize::from(task)))
                 && same_set(&from.services, &to.services, self.to.of(Part::Service))
@@ -362,24 +340,16 @@ impl<'s> Exchange<'s> {
                     == (to.period, to.delay, to.keep_idle_tick)
                 && (from.places, from.affinity) == (to.places, to.affinity)
                 && (!by_priority || from.priority == to.priority)
-                && from
-                    .permanent
-                    .map(|index| self.name(Part::Automaton, index))
-                    == to.permanent
+                && from.permanent.map(|index| self.name(Part::Automaton, index)) == to.permanent
                 && same_list(&from.slots, &to.slots, self.to.of(Part::Automaton))
         });
         tasks
             && system.automata.keys().all(|a| {
-                let (from, to) = (
-                    &system.automata[a],
-                    &system.automata[self.name(Part::Automaton, a)],
-                );
+                let (from, to) =
+                    (&system.automata[a], &system.automata[self.name(Part::Automaton, a)]);
                 self.name(Part::Task, from.task) == to.task
                     && self.name(Part::Machine, from.machine) == to.machine
-                    && from
-                        .service
-                        .map(|service| self.name(Part::Service, service))
-                        == to.service
+                    && from.service.map(|service| self.name(Part::Service, service)) == to.service
             })
     }
 
@@ -418,10 +388,7 @@ impl<'s> Exchange<'s> {
             let to = &services[self.name(Part::Service, v)];
             self.name(Part::Component, from.component) == to.component
                 && (from.activity, from.builtin) == (to.activity, to.builtin)
-                && from
-                    .validate
-                    .map(|validate| self.name(Part::Codel, validate))
-                    == to.validate
+                && from.validate.map(|validate| self.name(Part::Codel, validate)) == to.validate
                 && same_list(&from.simple, &to.simple, self.to.of(Part::Codel))
                 && same_list(&from.slots, &to.slots, self.to.of(Part::Automaton))
                 && [
@@ -442,17 +409,14 @@ impl<'s> Exchange<'s> {
                 && from.steps.len() == to.steps.len()
                 && from.steps.iter().zip(&to.steps).all(|(from, to)| {
                     let renamed = match &from.action {
-                        ClientAction::Send {
-                            service,
-                            trackers,
-                            accepted,
-                            aborts,
-                        } => ClientAction::Send {
-                            service: self.name(Part::Service, *service),
-                            trackers: trackers.clone(),
-                            accepted: accepted.clone(),
-                            aborts: *aborts,
-                        },
+                        ClientAction::Send { service, trackers, accepted, aborts } => {
+                            ClientAction::Send {
+                                service: self.name(Part::Service, *service),
+                                trackers: trackers.clone(),
+                                accepted: accepted.clone(),
+                                aborts: *aborts,
+                            }
+                        }
                         other => other.clone(),
                     };
                     renamed == to.action && from.next == to.next

@@ -62,13 +62,7 @@ impl Renaming {
 
     /// Renames the parts of one unit to those of another.
     pub(super) fn put(&mut self, from: &Parts, to: &Parts) {
-        for ((names, from), to) in self
-            .0
-            .lists_mut()
-            .iter_mut()
-            .zip(from.lists())
-            .zip(to.lists())
-        {
+        for ((names, from), to) in self.0.lists_mut().iter_mut().zip(from.lists()).zip(to.lists()) {
             for (&from, &to) in from.iter().zip(to) {
                 names[from] = to;
             }
@@ -96,12 +90,7 @@ impl Renaming {
 
     /// Returns the composition of two renamings, `first` before this one.
     pub(crate) fn after(&self, first: &Renaming) -> Renaming {
-        self.map(|kind, then| {
-            first.0.lists()[kind]
-                .iter()
-                .map(|&index| then[index])
-                .collect()
-        })
+        self.map(|kind, then| first.0.lists()[kind].iter().map(|&index| then[index]).collect())
     }
 
     pub(crate) fn task(&self, task: usize) -> usize {
@@ -127,64 +116,32 @@ impl Renaming {
         let component = |index| self.component(index);
         let executor = |executor| self.executor(executor);
         match action {
-            Action::Proceed {
-                client: index,
-                next,
-            } => Action::Proceed {
-                client: client(index),
-                next,
-            },
+            Action::Proceed { client: index, next } => {
+                Action::Proceed { client: client(index), next }
+            }
             Action::Release { task: index } => Action::Release { task: task(index) },
             Action::Grant { task: index } => Action::Grant { task: task(index) },
             Action::Tick { task: index } => Action::Tick { task: task(index) },
-            Action::Acquire { executor: index } => Action::Acquire {
-                executor: executor(index),
-            },
-            Action::Finish {
-                executor: index,
-                outcome,
-            } => Action::Finish {
-                executor: executor(index),
-                outcome,
-            },
-            Action::Preempt {
-                executor: index,
-                by,
-            } => Action::Preempt {
-                executor: executor(index),
-                by: executor(by),
-            },
-            Action::Ready { executor: index } => Action::Ready {
-                executor: executor(index),
-            },
+            Action::Acquire { executor: index } => Action::Acquire { executor: executor(index) },
+            Action::Finish { executor: index, outcome } => {
+                Action::Finish { executor: executor(index), outcome }
+            }
+            Action::Preempt { executor: index, by } => {
+                Action::Preempt { executor: executor(index), by: executor(by) }
+            }
+            Action::Ready { executor: index } => Action::Ready { executor: executor(index) },
             Action::Begin { task: index } => Action::Begin { task: task(index) },
             Action::Wake { task: index } => Action::Wake { task: task(index) },
-            Action::Ticket { executor: index } => Action::Ticket {
-                executor: executor(index),
-            },
-            Action::Mark {
-                executor: index,
-                taken,
-            } => Action::Mark {
-                executor: index.map(executor),
-                taken,
-            },
-            Action::Reply { component: index } => Action::Reply {
-                component: component(index),
-            },
-            Action::Shut { component: index } => Action::Shut {
-                component: component(index),
-            },
-            Action::Signal { component: index } => Action::Signal {
-                component: component(index),
-            },
-            Action::Request {
-                client: index,
-                next,
-            } => Action::Request {
-                client: client(index),
-                next,
-            },
+            Action::Ticket { executor: index } => Action::Ticket { executor: executor(index) },
+            Action::Mark { executor: index, taken } => {
+                Action::Mark { executor: index.map(executor), taken }
+            }
+            Action::Reply { component: index } => Action::Reply { component: component(index) },
+            Action::Shut { component: index } => Action::Shut { component: component(index) },
+            Action::Signal { component: index } => Action::Signal { component: component(index) },
+            Action::Request { client: index, next } => {
+                Action::Request { client: client(index), next }
+            }
         }
     }
 
@@ -194,21 +151,11 @@ impl Renaming {
             Atom::Task(task, state) => {
                 Atom::Task(TaskId::from(self.task(usize::from(task))), state)
             }
-            Atom::State {
-                machine,
-                state,
-                phase,
-            } => Atom::State {
-                machine: self.name(Part::Machine, machine),
-                state,
-                phase,
-            },
+            Atom::State { machine, state, phase } => {
+                Atom::State { machine: self.name(Part::Machine, machine), state, phase }
+            }
             Atom::Slot(service, status) => Atom::Slot(self.name(Part::Service, service), status),
-            Atom::Handling {
-                service,
-                codel,
-                phase,
-            } => Atom::Handling {
+            Atom::Handling { service, codel, phase } => Atom::Handling {
                 service: self.name(Part::Service, service),
                 codel: codel.map(|codel| self.name(Part::Codel, codel)),
                 phase,

@@ -21,11 +21,7 @@ pub(super) struct InterimFindings<'a> {
 
 impl<'a> InterimFindings<'a> {
     pub(super) fn new(receiver: FindingsReceiver<'a>) -> Self {
-        InterimFindings {
-            receiver,
-            reported: None,
-            proved: false,
-        }
+        InterimFindings { receiver, reported: None, proved: false }
     }
 }
 
@@ -37,11 +33,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
             return;
         };
         let goals = &layers.observations.goals;
-        let reported = |goal| {
-            news.reported
-                .as_ref()
-                .is_some_and(|reported| reported[goal])
-        };
+        let reported = |goal| news.reported.as_ref().is_some_and(|reported| reported[goal]);
         let is_new = |goal| !reported(goal) && self.is_known(layers, goal);
         if goals.ids().any(is_new) || news.proved != self.zone_search.is_done() {
             let [missed, overdue, reached] = goals.split(goals.each(|goal| {

@@ -68,10 +68,7 @@ pub(super) struct FoundRun {
 
 impl RandomSearch {
     pub(super) fn new(watch: &Watch) -> Self {
-        RandomSearch {
-            found_run: Goals::of(watch).each(|_| None),
-            ..RandomSearch::default()
-        }
+        RandomSearch { found_run: Goals::of(watch).each(|_| None), ..RandomSearch::default() }
     }
 
     /// Returns the number of steps of the next search: mostly few, because a lucky search needs few.
@@ -107,10 +104,7 @@ impl RandomSearch {
             if let Some(run) = run
                 && place.as_ref().is_none_or(|place| run.end < place.run.end)
             {
-                *place = Some(FoundRun {
-                    run,
-                    is_final: false,
-                });
+                *place = Some(FoundRun { run, is_final: false });
                 any = true;
             }
         }
@@ -119,9 +113,7 @@ impl RandomSearch {
 
     /// Returns the latest end of the runs to some goals.
     fn last_end(&self, goals: &[GoalId]) -> Option<u64> {
-        let runs = goals
-            .iter()
-            .filter_map(|&goal| self.found_run[goal].as_ref());
+        let runs = goals.iter().filter_map(|&goal| self.found_run[goal].as_ref());
         runs.map(|run| run.run.end).max()
     }
 
@@ -137,10 +129,7 @@ impl RandomSearch {
         self.report_at = None;
         for goal in layers.observations.goals.ids() {
             if let Some(run) = layers.run_to(goal) {
-                self.found_run[goal] = Some(FoundRun {
-                    run,
-                    is_final: true,
-                });
+                self.found_run[goal] = Some(FoundRun { run, is_final: true });
             }
         }
         self
@@ -170,11 +159,8 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
         wanted: impl Fn(Option<&Run>) -> bool,
     ) -> impl Iterator<Item = GoalId> {
         layers.observations.goals.ids().filter(move |&goal| {
-            let found_run = self
-                .random_search
-                .as_ref()
-                .ok()
-                .and_then(|search| search.found_run(goal));
+            let found_run =
+                self.random_search.as_ref().ok().and_then(|search| search.found_run(goal));
             let settled = self.is_never(layers, goal)
                 || found_run.is_some_and(|found_run| found_run.is_final);
             layers.observations.seen.goals[goal].is_none()
@@ -192,9 +178,8 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     /// Returns true if some goal was only found by random search, and may still be reached earlier.
     pub(super) fn may_find_earlier_end(&self, layers: &Layers<'a, R>) -> bool {
         let now = layers.now;
-        let mut left = self.open_goals(layers, |found_run| {
-            found_run.is_some_and(|found_run| found_run.end > now)
-        });
+        let mut left = self
+            .open_goals(layers, |found_run| found_run.is_some_and(|found_run| found_run.end > now));
         left.next().is_some()
     }
 
@@ -217,11 +202,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
 
     /// Makes found runs final, if the search has continued for long enough without seeing the goals.
     fn settle_if_due(&mut self, layers: &Layers<'a, R>) {
-        let due = self
-            .random_search
-            .as_ref()
-            .ok()
-            .and_then(|search| search.report_at);
+        let due = self.random_search.as_ref().ok().and_then(|search| search.report_at);
         if due.is_none_or(|report| layers.steps < report) {
             return;
         }
@@ -257,17 +238,12 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
                     break;
                 }
             }
-            let any = self
-                .open_goals(layers, |run| run.is_some())
-                .next()
-                .is_some();
+            let any = self.open_goals(layers, |run| run.is_some()).next().is_some();
             let Ok(random_search) = &mut self.random_search else {
                 return;
             };
             if any {
-                random_search
-                    .report_at
-                    .get_or_insert(layers.steps + MAX_STEPS_FOR_EARLIER_END);
+                random_search.report_at.get_or_insert(layers.steps + MAX_STEPS_FOR_EARLIER_END);
             }
             let mut missed = layers.observations.goals.missed();
             if watch.stop_at_first && missed.any(|pair| random_search.found_run[pair.0].is_some()) {

@@ -44,10 +44,9 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
                 limit: None,
                 most: None,
             }),
-            Timing::Within(index) => watch.within.push(Within {
-                limit: None,
-                ..layers.observations.watch.within[index].clone()
-            }),
+            Timing::Within(index) => watch
+                .within
+                .push(Within { limit: None, ..layers.observations.watch.within[index].clone() }),
         }
         let gauges = Gauge::of(&watch, &MeasurementMode::Shared);
         let rules = &layers.observations.rules;

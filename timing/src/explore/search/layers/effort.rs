@@ -57,16 +57,12 @@ impl<R: Reduced> Layers<'_, R> {
 
     /// Returns the reductions in use.
     pub(in crate::explore::search) fn activities(&self) -> impl Iterator<Item = Activity> {
-        let switched = [
-            Kind::WindowUnion,
-            Kind::WindowInclusion,
-            Kind::MomentCovering,
-        ]
-        .map(|kind| {
-            let off = self.limits.without.contains(kind);
-            let off = off.then_some(Reason::SwitchedOff);
-            Activity { kind, off }
-        });
+        let switched =
+            [Kind::WindowUnion, Kind::WindowInclusion, Kind::MomentCovering].map(|kind| {
+                let off = self.limits.without.contains(kind);
+                let off = off.then_some(Reason::SwitchedOff);
+                Activity { kind, off }
+            });
         let own = self.observations.reductions.activities().iter().copied();
         own.chain(switched)
     }

@@ -59,11 +59,7 @@ impl<R: Reduced> Layers<'_, R> {
     /// segments lead from node to node, and are found backwards, with the remaining times that the later part
     /// of the run needs.
     pub(in crate::explore::search) fn trace(&self, at: Sight<NodeId>, goal: &Target) -> Run {
-        let left_out = || Run {
-            end: at.time,
-            left_out: true,
-            ..Run::default()
-        };
+        let left_out = || Run { end: at.time, left_out: true, ..Run::default() };
         let mut segments: Vec<(u64, Vec<Action>)> = Vec::new();
         let mut node = at.parent;
         let mut task = None;
@@ -89,9 +85,7 @@ impl<R: Reduced> Layers<'_, R> {
             // names before.
             if let Some(back) = order.map(|order| order.inverse()) {
                 for (_, later) in &mut segments {
-                    later
-                        .iter_mut()
-                        .for_each(|action| *action = back.action(*action));
+                    later.iter_mut().for_each(|action| *action = back.action(*action));
                 }
                 task = task.map(|task| back.task(task));
                 let after = std::mem::take(&mut point);
@@ -148,16 +142,8 @@ impl<R: Reduced> Layers<'_, R> {
                     |action| matches!(action, Action::Finish { executor, .. } if *executor == e),
                 );
                 // The remaining time of an executor without a core does not change.
-                let progress = if self.observations.rules.progresses(&s, e) {
-                    jump
-                } else {
-                    0
-                };
-                Some(if ended {
-                    progress
-                } else {
-                    progress + after[e].unwrap_or(0)
-                })
+                let progress = if self.observations.rules.progresses(&s, e) { jump } else { 0 };
+                Some(if ended { progress } else { progress + after[e].unwrap_or(0) })
             })
             .collect()
     }
@@ -173,10 +159,7 @@ impl<R: Reduced> Layers<'_, R> {
         let mut s = self.state_of(node);
         for (e, remaining) in point.iter().enumerate() {
             if let Some(remaining) = *remaining {
-                self.observations
-                    .rules
-                    .frame()
-                    .set_window(&mut s, e, (remaining, remaining));
+                self.observations.rules.frame().set_window(&mut s, e, (remaining, remaining));
             }
         }
         let mut wanted = Encoded::default();
@@ -197,18 +180,11 @@ impl<R: Reduced> Layers<'_, R> {
     ) -> Option<(Vec<Action>, State, TargetMatch)> {
         let mut start = if parent == NodeId::ROOT {
             let mut s = self.observations.rules.initial();
-            observe::observe(
-                &self.observations.rules,
-                &self.observations.observers,
-                None,
-                &mut s,
-            );
+            observe::observe(&self.observations.rules, &self.observations.observers, None, &mut s);
             s
         } else {
             let mut s = self.state_of(parent);
-            self.observations
-                .rules
-                .elapse(&mut s, (time - self.graph[parent].time) as Ticks);
+            self.observations.rules.elapse(&mut s, (time - self.graph[parent].time) as Ticks);
             s
         };
         self.observations.clamp_waiting(&mut start);
@@ -258,9 +234,7 @@ impl<R: Reduced> Layers<'_, R> {
                 );
                 self.observations.begin_waiting(&mut next, action);
                 ordered.clone_from(&next);
-                self.observations
-                    .reductions
-                    .order(&self.observations.rules, &mut ordered);
+                self.observations.reductions.order(&self.observations.rules, &mut ordered);
                 encode(self.observations.rules.frame(), &ordered, &mut encoding);
                 // Such a target is seen in a step, not in the state after the step.
                 let by_step = matches!(
@@ -292,18 +266,9 @@ impl<R: Reduced> Layers<'_, R> {
     ) -> Option<TargetMatch> {
         let l = self.observations.rules.frame();
         let some_task = |task: usize, found: &dyn Fn(usize) -> bool| {
-            let mut orbit = self
-                .observations
-                .reductions
-                .orbits()
-                .of_task(task)
-                .iter()
-                .copied();
+            let mut orbit = self.observations.reductions.orbits().of_task(task).iter().copied();
             let task = orbit.find(|&orbit| found(orbit));
-            task.map(|task| TargetMatch {
-                task: Some(task),
-                order: None,
-            })
+            task.map(|task| TargetMatch { task: Some(task), order: None })
         };
         let lasts = |of: Timing, value| {
             of.runs(&self.observations.rules, s)
@@ -331,10 +296,7 @@ impl<R: Reduced> Layers<'_, R> {
                     return None;
                 }
                 let mut s = s.clone();
-                let order = self
-                    .observations
-                    .reductions
-                    .order(&self.observations.rules, &mut s);
+                let order = self.observations.reductions.order(&self.observations.rules, &mut s);
                 let mut encoding = Encoded::default();
                 encode(self.observations.rules.frame(), &s, &mut encoding);
                 let same = encoding.key == key && holds(l, &encoding.dims, dims);

@@ -29,10 +29,7 @@ pub(super) struct Zone {
 impl Zone {
     /// Returns the zone of no executor.
     pub(super) fn new() -> Self {
-        Zone {
-            executors: SmallVec::new(),
-            bounds: vec![0],
-        }
+        Zone { executors: SmallVec::new(), bounds: vec![0] }
     }
 
     /// Returns the number of rows of the matrix.
@@ -43,8 +40,7 @@ impl Zone {
     fn row(&self, executor: usize) -> Option<usize> {
         let at = self.executors.iter();
         let mut at = at.map(|&executor| executor as usize);
-        at.position(|index| index == executor)
-            .map(|index| index + 1)
+        at.position(|index| index == executor).map(|index| index + 1)
     }
 
     fn at(&self, row: usize, column: usize) -> i32 {
@@ -96,19 +92,13 @@ impl Zone {
         executors: &[usize],
         window: impl Fn(usize) -> (Ticks, Ticks),
     ) {
-        if self
-            .executors
-            .iter()
-            .map(|&executor| executor as usize)
-            .eq(executors.iter().copied())
-        {
+        if self.executors.iter().map(|&executor| executor as usize).eq(executors.iter().copied()) {
             return;
         }
         // The row of each executor in the old matrix, or its window.
         let known = |&index: &usize| self.row(index).ok_or_else(|| window(index));
-        let rows: SmallVec<[Result<usize, (Ticks, Ticks)>; 12]> = std::iter::once(Ok(0))
-            .chain(executors.iter().map(known))
-            .collect();
+        let rows: SmallVec<[Result<usize, (Ticks, Ticks)>; 12]> =
+            std::iter::once(Ok(0)).chain(executors.iter().map(known)).collect();
         let longest = |row: &Result<usize, (Ticks, Ticks)>| match *row {
             Ok(row) => self.at(row, 0),
             Err((_, FOREVER)) => NONE,
@@ -135,9 +125,8 @@ impl Zone {
     /// Returns the zone with renamed executors.
     pub(super) fn renamed(&self, name: impl Fn(usize) -> usize) -> Zone {
         let named = self.executors.iter().enumerate();
-        let mut named: SmallVec<[(u16, usize); 12]> = named
-            .map(|(i, &number)| (name(number as usize) as u16, i + 1))
-            .collect();
+        let mut named: SmallVec<[(u16, usize); 12]> =
+            named.map(|(i, &number)| (name(number as usize) as u16, i + 1)).collect();
         named.sort_unstable();
         let rows = || std::iter::once(0).chain(named.iter().map(|pair| pair.1));
         Zone {
@@ -164,11 +153,7 @@ impl Zone {
 
 /// Returns the sum of two bounds.
 fn sum(one: i32, other: i32) -> i32 {
-    if one == NONE || other == NONE {
-        NONE
-    } else {
-        one + other
-    }
+    if one == NONE || other == NONE { NONE } else { one + other }
 }
 
 #[cfg(test)]
@@ -190,10 +175,7 @@ mod tests {
     fn what_ends_after_another_keeps_its_distance() {
         let mut zone = zone(&[(3, 5), (10, 10), (0, FOREVER)]);
         zone.pass();
-        assert_eq!(
-            windows(&zone),
-            [(0, (0, 5)), (1, (5, 10)), (2, (0, FOREVER))]
-        );
+        assert_eq!(windows(&zone), [(0, (0, 5)), (1, (5, 10)), (2, (0, FOREVER))]);
         zone.end(0);
         assert_eq!(windows(&zone), [(1, (5, 7)), (2, (0, FOREVER))]);
     }

@@ -92,21 +92,13 @@ impl Client {
     }
 
     fn push(&mut self, label: Option<String>, action: Action, next: Vec<usize>) -> usize {
-        self.nodes.push(Node {
-            label,
-            action,
-            next,
-            aborts: None,
-        });
+        self.nodes.push(Node { label, action, next, aborts: None });
         self.nodes.len() - 1
     }
 
     /// Adds steps before a node; returns the first node of the steps.
     fn steps(&mut self, system: Context, steps: &[ast::Step], then: usize) -> usize {
-        steps
-            .iter()
-            .rev()
-            .fold(then, |then, step| self.step(system, step, then))
+        steps.iter().rev().fold(then, |then, step| self.step(system, step, then))
     }
 
     fn step(&mut self, context: Context, step: &ast::Step, then: usize) -> usize {
@@ -178,9 +170,7 @@ impl Client {
                 return again;
             }
             StepKind::Choice(branches) => {
-                let firsts = branches
-                    .iter()
-                    .map(|branch| self.steps(context, branch, then));
+                let firsts = branches.iter().map(|branch| self.steps(context, branch, then));
                 let next: Vec<usize> = firsts.collect();
                 // Branches that wait for an outcome are merged: the first outcome to come is taken.
                 let (waiting, mut next): (Vec<usize>, Vec<usize>) =
