@@ -99,7 +99,7 @@ fn every_case_passes(release: Release) {
         }
         let needs = case["needs"].as_str();
         if needs.is_some_and(|need| Command::new(need).arg("--version").output().is_err()) {
-            eprintln!("SKIPPED: {name} needs {}", needs.unwrap_or_default());
+            dotgen_loaders::skip(format_args!("{name} needs {}", needs.unwrap_or_default()));
             continue;
         }
         match check(&root, case, release) {

@@ -255,7 +255,7 @@ fn a_comment_allows_a_finding_where_it_stands() {
 /// The specifications of the shared test data that represent software in use.
 fn corpus() -> Vec<(Utf8PathBuf, Utf8PathBuf)> {
     let mut out = Vec::new();
-    let shared = dotgen_loaders::shared("corpus");
+    let shared = dotgen_loaders::optional("corpus");
     let Some(shared) = shared.and_then(|path| Utf8PathBuf::from_path_buf(path).ok()) else {
         return out;
     };

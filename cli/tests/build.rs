@@ -1,7 +1,6 @@
 //! `dotgen codels build`, with the compilers of the system.
 
 use std::path::Path;
-use std::process::Command;
 use std::time::SystemTime;
 
 use serde_json::Value;
@@ -34,11 +33,8 @@ component valve {
 
 /// A component with stubs; `None` without compilers.
 fn valve(language: &str) -> Option<Directory> {
-    for compiler in ["cc", "c++"] {
-        if Command::new(compiler).arg("--version").output().is_err() {
-            eprintln!("SKIPPED: there is no `{compiler}`");
-            return None;
-        }
+    if !crate::running::compilers() {
+        return None;
     }
     let directory = Directory::new(&[("valve.gen", &VALVE.replace("LANG", language))]);
     let output = directory.run(&["codels", "stub", "valve.gen"]);

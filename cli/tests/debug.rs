@@ -8,21 +8,13 @@ use std::process::{Command, Stdio};
 use serde_json::Value;
 
 use crate::directory::{status, stderr};
-use crate::running::{Lines, Listening, compilers, ended, hosts, processes, soon, with_body};
-
-fn has_gdb() -> bool {
-    let mut command = Command::new("gdb");
-    command.arg("--version").stdout(Stdio::null());
-    let known = command.status().is_ok_and(|status| status.success());
-    if !known {
-        eprintln!("skipped: there is no gdb");
-    }
-    known
-}
+use crate::running::{
+    Lines, Listening, compilers, ended, hosts, installed, processes, soon, with_body,
+};
 
 #[test]
 fn a_component_waits_for_a_debugger_which_stops_in_a_codel() {
-    if !compilers() || !has_gdb() {
+    if !compilers() || !installed(&["gdb"]) {
         return;
     }
     let directory = with_body("");

@@ -102,11 +102,9 @@ fn the_quadcopter_flies_to_three_points_and_its_run_is_one_of_the_model() {
         return;
     }
     // The whole flight takes some minutes in a debug build.
-    let is_whole = std::env::var_os("DOTGEN_RUN_FLIGHT").is_some();
-    let (until, points, steps) = match is_whole {
-        true => ("27s", &POINTS[..], 1_000_000),
-        false => ("10s", &POINTS[..1], 300_000),
-    };
+    let is_whole = dotgen_loaders::times(1) > 1;
+    let (until, points, steps) =
+        if is_whole { ("27s", &POINTS[..], 1_000_000) } else { ("2s", &POINTS[..0], 50_000) };
     let directory = Directory::new(&[]);
     copy(&directory, "quadcopter");
     copy(&directory, "maneuver/idl");

@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use crate::directory::{Directory, status, stderr, stdout};
 use crate::running::{
-    Listening, compilers, ended, hosts, json_of, processes, talk, violation, with_body,
+    Listening, compilers, ended, hosts, installed, json_of, processes, talk, violation, with_body,
 };
 
 const TYPES: &str = include_str!("hosted/types.idl");
@@ -79,7 +79,7 @@ fn codels_in_c_and_in_cxx_run_on_the_virtual_clock() {
 
 #[test]
 fn values_of_missing_packages_are_passed_on_by_the_client_in_python() {
-    if Command::new("python3").arg("--version").output().is_err() {
+    if !installed(&["python3"]) {
         return;
     }
     let directory = Directory::new(&[("unknown.gen", include_str!("hosted/unknown.gen"))]);
@@ -92,8 +92,7 @@ fn values_of_missing_packages_are_passed_on_by_the_client_in_python() {
 
 #[test]
 fn values_cross_between_codels_ports_and_a_client_in_python() {
-    let python = Command::new("python3").arg("--version").output().is_ok();
-    if !python || !compilers() {
+    if !installed(&["python3"]) || !compilers() {
         return;
     }
     for language in ["c", "c++"] {
@@ -243,7 +242,7 @@ fn priorities(process: u32) -> BTreeMap<String, u32> {
 fn a_task_of_shorter_period_has_the_higher_priority() {
     let granted = Command::new("chrt").args(["-f", "1", "true"]).status();
     if !granted.is_ok_and(|status| status.success()) {
-        eprintln!("skipped: the system grants no real-time scheduling");
+        dotgen_loaders::skip("the system grants no real-time scheduling");
         return;
     }
     if !compilers() {

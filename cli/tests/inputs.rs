@@ -3,12 +3,12 @@
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::os::unix::net::UnixStream;
-use std::process::{Command, Output, Stdio};
+use std::process::{Output, Stdio};
 
 use serde_json::{Value, json};
 
 use crate::directory::{Directory, status, stderr, stdout};
-use crate::running::{Listening, compilers, ended, json_of, soon, talk};
+use crate::running::{Listening, compilers, ended, installed, json_of, soon, talk};
 
 const TYPES: &str = include_str!("hosted/types.idl");
 
@@ -114,8 +114,7 @@ fn codels_read_what_clients_write() {
 
 #[test]
 fn the_client_in_python_writes_input_ports() {
-    let mut python = Command::new("python3");
-    if python.arg("--version").output().is_err() {
+    if !installed(&["python3"]) {
         return;
     }
     let Some((directory, _run)) = alone() else {

@@ -30,7 +30,9 @@ impl Machines {
             Machines(["one", "two"].map(|name| format!("dotgen-{}-{name}", std::process::id())));
         let [one, two] = &machines.0;
         if !ip(&["netns", "add", one]) || !ip(&["netns", "add", two]) {
-            eprintln!("SKIPPED: `ip netns add` is not permitted; the test needs root and iproute2");
+            dotgen_loaders::skip(
+                "`ip netns add` is not permitted; the test needs root and iproute2",
+            );
             return None;
         }
         let link = "link add name veth0 type veth peer name veth0 netns".split(' ');

@@ -2,7 +2,6 @@
 
 mod build;
 mod cli;
-mod conformance;
 mod conventions;
 mod debug;
 #[path = "support/directory.rs"]

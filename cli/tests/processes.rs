@@ -25,7 +25,7 @@ fn tcl() -> bool {
         started.is_ok()
     });
     if !found {
-        eprintln!("SKIPPED: no tclsh");
+        dotgen_loaders::skip("no tclsh");
     }
     found
 }
@@ -36,7 +36,7 @@ fn confines() -> bool {
     let known = lsm.contains("landlock") || lsm.is_empty();
     let seccomp = Path::new("/proc/sys/kernel/seccomp/actions_avail").exists();
     if !(known && seccomp) {
-        eprintln!("SKIPPED: no Landlock or no seccomp");
+        dotgen_loaders::skip("no Landlock or no seccomp");
     }
     known && seccomp
 }

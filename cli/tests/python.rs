@@ -26,7 +26,9 @@ pub(crate) fn python(packages: &[&str], import: &str) -> Option<Command> {
         let installed = pip.arg(&own).args(packages).output();
         if !installed.is_ok_and(|output| output.status.success()) || !works() {
             let packages = packages.join(", ");
-            eprintln!("SKIPPED: there is no {packages} for Python, and it cannot be installed");
+            dotgen_loaders::skip(format_args!(
+                "there is no {packages} for Python, and it cannot be installed"
+            ));
             return None;
         }
     }

@@ -112,10 +112,9 @@ fn next(state: &mut u64) -> u64 {
     *state
 }
 
-/// How often a run is killed: `DOTGEN_RUN_KILLS`, by default a few times.
+/// The number of runs that are killed.
 fn kills() -> u64 {
-    let given = std::env::var("DOTGEN_RUN_KILLS").ok();
-    given.and_then(|variable| variable.parse().ok()).unwrap_or(4)
+    dotgen_loaders::times(2)
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `dotgen run --record` and `dotgen replay`, as users and scripts run them.
 
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 
 use dotgen_recording::record;
 use serde_json::Value;
@@ -95,10 +95,7 @@ fn what_is_no_recording_is_refused() {
 #[test]
 #[cfg(target_os = "linux")]
 fn what_codels_write_to_ports_is_in_the_recording() {
-    let mut compiler = Command::new("cc");
-    compiler.arg("--version").stdout(Stdio::null());
-    if !compiler.status().is_ok_and(|status| status.success()) {
-        eprintln!("skipped: there is no cc");
+    if !crate::running::compilers() {
         return;
     }
     let echo = include_str!("hosted/echo.gen").replace("LANG", "c");

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use rustix::process::{Pid, Signal, kill_process_group, test_kill_process_group};
 
 use crate::directory::{Directory, UNSET};
-use crate::running::compilers;
+use crate::running::{compilers, installed};
 
 const PAGE: &str = include_str!("../../docs/ten-minutes.md");
 
@@ -148,16 +148,7 @@ impl Drop for Shell {
 
 #[test]
 fn each_command_of_the_tutorial_prints_what_the_page_says() {
-    let tools = ["bash", "git", "python3"].iter().all(|tool| {
-        let mut command = Command::new(tool);
-        command.arg("--version").stdout(Stdio::null());
-        let known = command.status().is_ok_and(|status| status.success());
-        if !known {
-            eprintln!("SKIPPED: there is no {tool}");
-        }
-        known
-    });
-    if !tools || !compilers() {
+    if !installed(&["bash", "git", "python3"]) || !compilers() {
         return;
     }
     let steps = steps(PAGE);

@@ -200,7 +200,7 @@ fn names_that_are_no_utf8_are_told() {
     let directory = Directory::new(&[("a.gen", "struct a { long x; };\n")]);
     let name = std::ffi::OsStr::from_bytes(b"caf\xe9.gen");
     if std::fs::write(directory.path().join(name), "struct b { long x; };\n").is_err() {
-        eprintln!("SKIPPED: this file system has no such names");
+        dotgen_loaders::skip("this file system has no such names");
         return;
     }
     let output = directory.run(&["check", "."]);
@@ -234,12 +234,12 @@ fn a_full_disk_changes_nothing() {
     let output = command.arg(env!("CARGO_BIN_EXE_dotgen")).current_dir(directory.path()).output();
     let (Ok(output), Ok(code)) = (output, std::fs::read_to_string(directory.path().join("status")))
     else {
-        eprintln!("SKIPPED: no file system can be mounted here");
+        dotgen_loaders::skip("no file system can be mounted here");
         return;
     };
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     if !directory.path().join("names").exists() || !said.contains("dotgen") && code.trim() != "2" {
-        eprintln!("SKIPPED: no file system can be mounted here: {said}");
+        dotgen_loaders::skip(format_args!("no file system can be mounted here: {said}"));
         return;
     }
     assert_eq!(code.trim(), "2", "{said}");

@@ -310,12 +310,12 @@ fn python_knows_the_types_of_services_and_ports() {
 #[test]
 fn json_support_reads_what_it_prints() {
     if let Err(reason) = dotgen_codegen::template::find_tclsh() {
-        eprintln!("SKIPPED: {reason}");
+        dotgen_loaders::skip(format_args!("{reason}"));
         return;
     }
     let cc = std::process::Command::new("cc").arg("--version").output();
     if cc.is_err() {
-        eprintln!("SKIPPED: there is no C compiler `cc`");
+        dotgen_loaders::skip("there is no C compiler `cc`");
         return;
     }
     let dir = folder();

@@ -1,7 +1,8 @@
 //! Reruns the recorded runs of the reference generator: every file and byte must be the same.
 //!
-//! The recordings and the reference's own templates are not part of this repository: without them
-//! the test is skipped. It names itself as the command to run; called that way, it is the generator.
+//! The recordings and the reference's own templates are not part of this repository. Run it where they are:
+//! `cargo test -p dotgen-codegen --test golden`. It names itself as the command to run; called that way, it
+//! is the generator.
 
 use std::process::{Command, ExitCode};
 use std::sync::Arc;
@@ -39,14 +40,14 @@ fn main() -> ExitCode {
     for (release, manifest, variable) in RELEASES {
         let templates = std::env::var_os(variable);
         let (Some(golden), Some(templates)) = (&golden, templates) else {
-            eprintln!(
-                "SKIPPED: golden runs of {release} need `golden` of the shared test data and {variable}, \
+            dotgen_loaders::skip(format_args!(
+                "no data: golden runs of {release} need `golden` of the shared test data and {variable}, \
                  the directory of that release's own templates"
-            );
+            ));
             continue;
         };
         if let Err(reason) = find_tclsh() {
-            eprintln!("SKIPPED: {reason}");
+            dotgen_loaders::skip(format_args!("{reason}"));
             continue;
         }
         let status = std::env::current_exe().and_then(|exe| {

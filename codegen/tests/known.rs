@@ -140,7 +140,9 @@ impl Templates {
     fn new(release: Release, variable: &str) -> Option<Templates> {
         let own = std::env::var_os(variable).map(PathBuf::from);
         let (Some(own), Ok(_)) = (own, find_tclsh()) else {
-            eprintln!("SKIPPED: {variable} names no folder of templates, or there is no tclsh");
+            dotgen_loaders::skip(format_args!(
+                "no data: {variable} names no folder of templates, or there is no tclsh"
+            ));
             return None;
         };
         let copy = tempfile::tempdir().expect("a folder");

@@ -90,9 +90,9 @@ fn a_ros_server_compiles_without_genom() {
     let ros = Path::new("/usr/include/ros/ros.h").is_file()
         && Path::new("/usr/include/actionlib/server/action_server.h").is_file();
     let (Some(folder), true, Ok(_)) = (folder, ros, find_tclsh()) else {
-        eprintln!(
-            "SKIPPED: this needs DOTGEN_TEST_ROS_TEMPLATES, the folder with server-ros and common-ros, tclsh, and \
-             ROS 1 (libroscpp-dev and libactionlib-dev on Debian)"
+        dotgen_loaders::skip(
+            "no data: this needs DOTGEN_TEST_ROS_TEMPLATES, the folder with server-ros and common-ros, tclsh, and \
+             ROS 1 (libroscpp-dev and libactionlib-dev on Debian)",
         );
         return;
     };

@@ -42,7 +42,7 @@ fn run(
     limits: Limits,
 ) -> Option<(Outcome, CapturedConsole)> {
     if let Err(reason) = find_tclsh() {
-        eprintln!("SKIPPED: {reason}");
+        dotgen_loaders::skip(format_args!("{reason}"));
         return None;
     }
     let templates = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/templates");
@@ -385,7 +385,7 @@ fn errors_name_the_source_and_the_line() {
 fn a_preview_shows_what_a_run_writes() {
     let (dir, path) = specification();
     let Some(templates) = std::env::var_os("DOTGEN_TEST_TEMPLATES") else {
-        eprintln!("SKIPPED: DOTGEN_TEST_TEMPLATES names no directory of templates");
+        dotgen_loaders::skip("no data: DOTGEN_TEST_TEMPLATES names no directory of templates");
         return;
     };
     let search = SearchPath { dirs: vec![templates.into()], builtin: None };

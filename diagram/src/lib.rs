@@ -13,3 +13,11 @@ pub mod render;
 pub mod system;
 pub mod text;
 pub mod theme;
+
+// The tests of the crate as others use it, in the program of the unit tests: each program takes seconds to
+// link.
+#[cfg(test)]
+extern crate self as dotgen_diagram;
+#[cfg(test)]
+#[path = "../tests/main.rs"]
+mod suite;

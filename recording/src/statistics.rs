@@ -442,3 +442,6 @@ fn seconds(nanos: i64) -> String {
     let second = 1_000_000_000;
     format!("{}.{:09}", nanos.div_euclid(second), nanos.rem_euclid(second))
 }
+
+#[cfg(test)]
+mod tests;

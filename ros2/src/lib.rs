@@ -32,3 +32,11 @@ pub mod refusal;
 pub mod rules;
 mod scalar;
 pub mod wire;
+
+// The tests of the crate as others use it, in the program of the unit tests: each program takes seconds to
+// link.
+#[cfg(test)]
+extern crate self as dotgen_ros2;
+#[cfg(test)]
+#[path = "../tests/main.rs"]
+mod suite;

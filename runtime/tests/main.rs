@@ -9,5 +9,5 @@ mod replayed;
 #[path = "support/simulated_hosts.rs"]
 mod simulated_hosts;
 
-// The random texts use the path `crate::systems`.
+// The random texts use the path `super::super::systems`.
 use random_systems::systems;

@@ -91,10 +91,9 @@ impl Recorder {
     }
 }
 
-/// Returns the number of systems: `DOTGEN_RUN_SYSTEMS`, by default a few hundred.
+/// Returns the least number of systems.
 fn systems_to_run() -> u64 {
-    let given = std::env::var("DOTGEN_RUN_SYSTEMS").ok();
-    given.and_then(|variable| variable.parse().ok()).unwrap_or(300)
+    dotgen_loaders::times(60)
 }
 
 #[test]

@@ -71,10 +71,9 @@ fn prepared(units: &[UnitResult], scenario: &str) -> Option<Prepared> {
     (!prepared.report.has_errors()).then_some(prepared)
 }
 
-/// Returns the least number of steps: `DOTGEN_RUN_STEPS`, by default a million.
+/// Returns the least number of steps.
 fn steps_to_replay() -> u64 {
-    let given = std::env::var("DOTGEN_RUN_STEPS").ok();
-    given.and_then(|variable| variable.parse().ok()).unwrap_or(1_000_000)
+    dotgen_loaders::times(100_000)
 }
 
 #[test]

@@ -52,3 +52,11 @@ pub type SyntaxNode = rowan::SyntaxNode<GenomLanguage>;
 pub type SyntaxToken = rowan::SyntaxToken<GenomLanguage>;
 /// A node or a leaf.
 pub type SyntaxElement = rowan::SyntaxElement<GenomLanguage>;
+
+// The tests of the crate as others use it, in the program of the unit tests: each program takes seconds to
+// link.
+#[cfg(test)]
+extern crate self as dotgen_syntax;
+#[cfg(test)]
+#[path = "../tests/main.rs"]
+mod suite;

@@ -28,7 +28,7 @@ fn texts() -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     specifications(&root.join("examples"), &mut found);
     assert!(!found.is_empty(), "there are examples");
-    if let Some(published) = crate::shared::shared("corpus") {
+    if let Some(published) = crate::suite::shared::optional("corpus") {
         specifications(&published, &mut found);
     }
     let read =

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use dotgen_syntax::{Fragment, Parse, Severity, lexer, parse, parse_text, preproc};
 use serde_json::Value;
 
-use crate::shared::shared;
+use crate::suite::shared::shared;
 
 /// All `.gen` and `.idl` files below a directory, in order.
 fn specifications(dir: &Path, acc: &mut Vec<PathBuf>) {
@@ -125,24 +125,6 @@ fn truncations_keep_their_text() {
             // Every token in small files, a regular sample of tokens in others.
             let step = 1 + raw.len() / 300;
             for i in (0..raw.len()).step_by(step) {
-                let cut = &text[..raw.range(i).start];
-                assert_text(&parse_text(cut), cut);
-            }
-        }
-    }
-}
-
-#[test]
-#[ignore = "every token of every file; minutes in debug builds"]
-fn truncations_at_every_token_keep_their_text() {
-    for name in ["corpus", "golden/inputs", "conformance"] {
-        let Some(dir) = shared(name) else { continue };
-        let mut files = Vec::new();
-        specifications(&dir, &mut files);
-        for file in files {
-            let text = read(&file);
-            let raw = lexer::lex(&text);
-            for i in 0..raw.len() {
                 let cut = &text[..raw.range(i).start];
                 assert_text(&parse_text(cut), cut);
             }

@@ -222,7 +222,7 @@ fn first_difference(a: &str, b: &str) -> String {
 /// Every specification and interface of the shared test data.
 fn shared_files() -> Vec<(String, String)> {
     let mut found = Vec::new();
-    let Some(root) = crate::shared::shared("") else {
+    let Some(root) = crate::suite::shared::shared("") else {
         return found;
     };
     let mut folders =
@@ -355,7 +355,7 @@ fn changes(text: &str) -> (usize, usize, usize, usize) {
 
 #[test]
 fn published_components_change_little() {
-    let Some(root) = crate::shared::shared("corpus/components") else {
+    let Some(root) = crate::suite::shared::shared("corpus/components") else {
         return;
     };
     let mut lines = 0;

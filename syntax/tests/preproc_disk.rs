@@ -88,7 +88,7 @@ impl Host for Disk {
 }
 
 fn shared(name: &str) -> Option<Utf8PathBuf> {
-    Utf8PathBuf::from_path_buf(crate::shared::shared(name)?).ok()
+    Utf8PathBuf::from_path_buf(crate::suite::shared::shared(name)?).ok()
 }
 
 /// Runs the preprocessor on a case of the conformance suite.
@@ -240,7 +240,7 @@ fn c_preprocessor(text: &str) -> Option<Vec<String>> {
 #[test]
 fn agrees_with_a_c_preprocessor() {
     if c_preprocessor("").is_none() {
-        eprintln!("SKIPPED: there is no `cpp`");
+        crate::suite::shared::skip("there is no `cpp`");
         return;
     }
     let fixtures = [

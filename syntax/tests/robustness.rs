@@ -157,7 +157,7 @@ fn random_edits_keep_the_text() {
 fn many_random_edits_keep_the_text() {
     let mut texts = fixtures();
     let folders = ["corpus", "golden/inputs"].into_iter();
-    let mut stack: Vec<_> = folders.filter_map(crate::shared::shared).collect();
+    let mut stack: Vec<_> = folders.filter_map(crate::suite::shared::shared).collect();
     while let Some(dir) = stack.pop() {
         let Ok(entries) = std::fs::read_dir(&dir) else {
             continue;

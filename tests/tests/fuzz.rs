@@ -1,18 +1,12 @@
 //! The kept corpus, and random changes of it: no input makes anything panic, hang, or write outside of a
 //! text.
 //!
-//! `FUZZ_INPUTS` says how many changed inputs of each kind there are, `FUZZ_SEED` where the random numbers
-//! begin. With coverage: `cargo xtask fuzz`.
+//! `FUZZ_SEED` is the first random number. With coverage: `cargo xtask fuzz`.
 
 use dotgen_tests::fuzz::Target;
 use dotgen_tests::fuzz::mutate::{Random, mutated};
 
-fn number(name: &str, default: usize) -> usize {
-    let value = std::env::var(name).ok();
-    value.and_then(|variable| variable.parse().ok()).unwrap_or(default)
-}
-
-fn fuzz(target: Target, inputs: usize) {
+fn fuzz(target: Target, inputs: u64) {
     let mut corpus = target.seeds();
     assert!(!corpus.is_empty(), "there is something to begin with");
     let kept = std::fs::read_dir(target.corpus()).into_iter().flatten().flatten();
@@ -22,8 +16,9 @@ fn fuzz(target: Target, inputs: usize) {
     for input in &corpus {
         tried(target, input);
     }
-    let mut random = Random(number("FUZZ_SEED", 1) as u64);
-    for _ in 0..number("FUZZ_INPUTS", inputs) {
+    let seed = std::env::var("FUZZ_SEED").ok().and_then(|seed| seed.parse().ok());
+    let mut random = Random(seed.unwrap_or(1));
+    for _ in 0..dotgen_loaders::times(inputs) {
         let input = &corpus[random.below(corpus.len())];
         let other = &corpus[random.below(corpus.len())];
         tried(target, &mutated(input, other, target.words(), &mut random));
@@ -43,25 +38,25 @@ fn tried(target: Target, input: &[u8]) {
 
 #[test]
 fn specifications() {
-    fuzz(Target::Specification, 600);
+    fuzz(Target::Specification, 150);
 }
 
 #[test]
 fn formatter() {
-    fuzz(Target::Format, 1500);
+    fuzz(Target::Format, 400);
 }
 
 #[test]
 fn codels() {
-    fuzz(Target::Codels, 300);
+    fuzz(Target::Codels, 40);
 }
 
 #[test]
 fn scenarios() {
-    fuzz(Target::Scenario, 600);
+    fuzz(Target::Scenario, 200);
 }
 
 #[test]
 fn messages() {
-    fuzz(Target::Messages, 150);
+    fuzz(Target::Messages, 50);
 }

@@ -64,10 +64,15 @@ mod tests {
 
     #[test]
     fn the_named_folder_wins_over_the_one_near_the_program() {
-        let program = std::env::current_exe().ok();
-        let near = directory(None, program.clone()).expect("the build tree has the manual");
-        assert!(near.join("README.md").is_file(), "{}", near.display());
-        let named = directory(Some("/extension/docs".into()), program);
+        let root = tempfile::tempdir().expect("a folder");
+        let (docs, program) =
+            (root.path().join("docs/diagnostics"), root.path().join("bin/dotgen"));
+        std::fs::create_dir_all(&docs).expect("a folder");
+        std::fs::create_dir_all(root.path().join("bin")).expect("a folder");
+        std::fs::write(&program, "").expect("a file");
+        let near = directory(None, Some(program.clone())).expect("the folder near the program");
+        assert_eq!(near, docs.canonicalize().expect("it is there"));
+        let named = directory(Some("/extension/docs".into()), Some(program));
         assert_eq!(named, Some("/extension/docs/diagnostics".into()));
     }
 }

@@ -7,10 +7,10 @@ use std::process::Command;
 use anyhow::{Context, Result};
 use clap::Args;
 
-use crate::extension::{self, Profile};
-use crate::run::{self, step};
-use crate::tools;
 use crate::workbench::Workbench;
+use xtask::extension::{self, Profile};
+use xtask::run::{self, step};
+use xtask::tools;
 
 /// Options of `cargo xtask demo`.
 #[derive(Args)]
@@ -29,8 +29,8 @@ pub(crate) struct Options {
 /// Runs the demo; false if the check failed.
 pub(crate) fn demo(options: &Options) -> Result<bool> {
     tools::ensure_node()?;
-    let server = extension::build_server(Profile::Dev)?;
-    let vsix = extension::package(&server, Profile::Dev)?;
+    let server = extension::build_server(Profile::Release)?;
+    let vsix = extension::package(&server, Profile::Release)?;
     if options.check {
         let workbench = Workbench::set_up()?;
         step("Opening the example in a headless VS Code");
@@ -45,7 +45,7 @@ pub(crate) fn demo(options: &Options) -> Result<bool> {
 
 /// The profile of the demo, separate from the user's own settings and extensions, which are unchanged.
 fn profile(name: &str) -> Result<(PathBuf, PathBuf)> {
-    let directory = crate::target().join("demo").join(name);
+    let directory = xtask::target().join("demo").join(name);
     let (user, extensions) = (directory.join("user"), directory.join("extensions"));
     for directory in [&user, &extensions] {
         std::fs::create_dir_all(directory)
@@ -65,15 +65,15 @@ fn profile(name: &str) -> Result<(PathBuf, PathBuf)> {
 fn open_in_code(code: &Path, vsix: &Path) -> Result<()> {
     let (user, extensions) = profile("code")?;
     let code = |arguments: &[&str]| {
-        let mut command = run::command(crate::root(), &code.to_string_lossy(), arguments);
+        let mut command = run::command(xtask::root(), &code.to_string_lossy(), arguments);
         command.arg("--user-data-dir").arg(&user);
         command.arg("--extensions-dir").arg(&extensions);
         command
     };
     step("Opening examples/maneuver in VS Code");
     run::capture(code(&["--install-extension", &vsix.to_string_lossy(), "--force"]))?;
-    let file = crate::example().join("maneuver.gen");
-    let (workspace, file) = (crate::example(), file.to_string_lossy().into_owned());
+    let file = xtask::example().join("maneuver.gen");
+    let (workspace, file) = (xtask::example(), file.to_string_lossy().into_owned());
     run::capture(code(&["--new-window", &workspace.to_string_lossy(), &file]))?;
     println!("VS Code is open on {}.", workspace.display());
     Ok(())
@@ -108,7 +108,7 @@ fn serve(vsix: &Path, port: Option<u16>) -> Result<()> {
     command.stdout(std::process::Stdio::null());
     let mut child = command.spawn().context("cannot start the workbench")?;
     println!();
-    println!("  Open  http://127.0.0.1:{port}/?folder={}", crate::example().display());
+    println!("  Open  http://127.0.0.1:{port}/?folder={}", xtask::example().display());
     println!("  Then open maneuver.gen and type. Ctrl-C ends the demo.");
     println!();
     child.wait()?;

@@ -21,9 +21,9 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
-use crate::extension::{self, FEATURES, Profile};
-use crate::run::{self, step};
-use crate::tools;
+use xtask::extension::{self, FEATURES, Profile};
+use xtask::run::{self, step};
+use xtask::tools;
 
 /// The oldest version of the C library that the programs run with: that of Debian 10 and Red Hat 8.
 const GLIBC: &str = "2.28";
@@ -46,7 +46,7 @@ pub(crate) struct Options {
 
 /// The folder of the packages.
 fn folder() -> PathBuf {
-    crate::target().join("packages")
+    xtask::target().join("packages")
 }
 
 /// Rust's name of the system that is built for.
@@ -97,7 +97,7 @@ impl Tools {
     /// Installs the tools; those that are there in the right version stay.
     fn install() -> Result<Tools> {
         tools::ensure(tools::PYTHON)?;
-        let directory = crate::target().join("tools/dist");
+        let directory = xtask::target().join("tools/dist");
         let tools = Tools { directory };
         let stamp = tools.directory.join("installed");
         let wanted = format!("{PIP_TOOLS:?} {CARGO_TOOLS:?}");
@@ -106,7 +106,7 @@ impl Tools {
         }
         step("Installing the tools that make packages");
         let place = tools.directory.to_string_lossy().into_owned();
-        let root = crate::root();
+        let root = xtask::root();
         run::capture(run::command(root, "python3", &["-m", "venv", "--clear", &place]))?;
         let mut pip = vec!["install", "--quiet", "--disable-pip-version-check"];
         pip.extend(PIP_TOOLS);
@@ -140,14 +140,14 @@ impl Tools {
         }
         step("Building the program (a first build takes ten minutes or more)");
         run::run(self.in_path(run::cargo(&arguments)))?;
-        Ok(crate::target().join(target).join("dist/dotgen"))
+        Ok(xtask::target().join(target).join("dist/dotgen"))
     }
 
     /// The package for Debian. Its contents are listed in cli/Cargo.toml.
     fn debian(&self, program: &Path, out: &Path) -> Result<()> {
         step("Packaging for Debian");
         // cli/Cargo.toml names this folder.
-        let stage = crate::root().join("target/deb");
+        let stage = xtask::root().join("target/deb");
         if stage.exists() {
             std::fs::remove_dir_all(&stage)?;
         }
@@ -155,10 +155,10 @@ impl Tools {
         std::fs::copy(program, stage.join("dotgen"))?;
         let pages = stage.join("man").to_string_lossy().into_owned();
         let program = program.to_string_lossy();
-        run::capture(run::command(crate::root(), &program, &["man", &pages]))?;
+        run::capture(run::command(xtask::root(), &program, &["man", &pages]))?;
         for shell in ["bash", "zsh", "fish"] {
             let text =
-                run::capture(run::command(crate::root(), &program, &["completions", shell]))?;
+                run::capture(run::command(xtask::root(), &program, &["completions", shell]))?;
             std::fs::write(stage.join(format!("dotgen.{shell}")), text)?;
         }
         let out = out.to_string_lossy();
@@ -170,18 +170,18 @@ impl Tools {
     /// build by maturin would build the program a second time.
     fn wheel(&self, program: &Path, out: &Path) -> Result<()> {
         step("Packaging for pip");
-        let stage = crate::target().join("wheel");
+        let stage = xtask::target().join("wheel");
         if stage.exists() {
             std::fs::remove_dir_all(&stage)?;
         }
         std::fs::create_dir_all(&stage)?;
-        let project = crate::root().join("packaging/pypi");
+        let project = xtask::root().join("packaging/pypi");
         let place = stage.to_string_lossy();
         let in_project = |program: &str, arguments: &[&str]| {
             run::capture(self.in_path(run::command(&project, program, arguments)))
         };
         let metadata = ["pep517", "write-dist-info", "--metadata-directory", &place];
-        let client = crate::root().join("clients/python/dotgen");
+        let client = xtask::root().join("clients/python/dotgen");
         extension::copy(&client, &stage.join("dotgen"), &["py", "typed"])?;
         // pyproject.toml names this folder for builds by maturin alone.
         let python = project.join("python");
@@ -213,10 +213,10 @@ impl Tools {
 /// The archive for any Linux.
 fn archive(program: &Path, out: &Path) -> Result<()> {
     step("Packing the archive");
-    let script = crate::root().join("packaging/archive.sh");
+    let script = xtask::root().join("packaging/archive.sh");
     let (program, out) = (program.to_string_lossy(), out.to_string_lossy());
     let arguments = [&*program, &*target(), &*out];
-    run::capture(run::command(crate::root(), &script.to_string_lossy(), &arguments)).map(drop)
+    run::capture(run::command(xtask::root(), &script.to_string_lossy(), &arguments)).map(drop)
 }
 
 /// What the program is made of.
@@ -238,11 +238,11 @@ fn bill_of_materials(tools: &Tools, out: &Path) -> Result<()> {
     run::capture(tools.in_path(run::cargo(&arguments)))?;
     // The tool writes a file next to each manifest of the workspace.
     for folder in
-        std::fs::read_dir(crate::root())?.chain(std::fs::read_dir(crate::root().join("tests"))?)
+        std::fs::read_dir(xtask::root())?.chain(std::fs::read_dir(xtask::root().join("tests"))?)
     {
         let file = folder?.path().join("dotgen.cdx.json");
         if file.is_file() {
-            if file.starts_with(crate::root().join("cli")) {
+            if file.starts_with(xtask::root().join("cli")) {
                 std::fs::copy(&file, out.join("dotgen.cdx.json"))?;
             }
             std::fs::remove_file(file)?;

@@ -2,13 +2,13 @@
 
 use anyhow::{Context, Result};
 
-use crate::extension::{self, Profile};
-use crate::run::{self, step};
+use xtask::extension::{self, Profile};
+use xtask::run::{self, step};
 
 /// Draws every picture in `docs/pictures/list.txt`.
 pub(crate) fn docs() -> Result<()> {
     let server = extension::build_server(Profile::Dev)?;
-    let directory = crate::root().join("docs/pictures");
+    let directory = xtask::root().join("docs/pictures");
     let list = std::fs::read_to_string(directory.join("list.txt"))?;
     let mut count = 0;
     for line in list.lines().filter(|line| !line.starts_with('#')) {
@@ -21,7 +21,7 @@ pub(crate) fn docs() -> Result<()> {
         arguments.extend(how.split_whitespace());
         arguments.extend(["-o", &*output]);
         let program = server.to_string_lossy();
-        run::capture(run::command(crate::root(), &program, &arguments))?;
+        run::capture(run::command(xtask::root(), &program, &arguments))?;
         count += 1;
     }
     step(&format!("Drew {count} pictures in docs/pictures"));

@@ -1,7 +1,7 @@
 //! Building the VS Code extension with its server.
 
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock};
 
 use anyhow::{Context, Result};
 
@@ -10,42 +10,44 @@ use crate::tools;
 
 /// The way in which the server is compiled.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Profile {
-    /// Quick to build; for tests and the demo.
+pub enum Profile {
+    /// The program of the tests.
     Dev,
-    /// Small and fast, but slow to build; for users.
+    /// What people build themselves, in minutes.
+    Release,
+    /// What a release publishes: small and fast, but slow to build.
     Dist,
 }
 
 /// The sources of the extension.
-pub(crate) fn directory() -> PathBuf {
+pub fn directory() -> PathBuf {
     crate::root().join("vscode-extension")
 }
 
 /// The path of the notices of licences, relative to the root of the repository; the package has a copy.
-pub(crate) const NOTICES: &str = "THIRD-PARTY-NOTICES.txt";
+pub const NOTICES: &str = "THIRD-PARTY-NOTICES.txt";
 
-/// The features of the program that the README's command installs and that is tested.
-pub(crate) const FEATURES: &str = "dotgen/zenoh";
+/// The features of the program that a release publishes.
+pub const FEATURES: &str = "dotgen/zenoh";
+
+/// The features of the tests: the allocator of releases takes two minutes to compile.
+pub const TEST_FEATURES: [&str; 3] = ["--no-default-features", "--features", FEATURES];
 
 /// Profiles in which the server is built in this run of xtask, during which no source changes.
-static BUILT: [OnceLock<()>; 2] = [OnceLock::new(), OnceLock::new()];
+static BUILT: [OnceLock<()>; 3] = [const { OnceLock::new() }; 3];
 
 fn built(profile: Profile) -> &'static OnceLock<()> {
-    match profile {
-        Profile::Dev => &BUILT[0],
-        Profile::Dist => &BUILT[1],
-    }
+    &BUILT[profile as usize]
 }
 
 /// Says that the tests are built, and with them the server in [`Profile::Dev`]. A build of the server alone
 /// has fewer features of libraries, and would compile zenoh and most of the workspace again.
-pub(crate) fn is_built_with_tests() {
+pub fn is_built_with_tests() {
     let _ = built(Profile::Dev).set(());
 }
 
 /// Compiles the server, unless it is built, and returns the path of the program.
-pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
+pub fn build_server(profile: Profile) -> Result<PathBuf> {
     if built(profile).get().is_some() {
         return Ok(server_program(profile));
     }
@@ -53,18 +55,20 @@ pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
     // The extension does not exchange ports with other machines, and its package should be small.
     match profile {
         Profile::Dist => arguments.push("--profile=dist"),
-        Profile::Dev => arguments.extend(["--features", FEATURES]),
+        Profile::Release => arguments.push("--release"),
+        Profile::Dev => arguments.extend(TEST_FEATURES),
     }
-    step("Building the server (a first build takes some minutes)");
+    step("Building the program (5 minutes at first, on two cores)");
     run::run(run::cargo(&arguments))?;
     let _ = built(profile).set(());
     Ok(server_program(profile))
 }
 
 /// The path of the built server.
-pub(crate) fn server_program(profile: Profile) -> PathBuf {
+pub fn server_program(profile: Profile) -> PathBuf {
     let directory = match profile {
         Profile::Dev => "debug",
+        Profile::Release => "release",
         Profile::Dist => "dist",
     };
     let name = format!("dotgen{}", std::env::consts::EXE_SUFFIX);
@@ -72,7 +76,10 @@ pub(crate) fn server_program(profile: Profile) -> PathBuf {
 }
 
 /// Installs the npm packages of `directory`, unless they already agree with its lock file.
-pub(crate) fn install_packages(directory: &Path) -> Result<()> {
+pub fn install_packages(directory: &Path) -> Result<()> {
+    // Suites install side by side.
+    static ONE: Mutex<()> = Mutex::new(());
+    let _one = ONE.lock().unwrap_or_else(|error| error.into_inner());
     tools::ensure_node()?;
     let modified =
         |path: &str| directory.join(path).metadata().and_then(|metadata| metadata.modified());
@@ -88,7 +95,7 @@ pub(crate) fn install_packages(directory: &Path) -> Result<()> {
 }
 
 /// An npm command.
-pub(crate) fn npm(directory: &Path, arguments: &[&str]) -> std::process::Command {
+pub fn npm(directory: &Path, arguments: &[&str]) -> std::process::Command {
     let name = if cfg!(windows) { "npm.cmd" } else { "npm" };
     let mut command = run::command(directory, name, arguments);
     command.env("npm_config_loglevel", "error");
@@ -96,13 +103,13 @@ pub(crate) fn npm(directory: &Path, arguments: &[&str]) -> std::process::Command
 }
 
 /// Bundles the extension with `server`, built as `profile`, inside and packages it for this system.
-pub(crate) fn package(server: &Path, profile: Profile) -> Result<PathBuf> {
+pub fn package(server: &Path, profile: Profile) -> Result<PathBuf> {
     let platform = platform();
     pack(Some((server, profile)), &["--target", platform], &format!("dotgen-{platform}.vsix"))
 }
 
 /// Packages the extension without a program, for systems that have no package of their own.
-pub(crate) fn package_universal() -> Result<PathBuf> {
+pub fn package_universal() -> Result<PathBuf> {
     pack(None, &[], "dotgen-universal.vsix")
 }
 
@@ -130,11 +137,12 @@ fn pack(server: Option<(&Path, Profile)>, options: &[&str], name: &str) -> Resul
     Ok(vsix)
 }
 
-/// Compresses the server into the folder `server` of the extension. For users, that takes a minute.
+/// Compresses the server into the folder `server` of the extension. For a release, the compression takes a
+/// minute.
 fn compress(server: &Path, profile: Profile) -> Result<()> {
     let quality = match profile {
         Profile::Dist => "11",
-        Profile::Dev => "1",
+        Profile::Dev | Profile::Release => "1",
     };
     let arguments = ["scripts/pack.mjs", &*server.to_string_lossy(), quality];
     run::capture(run::command(&directory(), "node", &arguments)).map(drop)
@@ -142,7 +150,7 @@ fn compress(server: &Path, profile: Profile) -> Result<()> {
 
 /// Returns the path of the program in `folder`, the contents of an extension, after the extension's own
 /// code has unpacked the program into the folder `into`.
-pub(crate) fn unpack(folder: &Path, into: &Path) -> Result<PathBuf> {
+pub fn unpack(folder: &Path, into: &Path) -> Result<PathBuf> {
     let directory = directory();
     install_packages(&directory)?;
     let (folder, into) = (folder.to_string_lossy(), into.to_string_lossy());
@@ -152,7 +160,7 @@ pub(crate) fn unpack(folder: &Path, into: &Path) -> Result<PathBuf> {
 }
 
 /// Copies the files of a folder with these endings to another folder, which is replaced.
-pub(crate) fn copy(from: &Path, to: &Path, endings: &[&str]) -> Result<()> {
+pub fn copy(from: &Path, to: &Path, endings: &[&str]) -> Result<()> {
     if to.exists() {
         std::fs::remove_dir_all(to)?;
     }

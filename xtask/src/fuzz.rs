@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use clap::Args;
 
-use crate::run::{self, step};
-use crate::target;
+use xtask::run::{self, step};
+use xtask::target;
 
 /// Options of `cargo xtask fuzz`.
 #[derive(Args)]
@@ -54,7 +54,7 @@ pub(crate) fn fuzz(options: &Options) -> Result<bool> {
 
 fn build() -> Result<PathBuf> {
     step("Building with counters of coverage (some minutes at first)");
-    let manifest = crate::root().join("fuzz/Cargo.toml");
+    let manifest = xtask::root().join("fuzz/Cargo.toml");
     let manifest = manifest.to_string_lossy();
     let into = target().join("fuzz/build");
     // With an explicit target, build scripts and macros are built without the flags.
@@ -69,7 +69,7 @@ fn build() -> Result<PathBuf> {
 
 /// The triple of this machine.
 fn host() -> Result<String> {
-    let version = run::capture(run::command(crate::root(), "rustc", &["-vV"]))?;
+    let version = run::capture(run::command(xtask::root(), "rustc", &["-vV"]))?;
     let host = version.lines().find_map(|line| line.strip_prefix("host: "));
     match host {
         Some(host) => Ok(host.to_owned()),
@@ -80,7 +80,7 @@ fn host() -> Result<String> {
 fn one(program: &Path, name: &str, options: &Options) -> Result<bool> {
     step(&format!("Fuzzing `{name}`"));
     let found = target().join("fuzz").join(name);
-    let kept = crate::root().join("fuzz/corpus").join(name);
+    let kept = xtask::root().join("fuzz/corpus").join(name);
     std::fs::create_dir_all(&found)?;
     std::fs::create_dir_all(&kept)?;
     let (found, kept) = (found.to_string_lossy().into_owned(), kept.to_string_lossy().into_owned());
@@ -94,19 +94,19 @@ fn one(program: &Path, name: &str, options: &Options) -> Result<bool> {
     let limits = ["-timeout=10", "-rss_limit_mb=4096", "-max_len=16384", "-print_final_stats=1"];
     let mut arguments = vec![found.as_str(), &kept, &time, &runs, &broken];
     arguments.extend(limits);
-    let examples = crate::root().join("examples");
+    let examples = xtask::root().join("examples");
     let seeds = target().join("fuzz").join(format!("{name}-seeds"));
     let seeds = match seeded(&examples, name, &seeds)? {
         true => seeds.to_string_lossy().into_owned(),
         false => kept.clone(),
     };
     arguments.push(&seeds);
-    let mut command = run::command(crate::root(), &program.to_string_lossy(), &arguments);
+    let mut command = run::command(xtask::root(), &program.to_string_lossy(), &arguments);
     command.env("FUZZ_TARGET", name);
     let fine = command.status()?.success();
     if fine && options.keep {
         let mut merge = run::command(
-            crate::root(),
+            xtask::root(),
             &program.to_string_lossy(),
             &["-merge=1", "-max_len=16384", "-timeout=10", &kept, &found],
         );

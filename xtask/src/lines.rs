@@ -8,7 +8,7 @@ use anyhow::Result;
 pub(crate) fn lines() -> Result<bool> {
     let mut total = 0;
     let metadata = cargo_metadata::MetadataCommand::new()
-        .manifest_path(crate::root().join("Cargo.toml"))
+        .manifest_path(xtask::root().join("Cargo.toml"))
         .no_deps()
         .exec()?;
     for package in &metadata.packages {
@@ -16,7 +16,7 @@ pub(crate) fn lines() -> Result<bool> {
             continue;
         };
         let lines = of_folder(folder.join("src").as_std_path())?;
-        println!("{lines:>7}  {}", folder.strip_prefix(crate::root()).unwrap_or(folder));
+        println!("{lines:>7}  {}", folder.strip_prefix(xtask::root()).unwrap_or(folder));
         total += lines;
     }
     println!("{total:>7}  total");

@@ -6,44 +6,28 @@
 //! | `test` | every test there is, as a list of suites |
 //! | `dist` | all packages of a release |
 //! | `docs` | the pictures of the documentation |
-//! | `bench` | what whole processes take, and instruction counts |
-//! | `budgets` | instructions and memory of what users do, against a file |
-//! | `campaign` | whether findings and edits are right, on real components and mutations |
-//! | `chart` | charts of what they take |
+//! | `bench` | the measurements of `bench/`, a workspace of its own |
 //! | `fuzz` | inputs that break something, looked for with coverage |
 //! | `notices` | the licences of what is distributed |
 //! | `package` | the extension as a platform `.vsix`, server inside |
 //! | `prose` | patterns of English in what users read |
 //! | `lines` | lines of Rust by crate |
 //! | `release` | the commit and the tag of a release |
-//! | `extension` | building the extension |
 //! | `workbench` | the browser-served VS Code that the demo and its test use |
-//! | `tools` | what has to be installed, and how |
-//! | `run` | running commands, with progress |
 
 mod bench;
-mod budgets;
-mod campaign;
-mod chart;
 mod demo;
 mod dist;
 mod docs;
-mod extension;
 mod fuzz;
 mod lines;
 mod notices;
 mod package;
 mod prose;
 mod release;
-mod run;
-#[allow(unreachable_pub, reason = "public in dotgen-loaders")]
-#[path = "../../tests/loaders/src/shared.rs"]
-mod shared;
 mod test;
-mod tools;
 mod workbench;
 
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -66,11 +50,11 @@ enum Command {
     /// Install what the tests need and run all of them.
     Test(test::Options),
     /// Measure whole processes, and count instructions; draw what grows.
-    Bench(bench::Options),
-    /// Count the instructions of what users do, and compare them with xtask/budgets.txt.
-    Budgets(budgets::Options),
+    Bench(bench::Rest),
+    /// Count the instructions of what users do, and compare them with bench/budgets.txt.
+    Budgets(bench::Rest),
     /// Measure if findings are right and edits leave nothing worse.
-    Campaign(campaign::Options),
+    Campaign(bench::Rest),
     /// Look for inputs that break something, led by coverage.
     Fuzz(fuzz::Options),
     /// Write the licences of what the program and the extension contain into THIRD-PARTY-NOTICES.txt.
@@ -90,12 +74,12 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    xtask::exit(match Cli::parse().command {
         Command::Demo(options) => demo::demo(&options),
         Command::Test(options) => test::test(&options),
-        Command::Bench(options) => bench::bench(&options),
-        Command::Budgets(options) => budgets::budgets(&options),
-        Command::Campaign(options) => campaign::campaign(&options),
+        Command::Bench(rest) => bench::forward("bench", &rest),
+        Command::Budgets(rest) => bench::forward("budgets", &rest),
+        Command::Campaign(rest) => bench::forward("campaign", &rest),
         Command::Package => package::package().map(|_| true),
         Command::Fuzz(options) => fuzz::fuzz(&options),
         Command::Notices(options) => notices::notices(&options),
@@ -104,31 +88,5 @@ fn main() -> ExitCode {
         Command::Lines => lines::lines(),
         Command::Release(options) => release::release(&options).map(|()| true),
         Command::Docs => docs::docs().map(|()| true),
-    };
-    match result {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::from(2)
-        }
-    }
-}
-
-/// Root of the repository.
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask/ is in the root")
-}
-
-/// The build directory.
-fn target() -> PathBuf {
-    match std::env::var_os("CARGO_TARGET_DIR") {
-        Some(directory) => root().join(directory),
-        None => root().join("target"),
-    }
-}
-
-/// The example workspace.
-fn example() -> PathBuf {
-    root().join("examples/maneuver")
+    })
 }

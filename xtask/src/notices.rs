@@ -15,8 +15,8 @@ use clap::Args;
 use serde_json::Value;
 use spdx::{Expression, LicenseItem};
 
-use crate::extension::{self, NOTICES};
-use crate::run::step;
+use xtask::extension::{self, NOTICES};
+use xtask::run::step;
 
 /// Options of `cargo xtask notices`.
 #[derive(Args)]
@@ -52,7 +52,7 @@ pub(crate) fn notices(options: &Options) -> Result<bool> {
         bail!("licences that are not accepted (the list is in deny.toml):\n{}", refused.join("\n"));
     }
     let text = render(&parts)?;
-    let path = crate::root().join(NOTICES);
+    let path = xtask::root().join(NOTICES);
     if !options.check {
         std::fs::write(&path, text)?;
         println!("{}: {} packages", path.display(), parts.len());
@@ -78,7 +78,7 @@ fn allowed() -> Result<Vec<String>> {
     struct Licenses {
         allow: Vec<String>,
     }
-    let text = std::fs::read_to_string(crate::root().join("deny.toml"))?;
+    let text = std::fs::read_to_string(xtask::root().join("deny.toml"))?;
     let deny: Deny = toml::from_str(&text).context("deny.toml")?;
     Ok(deny.licenses.allow)
 }
@@ -98,7 +98,7 @@ fn refusal(part: &Part, allowed: &[String]) -> Option<String> {
 fn crates() -> Result<Vec<Part>> {
     step("Crates of the program");
     let metadata = MetadataCommand::new()
-        .manifest_path(crate::root().join("Cargo.toml"))
+        .manifest_path(xtask::root().join("Cargo.toml"))
         .other_options(["--locked".to_owned()])
         .features(CargoOpt::SomeFeatures(vec![extension::FEATURES.to_owned()]))
         .exec()?;

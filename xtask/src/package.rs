@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use crate::extension::{self, Profile};
+use xtask::extension::{self, Profile};
 
 /// Makes the platform `.vsix` that users install.
 pub(crate) fn package() -> Result<PathBuf> {
-    let server = extension::build_server(Profile::Dist)?;
-    let vsix = extension::package(&server, Profile::Dist)?;
+    let server = extension::build_server(Profile::Release)?;
+    let vsix = extension::package(&server, Profile::Release)?;
     let size = vsix.metadata()?.len() as f64 / 1e6;
     println!("{} ({size:.1} MB)", vsix.display());
     println!("Install it with: code --install-extension {}", vsix.display());

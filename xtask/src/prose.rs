@@ -42,7 +42,7 @@ const DEFINITIONS: [&str; 3] = ["docs/language.md", "docs/timed-semantics.md", "
 
 /// Prints every place with a pattern. Returns true if there is none.
 pub(crate) fn prose() -> Result<bool> {
-    let found = places(crate::root())?;
+    let found = places(xtask::root())?;
     for place in &found {
         println!("{place}");
     }
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn what_users_read_has_none() {
-        let found = places(crate::root()).expect("the texts can be read");
+        let found = places(xtask::root()).expect("the texts can be read");
         assert!(found.is_empty(), "{found:#?}");
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
-use crate::run::{self, step};
+use xtask::run::{self, step};
 
 #[derive(Args)]
 pub(crate) struct Options {
@@ -37,13 +37,13 @@ const PLACES: [(&str, &str, &str); 14] = [
 /// Makes the commit and the tag.
 pub(crate) fn release(options: &Options) -> Result<()> {
     let version = &options.version;
-    let current = current(crate::root())?;
+    let current = current(xtask::root())?;
     if parsed(version).context("a version is MAJOR.MINOR.PATCH")?
         < parsed(&current).unwrap_or_default()
     {
         bail!("{version} is earlier than {current}");
     }
-    let git = |arguments: &[&str]| run::capture(run::command(crate::root(), "git", arguments));
+    let git = |arguments: &[&str]| run::capture(run::command(xtask::root(), "git", arguments));
     if !git(&["status", "--porcelain"])?.is_empty() {
         bail!("commit your changes first");
     }
@@ -51,10 +51,10 @@ pub(crate) fn release(options: &Options) -> Result<()> {
     if !git(&["tag", "--list", &tag])?.is_empty() {
         bail!("the tag {tag} exists");
     }
-    let today = run::capture(run::command(crate::root(), "date", &["-u", "+%Y-%m-%d"]))?;
+    let today = run::capture(run::command(xtask::root(), "date", &["-u", "+%Y-%m-%d"]))?;
     let mut changelogs = Vec::new();
     for file in ["CHANGELOG.md", "vscode-extension/CHANGELOG.md"] {
-        let path = crate::root().join(file);
+        let path = xtask::root().join(file);
         let changes =
             dated(&std::fs::read_to_string(&path)?, version, today.trim()).context(file)?;
         changelogs.push((path, changes));
@@ -71,7 +71,7 @@ pub(crate) fn release(options: &Options) -> Result<()> {
         std::fs::write(path, changes)?;
     }
     for (file, before, after) in PLACES {
-        let path = crate::root().join(file);
+        let path = xtask::root().join(file);
         let text = std::fs::read_to_string(&path).context(file)?;
         let (from, to) = (format!("{before}{current}{after}"), format!("{before}{version}{after}"));
         std::fs::write(path, text.replacen(&from, &to, 2))?;
@@ -128,9 +128,9 @@ mod tests {
 
     #[test]
     fn the_version_is_the_same_everywhere() {
-        let version = current(crate::root()).expect("a version");
+        let version = current(xtask::root()).expect("a version");
         for (file, before, after) in PLACES {
-            let text = std::fs::read_to_string(crate::root().join(file)).expect(file);
+            let text = std::fs::read_to_string(xtask::root().join(file)).expect(file);
             let place = format!("{before}{version}{after}");
             assert!(text.contains(&place), "{file} has no {place:?}");
         }

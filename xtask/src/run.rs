@@ -9,15 +9,24 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 
 /// Announces a step: the action, and the reason if it takes long.
-pub(crate) fn step(what: &str) {
+pub fn step(what: &str) {
     match std::io::stderr().is_terminal() {
         true => eprintln!("\x1b[1m==> {what}\x1b[0m"),
         false => eprintln!("==> {what}"),
     }
 }
 
+thread_local! {
+    static OF: std::cell::Cell<&'static str> = const { std::cell::Cell::new("") };
+}
+
+/// From now on, lines of the commands of this thread begin with a text, because other threads print as well.
+pub fn prefix(text: &'static str) {
+    OF.set(text);
+}
+
 /// A command in `directory`, without standard input, so that it cannot wait for an answer.
-pub(crate) fn command(directory: &Path, program: &str, arguments: &[&str]) -> Command {
+pub fn command(directory: &Path, program: &str, arguments: &[&str]) -> Command {
     let mut command = Command::new(program);
     command.args(arguments).current_dir(directory).stdin(Stdio::null());
     command
@@ -28,12 +37,12 @@ static LINTS: AtomicBool = AtomicBool::new(false);
 
 /// From now on, each cargo lints the crates of the workspace while it builds them: Clippy is the compiler, so
 /// that lints need no second build. Its artifacts are separate from those of rustc.
-pub(crate) fn lint_while_building() {
+pub fn lint_while_building() {
     LINTS.store(true, Ordering::Relaxed);
 }
 
 /// The cargo that runs xtask.
-pub(crate) fn cargo(arguments: &[&str]) -> Command {
+pub fn cargo(arguments: &[&str]) -> Command {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let mut cargo = command(crate::root(), &cargo, arguments);
     if LINTS.load(Ordering::Relaxed) {
@@ -45,7 +54,7 @@ pub(crate) fn cargo(arguments: &[&str]) -> Command {
 }
 
 /// Runs a command to its end; its output goes to the terminal.
-pub(crate) fn run(mut command: Command) -> Result<()> {
+pub fn run(mut command: Command) -> Result<()> {
     let shown = show(&command);
     let started = Instant::now();
     let status = command.status().with_context(|| format!("cannot run {shown}"))?;
@@ -57,7 +66,7 @@ pub(crate) fn run(mut command: Command) -> Result<()> {
 }
 
 /// Runs a command to its end and returns its output, which is shown only after a failure.
-pub(crate) fn capture(mut command: Command) -> Result<String> {
+pub fn capture(mut command: Command) -> Result<String> {
     let shown = show(&command);
     let started = Instant::now();
     let output = command.output().with_context(|| format!("cannot run {shown}"))?;
@@ -75,16 +84,17 @@ pub(crate) fn capture(mut command: Command) -> Result<String> {
 
 /// Runs a command to its end, shows its output at once, and passes every line of standard output to `line` as
 /// well. Returns true if it succeeded.
-pub(crate) fn watch(command: Command, mut line: impl FnMut(&str)) -> Result<bool> {
+pub fn watch(command: Command, mut line: impl FnMut(&str)) -> Result<bool> {
+    let of = OF.get();
     lines(command, |text| {
-        println!("{text}");
+        println!("{of}{text}");
         line(text);
     })
 }
 
 /// Runs a command to its end, and passes every line of standard output to `line` at once, without showing it.
 /// Returns true if it succeeded.
-pub(crate) fn lines(mut command: Command, mut line: impl FnMut(&str)) -> Result<bool> {
+pub fn lines(mut command: Command, mut line: impl FnMut(&str)) -> Result<bool> {
     let shown = show(&command);
     eprintln!("    {shown}");
     let mut child =

@@ -9,33 +9,33 @@ use anyhow::{Result, bail};
 use crate::run;
 
 /// A program and its Debian package.
-pub(crate) struct Tool {
+pub struct Tool {
     program: &'static str,
     package: &'static str,
 }
 
-pub(crate) const CHROMIUM: &[Tool] = &[
+pub const CHROMIUM: &[Tool] = &[
     Tool::new("chromium", "chromium"),
     // Without any font the workbench draws no text.
     Tool::new("/usr/share/fonts/truetype/dejavu/DejaVuSansMono.ttf", "fonts-dejavu-core"),
 ];
 /// The language of GenoM3's templates.
-pub(crate) const TCL: &[Tool] = &[Tool::new("tclsh", "tcl")];
-pub(crate) const VALGRIND: &[Tool] = &[Tool::new("valgrind", "valgrind")];
+pub const TCL: &[Tool] = &[Tool::new("tclsh", "tcl")];
+pub const VALGRIND: &[Tool] = &[Tool::new("valgrind", "valgrind")];
 /// Reports the peak memory of a process.
-pub(crate) const TIME: &[Tool] = &[Tool::new("/usr/bin/time", "time")];
-pub(crate) const NEOVIM: &[Tool] = &[Tool::new("nvim", "neovim")];
-pub(crate) const EMACS: &[Tool] =
+pub const TIME: &[Tool] = &[Tool::new("/usr/bin/time", "time")];
+pub const NEOVIM: &[Tool] = &[Tool::new("nvim", "neovim")];
+pub const EMACS: &[Tool] =
     &[Tool::new("emacs", "emacs-nox"), Tool::new("/usr/share/doc/elpa-eglot", "elpa-eglot")];
 /// Attached to components to inspect codels; tests are skipped without it, with a message.
-pub(crate) const DEBUGGER: &[Tool] = &[Tool::new("gdb", "gdb")];
-pub(crate) const PYTHON: &[Tool] =
+pub const DEBUGGER: &[Tool] = &[Tool::new("gdb", "gdb")];
+pub const PYTHON: &[Tool] =
     &[Tool::new("python3", "python3"), Tool::new("/usr/share/doc/python3-venv", "python3-venv")];
 /// Sets up a clean Debian; `objdump` lists the symbols of a program.
-pub(crate) const DEBOOTSTRAP: &[Tool] =
+pub const DEBOOTSTRAP: &[Tool] =
     &[Tool::new("/usr/sbin/debootstrap", "debootstrap"), Tool::new("objdump", "binutils")];
 /// For the native modules of the workbench.
-pub(crate) const NATIVE_MODULES: &[Tool] =
+pub const NATIVE_MODULES: &[Tool] =
     &[Tool::new("python3", "python3"), Tool::new("make", "make"), Tool::new("g++", "g++")];
 /// Node is not installed automatically: Debian's is too old.
 const NODE: &str = "Node.js 20 or later with npm";
@@ -55,7 +55,7 @@ impl Tool {
 }
 
 /// A program on `PATH`.
-pub(crate) fn find(program: &str) -> Option<PathBuf> {
+pub fn find(program: &str) -> Option<PathBuf> {
     let path = std::env::var_os("PATH")?;
     std::env::split_paths(&path)
         .map(|directory| directory.join(program))
@@ -66,7 +66,7 @@ pub(crate) fn find(program: &str) -> Option<PathBuf> {
 ///
 /// # Errors
 /// One line that names the packages to install, if they cannot be installed automatically.
-pub(crate) fn ensure(tools: &[Tool]) -> Result<()> {
+pub fn ensure(tools: &[Tool]) -> Result<()> {
     let missing = missing(tools);
     if missing.is_empty() {
         return Ok(());
@@ -94,7 +94,7 @@ pub(crate) fn ensure(tools: &[Tool]) -> Result<()> {
 ///
 /// # Errors
 /// One line that names what to install.
-pub(crate) fn ensure_node() -> Result<()> {
+pub fn ensure_node() -> Result<()> {
     let version = run::command(crate::root(), "node", &["--version"]).output();
     let major = version.ok().and_then(|output| {
         let text = String::from_utf8(output.stdout).ok()?;

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-use crate::extension;
-use crate::run::{self, step};
-use crate::tools;
+use xtask::extension;
+use xtask::run::{self, step};
+use xtask::tools;
 
 /// The variable with the folder of an existing workbench, so that several clones can share one.
 const CACHE_VARIABLE: &str = "DOTGEN_WORKBENCH";
@@ -21,7 +21,7 @@ pub(crate) struct Workbench {
 
 /// The folder of the test's scripts.
 pub(crate) fn scripts() -> PathBuf {
-    crate::root().join("tests/editors/vscode")
+    xtask::root().join("tests/editors/vscode")
 }
 
 impl Workbench {
@@ -29,7 +29,7 @@ impl Workbench {
     pub(crate) fn set_up() -> Result<Workbench> {
         let directory = match std::env::var_os(CACHE_VARIABLE) {
             Some(directory) => PathBuf::from(directory),
-            None => crate::target().join("tools/workbench"),
+            None => xtask::target().join("tools/workbench"),
         };
         let env = directory.join("env");
         tools::ensure_node()?;
@@ -41,7 +41,7 @@ impl Workbench {
         }
         let setup = scripts().join("setup.sh");
         let arguments = [&*setup.to_string_lossy(), &*directory.to_string_lossy()];
-        run::capture(run::command(crate::root(), "sh", &arguments))?;
+        run::capture(run::command(xtask::root(), "sh", &arguments))?;
         let text = std::fs::read_to_string(&env)
             .with_context(|| format!("{} was not written", env.display()))?;
         let value = |name: &str| {
@@ -68,8 +68,8 @@ impl Workbench {
             .env("CS_NODE", &self.node)
             .env("CS_ENTRY", &self.entry)
             .env("VSIX", vsix)
-            .env("EXAMPLES", crate::root().join("examples"))
-            .env("SHOTS", crate::target().join("shots"));
+            .env("EXAMPLES", xtask::root().join("examples"))
+            .env("SHOTS", xtask::target().join("shots"));
         Ok(command)
     }
 }

@@ -121,7 +121,7 @@ fn every_offset_of_a_specification() {
 
 /// Published specifications next to the project.
 fn corpus() -> Vec<(Utf8PathBuf, String)> {
-    let folder = dotgen_loaders::shared("corpus");
+    let folder = dotgen_loaders::optional("corpus");
     let folder = folder.and_then(|folder| Utf8PathBuf::from_path_buf(folder).ok());
     let mut out = Vec::new();
     let mut folders = Vec::from_iter(folder);

@@ -5,7 +5,7 @@
 //! that follows, without the next tokens, without the rest of the element or statement, or with one more item
 //! behind it if the item is only the beginning of something (`port`, `in`, `pause::`).
 //!
-//! `COMPLETIONS=400` tries that many places, `COMPLETIONS=all` every place.
+//! The environment variable `DOTGEN_TIMES` multiplies the number of places.
 
 use std::{
     collections::BTreeMap,
@@ -20,7 +20,7 @@ use dotgen_analysis::{
 use super::*;
 
 /// Number of places tried in the suite, each with all its items.
-const PLACES: usize = 300;
+const PLACES: u64 = 120;
 
 /// The number of errors of each code.
 type Errors = BTreeMap<String, usize>;
@@ -320,12 +320,7 @@ fn tried(component: &Component, count: usize, random: &mut fastrand::Rng) -> Tri
 
 #[test]
 fn what_is_offered_is_legal() {
-    let wanted = std::env::var("COMPLETIONS").ok();
-    let count = match wanted.as_deref() {
-        Some("all") => usize::MAX,
-        Some(variable) => variable.parse().unwrap_or(PLACES),
-        None => PLACES,
-    };
+    let count = dotgen_loaders::times(PLACES) as usize;
     let mut components = examples();
     components.extend(super::components(&root().join("analysis/tests/data/model"), &[]));
     components.extend(published());

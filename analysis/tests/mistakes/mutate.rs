@@ -38,8 +38,7 @@ fn mutated(text: &str, random: &mut fastrand::Rng) -> String {
 
 #[test]
 fn no_fix_makes_it_worse_and_fixing_ends() {
-    let count = std::env::var("MUTATIONS").ok().and_then(|variable| variable.parse().ok());
-    let count: usize = count.unwrap_or(150);
+    let count = dotgen_loaders::times(60);
     let components = examples();
     let mut random = fastrand::Rng::with_seed(0x9e37_79b9_7f4a_7c15);
     let mut bad = Vec::new();

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::directory::Directory;
-use crate::running::{Listening, compilers, ended};
+use crate::running::{Listening, compilers, ended, installed};
 
 /// As public scripts are: interactive functions, dictionaries by name, `connect_port`, `ack`.
 const SCRIPT: &str = "import genomix
@@ -54,8 +54,7 @@ failed({'local': 'heard', 'remote': 'gives/sides/a'}, '::genom::port_io')
 
 #[test]
 fn scripts_of_genomix_run_with_another_import() {
-    let python = Command::new("python3").arg("--version").output().is_ok();
-    if !python || !compilers() {
+    if !installed(&["python3"]) || !compilers() {
         return;
     }
     let directory = Directory::new(&[

@@ -11,14 +11,19 @@ use serde_json::Value;
 
 use crate::directory::{Directory, stderr, stdout};
 
-/// Whether there are compilers.
+/// True if the compilers are installed; otherwise the test is recorded as skipped.
 pub(crate) fn compilers() -> bool {
-    ["cc", "c++"].iter().all(|compiler| {
-        let mut command = Command::new(compiler);
+    installed(&["cc", "c++"])
+}
+
+/// True if these programs are installed; otherwise the test is recorded as skipped.
+pub(crate) fn installed(programs: &[&str]) -> bool {
+    programs.iter().all(|program| {
+        let mut command = Command::new(program);
         command.arg("--version").stdout(Stdio::null());
         let known = command.status().is_ok_and(|status| status.success());
         if !known {
-            eprintln!("skipped: there is no {compiler}");
+            dotgen_loaders::skip(format_args!("there is no `{program}`"));
         }
         known
     })

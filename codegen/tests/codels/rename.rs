@@ -302,8 +302,7 @@ fn projects() -> Vec<Before> {
 
 #[test]
 fn random_renames_leave_nothing_worse() {
-    let count = std::env::var("RENAMES").ok().and_then(|variable| variable.parse().ok());
-    let count: usize = count.unwrap_or(120);
+    let count = dotgen_loaders::times(25) as usize;
     let all = projects();
     assert!(all.len() > 5, "{} components", all.len());
     let before: Vec<_> = all.iter().map(Before::diagnostics).collect();

@@ -141,7 +141,7 @@ impl Fixture {
 pub(crate) fn compiler(name: &str) -> Option<&str> {
     let found = Command::new(name).arg("--version").output();
     if !found.is_ok_and(|output| output.status.success()) {
-        eprintln!("SKIPPED: no `{name}` on this system");
+        dotgen_loaders::skip(format_args!("no `{name}` on this system"));
         return None;
     }
     Some(name)

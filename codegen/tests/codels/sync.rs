@@ -275,8 +275,7 @@ fn subjects() -> Vec<Subject> {
 
 #[test]
 fn random_edits_compile_after_one_sync() {
-    let count = std::env::var("EDITS").ok().and_then(|variable| variable.parse().ok());
-    let count: usize = count.unwrap_or(100);
+    let count = dotgen_loaders::times(20) as usize;
     let all = subjects();
     assert!(all.len() > 5, "{} components", all.len());
     let mut random = fastrand::Rng::with_seed(0x2545_f491_4f6c_dd1d);

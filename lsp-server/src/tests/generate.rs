@@ -219,7 +219,7 @@ async fn a_failing_template_is_marked_where_it_fails() {
 #[tokio::test(flavor = "multi_thread")]
 async fn tcl_templates_run() {
     if let Err(reason) = dotgen_codegen::template::find_tclsh() {
-        eprintln!("SKIPPED: {reason}");
+        dotgen_loaders::skip(format_args!("{reason}"));
         return;
     }
     let (mut client, folder) = start(able(), true, &[
@@ -249,7 +249,7 @@ async fn tcl_templates_run() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_run_can_be_cancelled() {
     if let Err(reason) = dotgen_codegen::template::find_tclsh() {
-        eprintln!("SKIPPED: {reason}");
+        dotgen_loaders::skip(format_args!("{reason}"));
         return;
     }
     let mut capabilities = able();

@@ -11,7 +11,15 @@ use dotgen_analysis::host::{
     AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
 };
 
-pub use shared::shared;
+pub use shared::{NO_DATA, SKIPPED, optional, shared, skip};
+
+/// A number of random cases: the ordinary one, which takes seconds, times the factor in the environment
+/// variable
+/// `DOTGEN_TIMES` (each night in continuous integration: 50).
+pub fn times(ordinary: u64) -> u64 {
+    let factor = std::env::var("DOTGEN_TIMES").ok();
+    ordinary * factor.and_then(|factor| factor.parse().ok()).unwrap_or(1)
+}
 
 /// No file is there; every package is installed, without flags.
 #[derive(Debug, Clone, Copy)]

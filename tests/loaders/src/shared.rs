@@ -1,4 +1,4 @@
-//! The shared test data, which is not part of the repository.
+//! The shared test data, which is not part of the repository, and the record of tests that could not run.
 //!
 //! Depends on nothing: crates below `dotgen-loaders`, and `xtask`, include this file as a module.
 
@@ -8,23 +8,29 @@ use std::path::{Path, PathBuf};
 /// The variable that names the folder of the data, or is `none`.
 const VARIABLE: &str = "DOTGEN_SHARED";
 
-/// The variable that names the file to which uses of the data are added.
-const LOG: &str = "DOTGEN_SHARED_LOG";
+/// The variable that names the file to which skipped tests are added.
+pub const SKIPPED: &str = "DOTGEN_SKIPPED";
 
-/// A file or folder of the shared test data; the empty name is the data itself.
+/// Beginning of the reason of a test that lacks data of others.
+pub const NO_DATA: &str = "no data";
+
+/// A file or folder of the shared test data, which the test needs; the empty name is the data itself. `None`:
+/// the test is recorded as skipped, and returns.
 ///
 /// The data is in the folder that the environment variable `DOTGEN_SHARED` names. If the variable is not set,
-/// it is in `../shared`, next to the workspace; if it is `none`, there is no data. Tests that need it return
-/// when this is `None`; the reason is printed.
+/// it is in `../shared`, next to the workspace; if it is `none`, there is no data.
 pub fn shared(name: &str) -> Option<PathBuf> {
-    let found = place().map(|place| place.join(name));
-    let found = found.filter(|path| path.exists());
-    let found = found.and_then(|path| path.canonicalize().ok());
+    let found = optional(name);
     if found.is_none() {
-        eprintln!("SKIPPED: no shared test data `{name}`; {VARIABLE} names its folder");
+        skip(format_args!("{NO_DATA}: {VARIABLE} names no folder with `{name}`"));
     }
-    log(name, found.is_some());
     found
+}
+
+/// A file or folder of the shared test data that a test uses besides its own.
+pub fn optional(name: &str) -> Option<PathBuf> {
+    let found = place()?.join(name);
+    if found.exists() { found.canonicalize().ok() } else { None }
 }
 
 /// The folder of the data, which need not exist.
@@ -40,22 +46,20 @@ fn place() -> Option<PathBuf> {
     }
 }
 
-/// Adds a line to the log: program, its folder, the test, and the use of the data. `cargo xtask test` reads
-/// it.
-fn log(name: &str, found: bool) {
-    let Some(path) = std::env::var_os(LOG) else {
+/// Records that the current test cannot run, or not in full. The test runner counts it as passed; `cargo
+/// xtask test` counts it as skipped. The message is printed even if the runner captures the output.
+pub fn skip(reason: impl std::fmt::Display) {
+    let reason = reason.to_string();
+    let thread = std::thread::current();
+    // A test without its own thread has no name.
+    let test = thread.name().unwrap_or("main");
+    let _ = writeln!(std::io::stderr(), "skipped: {test}: {reason}");
+    let Some(path) = std::env::var_os(SKIPPED) else {
         return;
     };
     let program = std::env::current_exe().unwrap_or_default();
-    let folder = std::env::current_dir().unwrap_or_default();
-    let thread = std::thread::current();
-    let line = format!(
-        "{}\t{}\t{}\t{name}\t{}\n",
-        program.display(),
-        folder.display(),
-        thread.name().unwrap_or("main"),
-        if found { "found" } else { "missing" },
-    );
+    let program = program.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let line = format!("{program}\t{test}\t{}\n", reason.replace('\n', " "));
     let file = std::fs::OpenOptions::new().append(true).create(true).open(path);
     // One write a line: lines of several tests do not mix.
     let _ = file.and_then(|mut file| file.write_all(line.as_bytes()));

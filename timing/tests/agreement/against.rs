@@ -17,14 +17,14 @@ use dotgen_timing::verify::{Cancel, Options, SystemInput, settings, verify};
 use num_rational::Ratio;
 use serde_json::{Value as Json, json};
 
-use crate::expected::answers;
-use crate::servers::chains::Chain;
-use crate::servers::model::{Datum, read};
-use crate::servers::random::{
+use crate::agreement::expected::answers;
+use crate::agreement::servers::chains::Chain;
+use crate::agreement::servers::model::{Datum, read};
+use crate::agreement::servers::random::{
     Texts, alike, chained, chained_steadily, occasional, periodic, quiet, requests, texts, varied,
 };
-use crate::servers::{CAP, Interpreter};
-use crate::{CASES, all_agree, cases_or, first, systems};
+use crate::agreement::servers::{CAP, Interpreter};
+use crate::agreement::{all_agree, first, systems};
 
 /// Returns the parts of an answer that are compared.
 fn answer(report: &CheckReport) -> Json {
@@ -134,10 +134,7 @@ fn beyond_abstraction(system: &TimedSystem, expected: &[(String, Json)]) -> Vec<
     QUICK_ON_CORES.fetch_add(usize::from(few), Ordering::Relaxed);
     let mut wrong = exceeded(system, ("response-time analysis", &quick.raw), expected);
     // A rare system has a large model, which would take as long as all others. It is explored each night.
-    let states = match std::env::var_os(CASES) {
-        None => 40_000,
-        Some(_) => Budget::default().states,
-    };
+    let states = if cases() < 100 { 40_000 } else { Budget::default().states };
     let small = Budget { states, ..Budget::default() };
     wrong.extend(beyond_bounds(system, small, expected));
     // With busy windows from the start.
@@ -269,10 +266,9 @@ fn the_middle_tier_is_never_below_the_interpreter_on_what_comes_at_any_time() {
     assert!(late as u64 >= cases() / 20, "bounds are compared");
 }
 
-/// Returns the number of systems: `DOTGEN_TIMING_CASES`, by default a few dozen. The interpreter of the
-/// servers needs a fifth of a second for each.
+/// Returns the number of systems. The interpreter of the servers needs a fifth of a second for each.
 fn cases() -> u64 {
-    cases_or(40)
+    dotgen_loaders::times(20)
 }
 
 #[test]
@@ -420,7 +416,7 @@ static BOUNDS: AtomicUsize = AtomicUsize::new(0);
 
 #[test]
 fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_chains() {
-    let cases = cases_or(100);
+    let cases = 2 * cases();
     all_agree(first(), cases, 50, compare_chains);
     let bounds = BOUNDS.load(Ordering::Relaxed);
     assert!(bounds >= cases as usize / 50, "bounds are compared: {bounds}");

@@ -14,9 +14,9 @@ use dotgen_timing::property::Predicate;
 use dotgen_timing::system::TimedSystem;
 use serde_json::Value;
 
-use crate::invariants::{excluded, system};
-use crate::systems::Dice;
-use crate::{all_agree, cases, first};
+use crate::agreement::invariants::{excluded, system};
+use crate::agreement::systems::Dice;
+use crate::agreement::{all_agree, cases, first};
 
 /// Number of mutations that change the meaning of a certificate.
 const MUTATIONS: usize = 1000;

@@ -6,9 +6,9 @@ use dotgen_timing::system::{CodelId, TimedSystem};
 use dotgen_timing::verify::Cancel;
 use typed_index_collections::TiVec;
 
-use crate::brute::{Brute, CAP};
-use crate::systems::{self, Dice};
-use crate::{all_agree, cases, first, limits};
+use crate::agreement::brute::{Brute, CAP};
+use crate::agreement::systems::{self, Dice};
+use crate::agreement::{all_agree, cases, first, limits};
 
 /// Returns random data flow: the first place is the first datum, the second the last, others are between.
 fn chain(system: &TimedSystem, dice: &mut Dice) -> Chain {

@@ -11,8 +11,8 @@ use dotgen_timing::scn::ast::{Check, CheckKind, Item, Scenario};
 use dotgen_timing::scn::parse;
 use serde_json::{Value as Json, json};
 
-use crate::servers::model::{System, read};
-use crate::servers::{CAP, Interpreter, Predicate, Results, Sequence, predicate};
+use crate::agreement::servers::model::{System, read};
+use crate::agreement::servers::{CAP, Interpreter, Predicate, Results, Sequence, predicate};
 
 fn cases() -> Option<PathBuf> {
     dotgen_loaders::shared("servers")

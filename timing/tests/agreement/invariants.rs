@@ -12,9 +12,9 @@ use dotgen_timing::system::build::build;
 use dotgen_timing::system::{ClientId, CodelId, MachineId, ServiceId, TaskId, TimedSystem};
 use dotgen_timing::verify::{Cancel, Options, settings};
 
-use crate::servers::random::{Texts, requests, texts, varied};
-use crate::systems::{self, Dice};
-use crate::{all_agree, cases, first};
+use crate::agreement::servers::random::{Texts, requests, texts, varied};
+use crate::agreement::systems::{self, Dice};
+use crate::agreement::{all_agree, cases, first};
 
 /// Number of pairs of literals that are tried in each system.
 const PAIRS: usize = 60;

@@ -4,8 +4,8 @@
 use dotgen_timing::explore::{Watched, Within};
 use dotgen_timing::property::Predicate;
 
-use crate::systems::{self, Dice};
-use crate::{all_agree, cases, compare_system, first, measured, walks};
+use crate::agreement::systems::{self, Dice};
+use crate::agreement::{all_agree, cases, compare_system, first, measured, walks};
 
 fn responses(system: &dotgen_timing::system::TimedSystem, dice: &mut Dice) -> Vec<Predicate> {
     let more = 1 + dice.below(2);

@@ -3,9 +3,9 @@
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Watched, Within, Work};
 use dotgen_timing::system::TimedSystem;
 
-use crate::brute::{Brute, CAP, Results};
-use crate::systems::Dice;
-use crate::{all_agree, cases, first, systems};
+use crate::agreement::brute::{Brute, CAP, Results};
+use crate::agreement::systems::Dice;
+use crate::agreement::{all_agree, cases, first, systems};
 
 /// Runs end before ages are cut off.
 const END: u64 = CAP as u64 - 10;

@@ -6,7 +6,7 @@ use dotgen_timing::report::{Report, Verdict};
 use dotgen_timing::scn::parse;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
-use crate::{counting, load};
+use crate::effort::{counting, load};
 
 /// Tenants that exclude each other by time alone: each checks whether the room is let, moves in at most
 /// `within` later, and uses the room `wait` after that if no other tenant has moved in meanwhile.
@@ -94,7 +94,9 @@ fn zones_count_their_bytes_truly() {
     let (report, peak) = answer(100, 110);
     let counted = report.memory;
     assert!(
-        counted > 1_000_000 && counted / 4 * 3 < peak && peak < counted / 4 * 5 + crate::FIXED,
+        counted > 1_000_000
+            && counted / 4 * 3 < peak
+            && peak < counted / 4 * 5 + crate::effort::FIXED,
         "{counted} bytes counted, {peak} used"
     );
 }

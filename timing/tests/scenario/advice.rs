@@ -10,7 +10,7 @@ use dotgen_timing::scn::ast::Policy;
 use dotgen_timing::scn::parse;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
-use crate::load;
+use crate::scenario::load;
 
 /// `control` needs `level`, which `tell` keeps for 8 ms of its 10.
 const LIFT: &str = "component lift { version \"1\"; lang \"c\"; ids { long level; };
@@ -278,10 +278,9 @@ fn random_system(random: &mut fastrand::Rng) -> (String, String) {
     (specification, scenario)
 }
 
-/// The environment variable `DOTGEN_TIMING_CASES` sets the number of misses.
 #[test]
 fn every_remedy_of_a_random_miss_makes_all_checks_of_the_task_hold() {
-    let misses = std::env::var("DOTGEN_TIMING_CASES").map_or(40, |cases| cases.parse().unwrap());
+    let misses = dotgen_loaders::times(15);
     let mut random = fastrand::Rng::with_seed(41);
     let (mut tried, mut healed) = (0, 0);
     let mut options = Options::default();

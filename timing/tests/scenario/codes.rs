@@ -3,7 +3,7 @@
 use dotgen_timing::scn::{codes, parse};
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
-use crate::{ROBOT, load};
+use crate::scenario::{ROBOT, load};
 
 /// Returns the codes for a scenario over a specification.
 fn found(specification: &str, scenario: &str) -> Vec<&'static str> {

@@ -6,7 +6,7 @@ use dotgen_timing::report::{Report, Soundness, Value, Verdict};
 use dotgen_timing::scn::parse;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
-use crate::load;
+use crate::scenario::load;
 
 fn report(specification: &str, items: &str) -> Report {
     let unit = load(specification);

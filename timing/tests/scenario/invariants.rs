@@ -5,7 +5,7 @@ use dotgen_timing::report::{CheckReport, Layer, Soundness, Verdict};
 use dotgen_timing::scn::parse;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
-use crate::load;
+use crate::scenario::load;
 
 /// Returns the answers of a scenario about components whose two tasks share a datum. Nothing leads to
 /// the state `stop` of `t`.

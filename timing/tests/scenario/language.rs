@@ -4,7 +4,7 @@ use dotgen_timing::scn::names::{Names, Target};
 use dotgen_timing::scn::{default_text, format, parse, parse_check};
 use dotgen_timing::verify::{Cancel, SystemInput, verify};
 
-use crate::{ROBOT, load, published, robot, summary};
+use crate::scenario::{ROBOT, load, published, robot, summary};
 
 #[test]
 fn mistakes_are_explained() {

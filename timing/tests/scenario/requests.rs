@@ -5,7 +5,7 @@ use dotgen_timing::scn::complete::{Completions, complete};
 use dotgen_timing::scn::{format, parse};
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
-use crate::load;
+use crate::scenario::load;
 
 /// `t` stops for 3 ms; `walk` pauses for ever and stops for 2 ms, `fail` may throw, `cut` has no `stop`.
 const ROBOT: &str = "component r {

@@ -4,7 +4,7 @@ use dotgen_timing::report::{CheckReport, Verdict};
 use dotgen_timing::scn::parse;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
-use crate::load;
+use crate::scenario::load;
 
 /// `poll` never releases its core.
 const BUSY: &str = "component c {

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 use super::GLIBC;
-use crate::extension;
-use crate::run::{self, step};
-use crate::tools::{self, DEBOOTSTRAP};
+use xtask::extension;
+use xtask::run::{self, step};
+use xtask::tools::{self, DEBOOTSTRAP};
 
 /// The oldest release of Debian that its servers still offer.
 const RELEASE: &str = "bullseye";
@@ -46,7 +46,7 @@ fn only(packages: &Path, ending: &str) -> Result<PathBuf> {
 /// The program needs no symbol of a later C library.
 fn old_symbols_only(packages: &Path) -> Result<()> {
     step("Versions of the symbols");
-    let stage = crate::target().join("tools/dist/symbols");
+    let stage = xtask::target().join("tools/dist/symbols");
     std::fs::create_dir_all(&stage)?;
     let archive = only(packages, ".tar.gz")?;
     let arguments = ["-xzf", &*archive.to_string_lossy(), "--strip-components=1"];
@@ -103,8 +103,8 @@ impl Root {
     /// A fresh copy of the clean Debian, which is set up once.
     fn new() -> Result<Root> {
         tools::ensure(DEBOOTSTRAP)?;
-        let clean = crate::target().join("tools/dist").join(RELEASE);
-        let directory = crate::target().join("tools/dist/root");
+        let clean = xtask::target().join("tools/dist").join(RELEASE);
+        let directory = xtask::target().join("tools/dist/root");
         if !clean.join("etc/debian_version").exists() {
             step(&format!("Setting up a clean Debian ({RELEASE})"));
             let partial = clean.with_extension("partial");
@@ -114,16 +114,16 @@ impl Root {
             let place = partial.to_string_lossy();
             let packages = "--include=python3,python3-venv,man-db";
             let arguments = ["--variant=minbase", packages, RELEASE, &*place];
-            run::capture(run::command(crate::root(), "debootstrap", &arguments))?;
+            run::capture(run::command(xtask::root(), "debootstrap", &arguments))?;
             std::fs::rename(&partial, &clean)?;
         }
         if directory.exists() {
             std::fs::remove_dir_all(&directory)?;
         }
         let (from, to) = (clean.to_string_lossy(), directory.to_string_lossy());
-        run::capture(run::command(crate::root(), "cp", &["-a", &*from, &*to]))?;
+        run::capture(run::command(xtask::root(), "cp", &["-a", &*from, &*to]))?;
         let root = Root { directory };
-        root.copy(&crate::root().join(EXAMPLE), "work")?;
+        root.copy(&xtask::root().join(EXAMPLE), "work")?;
         std::fs::write(root.directory.join("work/session.py"), SESSION)?;
         Ok(root)
     }
@@ -132,7 +132,7 @@ impl Root {
     fn copy(&self, from: &Path, to: &str) -> Result<()> {
         let to = self.directory.join(to);
         let (from, to) = (from.to_string_lossy(), to.to_string_lossy());
-        run::capture(run::command(crate::root(), "cp", &["-r", &*from, &*to])).map(drop)
+        run::capture(run::command(xtask::root(), "cp", &["-r", &*from, &*to])).map(drop)
     }
 
     /// Runs a script of the shell inside, which ends at its first error.
@@ -185,7 +185,7 @@ impl Root {
 
     fn try_extension(&self, packages: &Path) -> Result<()> {
         step("The program of the extension, in a clean Debian");
-        let unpacked = crate::target().join("tools/dist/vsix");
+        let unpacked = xtask::target().join("tools/dist/vsix");
         if unpacked.exists() {
             std::fs::remove_dir_all(&unpacked)?;
         }

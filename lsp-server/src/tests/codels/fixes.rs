@@ -128,7 +128,7 @@ async fn fix_all(only: Option<&str>, ranges: &Value) {
             .arg(directory.join(source))
             .output();
         let Ok(output) = output else {
-            eprintln!("SKIPPED: no `cc` on this system");
+            dotgen_loaders::skip("no `cc` on this system");
             return;
         };
         let errors = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -7,7 +7,7 @@ use dotgen_timing::property::{Atom, Predicate, SlotStatus, StatePhase, TaskState
 use dotgen_timing::system::TimedSystem;
 use serde_json::Value;
 
-use crate::systems::Dice;
+use crate::agreement::systems::Dice;
 
 /// The greatest number of actions in a run.
 const ACTIONS: usize = 300;

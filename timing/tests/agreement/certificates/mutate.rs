@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::systems::Dice;
+use crate::agreement::systems::Dice;
 
 /// The kinds of mutations.
 pub(super) const KINDS: [&str; 10] = [

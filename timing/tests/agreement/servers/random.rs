@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::systems::Dice;
+use super::super::systems::Dice;
 
 /// A specification for each component, and a scenario.
 pub(crate) struct Texts {

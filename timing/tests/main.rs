@@ -1,0 +1,6 @@
+//! Tests of the verifier.
+
+mod agreement;
+mod corpus;
+mod effort;
+mod scenario;
