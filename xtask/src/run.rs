@@ -3,16 +3,21 @@
 use std::io::{BufRead, BufReader, IsTerminal};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 
-/// Announces a step: the action, and the reason if it takes long.
+/// Announces a step: the time since the first step, the action, and the reason if it takes long.
 pub fn step(what: &str) {
-    match std::io::stderr().is_terminal() {
-        true => eprintln!("\x1b[1m==> {what}\x1b[0m"),
-        false => eprintln!("==> {what}"),
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    let seconds = START.elapsed().as_secs();
+    let (minutes, seconds) = (seconds / 60, seconds % 60);
+    if std::io::stderr().is_terminal() {
+        eprintln!("\x1b[1m==> {minutes}:{seconds:02} {what}\x1b[0m");
+    } else {
+        eprintln!("==> {minutes}:{seconds:02} {what}");
     }
 }
 

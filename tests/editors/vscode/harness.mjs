@@ -1,11 +1,12 @@
-// A real VS Code workbench: code-server with a throw-away profile, the packaged extension installed, a copy of a
-// workspace opened in headless Chromium.
-import { execFileSync, spawn } from 'node:child_process';
+// Real VS Code workbenches: one code-server with a throw-away profile and the packaged extension, one headless Chromium, and
+// a window on a copy of a workspace for each scenario.
+import { execFile, spawn } from 'node:child_process';
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, readlinkSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:net';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { basename, dirname, join, resolve, sep } from 'node:path';
+import { promisify } from 'node:util';
 import { chromium } from 'playwright-core';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
@@ -26,6 +27,7 @@ const SETTINGS = {
   'files.autoSave': 'off',
   'editor.minimap.enabled': false,
   'git.enabled': false,
+  'workbench.colorTheme': 'Default Dark Modern',
 };
 
 function freePort() {
@@ -37,39 +39,39 @@ function freePort() {
   });
 }
 
+/** A folder below `root`, which is made. */
+function below(root, name) {
+  const path = join(root, name);
+  mkdirSync(path, { recursive: true });
+  return path;
+}
+
+/** A headless browser, for the windows of all scenarios. */
+export const startBrowser = () =>
+  chromium.launch({
+    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+    headless: true,
+    args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+  });
+
 /**
- * Starts a workbench. `node` and `codeServer` are what setup.sh wrote to its `env` file; `files` (text by name) are added to
- * the copy of the workspace; the folders `beside` are copied next to it, under their names. `others` are extensions that
- * stand in for those of others: `main` (text) and the rest of the manifest by identifier.
+ * Starts a server of workbenches with a throw-away profile and the packaged extension. `node` and `codeServer` are what
+ * setup.sh wrote to its `env` file. `others` are extensions that stand in for those of others: `main` (text) and the rest of
+ * the manifest by identifier.
  */
-export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bin/chromium', vsix, workspace, beside = [], files = {}, settings = {}, others = {}, shots }) {
-  // A server that starts removes folders `dotgen-*` without a lock.
+export async function startServer({ node, codeServer, vsix, others = {} }) {
+  // A language server that starts removes folders `dotgen-*` without a lock.
   const root = mkdtempSync(join(tmpdir(), 'workbench-'));
-  const directory = (name) => {
-    const path = join(root, name);
-    mkdirSync(path, { recursive: true });
-    return path;
-  };
-  const folder = directory('workspace');
-  if (workspace) cpSync(workspace, folder, { recursive: true });
-  for (const path of beside) cpSync(path, join(root, basename(path)), { recursive: true });
-  for (const [name, text] of Object.entries(files)) {
-    mkdirSync(dirname(join(folder, name)), { recursive: true });
-    writeFileSync(join(folder, name), text);
-  }
-  const user = directory('user');
-  const extensions = directory('extensions');
-  writeFileSync(join(directory('user/User'), 'settings.json'), JSON.stringify({ ...SETTINGS, ...settings }, null, 2));
-  // The user's settings are not watched in this workbench; those of the folder are.
-  const folderSettings = (values) => writeFileSync(join(directory('workspace/.vscode'), 'settings.json'), JSON.stringify(values, null, 2));
-  folderSettings({});
+  const user = below(root, 'user');
+  const extensions = below(root, 'extensions');
+  writeFileSync(join(below(root, 'user/User'), 'settings.json'), JSON.stringify(SETTINGS, null, 2));
   writeFileSync(join(root, 'config.yaml'), 'auth: none\n');
   const env = {
     ...process.env,
-    HOME: directory('home'),
-    XDG_CONFIG_HOME: directory('config'),
-    XDG_DATA_HOME: directory('data'),
-    XDG_CACHE_HOME: directory('cache'),
+    HOME: below(root, 'home'),
+    XDG_CONFIG_HOME: below(root, 'config'),
+    XDG_DATA_HOME: below(root, 'data'),
+    XDG_CACHE_HOME: below(root, 'cache'),
   };
   // The test itself may run inside an editor.
   for (const name of Object.keys(env).filter((name) => name.startsWith('VSCODE_'))) delete env[name];
@@ -78,33 +80,56 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
   // What lies there before the first installation is taken for installed.
   for (const [id, { main, ...manifest }] of Object.entries(others)) {
     const [publisher, name] = id.split('.');
-    const place = directory(`extensions/${id}-1.0.0`);
+    const place = below(root, `extensions/${id}-1.0.0`);
     const whole = { name, publisher, version: '1.0.0', engines: { vscode: '^1.60.0' }, main: './main.js', activationEvents: ['onStartupFinished'], ...manifest };
     writeFileSync(join(place, 'package.json'), JSON.stringify(whole));
     writeFileSync(join(place, 'main.js'), main);
   }
-  execFileSync(node, [...base, '--install-extension', resolve(vsix)], { env, stdio: ['ignore', 'ignore', 'inherit'] });
+  await promisify(execFile)(node, [...base, '--install-extension', resolve(vsix)], { env });
   const port = await freePort();
-  const server = spawn(
-    node,
-    [...base, '--bind-addr', `127.0.0.1:${port}`, '--auth', 'none', '--disable-telemetry', '--disable-update-check', '--disable-workspace-trust', '--disable-getting-started-override'],
-    { env, stdio: ['ignore', 'pipe', 'pipe'] },
-  );
+  // The processes of a window that is closed end at once.
+  const options = ['--auth', 'none', '--disable-telemetry', '--disable-update-check', '--disable-workspace-trust', '--disable-getting-started-override', '--reconnection-grace-time', '1'];
+  const server = spawn(node, [...base, '--bind-addr', `127.0.0.1:${port}`, ...options], { env, stdio: ['ignore', 'pipe', 'pipe'] });
   process.once('exit', () => server.kill('SIGKILL')); // never leave a server behind a failed start
-  let serverLog = '';
-  server.stdout.on('data', (data) => (serverLog += data));
-  server.stderr.on('data', (data) => (serverLog += data));
+  let log = '';
+  server.stdout.on('data', (data) => (log += data));
+  server.stderr.on('data', (data) => (log += data));
   const origin = `http://127.0.0.1:${port}`;
-  await until('the workbench server answers', async () => (await fetch(`${origin}/healthz`)).ok, () => serverLog);
+  await until('the workbench server answers', async () => (await fetch(`${origin}/healthz`)).ok, () => log);
+  return {
+    user,
+    origin,
+    log: () => log,
+    async close() {
+      const ended = new Promise((done) => server.once('exit', done));
+      server.kill('SIGTERM');
+      await Promise.race([ended, new Promise((done) => setTimeout(done, 5000))]);
+      if (server.exitCode === null && server.signalCode === null) server.kill('SIGKILL');
+      rmSync(root, { recursive: true, force: true, maxRetries: 10, retryDelay: 200 });
+    },
+  };
+}
 
-  const context = await chromium.launchPersistentContext(directory('chromium'), {
-    executablePath: chromiumPath,
-    headless: true,
-    viewport: { width: 1400, height: 900 },
-    args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
-  });
+/**
+ * Opens a window on a copy of a workspace. `files` (text by name) are added to the copy; the folders `beside` are copied next to
+ * it, under their names; `settings` are those of the folder.
+ */
+export async function openWindow({ browser, server, workspace, beside = [], files = {}, settings = {}, shots }) {
+  const { user, origin } = server;
+  const root = mkdtempSync(join(tmpdir(), 'workspace-'));
+  const folder = below(root, 'workspace');
+  if (workspace) cpSync(workspace, folder, { recursive: true });
+  for (const path of beside) cpSync(path, join(root, basename(path)), { recursive: true });
+  for (const [name, text] of Object.entries(files)) {
+    mkdirSync(dirname(join(folder, name)), { recursive: true });
+    writeFileSync(join(folder, name), text);
+  }
+  const folderSettings = (values) => writeFileSync(join(below(folder, '.vscode'), 'settings.json'), JSON.stringify({ ...settings, ...values }, null, 2));
+  folderSettings({});
+
+  const context = await browser.newContext({ viewport: { width: 1400, height: 900 } });
   context.setDefaultTimeout(TIMEOUT_MS);
-  const page = context.pages()[0] ?? (await context.newPage());
+  const page = await context.newPage();
   const consoleLines = [];
   page.on('console', (message) => consoleLines.push(`[${message.type()}] ${message.text()}`));
   page.on('pageerror', (error) => consoleLines.push(`[pageerror] ${error}`));
@@ -249,10 +274,10 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
       }
     },
     /**
-     * Chooses a code action at the cursor; `seen` runs while the menu shows. Lenses that arrive meanwhile move the text and
-     * close the menu: open it again.
+     * Chooses a code action at the cursor until `shown` shows; `seen` runs while the menu shows. Lenses that arrive meanwhile
+     * move the text, and VS Code closes the menu, also under the click.
      */
-    async action(text, seen = async () => {}) {
+    async action(text, seen = async () => {}, shown = undefined) {
       const row = page.locator('.action-widget .monaco-list-row', { hasText: text }).first();
       for (let attempt = 0; ; attempt++) {
         await page.keyboard.press('Control+.');
@@ -260,6 +285,7 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
           await row.waitFor({ timeout: 4000 });
           await seen();
           await row.click({ timeout: 4000 });
+          await shown?.waitFor({ timeout: 8000 });
           return;
         } catch (error) {
           if (attempt === 5) throw error;
@@ -271,7 +297,7 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
       await page.keyboard.press('Control+S');
       await page.locator('.tab.active.dirty').waitFor({ state: 'detached' });
     },
-    /** Process ids of the language server of this workbench. */
+    /** Process ids of the language servers of this window. */
     languageServers() {
       return readdirSync('/proc')
         .filter((name) => /^\d+$/.test(name))
@@ -279,7 +305,7 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
           try {
             // Its helpers are the same program, started by it with other arguments.
             const words = readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0');
-            return readlinkSync(`/proc/${pid}/exe`).startsWith(user + sep) && words[1] === 'lsp';
+            return readlinkSync(`/proc/${pid}/exe`).startsWith(user + sep) && words[1] === 'lsp' && readlinkSync(`/proc/${pid}/cwd`) === folder;
           } catch {
             return false; // ended meanwhile, or not ours to look at
           }
@@ -295,14 +321,12 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
       const telling = (line) => !/api\.github\.com|open-vsx|gallery|ERR_NAME_NOT_RESOLVED|_doActivateExtension vscode\./i.test(line);
       const last = (lines) => lines.filter(telling).slice(-20).map((line) => line.slice(0, 400));
       const texts = files.flatMap((name) => [`--- ${name}`, ...last(readFileSync(join(user, 'logs', name), 'utf8').split('\n'))]);
-      return [...texts, '--- browser console', ...last(consoleLines), '--- workbench server', ...last(serverLog.split('\n'))].join('\n');
+      return [...texts, '--- browser console', ...last(consoleLines), '--- workbench server', ...last(server.log().split('\n'))].join('\n');
     },
     async close() {
+      // A page that leaves says good-bye to its processes; one that is closed does not.
+      await page.goto('about:blank');
       await context.close();
-      const ended = new Promise((done) => server.once('exit', done));
-      server.kill('SIGTERM');
-      await Promise.race([ended, new Promise((done) => setTimeout(done, 5000))]);
-      if (server.exitCode === null && server.signalCode === null) server.kill('SIGKILL');
       rmSync(root, { recursive: true, force: true, maxRetries: 10, retryDelay: 200 });
     },
   };

@@ -172,6 +172,8 @@ export function checks(wb) {
       await until('both have the new name again', () => /\ntank_drain_watch\(/.test(codels()) && /codel<wait> tank_drain_watch\(/.test(text('tank.gen')));
     }],
     ['everything that differs is mended in one go', async () => {
+      // The findings of the text that was just saved.
+      await (await problemsOf('tank_fill_start')).first().waitFor();
       await into('tank.gen', 'codel tank_mix', 'codel ');
       await quickFix('Fix all differences', 'codels-12-fix-all.png');
       await applyPreview('codels-13-fix-all-preview.png');

@@ -25,8 +25,7 @@ export function checks(wb) {
       await wb.endOf('maneuver.gen', 'component maneuver');
       await page.keyboard.press('Home');
       for (let i = 0; i < 'component m'.length; i++) await page.keyboard.press('ArrowRight');
-      await wb.action('Generate…', () => wb.shot('generate-1-action.png'));
-      await rows('skeleton').first().waitFor();
+      await wb.action('Generate…', () => wb.shot('generate-1-action.png'), rows('skeleton').first());
       await rows('docs').first().waitFor();
       await wb.shot('generate-2-templates.png');
     }],

@@ -6,7 +6,6 @@ import { join } from 'node:path';
 import { until } from '../harness.mjs';
 
 export const workspace = undefined;
-export const settings = { 'workbench.colorTheme': 'Default Dark Modern' };
 
 const MOST_PRESSES = 120;
 

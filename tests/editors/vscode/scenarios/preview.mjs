@@ -7,7 +7,7 @@ import { until } from '../harness.mjs';
 export const workspace = 'quadcopter';
 export const beside = ['maneuver'];
 // VS Code lists what stands between the lines, unless that is set.
-export const settings = { 'workbench.colorTheme': 'Default Dark Modern', 'comments.openView': 'never' };
+export const settings = { 'comments.openView': 'never' };
 const FILE = 'nhfc.gen';
 
 export function checks(wb) {

@@ -4,7 +4,7 @@ import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 export const workspace = 'pump';
-export const settings = { 'workbench.colorTheme': 'Default Dark Modern', 'dotgen.run.margin': 1.1 };
+export const settings = { 'dotgen.run.margin': 1.1 };
 
 /** A codel that takes longer than it states. */
 const SLOW = `#include "acpump.h"

@@ -8,7 +8,7 @@ import { trace } from '../webview/traces.mjs';
 export const workspace = 'pump';
 const recorded = trace(10_000);
 export const files = { 'run.trace.json': JSON.stringify({ ...recorded, title: 'a recorded run' }), 'other.json': '{}' };
-export const settings = { 'workbench.colorTheme': 'Default Dark Modern', 'files.simpleDialog.enable': true };
+export const settings = { 'files.simpleDialog.enable': true };
 
 export function checks(wb) {
   const { page } = wb;

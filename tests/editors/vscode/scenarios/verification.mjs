@@ -39,7 +39,6 @@ export const files = {
   'guess.gen': GUESS,
   'guess.scn': 'scenario guess {\n  use "guess.gen";\n  check schedulable guess.slow;\n  check response guess.spin;\n}\n',
 };
-export const settings = { 'workbench.colorTheme': 'Default Dark Modern' };
 
 export function checks(wb) {
   const { page } = wb;

@@ -1,10 +1,7 @@
-// How long an edit takes to its verdict and to its picture, in the real workbench: medians of ten, compared with budgets in
-// frames of the display (60 a second), because a busy machine draws fewer frames. Twice the budget, in frames and in time, is
-// a failure.
-import assert from 'node:assert/strict';
+// How long an edit takes to its verdict and to its picture, in the real workbench: medians of ten, in milliseconds and in frames
+// of the display, beside their goals. `SCENARIO=bench/latency cargo xtask test vscode` prints them.
 
 export const workspace = 'pump';
-export const settings = { 'workbench.colorTheme': 'Default Dark Modern' };
 /** An extension with a page of one word, on a key. */
 const EMPTY = `const vscode = require('vscode');
 exports.activate = () => vscode.commands.registerCommand('empty.show', () => {
@@ -54,13 +51,11 @@ export function checks(wb) {
     return () => where.evaluate((id) => window[id], id);
   }
 
-  /** Prints the median of measurements, and compares it with a budget in milliseconds; frames count, where they are known. */
+  /** Prints the median of measurements, and its goal in milliseconds; frames count, where they are known. */
   function judge(what, all, budget = Infinity) {
     const ms = median(all.map((it) => it.ms));
     const frames = median(all.map((it) => it.frames ?? it.ms / FRAME_MS));
-    console.log(`    ${what}: ${ms.toFixed(0)} ms, ${frames.toFixed(0)} frames (medians of ${all.length}; budget ${budget.toFixed(0)} ms)`);
-    const allowed = Math.floor((2 * budget) / FRAME_MS);
-    assert.ok(frames <= allowed || ms <= 2 * budget, `${what}: ${frames.toFixed(0)} frames, allowed are ${allowed}`);
+    console.log(`    ${what}: ${ms.toFixed(0)} ms, ${frames.toFixed(0)} frames (medians of ${all.length}; goal ${budget.toFixed(0)} ms)`);
   }
 
   const more = [

@@ -1,6 +1,6 @@
-// Frames a second while a long run is moved through: `node webview/bench.mjs [STEPS]`.
-import { opener } from './page.mjs';
-import { trace } from './traces.mjs';
+// Frames a second while a long run is moved through: `node bench/trace.mjs [STEPS]`.
+import { opener } from '../webview/page.mjs';
+import { trace } from '../webview/traces.mjs';
 
 const steps = Number(process.argv[2] ?? 10_000);
 const pages = await opener('src/trace/page.ts', 'src/webview/trace.ts');
