@@ -48,19 +48,19 @@ fn codes_of(source: &str) -> Vec<&'static str> {
 }
 
 #[test]
-fn codels_without_execution_time_are_counted() {
-    let found = |codels: &str| {
-        let spec = format!(
-            "component c {{ task t {{ period 5 ms; codel<start> f() yield a wcet 1 ms; {codels} }}; }};"
-        );
-        let found = check(text(&spec), strict());
-        let missing = found.into_iter().find(|check| check.code == "timing/missing-wcet");
-        missing.map(|check| check.message).unwrap_or_default()
+fn each_codel_without_execution_time_is_named() {
+    let spec = "component c { task t { period 5 ms; codel<start> f() yield a wcet 1 ms; \
+                codel<a> g() yield pause::b; codel<b> h() yield pause::a; }; };";
+    let found = check(text(spec), strict());
+    let missing = found.iter().filter(|check| check.code == "timing/missing-wcet");
+    let messages: Vec<&str> = missing.map(|check| check.message.as_str()).collect();
+    let of = |codel: &str| {
+        format!(
+            "codel `{codel}` has no execution time and counts as taking none; add `wcet` with the measured \
+             worst case"
+        )
     };
-    expect!["`g` of task `t` has no execution time and counts as taking none; add `wcet` with the measured \
-        worst case"].assert_eq(&found("codel<a> g() yield pause::a;"));
-    expect!["`g` and `h` of task `t` have no execution time and count as taking none; add `wcet` with the \
-        measured worst case"].assert_eq(&found("codel<a> g() yield pause::b; codel<b> h() yield pause::a;"));
+    assert_eq!(messages, [of("g"), of("h")]);
 }
 
 #[test]

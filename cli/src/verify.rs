@@ -267,7 +267,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     Ok(trouble.outcome(if answers.iter().any(|answer| answer.report.refuted()) {
         Outcome::Errors
-    } else if answers.iter().any(|answer| answer.report.unknown() || answer.report.nothing()) {
+    } else if answers.iter().any(|answer| {
+        answer.report.unknown() || answer.report.nothing() || answer.report.conditional()
+    }) {
         Outcome::GaveUp
     } else {
         Outcome::Fine

@@ -10,12 +10,14 @@ mod sensitivity;
 
 use std::sync::{PoisonError, RwLock};
 
+use dotgen_analysis::model::Seconds;
 use num_rational::Ratio;
 use serde::Serialize;
 
 use crate::analytic::{meets_deadlines, response_bounds};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::explore::{Findings, Limits, Stop, Watch, explore};
+use crate::limit::Grid;
 use crate::property::resolve;
 use crate::report::{TimeUnit, Value, Verdict};
 use crate::scn::ast::{CheckKind, Durations, Path, Scenario};
@@ -55,6 +57,9 @@ pub struct Extreme {
     pub exact: bool,
     /// Some verification was given up: the extreme may be further out.
     pub incomplete: bool,
+    /// Distance of the times that were tried, in the unit of the report: the limit is less than that beyond the
+    /// extreme, if it is exact.
+    pub resolution: f64,
 }
 
 /// The parameter that a question varies.
@@ -207,53 +212,45 @@ impl<'a> DerivationContext<'a> {
         let Some(current) = current else {
             return Err(vec![not_a("codel that is executed", codel)]);
         };
-        let upper = current.upper;
         let longest = built.system.tasks.iter().filter_map(|task| task.period).max().unwrap_or(1);
-        let of_ticks = |ticks: u32| unit * Ratio::from_integer(i128::from(ticks));
-        let mut holds = |ticks: u32| {
-            variation.settings.upper_bound = Some((codel.clone(), of_ticks(ticks)));
+        let grid = Grid::new(unit, unit * Ratio::from_integer(i128::from(longest)));
+        let mut holds = |time: Seconds| {
+            variation.settings.upper_bound = Some((codel.clone(), time));
             variation.schedulable()
         };
         let report_unit = TimeUnit::of(&Settings::new(self.scenario));
-        let value = |ticks: u32| Value::Time(report_unit.from_seconds(of_ticks(ticks)));
+        let value = |steps: u32| Value::Time(report_unit.from_seconds(grid.time(steps)));
+        let endless = current.upper == crate::system::FOREVER;
+        let start = if endless { 0 } else { grid.steps(current.upper) };
         let mut out = Extreme {
             of: path,
-            now: if upper == crate::system::FOREVER { Value::Unbounded } else { value(upper) },
+            now: if endless { Value::Unbounded } else { value(start) },
             fails_now: false,
             extreme: None,
             exact: settings(self.scenario, self.options).durations != Durations::Fixed,
             incomplete: false,
+            resolution: report_unit.from_seconds(grid.step),
         };
-        let start = if upper == crate::system::FOREVER { 0 } else { upper };
-        match holds(start) {
-            Verdict::Proved => {}
-            verdict => {
-                out.fails_now = verdict == Verdict::Refuted;
-                out.incomplete = verdict == Verdict::Unknown;
-                // Downwards: an execution time is at least the lower limit of its interval, and never zero.
-                let least = match out.exact {
-                    true => current.lower.max(1),
-                    false => 1,
-                };
-                if verdict == Verdict::Refuted && least < start {
-                    match holds(least) {
-                        Verdict::Proved => {
-                            let last = bisect(least, start, holds, &mut out.incomplete);
-                            out.extreme = Some(value(last));
-                            out.exact &= !out.incomplete;
-                        }
-                        verdict => out.incomplete = verdict == Verdict::Unknown,
-                    }
+        let verdict = holds(grid.time(start));
+        if !verdict.holds() {
+            out.fails_now = verdict == Verdict::Refuted;
+            out.incomplete = verdict == Verdict::Unknown;
+            // Downwards: an execution time is at least the lower limit of its interval, and never zero.
+            let least = if out.exact { grid.steps(current.lower).max(1) } else { 1 };
+            if verdict == Verdict::Refuted && least < start {
+                match holds(grid.time(least)) {
+                    verdict if verdict.holds() => out.found(grid, least, start, holds, value),
+                    verdict => out.incomplete = verdict == Verdict::Unknown,
                 }
-                return Ok(out);
             }
+            return Ok(out);
         }
         // Double the value until it fails, then bisect.
         let (mut good, mut bad) = (start, None);
-        let mut step = (longest / 16).max(1);
-        while good < longest.saturating_mul(2) {
-            match holds(good + step) {
-                Verdict::Proved => good += step,
+        let mut step = grid.steps((longest / 16).max(1));
+        while good < grid.steps(longest.saturating_mul(2)) {
+            match holds(grid.time(good + step)) {
+                verdict if verdict.holds() => good += step,
                 verdict => {
                     out.incomplete |= verdict == Verdict::Unknown;
                     bad = Some(good + step);
@@ -262,14 +259,13 @@ impl<'a> DerivationContext<'a> {
             }
             step = step.saturating_mul(2);
         }
-        let Some(bad) = bad else {
-            out.extreme = Some(Value::Unbounded);
-            out.exact = false;
-            return Ok(out);
-        };
-        let last = bisect(good, bad, holds, &mut out.incomplete);
-        out.extreme = Some(value(last));
-        out.exact &= !out.incomplete;
+        match bad {
+            Some(bad) => out.found(grid, good, bad, holds, value),
+            None => {
+                out.extreme = Some(Value::Unbounded);
+                out.exact = false;
+            }
+        }
         Ok(out)
     }
 
@@ -281,74 +277,74 @@ impl<'a> DerivationContext<'a> {
         let Some(period) = built.system.tasks[built.tasks[&key]].period else {
             return Err(vec![not_a("periodic task", task)]);
         };
-        let of_ticks = |ticks: u32| unit * Ratio::from_integer(i128::from(ticks));
-        let mut holds = |ticks: u32| {
-            variation.settings.period = Some((task.clone(), of_ticks(ticks)));
+        let grid = Grid::new(unit, unit * Ratio::from_integer(i128::from(period)));
+        let mut holds = |time: Seconds| {
+            variation.settings.period = Some((task.clone(), time));
             variation.schedulable()
         };
         let report_unit = TimeUnit::of(&Settings::new(self.scenario));
-        let value = |ticks: u32| Value::Time(report_unit.from_seconds(of_ticks(ticks)));
+        let value = |steps: u32| Value::Time(report_unit.from_seconds(grid.time(steps)));
+        let now = grid.steps(period);
         let mut out = Extreme {
             of: task.text(),
-            now: value(period),
+            now: value(now),
             fails_now: false,
             extreme: None,
             exact: false,
             incomplete: false,
+            resolution: report_unit.from_seconds(grid.step),
         };
-        match holds(period) {
-            Verdict::Proved => {}
-            verdict => {
-                out.fails_now = verdict == Verdict::Refuted;
-                out.incomplete = verdict == Verdict::Unknown;
-                if verdict == Verdict::Refuted {
-                    out.extreme = slower(period, holds, &mut out.incomplete).map(value);
-                }
-                return Ok(out);
+        let verdict = holds(grid.time(now));
+        if verdict.holds() {
+            out.found(grid, now, 0, holds, value);
+        } else {
+            out.fails_now = verdict == Verdict::Refuted;
+            out.incomplete = verdict == Verdict::Unknown;
+            if verdict == Verdict::Refuted
+                && let Some((longer, fails)) = longer(grid, now, &mut holds, &mut out.incomplete)
+            {
+                out.found(grid, longer, fails, holds, value);
             }
         }
-        let last = bisect(period, 0, holds, &mut out.incomplete);
-        out.extreme = Some(value(last));
+        out.exact = false;
         Ok(out)
     }
 }
 
-/// Finds a period of up to eight times the present one that holds, next to one that does not hold.
-fn slower(
+impl Extreme {
+    /// Sets the extreme to the last value that holds, between one that holds and one that does not.
+    fn found(
+        &mut self,
+        grid: Grid,
+        good: u32,
+        bad: u32,
+        holds: impl FnMut(Seconds) -> Verdict,
+        value: impl Fn(u32) -> Value,
+    ) {
+        let (last, unsure) = grid.last(good, bad, holds);
+        self.extreme = Some(value(last));
+        self.incomplete |= unsure > 1;
+        self.exact &= !self.incomplete;
+    }
+}
+
+/// Finds a period of up to eight times the present one that holds, and a shorter one that does not hold.
+fn longer(
+    grid: Grid,
     period: u32,
-    mut holds: impl FnMut(u32) -> Verdict,
+    holds: &mut impl FnMut(Seconds) -> Verdict,
     incomplete: &mut bool,
-) -> Option<u32> {
+) -> Option<(u32, u32)> {
     let mut fails = period;
     for times in [2, 4, 8] {
         let longer = period.checked_mul(times)?;
-        match holds(longer) {
-            Verdict::Proved => return Some(bisect(longer, fails, holds, incomplete)),
+        match holds(grid.time(longer)) {
+            verdict if verdict.holds() => return Some((longer, fails)),
             verdict => *incomplete |= verdict == Verdict::Unknown,
         }
         fails = longer;
     }
     None
-}
-
-/// Returns the last value that holds, by bisection between a value that holds and one that does not.
-pub(crate) fn bisect(
-    mut good: u32,
-    mut bad: u32,
-    mut holds: impl FnMut(u32) -> Verdict,
-    incomplete: &mut bool,
-) -> u32 {
-    while good.abs_diff(bad) > 1 {
-        let middle = good.midpoint(bad);
-        match holds(middle) {
-            Verdict::Proved => good = middle,
-            verdict => {
-                *incomplete |= verdict == Verdict::Unknown;
-                bad = middle;
-            }
-        }
-    }
-    good
 }
 
 fn same_codel(

@@ -12,6 +12,7 @@ pub mod derive;
 pub mod diagnostic;
 pub mod explore;
 pub mod invariants;
+mod limit;
 pub mod property;
 mod questions;
 pub mod reduction_use;

@@ -1,6 +1,7 @@
 //! The report of a verification, as data and as text. The JSON form is part of the interface of `dotgen
 //! verify`.
 
+pub mod ground;
 mod time_unit;
 
 use crate::system::indexed::DeclaredTask;
@@ -17,6 +18,7 @@ use crate::explore::{Stop, SystemRun};
 use crate::property::PropertyKind;
 use crate::reduction_use::ReductionUse;
 use crate::system::{CodelName, ThreadName};
+use ground::Condition;
 pub use time_unit::TimeUnit;
 pub(crate) use time_unit::to_f64;
 
@@ -61,6 +63,8 @@ pub struct Report {
 pub enum Verdict {
     /// The property holds.
     Proved,
+    /// The property holds if something is true that nobody has stated: [`CheckReport::conditions`].
+    Conditional,
     /// The property does not hold.
     Refuted,
     /// The verification was given up.
@@ -69,6 +73,13 @@ pub enum Verdict {
     Nothing,
     /// There is no answer yet. Only in intermediate reports.
     Open,
+}
+
+impl Verdict {
+    /// True if the property holds, under conditions or not.
+    pub fn holds(self) -> bool {
+        matches!(self, Verdict::Proved | Verdict::Conditional)
+    }
 }
 
 /// The strength of a verdict (section 11 of the timed semantics).
@@ -140,11 +151,13 @@ impl Limit {
         }
     }
 
-    /// Returns `true` if a time, in the unit of the report, is beyond the limit.
+    /// Returns `true` if a time, in the unit of the report, is beyond the limit. A job that takes as long as its
+    /// period is late: the tick comes before its end.
     pub fn is_exceeded_by(self, time: Value) -> bool {
-        match time {
-            Value::Unbounded => true,
-            Value::Time(time) => time > self.time(),
+        match (time, self) {
+            (Value::Unbounded, _) => true,
+            (Value::Time(time), Limit::Stated(limit)) => time > limit,
+            (Value::Time(time), Limit::Period(limit)) => time >= limit,
         }
     }
 }
@@ -174,6 +187,10 @@ pub struct CheckReport {
     pub bound: Option<Value>,
     /// Verdict.
     pub verdict: Verdict,
+    /// What the verdict rests on although nobody has stated it; none unless the verdict is
+    /// [`Verdict::Conditional`].
+    #[serde(rename = "conditional", skip_serializing_if = "Vec::is_empty")]
+    pub conditions: Vec<Condition>,
     /// Strength of the verdict.
     pub soundness: Soundness,
     /// Analysis that proves the verdict or bounds the value, if no exploration does.
@@ -431,6 +448,12 @@ impl Report {
     /// Sets the final answer to a check.
     pub(crate) fn answer(&mut self, check: usize, mut answer: CheckReport) {
         assert!(self.is_open(check), "an answer is final");
+        // The only place where an answer gets its ground, so that no stage can forget it.
+        if answer.verdict == Verdict::Proved && !answer.conditions.is_empty() {
+            answer.verdict = Verdict::Conditional;
+        } else {
+            answer.conditions.clear();
+        }
         if answer.left_out {
             answer.note = Some(match answer.note {
                 Some(note) => format!("{note}; {LEFT_OUT}"),
@@ -471,6 +494,11 @@ impl Report {
         self.checks.iter().any(|check| check.verdict == Verdict::Unknown)
     }
 
+    /// Returns true if some check holds only under conditions.
+    pub fn conditional(&self) -> bool {
+        self.checks.iter().any(|check| check.verdict == Verdict::Conditional)
+    }
+
     /// Returns true if some check had nothing to verify.
     pub fn nothing(&self) -> bool {
         self.checks.iter().any(|check| check.verdict == Verdict::Nothing)
@@ -493,7 +521,7 @@ impl CheckReport {
     /// Returns the part of the limit that is left, in percent of the limit; below 0 if the limit is exceeded.
     /// `None` if the value has neither been found nor bounded.
     pub fn slack(&self) -> Option<f64> {
-        let known = matches!(self.verdict, Verdict::Proved | Verdict::Refuted);
+        let known = self.verdict.holds() || self.verdict == Verdict::Refuted;
         match (self.value, self.limit) {
             (Some(Value::Time(value)), Some(limit)) if known => {
                 Some((limit.time() - value) / limit.time() * 100.0)

@@ -159,7 +159,7 @@ export const SCENARIO = 'genom3-scenario';
 /** Sources of templates that the user calls so; others are asked for by the server. */
 export const TEMPLATE = 'genom3-template';
 
-export type VerificationState = 'stale' | 'running' | 'proved' | 'refuted' | 'gave-up' | 'nothing' | 'blocked';
+export type VerificationState = 'stale' | 'running' | 'proved' | 'conditional' | 'refuted' | 'gave-up' | 'nothing' | 'blocked';
 
 /** Where the verification of a document stands; sent whenever it changes. */
 export interface VerificationStatus {
@@ -193,12 +193,14 @@ export interface VerificationCheck {
   check: string;
   of: string;
   /** `open`: not answered yet. */
-  verdict: 'proved' | 'vacuous' | 'bounded' | 'exceeds' | 'refuted' | 'refuted?' | 'gave up' | 'nothing' | 'open';
+  verdict: 'proved' | 'conditional' | 'vacuous' | 'bounded' | 'exceeds' | 'refuted' | 'refuted?' | 'gave up' | 'nothing' | 'open';
   worth: string | null;
   value: string | null;
   limit: string | null;
   slack: string | null;
   note: string | null;
+  /** What the verdict rests on although nobody has stated it. */
+  condition: string | null;
   /** Why it fails in one sentence, and what would make it hold. */
   cause: string | null;
   remedy: string | null;

@@ -80,23 +80,6 @@ impl fmt::Display for LateCodels {
     }
 }
 
-/// Codels of one task or service without execution time.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct UntimedCodels {
-    /// The codels.
-    pub codels: Names,
-    /// Their task or service.
-    pub owner: OwnerName,
-}
-
-impl fmt::Display for UntimedCodels {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let UntimedCodels { codels, owner } = self;
-        let (has, counts) = (codels.verb("has", "have"), codels.verb("counts", "count"));
-        write!(f, "{codels} of {owner} {has} no execution time and {counts}")
-    }
-}
-
 /// States or services in a cycle, shown as `a → b → a`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct CyclePath(pub Vec<Name>);
@@ -199,8 +182,9 @@ findings! {
             => "activity `{name}` can be interrupted (by `{by}`) and writes the {what} `{param}`, but has \
                 no `codel<stop>` to leave it in a consistent state";
 
-        "timing/missing-wcet" MissingWcet { untimed: UntimedCodels }
-            => "{untimed} as taking none", "add `wcet` with the measured worst case";
+        "timing/missing-wcet" MissingWcet { codel: Name }
+            => "codel `{codel}` has no execution time and counts as taking none",
+               "add `wcet` with the measured worst case";
         "timing/wcet-exceeds-period" CodelExceedsPeriod {
             codel: Name, time: Time, task: Name, period: Time,
         }

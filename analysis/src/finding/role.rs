@@ -51,7 +51,6 @@ pub enum Role {
     NoPeriod,
     OldValue,
     Interrupting,
-    NoTime,
     /// The service that closes a cycle of services.
     InCircle(Name),
     WrittenBy(CodelName),
@@ -128,7 +127,6 @@ impl fmt::Display for Role {
             Role::NoPeriod => "the task is declared here, without `period`",
             Role::OldValue => "the old value, from the ids",
             Role::Interrupting => "interrupted by this service",
-            Role::NoTime => "no execution time either",
             Role::Meaning(meaning) => meaning,
             Role::InCircle(text) => return write!(f, "`{text}` is part of the circle"),
             Role::WrittenBy(name) => return write!(f, "written by {name}"),

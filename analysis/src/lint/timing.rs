@@ -5,10 +5,10 @@ use num_rational::Ratio;
 
 use crate::model::fsm::Machine;
 use crate::model::turn::Turn;
-use crate::model::{CodelKind, CodelRef, Owner, Seconds, ServiceKind, Src};
+use crate::model::{CodelKind, Owner, Seconds, ServiceKind, Src};
 
 use super::Lint;
-use crate::finding::lints::{Chain, LintWarning, Names, Share, Time, UntimedCodels};
+use crate::finding::lints::{Chain, LintWarning, Share, Time};
 
 pub(super) fn check(lint: &mut Lint) {
     let timed = lint.has_timing();
@@ -25,25 +25,12 @@ pub(super) fn check(lint: &mut Lint) {
     suspicious_units(lint);
 }
 
-/// `timing/missing-wcet`: one finding for each task or service.
+/// `timing/missing-wcet`: one finding at each codel.
 fn missing_wcet(lint: &mut Lint) {
     for owner in lint.owners() {
-        let missing: Vec<(CodelRef, Src)> = (0..)
-            .zip(lint.component.codels_of(owner))
-            .filter(|(_, codel)| codel.wcet.is_none())
-            .map(|(index, codel)| (CodelRef { owner, index }, codel.src))
-            .collect();
-        let Some(&(_, at)) = missing.first() else {
-            continue;
-        };
-        let names = missing.iter().map(|(codel, _)| lint.codel(*codel).name.clone()).collect();
-        let found = lint.report(
-            at,
-            LintWarning::MissingWcet {
-                untimed: UntimedCodels { codels: Names(names), owner: lint.owner_name(owner) },
-            },
-        );
-        found.related = missing[1..].iter().map(|&(_, src)| (src, Role::NoTime)).collect();
+        for codel in lint.component.codels_of(owner).iter().filter(|codel| codel.wcet.is_none()) {
+            lint.report(codel.src, LintWarning::MissingWcet { codel: codel.name.clone() });
+        }
     }
 }
 

@@ -205,12 +205,8 @@ impl Limits {
     ) -> std::io::Result<()> {
         let (extreme, remark) = summary::extreme(limit, self.unit);
         let now = self.unit.show_value(limit.now);
-        let remark = match remark {
-            "" => String::new(),
-            remark => format!(", {remark}"),
-        };
         let (of, width) = (&limit.of, self.width);
-        writeln!(out, "  {what:<15} {of:<width$}  {extreme} {FAINT}(now {now}{remark}){FAINT:#}")
+        writeln!(out, "  {what:<15} {of:<width$}  {extreme} {FAINT}(now {now}, {remark}){FAINT:#}")
     }
 
     /// Prints the most critical value, and a note if something is missing.
@@ -250,7 +246,8 @@ impl Row {
     fn new(view: &CheckView) -> Row {
         let check = view.report;
         let note = check.note.as_deref();
-        let remarks: Vec<&str> = note.into_iter().chain(view.worth).collect();
+        let condition = view.condition.as_deref();
+        let remarks: Vec<&str> = condition.into_iter().chain(note).chain(view.worth).collect();
         Row {
             verdict: view.outcome.word(),
             style: style(view.outcome),
@@ -303,6 +300,7 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
         let cells = rows.iter().map(|row| cell(row).chars().count());
         cells.max().map_or(0, |cell| if cell == 0 { 0 } else { cell.max(head.len()) })
     };
+    let verdict = rows.iter().map(|row| row.verdict.len()).max().unwrap_or_default().max(8);
     let (check, of) = (width("check", |row| &row.check), width("of", |row| &row.of));
     let (value, limit) = (width("value", |row| &row.value), width("limit", |row| &row.limit));
     let slack = width("slack", |row| &row.slack);
@@ -313,7 +311,7 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
     };
     let head = |text: &'static str, width| if width == 0 { "" } else { text };
     let line = format!(
-        "  {:<8}  {:<check$}  {:<of$}{}{}{}",
+        "  {:<verdict$}  {:<check$}  {:<of$}{}{}{}",
         "verdict",
         "check",
         "of",
@@ -337,7 +335,7 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
             (None, "") => {}
             (None, remark) => rest.push_str(&format!("  ({remark})")),
         }
-        writeln!(out, "  {style}{:<8}{style:#}{}", row.verdict, rest.trim_end())?;
+        writeln!(out, "  {style}{:<verdict$}{style:#}{}", row.verdict, rest.trim_end())?;
     }
     Ok(())
 }

@@ -110,7 +110,7 @@ pub fn repairs(
         let mut own = report.checks.iter().filter(|check| check.id.written == written);
         let kept = |report: &CheckReport| {
             let limited = report.kind.is_deadline() || report.kind.is_time();
-            limited && matches!(report.verdict, Verdict::Proved | Verdict::Refuted)
+            limited && (report.verdict.holds() || report.verdict == Verdict::Refuted)
         };
         own.clone().next().is_some() && own.all(kept)
     };

@@ -6,8 +6,8 @@ use dotgen_analysis::model::Seconds;
 use num_rational::Ratio;
 
 use super::change::Change;
-use crate::derive::bisect;
 use crate::explore::Limits;
+use crate::limit::Grid;
 use crate::report::{TimeUnit, Verdict};
 use crate::scn::ast::{Durations, Path, Policy};
 use crate::scn::names::Names;
@@ -70,7 +70,7 @@ impl<'t> Trial<'t> {
         let checks = &report.checks;
         if report.has_errors() || checks.is_empty() {
             Verdict::Unknown
-        } else if let Some(check) = checks.iter().find(|check| check.verdict != Verdict::Proved) {
+        } else if let Some(check) = checks.iter().find(|check| !check.verdict.holds()) {
             check.verdict
         } else if checks.iter().any(|check| check.exceeds()) {
             Verdict::Refuted
@@ -99,20 +99,26 @@ impl<'t> Trial<'t> {
         let codel = system.codels.iter().find(|codel| codel.path == *path)?;
         let (lower, upper) = (codel.lower, codel.upper);
         let fixed = self.settings.durations == Durations::Fixed;
+        if upper == FOREVER {
+            return None;
+        }
+        let longest = system.tasks.iter().filter_map(|task| task.period).max();
+        let grid = Grid::new(system.unit, self.seconds(longest.unwrap_or(upper)));
         // A codel must take time, and its greatest time cannot be below its least time.
-        let least = if fixed { 1 } else { lower.max(1) };
-        if upper == FOREVER || upper <= least {
+        let least = if fixed { 1 } else { grid.steps(lower).max(1) };
+        let upper_steps = grid.steps(upper);
+        if upper_steps <= least {
             return None;
         }
         let mut settings = self.settings.clone();
-        let mut holds = |ticks: Ticks| {
-            settings.upper_bound = Some((Path::of(path), self.seconds(ticks)));
+        let mut holds = |time: Seconds| {
+            settings.upper_bound = Some((Path::of(path), time));
             self.holds(&settings)
         };
-        if holds(least) != Verdict::Proved {
+        if !holds(grid.time(least)).holds() {
             return None;
         }
-        let at_most = self.seconds(bisect(least, upper, holds, &mut false));
+        let at_most = grid.time(grid.last(least, upper_steps, holds).0);
         let c = codel.site.map(|site| site.0);
         Some(Change::Wcet {
             codel: path.to_owned(),
@@ -131,21 +137,22 @@ impl<'t> Trial<'t> {
         let path = self.built.system.task_path(task);
         let now = self.built.system.tasks[task].period?;
         let mut settings = self.settings.clone();
-        let mut holds = |ticks: Ticks| {
-            settings.period = Some((Path::of(&path), self.seconds(ticks)));
+        let grid = Grid::new(self.built.system.unit, self.seconds(now));
+        let mut holds = |time: Seconds| {
+            settings.period = Some((Path::of(&path), time));
             self.holds(&settings)
         };
-        let mut fails = now;
+        let mut fails = grid.steps(now);
         let found = [2, 4].into_iter().find_map(|times| {
-            let longer = now.checked_mul(times)?;
-            if holds(longer) == Verdict::Proved {
+            let longer = grid.steps(now).checked_mul(times)?;
+            if holds(grid.time(longer)).holds() {
                 return Some((longer, fails));
             }
             fails = longer;
             None
         });
         let (longer, fails) = found?;
-        let needed = self.seconds(bisect(longer, fails, holds, &mut false));
+        let needed = grid.time(grid.last(longer, fails, holds).0);
         let src = self.names.components[c].component.tasks[declared].period.as_ref()?.src;
         Some(Change::Period {
             task: path,

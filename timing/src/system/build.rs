@@ -20,7 +20,7 @@ use typed_index_collections::TiVec;
 use super::indexed::Built;
 use super::locks::exclude_codels;
 use super::settings::Settings;
-use super::{MachineId, Platform, Policy, TimedSystem};
+use super::{CodelId, MachineId, Platform, Policy, TimedSystem};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::scn::ast;
 use crate::scn::names::Names;
@@ -36,6 +36,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
         slots: HashMap::new(),
         places: HashMap::new(),
         affinity: HashMap::new(),
+        untimed: Vec::new(),
         requested: Vec::new(),
         out: Built {
             system: TimedSystem {
@@ -67,6 +68,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
             components: HashMap::new(),
             diagnostics: Vec::new(),
             assumptions: Vec::new(),
+            conditions: Vec::new(),
             rounded: Vec::new(),
             exact_unit: None,
             shared: OnceLock::new(),
@@ -106,6 +108,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
     builder.loops();
     builder.blocking();
     builder.assumptions();
+    builder.conditions();
     builder.out
 }
 
@@ -122,6 +125,8 @@ struct Builder<'b> {
     places: HashMap<(usize, u32), u32>,
     /// Cores of tasks, counted from 1, if the scenario states them.
     affinity: HashMap<(usize, u32), u32>,
+    /// Codels without execution time.
+    untimed: Vec<CodelId>,
     /// Services that some client requests.
     requested: Vec<(usize, u32)>,
     out: Built,

@@ -7,6 +7,7 @@ use dotgen_analysis::model::{Owner, Seconds};
 
 use super::TimedSystem;
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::report::ground::Condition;
 use crate::scn::ast::Path;
 use crate::system::{ComponentId, MachineId, ServiceId, TaskId};
 
@@ -36,6 +37,8 @@ pub struct Built {
     pub diagnostics: Vec<Diagnostic>,
     /// Assumptions on which the result depends, in words.
     pub assumptions: Vec<String>,
+    /// What the result rests on although nobody has stated it.
+    pub conditions: Vec<Condition>,
     /// Codels whose times were rounded, because they are not multiples of the unit of the scenario.
     pub rounded: Vec<Rounded>,
     /// The coarsest unit in which no time has to be rounded, in seconds; `None` if the scenario states no

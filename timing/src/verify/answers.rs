@@ -58,6 +58,7 @@ impl Group<'_> {
             limit: stated.or_else(period),
             bound: stated.map(|bound| Value::Time(bound.time())),
             verdict: Verdict::Unknown,
+            conditions: self.built.conditions.clone(),
             soundness: match (self.settings.durations, live) {
                 // If a codel is preempted, its remaining time need not be a whole number of units.
                 (Durations::Interval | Durations::Open, _) if preempts && rounded => {

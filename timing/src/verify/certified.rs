@@ -72,6 +72,7 @@ fn words(check: &CheckReport) -> String {
 fn verdict(check: &CheckReport) -> &'static str {
     match check.verdict {
         Verdict::Proved => "proved",
+        Verdict::Conditional => "conditional",
         Verdict::Refuted => "refuted",
         Verdict::Unknown | Verdict::Open => "unknown",
         Verdict::Nothing => "nothing",
@@ -80,7 +81,7 @@ fn verdict(check: &CheckReport) -> &'static str {
 
 fn uncertified(check: &CheckReport) -> Uncertified {
     let by = match check.verdict {
-        Verdict::Proved | Verdict::Refuted => match check.by {
+        Verdict::Proved | Verdict::Conditional | Verdict::Refuted => match check.by {
             Some(layer) => Some(layer.to_string()),
             None => Some("exploration".to_owned()),
         },

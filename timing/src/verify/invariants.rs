@@ -107,6 +107,7 @@ impl Group<'_> {
                 _ => Verdict::Proved,
             },
             // Invariants do not depend on durations.
+            conditions: Vec::new(),
             soundness: Soundness::Exact,
             by: Some(Layer::Invariants),
             note: Some(NOTE.to_owned()),

@@ -72,6 +72,7 @@ fn answer(assuming: String, problem: &Problem, options: &Options, report: &Repor
         Outcome::Open,
         Outcome::Vacuous,
         Outcome::Nothing,
+        Outcome::Conditional,
     ];
     let has = |outcome: &Outcome| view.checks.iter().any(|check| check.outcome == *outcome);
     let outcome = worst.into_iter().find(has).unwrap_or(Outcome::Proved);

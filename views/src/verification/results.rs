@@ -28,6 +28,8 @@ pub enum Status {
     Running,
     /// Every check holds.
     Proved,
+    /// Every check holds, some of them only if something is true that nobody has stated.
+    Conditional,
     /// A check fails.
     Refuted,
     /// No check failed, but some are not settled.
@@ -121,6 +123,8 @@ impl Answer {
             Status::GaveUp
         } else if self.report.nothing() {
             Status::Nothing
+        } else if self.report.conditional() {
+            Status::Conditional
         } else {
             Status::Proved
         }

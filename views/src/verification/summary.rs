@@ -32,7 +32,7 @@ fn side(limit: &Extreme) -> &'static str {
 }
 
 /// The extreme of a value as text, and its restriction if it is not exact.
-pub fn extreme(limit: &Extreme, unit: TimeUnit) -> (String, &'static str) {
+pub fn extreme(limit: &Extreme, unit: TimeUnit) -> (String, String) {
     let extreme = match limit.extreme {
         Some(extreme) if limit.fails_now => {
             format!("holds {} {}", side(limit), unit.show_value(extreme))
@@ -42,10 +42,10 @@ pub fn extreme(limit: &Extreme, unit: TimeUnit) -> (String, &'static str) {
         None => "not known".to_owned(),
     };
     let remark = match (limit.extreme, limit.incomplete, limit.exact) {
-        (Some(Value::Unbounded), ..) => "tried up to the longest period",
-        (_, true, _) => "given up there",
-        (_, false, false) => "not known to be the limit",
-        (_, false, true) => "",
+        (Some(Value::Unbounded), ..) => "tried up to the longest period".to_owned(),
+        (_, true, _) => "given up there".to_owned(),
+        (_, false, false) => "not known to be the limit".to_owned(),
+        (_, false, true) => format!("to {}", unit.show(limit.resolution)),
     };
     (extreme, remark)
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{
-    Awaited, CheckReport, Delay, Report, Soundness, TimeUnit, Value, Verdict,
+    Awaited, CheckReport, Delay, Report, Soundness, TimeUnit, Value, Verdict, ground,
 };
 use dotgen_timing::scn::ast::{Check, CheckKind, Item, Scenario};
 use dotgen_timing::system::indexed::DeclaredTask;
@@ -19,6 +19,8 @@ use super::why::FailureCause;
 pub enum Outcome {
     /// It holds.
     Proved,
+    /// It holds if something is true that nobody has stated.
+    Conditional,
     /// It holds because its subject never occurs in a run.
     Vacuous,
     /// Its upper bound is greater than the period of the task; the exact value may be less.
@@ -42,6 +44,7 @@ impl Outcome {
     pub fn word(self) -> &'static str {
         match self {
             Outcome::Proved => "proved",
+            Outcome::Conditional => "conditional",
             Outcome::Vacuous => "vacuous",
             Outcome::Bounded => "bounded",
             Outcome::Exceeds => "exceeds",
@@ -64,8 +67,9 @@ impl Outcome {
     }
 
     /// All outcomes, in the order of counts.
-    pub const ALL: [Outcome; 9] = [
+    pub const ALL: [Outcome; 10] = [
         Outcome::Proved,
+        Outcome::Conditional,
         Outcome::Vacuous,
         Outcome::Bounded,
         Outcome::Exceeds,
@@ -78,11 +82,16 @@ impl Outcome {
 
     fn of(report: &CheckReport) -> Outcome {
         match report.verdict {
-            Verdict::Proved if report.vacuous => Outcome::Vacuous,
-            Verdict::Proved if report.exceeds() => Outcome::Exceeds,
+            Verdict::Proved | Verdict::Conditional if report.vacuous => Outcome::Vacuous,
+            Verdict::Proved | Verdict::Conditional if report.exceeds() => Outcome::Exceeds,
             // An upper bound greater than the period proves nothing about the deadline.
-            Verdict::Proved if report.slack().is_some_and(|slack| slack < 0.0) => Outcome::Bounded,
+            Verdict::Proved | Verdict::Conditional
+                if report.slack().is_some_and(|slack| slack < 0.0) =>
+            {
+                Outcome::Bounded
+            }
             Verdict::Proved => Outcome::Proved,
+            Verdict::Conditional => Outcome::Conditional,
             // Rounding makes reachability uncertain, but not unreachability.
             Verdict::Refuted if report.rounded && report.kind != PropertyKind::Reachable => {
                 Outcome::PossiblyRefuted
@@ -110,6 +119,8 @@ pub struct CheckView<'r> {
     pub share: Option<String>,
     /// `≥ 30 %`
     pub slack: Option<String>,
+    /// What the verdict rests on although nobody has stated it, in a sentence.
+    pub condition: Option<String>,
     /// A restriction of the verdict, if it is not exact.
     pub worth: Option<&'static str>,
     /// The causes of a late job, a sentence for each wait.
@@ -195,6 +206,8 @@ impl<'r> CheckView<'r> {
             }),
             limit: report.limit.map(|limit| unit.show(limit.time())),
             slack: report.slack().map(|slack| format!("{least}{}", percent(slack))),
+            condition: (!report.conditions.is_empty())
+                .then(|| ground::sentence(&report.conditions)),
             worth: match report.soundness {
                 _ if report.rounded => Some("durations are rounded"),
                 // The sign before the value, and the note, show it.

@@ -11,6 +11,7 @@ const STATES: Record<VerificationAnswer['status'], string> = {
   stale: 'verifying …',
   running: 'verifying …',
   proved: 'proved',
+  conditional: 'conditional',
   refuted: 'refuted',
   'gave-up': 'gave up',
   nothing: 'nothing to verify',
@@ -19,6 +20,7 @@ const STATES: Record<VerificationAnswer['status'], string> = {
 
 const CLASSES: Record<VerificationAnswer['checks'][number]['verdict'], string> = {
   proved: 'proved',
+  conditional: 'gave-up',
   vacuous: 'gave-up',
   bounded: 'proved',
   exceeds: 'refuted',
@@ -130,7 +132,7 @@ function showChecks(it: VerificationAnswer): void {
     const title = check.name === null ? `${check.check} ${check.of}` : `${check.name}: ${check.check} ${check.of}`;
     const run: Node | string = check.hasRun ? link(check.verdict === 'refuted' ? 'show why' : 'show run', null, () => host.postMessage({ type: 'check', check: i }), `run ${i}`) : '';
     // Where there is a cause, the reasons are the same at length: they are told with the run.
-    const notes = [check.cause, check.worth, check.note, ...(check.cause === null ? check.reason : [])].filter((note) => note !== null);
+    const notes = [check.condition, check.cause, check.worth, check.note, ...(check.cause === null ? check.reason : [])].filter((note) => note !== null);
     const verdict = node('span', check.verdict === 'open' ? 'verifying …' : check.verdict, `verdict ${CLASSES[check.verdict]}`);
     const lines = [row([verdict, link(title, check.location, undefined, `check ${i}`), ...columns.map((name) => check[name] ?? ''), run], columns.map((_, at) => at + 2), ['', '', ...columns])];
     lines[0]?.children[1]?.classList.add('what');

@@ -129,6 +129,7 @@ struct CheckResult {
     limit: Option<String>,
     slack: Option<String>,
     note: Option<String>,
+    condition: Option<String>,
     /// The cause of a task's failure, in one sentence.
     cause: Option<String>,
     /// A change with which the check holds, if one is known.
@@ -494,6 +495,7 @@ fn shown_check(
         limit: view.limit.clone(),
         slack: view.slack.clone(),
         note: check.note.clone(),
+        condition: view.condition.clone(),
         cause: view.cause.clone(),
         remedy: view.remedy.clone(),
         reason: view.reason.clone(),

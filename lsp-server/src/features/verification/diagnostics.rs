@@ -210,7 +210,7 @@ fn diagnostic(
     let (code, mut message) = match (view.outcome, check.kind) {
         (Outcome::Proved | Outcome::Bounded | Outcome::Exceeds | Outcome::Open, _) => return None,
         // Missing items are reported at their own place.
-        (Outcome::Nothing, _) => return None,
+        (Outcome::Nothing | Outcome::Conditional, _) => return None,
         (Outcome::Vacuous, kind) => {
             let why = check.note.as_deref().unwrap_or_default();
             (VACUOUS, format!("`{kind} {of}` says nothing: {why}"))

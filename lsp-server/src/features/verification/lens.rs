@@ -17,7 +17,7 @@ use super::{TaskLocation, argument, has_refuting_run, refuting_run, tasks};
 use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::{CodeLens, CodeLensParams, Command};
 use crate::workspace::snapshot::{Snapshot, Subject};
-use dotgen_timing::report::TimeUnit;
+use dotgen_timing::report::{TimeUnit, ground};
 use dotgen_views::verification::advice;
 use dotgen_views::verification::results::{Answer, Entry, Status};
 use dotgen_views::verification::view::{CheckView, Outcome};
@@ -179,6 +179,7 @@ fn whole(entry: &Entry) -> String {
     let text = match entry.status {
         Status::Stale | Status::Running => VERIFYING.to_owned(),
         Status::Proved => proved(entry).to_owned(),
+        Status::Conditional => "conditional".to_owned(),
         Status::Refuted => "refuted".to_owned(),
         Status::Nothing => "nothing to verify".to_owned(),
         Status::GaveUp => "gave up".to_owned(),
@@ -280,6 +281,9 @@ fn verdict(entry: &Entry, task: DeclaredTask) -> Option<(Mark, String)> {
     if first(Outcome::Bounded).is_some() {
         return say(Mark::Unsettled, &and_measured("perhaps late"));
     }
+    if let Some(check) = first(Outcome::Conditional) {
+        return say(Mark::Unsettled, &and_measured(&ground::short(&check.report.conditions)));
+    }
     say(Mark::Holds, measured.as_deref().unwrap_or("holds"))
 }
 
@@ -304,7 +308,7 @@ fn details(entry: &Entry, task: DeclaredTask) -> Vec<String> {
     if let Some(answer) = entry.known() {
         let view = answer.view();
         let reasons = view.of_task(task).flat_map(|(_, check)| {
-            let first = [&check.cause, &check.remedy].into_iter().flatten();
+            let first = [&check.condition, &check.cause, &check.remedy].into_iter().flatten();
             first.chain(&check.reason).cloned()
         });
         for reason in reasons {
@@ -376,6 +380,8 @@ fn of_task(entry: &Entry, task: DeclaredTask) -> Option<String> {
         "later than its period".to_owned()
     } else if has(Outcome::Vacuous) {
         NEVER.to_owned()
+    } else if let Some(check) = all.iter().find(|task| task.outcome == Outcome::Conditional) {
+        format!("conditional: {}", ground::short(&check.report.conditions))
     } else {
         "proved".to_owned()
     };

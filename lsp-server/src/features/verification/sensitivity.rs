@@ -170,7 +170,7 @@ pub(crate) fn shown(
             of: limit.of.clone(),
             now: unit.show_value(limit.now),
             extreme,
-            remark: remark.to_owned(),
+            remark,
             location: locate(snapshot, &asked.problem, place.and_then(|place| place.1))?,
         })
     };

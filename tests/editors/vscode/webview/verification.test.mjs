@@ -8,7 +8,7 @@ before(async () => (pages = await opener('src/verification/page.ts', 'src/webvie
 after(() => pages.close());
 
 const place = { uri: 'file:///a.gen', range: { start: { line: 1, character: 2 }, end: { line: 1, character: 9 } } };
-const check = (more) => ({ name: null, check: 'response', of: 'nav.exec', verdict: 'proved', worth: null, value: '8 ms', limit: '10 ms', slack: '20 %', note: null, cause: null, remedy: null, reason: [], hasRun: false, location: place, ...more });
+const check = (more) => ({ name: null, check: 'response', of: 'nav.exec', verdict: 'proved', worth: null, value: '8 ms', limit: '10 ms', slack: '20 %', note: null, condition: null, cause: null, remedy: null, reason: [], hasRun: false, location: place, ...more });
 const answer = {
   uri: 'file:///a.gen', version: 1, status: 'refuted', earlier: false, howFar: null, scenario: 'nav', written: false, platform: 'free', cores: null, policy: 'fifo', durations: 'interval',
   errors: [], warnings: [{ message: '2 codels have no `wcet`', location: place }], advice: 'write a scenario', bounds: [{ task: 'nav.exec', bound: '9 ms' }], minimumCores: 2, repairs: ['holds with 3 cores', 'holds up to 4 ms'], assumptions: ['any client'], notes: ['a note'],

@@ -1,11 +1,19 @@
 //! The assumptions on which the result depends, in words.
 
 use super::Builder;
-use crate::diagnostic::remark::Remark;
+use crate::report::ground::Condition;
 use crate::scn::ast::{self, Durations};
 use crate::scn::semantics::LockRule;
 
 impl Builder<'_> {
+    /// The conditions: codels without a time that can execute in this scenario.
+    pub(super) fn conditions(&mut self) {
+        let executed = self.out.system.executed();
+        let executed = self.untimed.iter().filter(|id| executed[**id]);
+        let codels = executed.map(|id| self.out.system.codels[*id].path.clone());
+        self.out.conditions = codels.map(|codel| Condition::Wcet { codel }).collect();
+    }
+
     pub(super) fn assumptions(&mut self) {
         let settings = self.settings;
         let assumptions = &mut self.out.assumptions;
@@ -103,14 +111,6 @@ impl Builder<'_> {
                 "requests: `before` and `after` of {} are not looked at; they are accepted at any time",
                 ordered.join(", ")
             ));
-        }
-        if self
-            .out
-            .diagnostics
-            .iter()
-            .any(|diagnostic| matches!(diagnostic.remark.as_deref(), Some(Remark::NoWcet { .. })))
-        {
-            self.out.assumptions.push("codels without `wcet` take no time".to_owned());
         }
         if published && self.out.system.tasks.iter().any(|task| task.delay > 0) {
             self.out.assumptions.push(

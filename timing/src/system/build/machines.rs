@@ -91,7 +91,8 @@ impl Builder<'_> {
             .durations
             .get(&(c, owner, index, state.to_owned()))
             .map(|&duration| self.settings.duration[duration].0.range());
-        if codel.wcet.is_none() && given.is_none() {
+        let untimed = codel.wcet.is_none() && given.is_none();
+        if untimed {
             let remark = Remark::NoWcet { codel: codel.name.to_string(), path: path.to_string() };
             let place = self.place(c, codel.src, "no `wcet`");
             self.report(remark.warning(0..0, vec![place]));
@@ -106,6 +107,7 @@ impl Builder<'_> {
         let times = self.duration(c, owner, index, state, Some(codel));
         let throws = codel.kind != CodelKind::Validate && self.may_throw(c, owner);
         let id = self.push_codel(number, path, times, site, &time_of);
+        self.untimed.extend(untimed.then_some(id));
         self.out.system.codels[id].throws = throws;
         id
     }
