@@ -385,6 +385,42 @@ fn what_does_not_compile_does_not_run() {
     assert_eq!(status(&simulated), 0, "{}", stdout(&simulated));
 }
 
+#[test]
+fn what_no_longer_compiles_does_not_run_as_it_was() {
+    if !compilers() {
+        return;
+    }
+    let directory = Directory::new(&[]);
+    assert_eq!(status(&directory.run(&["new", "lamp"])), 0);
+    let source = directory.path().join("lamp/codels/lamp_exec_codels.c");
+    let good = std::fs::read_to_string(&source).expect("a source");
+    let run = |more: &[&str]| {
+        let run = ["run", "lamp/lamp.scn", "--until", "100ms"];
+        directory.run(&[&run[..], more].concat())
+    };
+    assert_eq!(status(&run(&[])), 0);
+    // Again and again, on the other path of the debugger, and with a time before that of the object.
+    for old in [false, true] {
+        std::fs::write(&source, format!("{good}\nno_such_type broken;\n")).expect("written");
+        if old {
+            let file = std::fs::File::options().append(true).open(&source).expect("a source");
+            file.set_modified(std::time::SystemTime::UNIX_EPOCH).expect("a time");
+        }
+        for more in [&[][..], &[], &["--debug"]] {
+            let output = run(more);
+            let said = stdout(&output) + &stderr(&output);
+            assert_eq!(status(&output), 2, "{old} {more:?}: {said}");
+            assert!(said.contains("no_such_type"), "{old} {more:?}: {said}");
+            assert!(!directory.path().join("lamp/.dotgen/run/lamp/lamp-run.so").exists());
+        }
+        let built = directory.run(&["codels", "build", "lamp/lamp.gen"]);
+        assert_eq!(status(&built), 1, "{}", stdout(&built));
+        std::fs::write(&source, &good).expect("written");
+        let output = run(&[]);
+        assert_eq!(status(&output), 0, "{}", stderr(&output));
+    }
+}
+
 /// Copies a folder, without what was built in it.
 fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).expect("a folder");
