@@ -150,7 +150,8 @@ impl<'p> RunChecker<'p> {
             Seen::Asked { .. }
             | Seen::Begun { .. }
             | Seen::Ended { .. }
-            | Seen::Requested { .. } => {}
+            | Seen::Requested { .. }
+            | Seen::Refused { .. } => {}
         }
     }
 

@@ -67,7 +67,7 @@ pub struct ServiceCounts {
     pub service: String,
     /// Requests taken.
     pub requests: u64,
-    /// Requests refused by a codel, or ended by its exception.
+    /// Requests refused by `after` or `before`, for lack of a slot, or by a codel or its exception.
     pub refused: u64,
     /// Activities that have ended.
     pub ended: u64,
