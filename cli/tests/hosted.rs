@@ -78,6 +78,38 @@ fn codels_in_c_and_in_cxx_run_on_the_virtual_clock() {
 }
 
 #[test]
+fn a_request_that_the_scenario_does_not_foresee_is_served_and_counted() {
+    let specification = "component lamp {\n  version \"1.0\"; lang \"c\";\n  ids { long count; };\n\
+        task exec { period 10 ms; };\n  activity blink(out long seen) {\n    task exec;\n\
+        codel<start> blink_start(out seen) yield pause::main wcet 1 ms;\n\
+        codel<main> blink_main(out seen) yield ether wcet 1 ms;\n  };\n};\n";
+    let scenario = "scenario lamp { use \"lamp.gen\"; check response *; }\n";
+    let directory = Directory::new(&[("lamp.gen", specification), ("lamp.scn", scenario)]);
+    let options = "run lamp.scn --clock real --simulate all --bounds none --socket s --format json \
+        --record run.mcap";
+    let arguments: Vec<&str> = options.split_whitespace().collect();
+    let file = std::fs::File::create(directory.path().join("report.json")).expect("a file");
+    let mut run = Listening::begin_with_output(&mut directory.command(&arguments), file.into());
+    for _ in 0..2 {
+        let called = directory.run(&["call", "--socket", "s", "lamp", "blink"]);
+        assert_eq!(status(&called), 0, "{}", stderr(&called));
+    }
+    run.signal("-INT");
+    assert_eq!(ended(&mut run.0).code(), Some(3));
+    let report: Value = serde_json::from_str(&directory.read("report.json")).expect("JSON");
+    assert_eq!(report["requests-outside-model"], 2, "{report:#}");
+    let blink = &report["services"][0];
+    assert_eq!((&blink["requests"], &blink["ended"]), (&2.into(), &2.into()), "{report:#}");
+    let codels = report["codels"].as_array().expect("a list");
+    let main = codels.iter().find(|codel| codel["codel"] == "lamp.blink.main").expect("a codel");
+    assert_eq!(main["runs"], 2, "{report:#}");
+    // A replay serves them, too.
+    let replayed = directory.run(&["replay", "run.mcap", "lamp.scn", "--format", "json"]);
+    assert_eq!(status(&replayed), 0, "{}", stdout(&replayed));
+    assert_eq!(json_of(&replayed)["from-outside"], 2);
+}
+
+#[test]
 fn values_of_missing_packages_are_passed_on_by_the_client_in_python() {
     if !installed(&["python3"]) {
         return;

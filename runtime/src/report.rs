@@ -3,7 +3,7 @@
 use dotgen_analysis::model::Seconds;
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{TimeUnit, Value};
-use dotgen_timing::system::{TaskId, Ticks};
+use dotgen_timing::system::{ClientId, TaskId, Ticks};
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
@@ -12,6 +12,7 @@ use crate::counts::{MachineCounts, TaskCounts, machines, tasks};
 use crate::decide::Durations;
 use crate::engine::End;
 use crate::simulation::{Plan, SimulationResult};
+use crate::tally::Tally;
 use crate::watch::CodelViolation;
 
 /// Version of the JSON form: raised when a field changes its meaning or is removed.
@@ -41,6 +42,8 @@ pub struct RunReport {
     pub end: End,
     /// Tasks, in order of declaration.
     pub tasks: Vec<TaskCounts>,
+    /// Requests that no client of the scenario sends. The verified model does not have them.
+    pub requests_outside_model: u64,
     /// Services, in order of declaration.
     pub services: Vec<ServiceCounts>,
     /// Codels, in order of declaration.
@@ -234,6 +237,7 @@ impl RunReport {
             time: Value::Time(prepared.time(outcome.time)),
             end: outcome.end,
             tasks: tasks(prepared, &outcome.tally, bounds, outcome.time),
+            requests_outside_model: 0,
             services: services.collect(),
             codels: codels.collect(),
             machines: machines(prepared, &outcome.tally),
@@ -243,6 +247,13 @@ impl RunReport {
             assumptions: prepared.report.assumptions.clone(),
             notes,
         }
+    }
+
+    /// Counts the requests of clients that are not of the scenario, from `first` on.
+    pub fn count_outside_model(&mut self, tally: &Tally, first: ClientId) {
+        let clients = tally.clients.iter_enumerated();
+        let outside = clients.filter(|pair| pair.0 >= first);
+        self.requests_outside_model = outside.map(|pair| pair.1).sum();
     }
 
     /// Returns true if there was a violation.

@@ -164,7 +164,18 @@ fn services(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
         ]
     });
     let rows: Vec<_> = rows.collect();
-    table(out, &["service", "requests", "refused", "ended"], &rows)
+    table(out, &["service", "requests", "refused", "ended"], &rows)?;
+    match report.requests_outside_model {
+        0 => Ok(()),
+        1 => writeln!(
+            out,
+            "outside the verified model: 1 request, which no client of the scenario sends"
+        ),
+        count => writeln!(
+            out,
+            "outside the verified model: {count} requests, which no client of the scenario sends"
+        ),
+    }
 }
 
 fn transitions(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
