@@ -7,7 +7,7 @@ use dotgen_timing::system::{ClientId, TaskId, Ticks};
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
-use crate::checker::{Moment, Verdict, Violation};
+use crate::checker::{Idle, Moment, Verdict, Violation};
 use crate::counts::{MachineCounts, TaskCounts, machines, tasks};
 use crate::decide::Durations;
 use crate::engine::End;
@@ -103,6 +103,9 @@ pub struct CheckOutcome {
     pub of: String,
     /// Verdict of the run.
     pub verdict: Verdict,
+    /// The reason why the check was not exercised, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub why: Option<String>,
     /// Greatest time measured for the check.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub greatest: Option<Value>,
@@ -287,7 +290,7 @@ impl ReportBuilder<'_> {
 
     fn checks(&self, outcome: &SimulationResult) -> Vec<CheckOutcome> {
         let checks = self.prepared.checks.iter().zip(&outcome.judge.answers);
-        let checks = checks.map(|(asked, answer)| {
+        let checks = checks.enumerate().map(|(number, (asked, answer))| {
             let greatest = answer.greatest.map(|number| self.value(number));
             let limit = asked.report.limit;
             CheckOutcome {
@@ -295,6 +298,7 @@ impl ReportBuilder<'_> {
                 check: asked.report.kind,
                 of: asked.report.of.clone(),
                 verdict: answer.verdict,
+                why: outcome.judge.idle(number).map(|idle| self.why(idle)),
                 greatest,
                 limit: limit.map(|limit| Value::Time(limit.time())),
                 exceeded: (limit.zip(greatest)).is_some_and(|pair| pair.0.is_exceeded_by(pair.1)),
@@ -303,6 +307,18 @@ impl ReportBuilder<'_> {
             }
         });
         checks.collect()
+    }
+
+    fn why(&self, idle: Idle) -> String {
+        let system = &self.prepared.built.system;
+        match idle {
+            Idle::NoCodel { task } => {
+                format!("{} executed no codel", system.task_path(TaskId::from(task)))
+            }
+            Idle::NothingExecuted => "no codel was executed".to_owned(),
+            Idle::NoTrigger => "its first condition did not become true".to_owned(),
+            Idle::NotSeen => "it did not become true".to_owned(),
+        }
     }
 
     fn violations(&self, outcome: &SimulationResult) -> Vec<ViolationReport> {
