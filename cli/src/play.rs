@@ -85,8 +85,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let path = &arguments.file;
     let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
     let data = record::read_data(&bytes).map_err(|error| anyhow::anyhow!("`{path}`: {error}"))?;
-    if let Some(why) = &data.broken {
-        report::note(&format!("`{path}` breaks off: {why}"));
+    match &data.broken {
+        // Times and values after a damage are not those of the run.
+        Some(broken) if broken.damaged.is_some() => bail!("`{path}` is {broken}"),
+        Some(broken) => report::note(&format!("`{path}` breaks off: {broken}")),
+        None => {}
     }
     if data.messages.is_empty() {
         bail!("`{path}` has no data of ports: a recording with codels has it");

@@ -28,7 +28,10 @@ use super::{Outcome, SpecificationOptions, report};
 /// Each step must be possible in the model at that moment. If a step is not possible, the violated rule is
 /// printed. Undeclared execution times and exceptions of codels are reported, and the comparison goes on.
 ///
-/// Exit status: 0 if the recording is a run of the model, 1 if not, 2 if nothing could be compared.
+/// A damaged recording is compared up to the damage.
+///
+/// Exit status: 0 if the recording is a run of the model, 1 if not, 2 if it is damaged or nothing could be
+/// compared.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// A recording (.mcap), and a scenario (.scn) or specifications (.gen)
@@ -75,11 +78,16 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let texts: Vec<Utf8PathBuf> = texts.into_iter().cloned().collect();
     let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
     let recorded = record::read(&bytes).map_err(|error| anyhow::anyhow!("`{path}`: {error}"))?;
-    if let Some(why) = &recorded.broken {
-        report::note(&format!(
-            "`{path}` breaks off after step {} ({why}): its run was killed, found no room, or goes on",
-            recorded.steps.len()
-        ));
+    let damaged = recorded.broken.as_ref().and_then(|broken| broken.damaged);
+    if let Some(broken) = &recorded.broken {
+        let steps = recorded.steps.len();
+        report::note(&match damaged {
+            Some(_) => format!("`{path}` is {broken}; only the {steps} steps before are compared"),
+            None => format!(
+                "`{path}` breaks off after step {steps} ({broken}): its run was killed, found no room, or \
+                 goes on"
+            ),
+        });
     }
     let Some((session, problem)) = one_problem(&texts, &arguments.reading)? else {
         return Ok(Outcome::Unusable);
@@ -119,7 +127,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         name => name.to_owned(),
     };
     match arguments.format {
-        Format::Text => print_text(&title, &recorded.about.scenario, &prepared, &report)?,
+        Format::Text => {
+            print_text(&title, &recorded.about.scenario, &prepared, &report, damaged)?;
+        }
         Format::Json => {
             let mut document = serde_json::to_value(&report)?;
             document["scenario"] = title.into();
@@ -127,11 +137,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             document["unit"] = recorded.about.unit.into();
             document["clock"] = recorded.about.clock.into();
             document["breaks-off"] = recorded.broken.is_some().into();
+            if let Some(at) = damaged {
+                document["damaged-at"] = at.into();
+            }
             let text = serde_json::to_string_pretty(&document)? + "\n";
             std::io::stdout().write_all(text.as_bytes())?;
         }
     }
     Ok(match report.difference_count {
+        _ if damaged.is_some() => Outcome::Unusable,
         0 => Outcome::Fine,
         _ => Outcome::Errors,
     })
@@ -159,6 +173,7 @@ fn print_text(
     recorded: &str,
     prepared: &Prepared,
     report: &ReplayReport,
+    damaged: Option<usize>,
 ) -> anyhow::Result<()> {
     let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
     let time = |units: u64| {
@@ -192,6 +207,15 @@ fn print_text(
     let more = report.difference_count - report.differences.len() as u64;
     if more > 0 {
         writeln!(out, "\n{more} more differences")?;
+    }
+    if let Some(at) = damaged {
+        let what = match report.difference_count {
+            0 if report.steps == 0 => "no step before can be compared",
+            0 => "the steps before are steps of the model",
+            _ => "the steps before already differ from the model",
+        };
+        writeln!(out, "damaged at byte {at}; {what}")?;
+        return Ok(());
     }
     match report.difference_count {
         0 => writeln!(out, "it is a run of the model")?,

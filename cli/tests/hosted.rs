@@ -78,6 +78,38 @@ fn codels_in_c_and_in_cxx_run_on_the_virtual_clock() {
 }
 
 #[test]
+fn a_request_that_the_scenario_does_not_foresee_is_served_and_counted() {
+    let specification = "component lamp {\n  version \"1.0\"; lang \"c\";\n  ids { long count; };\n\
+        task exec { period 10 ms; };\n  activity blink(out long seen) {\n    task exec;\n\
+        codel<start> blink_start(out seen) yield pause::main wcet 1 ms;\n\
+        codel<main> blink_main(out seen) yield ether wcet 1 ms;\n  };\n};\n";
+    let scenario = "scenario lamp { use \"lamp.gen\"; check response *; }\n";
+    let directory = Directory::new(&[("lamp.gen", specification), ("lamp.scn", scenario)]);
+    let options = "run lamp.scn --clock real --simulate all --bounds none --socket s --format json \
+        --record run.mcap";
+    let arguments: Vec<&str> = options.split_whitespace().collect();
+    let file = std::fs::File::create(directory.path().join("report.json")).expect("a file");
+    let mut run = Listening::begin_with_output(&mut directory.command(&arguments), file.into());
+    for _ in 0..2 {
+        let called = directory.run(&["call", "--socket", "s", "lamp", "blink"]);
+        assert_eq!(status(&called), 0, "{}", stderr(&called));
+    }
+    run.signal("-INT");
+    assert_eq!(ended(&mut run.0).code(), Some(3));
+    let report: Value = serde_json::from_str(&directory.read("report.json")).expect("JSON");
+    assert_eq!(report["requests-outside-model"], 2, "{report:#}");
+    let blink = &report["services"][0];
+    assert_eq!((&blink["requests"], &blink["ended"]), (&2.into(), &2.into()), "{report:#}");
+    let codels = report["codels"].as_array().expect("a list");
+    let main = codels.iter().find(|codel| codel["codel"] == "lamp.blink.main").expect("a codel");
+    assert_eq!(main["runs"], 2, "{report:#}");
+    // A replay serves them, too.
+    let replayed = directory.run(&["replay", "run.mcap", "lamp.scn", "--format", "json"]);
+    assert_eq!(status(&replayed), 0, "{}", stdout(&replayed));
+    assert_eq!(json_of(&replayed)["from-outside"], 2);
+}
+
+#[test]
 fn values_of_missing_packages_are_passed_on_by_the_client_in_python() {
     if !installed(&["python3"]) {
         return;
@@ -383,6 +415,42 @@ fn what_does_not_compile_does_not_run() {
     assert!(said.contains("--simulate all"), "{said}");
     let simulated = directory.run(&["run", "bad/bad.gen", "--simulate", "all"]);
     assert_eq!(status(&simulated), 0, "{}", stdout(&simulated));
+}
+
+#[test]
+fn what_no_longer_compiles_does_not_run_as_it_was() {
+    if !compilers() {
+        return;
+    }
+    let directory = Directory::new(&[]);
+    assert_eq!(status(&directory.run(&["new", "lamp"])), 0);
+    let source = directory.path().join("lamp/codels/lamp_exec_codels.c");
+    let good = std::fs::read_to_string(&source).expect("a source");
+    let run = |more: &[&str]| {
+        let run = ["run", "lamp/lamp.scn", "--until", "100ms"];
+        directory.run(&[&run[..], more].concat())
+    };
+    assert_eq!(status(&run(&[])), 0);
+    // Again and again, on the other path of the debugger, and with a time before that of the object.
+    for old in [false, true] {
+        std::fs::write(&source, format!("{good}\nno_such_type broken;\n")).expect("written");
+        if old {
+            let file = std::fs::File::options().append(true).open(&source).expect("a source");
+            file.set_modified(std::time::SystemTime::UNIX_EPOCH).expect("a time");
+        }
+        for more in [&[][..], &[], &["--debug"]] {
+            let output = run(more);
+            let said = stdout(&output) + &stderr(&output);
+            assert_eq!(status(&output), 2, "{old} {more:?}: {said}");
+            assert!(said.contains("no_such_type"), "{old} {more:?}: {said}");
+            assert!(!directory.path().join("lamp/.dotgen/run/lamp/lamp-run.so").exists());
+        }
+        let built = directory.run(&["codels", "build", "lamp/lamp.gen"]);
+        assert_eq!(status(&built), 1, "{}", stdout(&built));
+        std::fs::write(&source, &good).expect("written");
+        let output = run(&[]);
+        assert_eq!(status(&output), 0, "{}", stderr(&output));
+    }
 }
 
 /// Copies a folder, without what was built in it.

@@ -377,3 +377,68 @@ fn a_run_does_not_wait_for_its_verification() {
     assert!(!is_cancelled(&virtually), "{virtually}");
     assert_eq!(virtually, run(&["--until", "100ms"]));
 }
+
+/// A component as `dotgen new` writes it: its task may stop by itself.
+const LAMP: &str = "\
+component lamp {
+  version \"1.0\"; lang \"c\";
+  ids { long count; };
+  task exec {
+    period 10 ms;
+    codel<start> begin(out count) yield main wcet 1 ms;
+    codel<main> go_on(inout count) yield pause::main, stop wcet 1 ms;
+    codel<stop> end(in count) yield ether wcet 1 ms;
+  };
+  task idle { period 10 ms; };
+  activity blink() {
+    task idle;
+    codel<start> blink_it(in count) yield ether wcet 1 ms;
+  };
+};
+";
+
+#[test]
+fn what_nothing_exercised_is_not_kept() {
+    let checks = "check schedulable *; check response *; check reachable lamp.blink.start.exec; \
+        check leadsto lamp.blink.start.exec => lamp.exec.main.exec; check always not lamp.blink.start.exec;";
+    let scenario = format!("scenario lamp {{ use \"lamp.gen\"; {checks} }}\n");
+    let directory = Directory::new(&[("lamp.gen", LAMP), ("lamp.scn", &scenario)]);
+    for seed in ["0", "1", "2", "3"] {
+        let run = ["run", "lamp.scn", "--simulate", "all", "--until", "1s", "--seed", seed];
+        let output = directory.run(&run);
+        assert_eq!(status(&output), 0, "{}", stderr(&output));
+        let words = stdout(&output);
+        assert!(words.starts_with("lamp: simulated, "), "{words}");
+        assert!(
+            words.ends_with("simulated: nothing violated; 4 checks not exercised\n"),
+            "{words}"
+        );
+        assert!(words.contains("schedulable lamp.idle: lamp.idle executed no codel\n"), "{words}");
+        let report = json_of(&directory.run(&[&run[..], &["--format", "json"]].concat()));
+        let checks = report["checks"].as_array().expect("a list");
+        let of =
+            |check: &Value| format!("{} {}", check["check"], check["verdict"]).replace('"', "");
+        let verdicts: Vec<String> = checks.iter().map(of).collect();
+        let expected = [
+            "schedulable kept",
+            "schedulable not-exercised",
+            "response kept",
+            "response not-exercised",
+            "reachable not-seen",
+            "leadsto not-exercised",
+            "always kept",
+        ];
+        assert_eq!(verdicts, expected, "{report:#}");
+        assert!(
+            checks.iter().all(|check| check["why"].is_string() != (check["verdict"] == "kept"))
+        );
+        // The task does not stop by chance: it is busy in each of its cycles.
+        let codels = report["codels"].as_array().expect("a list");
+        let runs = |name: &str| {
+            let codel = codels.iter().find(|codel| codel["codel"] == name).expect("a codel");
+            codel["runs"].as_u64().expect("a number")
+        };
+        assert_eq!(runs("lamp.exec.stop"), 0);
+        assert!(runs("lamp.exec.main") >= 98, "{report:#}");
+    }
+}

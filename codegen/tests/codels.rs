@@ -5,6 +5,7 @@ mod clone;
 mod detect;
 mod directions;
 mod example;
+mod fresh;
 mod golden;
 mod members;
 mod project;

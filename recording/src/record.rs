@@ -169,6 +169,24 @@ impl<W: Write> Writer<W> {
     }
 }
 
+/// The end of a recording before its run has ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Break {
+    /// The reason.
+    pub why: String,
+    /// The place of damage, in bytes from the beginning of the file; `None` if the file is only cut.
+    pub damaged: Option<usize>,
+}
+
+impl std::fmt::Display for Break {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.damaged {
+            Some(at) => write!(f, "damaged at byte {at}: {}", self.why),
+            None => f.write_str(&self.why),
+        }
+    }
+}
+
 /// The contents of a recording, except the data of ports.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Recording {
@@ -179,11 +197,12 @@ pub struct Recording {
     /// Number of messages of ports.
     pub data: u64,
     /// The reason why the recording breaks off; `None` if it is whole.
-    pub broken: Option<String>,
+    pub broken: Option<Break>,
 }
 
-/// Reads a recording. If it breaks off, because its run was killed or had no room for more, everything before
-/// is read, and the run ends with its last step.
+/// Reads a recording. If it breaks off, because its run was killed or had no room for more, or if it is
+/// damaged, everything before is read, and the run ends with its last step. A chunk with a wrong checksum is
+/// not read.
 ///
 /// # Errors
 ///
@@ -197,10 +216,14 @@ pub fn read(bytes: &[u8]) -> Result<Recording, String> {
             Record::Channel(channel) if channel.topic == STEPS => steps = Some(channel.id),
             Record::Metadata(metadata) if metadata.name == RUN => about.extend(metadata.metadata),
             Record::Message { header, data } if steps == Some(header.channel_id) => {
+                let number = out.steps.len() + 1;
+                // Steps are numbered, so that a chunk that is skipped is noticed.
+                if usize::try_from(header.sequence) != Ok(number) {
+                    return ControlFlow::Break(format!("step {number} is missing"));
+                }
                 match serde_json::from_slice(&data) {
                     Ok(step) => out.steps.push(step),
                     Err(error) => {
-                        let number = out.steps.len() + 1;
                         return ControlFlow::Break(format!("step {number} is none: {error}"));
                     }
                 }
@@ -213,7 +236,8 @@ pub fn read(bytes: &[u8]) -> Result<Recording, String> {
     out.broken = broken;
     if about.is_empty() {
         return Err(match out.broken {
-            Some(why) => format!("it breaks off before the first step of a run: {why}"),
+            Some(Break { why, damaged: Some(at) }) => format!("it is damaged at byte {at}: {why}"),
+            Some(broken) => format!("it breaks off before the first step of a run: {broken}"),
             None => "it has no steps of a run: `dotgen run --record` writes them".to_owned(),
         });
     }
@@ -237,7 +261,7 @@ pub struct PortRecording {
     /// Messages in the order of the file.
     pub messages: Vec<Message>,
     /// The reason why the recording breaks off; `None` if it is whole.
-    pub broken: Option<String>,
+    pub broken: Option<Break>,
 }
 
 /// New data of a port.

@@ -1,6 +1,6 @@
 //! The comparison of a run with the checks of its scenario and with proved bounds.
 
-use dotgen_timing::explore::{Seen, Stepper};
+use dotgen_timing::explore::{Seen, Stepper, Work};
 use dotgen_timing::system::{TaskId, Ticks};
 use dotgen_timing::verify::{Prepared, Question};
 
@@ -11,14 +11,32 @@ use crate::watch::CodelViolation;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// No violation was seen.
+    /// The run shows nothing about the check: [`Idle`] says why.
     #[default]
+    NotExercised,
+    /// It was exercised, and no violation was seen.
     Kept,
     /// The check was violated.
     Violated,
-    /// The expected event was seen.
+    /// The expected event was seen: for people, the check is kept.
     Seen,
-    /// The expected event was not seen.
+    /// The expected event was not seen: for people, the check was not exercised.
+    NotSeen,
+}
+
+/// The reason why a run shows nothing about a check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Idle {
+    /// The task executed no codel.
+    NoCodel {
+        /// Task.
+        task: usize,
+    },
+    /// No codel was executed at all.
+    NothingExecuted,
+    /// The first predicate of the check did not become true.
+    NoTrigger,
+    /// The expected event did not come.
     NotSeen,
 }
 
@@ -102,7 +120,7 @@ impl<'p> RunChecker<'p> {
         let answers = prepared.checks.iter().map(|check| CheckResult {
             verdict: match check.question {
                 Question::Reachable(_) | Question::Eventually(_) => Verdict::NotSeen,
-                _ => Verdict::Kept,
+                _ => Verdict::NotExercised,
             },
             ..CheckResult::default()
         });
@@ -142,16 +160,60 @@ impl<'p> RunChecker<'p> {
             Seen::Answered { within, after } => {
                 for check in 0..self.answers.len() {
                     if self.places[check] == Some(within) && self.is_within(check) {
+                        self.exercise(check);
                         self.lasts(now, check, after);
                         self.exceeded[check] = false;
                     }
                 }
             }
+            Seen::Ended { work, .. } => self.executed(&work),
             Seen::Asked { .. }
             | Seen::Begun { .. }
-            | Seen::Ended { .. }
-            | Seen::Requested { .. } => {}
+            | Seen::Requested { .. }
+            | Seen::Refused { .. } => {}
         }
+    }
+
+    /// Records that a codel was executed: it exercises the checks of its task, and those that hold at every
+    /// moment.
+    fn executed(&mut self, work: &Work) {
+        if work.codel().is_none() {
+            return;
+        }
+        for check in 0..self.answers.len() {
+            let exercised = match self.prepared.checks[check].question {
+                Question::Schedulable(of) | Question::NoOverdue(of) | Question::Response(of, _) => {
+                    matches!(*work, Work::State { task, .. } if task == of)
+                }
+                Question::Always(_) | Question::Deadlock => true,
+                _ => false,
+            };
+            if exercised {
+                self.exercise(check);
+            }
+        }
+    }
+
+    fn exercise(&mut self, check: usize) {
+        let verdict = &mut self.answers[check].verdict;
+        if *verdict == Verdict::NotExercised {
+            *verdict = Verdict::Kept;
+        }
+    }
+
+    /// Returns the reason why a check was not exercised; `None` if it was.
+    pub fn idle(&self, check: usize) -> Option<Idle> {
+        if !matches!(self.answers[check].verdict, Verdict::NotExercised | Verdict::NotSeen) {
+            return None;
+        }
+        Some(match self.prepared.checks[check].question {
+            Question::Schedulable(task)
+            | Question::NoOverdue(task)
+            | Question::Response(task, _) => Idle::NoCodel { task },
+            Question::Always(_) | Question::Deadlock => Idle::NothingExecuted,
+            Question::Within(..) | Question::LeadsTo(..) => Idle::NoTrigger,
+            Question::Eventually(_) | Question::Reachable(_) => Idle::NotSeen,
+        })
     }
 
     /// Compares the longest response times so far with bounds that became known only now.
@@ -220,6 +282,7 @@ impl<'p> RunChecker<'p> {
             if let (Some(place), true) = (self.places[check], self.is_within(check))
                 && let Some(so_far) = stepper.awaited(place)
             {
+                self.exercise(check);
                 self.lasts(now, check, so_far);
             }
         }

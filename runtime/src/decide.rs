@@ -1,7 +1,8 @@
 //! The choice between possible actions.
 
 use dotgen_timing::explore::Work;
-use dotgen_timing::system::{ClientAction, FOREVER, Ticks, TimedSystem, Yield};
+use dotgen_timing::system::{ClientAction, FOREVER, Machine, MachineId, Ticks, TimedSystem, Yield};
+use typed_index_collections::TiVec;
 
 /// Chooses between possible actions. Every choice leads to a run of the system.
 pub trait Decide {
@@ -47,6 +48,8 @@ pub struct RandomDecisions<'s> {
     durations: Durations,
     /// Upper limit on the time beyond the least one, in base units, for work without a greatest time.
     max_extra_time: Ticks,
+    /// By machine and state, whether the machine can go on for ever from there.
+    goes_on: TiVec<MachineId, Vec<bool>>,
     dice: fastrand::Rng,
 }
 
@@ -55,10 +58,27 @@ impl<'s> RandomDecisions<'s> {
     pub fn new(system: &'s TimedSystem, durations: Durations, seed: u64) -> Self {
         RandomDecisions {
             max_extra_time: max_extra_time(system),
+            goes_on: system.machines.iter().map(goes_on).collect(),
             dice: fastrand::Rng::with_seed(seed),
             durations,
             system,
         }
+    }
+
+    /// Returns true if a permanent activity does not end for ever with an outcome. `stop` is what ends a run,
+    /// and no step of it: a random choice would leave a task idle for all the rest.
+    fn keeps_going(&self, work: &Work, outcome: usize) -> bool {
+        let Work::State { automaton, .. } = *work else {
+            return true;
+        };
+        let automaton = &self.system.automata[automaton];
+        let after = match yield_of_outcome(self.system, work, outcome) {
+            Some(Yield::Next(state) | Yield::Pause(state)) => Some(state),
+            Some(Yield::End) | None => None,
+        };
+        let goes_on = &self.goes_on[automaton.machine];
+        automaton.service.is_some()
+            || after.is_some_and(|state| goes_on.get(state).copied().unwrap_or(false))
     }
 
     /// Returns true if an outcome is neither an exception nor a refusal.
@@ -70,6 +90,25 @@ impl<'s> RandomDecisions<'s> {
             }
             Work::Control { .. } => outcome == 0,
             Work::Delay { .. } => true,
+        }
+    }
+}
+
+/// Returns by state whether some yields from there never end the machine.
+fn goes_on(machine: &Machine) -> Vec<bool> {
+    let mut out = vec![true; machine.states.len()];
+    loop {
+        let before = out.clone();
+        for (at, state) in machine.states.iter().enumerate() {
+            out[at] = state.yields.iter().any(|transition| match *transition {
+                Yield::Next(next) | Yield::Pause(next) => {
+                    before.get(next).copied().unwrap_or(false)
+                }
+                Yield::End => false,
+            });
+        }
+        if out == before {
+            return out;
         }
     }
 }
@@ -118,6 +157,12 @@ impl Decide for RandomDecisions<'_> {
     fn outcome(&mut self, work: &Work, outcomes: &[usize]) -> usize {
         if outcomes.len() < 2 {
             return 0;
+        }
+        let going: Vec<usize> =
+            (0..outcomes.len()).filter(|&place| self.keeps_going(work, outcomes[place])).collect();
+        if !going.is_empty() && going.len() < outcomes.len() {
+            let outcomes: Vec<usize> = going.iter().map(|&place| outcomes[place]).collect();
+            return going[self.outcome(work, &outcomes)];
         }
         let usual = |outcome: &usize| self.is_usual(work, *outcome);
         let count = outcomes.iter().filter(|outcome| usual(outcome)).count();

@@ -81,8 +81,10 @@ pub fn release(prepared: &mut Prepared, is_real: &dyn Fn(CodelId) -> bool) {
 }
 
 /// Adds a client for each component that may send any of its requests at any time. These clients stand for
-/// requests from outside. Returns the index of the first one.
+/// requests from outside. Activities that no client of the scenario requests get slots. Returns the index of
+/// the first of these clients.
 pub fn add_outside(prepared: &mut Prepared) -> ClientId {
+    prepared.built.add_slots();
     let system = &mut prepared.built.system;
     let first = system.clients.next_key();
     for component in &system.components {

@@ -3,15 +3,16 @@
 use dotgen_analysis::model::Seconds;
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{TimeUnit, Value};
-use dotgen_timing::system::{TaskId, Ticks};
+use dotgen_timing::system::{ClientId, TaskId, Ticks};
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
-use crate::checker::{Moment, Verdict, Violation};
+use crate::checker::{Idle, Moment, Verdict, Violation};
 use crate::counts::{MachineCounts, TaskCounts, machines, tasks};
 use crate::decide::Durations;
 use crate::engine::End;
 use crate::simulation::{Plan, SimulationResult};
+use crate::tally::Tally;
 use crate::watch::CodelViolation;
 
 /// Version of the JSON form: raised when a field changes its meaning or is removed.
@@ -41,6 +42,8 @@ pub struct RunReport {
     pub end: End,
     /// Tasks, in order of declaration.
     pub tasks: Vec<TaskCounts>,
+    /// Requests that no client of the scenario sends. The verified model does not have them.
+    pub requests_outside_model: u64,
     /// Services, in order of declaration.
     pub services: Vec<ServiceCounts>,
     /// Codels, in order of declaration.
@@ -67,7 +70,7 @@ pub struct ServiceCounts {
     pub service: String,
     /// Requests taken.
     pub requests: u64,
-    /// Requests refused by a codel, or ended by its exception.
+    /// Requests refused by `after` or `before`, for lack of a slot, or by a codel or its exception.
     pub refused: u64,
     /// Activities that have ended.
     pub ended: u64,
@@ -100,6 +103,9 @@ pub struct CheckOutcome {
     pub of: String,
     /// Verdict of the run.
     pub verdict: Verdict,
+    /// The reason why the check was not exercised, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub why: Option<String>,
     /// Greatest time measured for the check.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub greatest: Option<Value>,
@@ -234,6 +240,7 @@ impl RunReport {
             time: Value::Time(prepared.time(outcome.time)),
             end: outcome.end,
             tasks: tasks(prepared, &outcome.tally, bounds, outcome.time),
+            requests_outside_model: 0,
             services: services.collect(),
             codels: codels.collect(),
             machines: machines(prepared, &outcome.tally),
@@ -243,6 +250,13 @@ impl RunReport {
             assumptions: prepared.report.assumptions.clone(),
             notes,
         }
+    }
+
+    /// Counts the requests of clients that are not of the scenario, from `first` on.
+    pub fn count_outside_model(&mut self, tally: &Tally, first: ClientId) {
+        let clients = tally.clients.iter_enumerated();
+        let outside = clients.filter(|pair| pair.0 >= first);
+        self.requests_outside_model = outside.map(|pair| pair.1).sum();
     }
 
     /// Returns true if there was a violation.
@@ -276,7 +290,7 @@ impl ReportBuilder<'_> {
 
     fn checks(&self, outcome: &SimulationResult) -> Vec<CheckOutcome> {
         let checks = self.prepared.checks.iter().zip(&outcome.judge.answers);
-        let checks = checks.map(|(asked, answer)| {
+        let checks = checks.enumerate().map(|(number, (asked, answer))| {
             let greatest = answer.greatest.map(|number| self.value(number));
             let limit = asked.report.limit;
             CheckOutcome {
@@ -284,6 +298,7 @@ impl ReportBuilder<'_> {
                 check: asked.report.kind,
                 of: asked.report.of.clone(),
                 verdict: answer.verdict,
+                why: outcome.judge.idle(number).map(|idle| self.why(idle)),
                 greatest,
                 limit: limit.map(|limit| Value::Time(limit.time())),
                 exceeded: (limit.zip(greatest)).is_some_and(|pair| pair.0.is_exceeded_by(pair.1)),
@@ -292,6 +307,18 @@ impl ReportBuilder<'_> {
             }
         });
         checks.collect()
+    }
+
+    fn why(&self, idle: Idle) -> String {
+        let system = &self.prepared.built.system;
+        match idle {
+            Idle::NoCodel { task } => {
+                format!("{} executed no codel", system.task_path(TaskId::from(task)))
+            }
+            Idle::NothingExecuted => "no codel was executed".to_owned(),
+            Idle::NoTrigger => "its first condition did not become true".to_owned(),
+            Idle::NotSeen => "it did not become true".to_owned(),
+        }
     }
 
     fn violations(&self, outcome: &SimulationResult) -> Vec<ViolationReport> {

@@ -1,7 +1,7 @@
 //! Counts along runs.
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
-use dotgen_timing::system::{CodelId, MachineId, ServiceId, Ticks, TimedSystem};
+use dotgen_timing::system::{ClientId, CodelId, MachineId, ServiceId, Ticks, TimedSystem};
 use typed_index_collections::{TiVec, ti_vec};
 
 /// Statistics of repeated times, in base units.
@@ -50,7 +50,7 @@ pub struct TaskTally {
 pub struct ServiceTally {
     /// Requests that the control task has taken.
     pub requests: u64,
-    /// Requests refused by a codel, or ended by its exception.
+    /// Requests refused by `after` or `before`, for lack of a slot, or by a codel or its exception.
     pub refused: u64,
     /// Activities that have ended in `ether`, or by an exception.
     pub ended: u64,
@@ -81,6 +81,8 @@ pub struct Tally {
     pub tasks: Vec<TaskTally>,
     /// Counts of each service.
     pub services: TiVec<ServiceId, ServiceTally>,
+    /// Requests that control tasks have taken from each client.
+    pub clients: TiVec<ClientId, u64>,
     /// Counts of each codel.
     pub codels: TiVec<CodelId, CodelTally>,
     /// By machine, state and outcome (the last one: an exception), the times of the codels that ended with
@@ -99,6 +101,7 @@ impl Tally {
         Tally {
             tasks: vec![TaskTally::default(); system.tasks.len()],
             services: ti_vec![ServiceTally::default(); system.services.len()],
+            clients: ti_vec![0; system.clients.len()],
             codels: ti_vec![CodelTally::default(); system.codels.len()],
             transitions: machines.collect(),
             busy: Vec::new(),
@@ -128,7 +131,11 @@ impl Tally {
                 }
                 self.ended(system, &work, outcome, ticks(took));
             }
-            Seen::Requested { service, .. } => self.services[service].requests += 1,
+            Seen::Requested { client, service } => {
+                self.services[service].requests += 1;
+                self.clients[client] += 1;
+            }
+            Seen::Refused { service } => self.services[service].refused += 1,
             Seen::Job { task, response } => {
                 self.tasks[task].jobs.add(response);
                 self.lasts(task, response);
@@ -170,10 +177,7 @@ impl Tally {
                     self.services[service].ended += 1;
                 }
             }
-            Work::Control { service, .. } => {
-                self.services[service].refused += u64::from(outcome != 0);
-            }
-            Work::Delay { .. } => {}
+            Work::Control { .. } | Work::Delay { .. } => {}
         }
     }
 

@@ -82,3 +82,42 @@ fn nothing_is_seen_that_verification_excludes() {
         assert!(seed < 20 * systems + 100, "few systems are legal and small");
     }
 }
+
+#[test]
+fn refused_requests_are_counted_whatever_refuses_them() {
+    let specification = "component a { version \"1.0\"; lang \"c\"; ids { long x; };\n\
+        task t { period 10 ms; };\n\
+        function init() { codel a_init(out x) wcet 1 ms; };\n\
+        function go() { after init; codel a_go(in x) wcet 1 ms; };\n\
+        activity act() { task t; before init; codel<start> a_s(out x) yield pause::start wcet 1 ms; };\n\
+        };";
+    let units = load(&[specification.to_owned()]).expect("a specification");
+    let input = SystemInput { specs: units.iter().map(|unit| &*unit.spec).collect() };
+    let counts = |client: &str, service: &str| {
+        let text =
+            format!("scenario s {{ use \"a.gen\"; semantics servers; client c {{ {client} }} }}");
+        let prepared = prepare(&input, &parse(&text).scenario, &Options::default());
+        let plan = Plan {
+            until: 1000,
+            runs: 1,
+            seed: 0,
+            durations: Durations::Worst,
+            stop_at_violation: false,
+            record: false,
+        };
+        let none: Option<&mut dotgen_runtime::profile::Profile<Vec<u8>>> = None;
+        let outcome = simulate(&prepared, vec![None; 1], &plan, none, None, &|| false);
+        let services = &prepared.built.system.services;
+        let found = services.iter_enumerated().find(|pair| pair.1.name.ends_with(service));
+        let counts = outcome.tally.services[found.expect("a service").0];
+        (counts.requests, counts.refused)
+    };
+    // By `after`, by `before`, and for lack of a slot.
+    assert_eq!(counts("send a.go; send a.go;", "go"), (2, 2));
+    assert_eq!(counts("send a.init; send a.go;", "go"), (1, 0));
+    assert_eq!(counts("send a.init; send a.act;", "act"), (1, 1));
+    let many = "send a.act; ".repeat(40);
+    let (requests, refused) = counts(&many, "act");
+    assert_eq!(requests, 40);
+    assert!(refused > 0 && refused < 40, "{refused}");
+}

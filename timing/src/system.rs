@@ -181,7 +181,7 @@ pub enum Yield {
 }
 
 /// One instance of a machine.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Automaton {
     /// Task that executes it.
     pub task: TaskId,

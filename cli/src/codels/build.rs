@@ -12,7 +12,7 @@ use clap::Args;
 use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
 use dotgen_analysis::source_map::Locations as _;
 use dotgen_codegen::codels::build::{
-    self, CompilerMessage, MessageLevel, Optimization, Packages, Plan, Step, Tools,
+    self, CompilerMessage, Contents, MessageLevel, Optimization, Packages, Plan, Step, Tools,
 };
 use dotgen_codegen::codels::files::Files as _;
 use dotgen_codegen::codels::folder::Folder;
@@ -133,8 +133,16 @@ fn tools(optimization: Optimization) -> anyhow::Result<Tools> {
 
 /// Returns the steps whose outputs are missing or out of date.
 fn stale<'s>(steps: &[&'s Step]) -> Vec<&'s Step> {
+    let mut contents = Contents::new(&SystemDisk);
     let steps = steps.iter().copied();
-    steps.filter(|step| !step.is_fresh(&SystemDisk)).collect()
+    steps.filter(|step| !step.is_fresh(&mut contents)).collect()
+}
+
+/// Returns true if the output of every step is up to date. A shared object alone says nothing about its
+/// sources: the objects of a source that does not compile are still those of the text before.
+fn are_fresh<'s>(steps: impl IntoIterator<Item = &'s Step>) -> bool {
+    let mut contents = Contents::new(&SystemDisk);
+    steps.into_iter().all(|step| step.is_fresh(&mut contents))
 }
 
 /// `1 file`, `3 files`
@@ -253,7 +261,7 @@ impl Builder<'_> {
             report::note(text);
         }
         Ok(BuiltObjects {
-            failed: !links.iter().all(|link| link.is_fresh(&SystemDisk)),
+            failed: !are_fresh(compile.iter().chain(&links).copied()),
             diagnostics,
             hosted,
         })
@@ -348,14 +356,14 @@ impl Builder<'_> {
             ));
         }
         let steps: Vec<&Step> = plan.compile.iter().collect();
-        let (stale, linked) = (stale(&steps).len(), !plan.link.is_fresh(&SystemDisk));
+        let (stale, linked) = (stale(&steps).len(), !are_fresh([&plan.link]));
         let (said, other) = self.compile(&steps, &[&plan.link])?;
         let diagnostics = self.diagnostics(&said);
         for text in &other {
             report::note(text);
         }
         let failed = |diagnostic: &Diagnostic| diagnostic.severity == Severity::Error;
-        let made = plan.compile.iter().chain([&plan.link]).all(|link| link.is_fresh(&SystemDisk));
+        let made = are_fresh(plan.compile.iter().chain([&plan.link]));
         if made {
             let library = session::display(&plan.link.output);
             report::note(&match (stale, linked) {
@@ -414,7 +422,12 @@ impl Builder<'_> {
             other.extend(rest);
         }
         for link in links {
-            if failed || interrupt.is_raised() || link.is_fresh(&SystemDisk) {
+            if failed {
+                // Built from another text than that on the disk.
+                SystemDisk.remove(link.output.as_std_path());
+                continue;
+            }
+            if interrupt.is_raised() || are_fresh([*link]) {
                 continue;
             }
             let (_, printed) = work(link)?;
@@ -485,6 +498,7 @@ fn write_changed(mut files: Vec<NewContent>) -> anyhow::Result<()> {
 fn perform(step: &Step, temporary: &Path, interrupt: &Interrupt) -> anyhow::Result<(bool, String)> {
     // Until the output is complete, the record is empty.
     report::write_files(&[report::new_content(&step.record(), "")])?;
+    let before = step.before(&mut Contents::new(&SystemDisk));
     let (program, arguments) = step.command.split_first().context("a step runs a program")?;
     let arguments: Vec<OsString> = arguments.iter().map(Into::into).collect();
     // Messages are parsed, so their language is fixed.
@@ -499,8 +513,12 @@ fn perform(step: &Step, temporary: &Path, interrupt: &Interrupt) -> anyhow::Resu
     })?;
     let (status, printed) = process.wait_with_output_unless(&|| interrupt.is_raised())?;
     let printed = String::from_utf8_lossy(&printed).into_owned();
-    if status.success() {
-        report::write_files(&[report::new_content(&step.record(), &step.recorded())])?;
+    let mut after = Contents::new(&SystemDisk);
+    if status.success()
+        && step.before(&mut after) == before
+        && let Some(recorded) = step.recorded(&mut after)
+    {
+        report::write_files(&[report::new_content(&step.record(), &recorded)])?;
     }
     Ok((status.success(), printed))
 }

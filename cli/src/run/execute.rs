@@ -361,6 +361,10 @@ impl Context<'_, '_> {
         let bounds: Vec<_> = bounds.iter().map(grown).collect();
         outcome.judge.bound_late(&bounds);
         let mut report = RunReport::new(&opened, &plan, &outcome, &bounds);
+        // Without a scenario, the client of the model sends any request.
+        if let Some(first) = first.filter(|_| !default) {
+            report.count_outside_model(&outcome.tally, first);
+        }
         notes.extend(note);
         let told = self.told(&opened, &outcome);
         let (lines, messages) = (lines(profile), messages(recording));

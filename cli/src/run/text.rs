@@ -38,10 +38,12 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     let settings = settings(&answer.problem.scenario, &answer.options);
     let unit = TimeUnit::of(&settings);
     let report = &answer.report;
+    let simulated = answer.executed.0 == 0;
     writeln!(
         out,
-        "{TITLE}{}{TITLE:#}: {} {FAINT}({}){FAINT:#}",
+        "{TITLE}{}{TITLE:#}: {}{} {FAINT}({}){FAINT:#}",
         report.scenario,
+        if simulated { "simulated, " } else { "" },
         summary::platform(&settings),
         session::display(&answer.problem.path),
     )?;
@@ -91,7 +93,14 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
         1 => (BAD, "1 violation".to_owned()),
         n => (BAD, format!("{n} violations")),
     };
-    write!(out, "\n{style}{what}{style:#}")?;
+    let prefix = if simulated { "simulated: " } else { "" };
+    write!(out, "\n{style}{prefix}{what}{style:#}")?;
+    let idle = report.checks.iter().filter(|check| check.why.is_some()).count();
+    match idle {
+        0 => {}
+        1 => write!(out, "; {OPEN}1 check not exercised{OPEN:#}")?,
+        count => write!(out, "; {OPEN}{count} checks not exercised{OPEN:#}")?,
+    }
     match ended(report.end) {
         Some(why) => writeln!(out, "; {OPEN}{why}{OPEN:#}")?,
         None => writeln!(out)?,
@@ -164,7 +173,18 @@ fn services(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
         ]
     });
     let rows: Vec<_> = rows.collect();
-    table(out, &["service", "requests", "refused", "ended"], &rows)
+    table(out, &["service", "requests", "refused", "ended"], &rows)?;
+    match report.requests_outside_model {
+        0 => Ok(()),
+        1 => writeln!(
+            out,
+            "outside the verified model: 1 request, which no client of the scenario sends"
+        ),
+        count => writeln!(
+            out,
+            "outside the verified model: {count} requests, which no client of the scenario sends"
+        ),
+    }
 }
 
 fn transitions(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
@@ -198,10 +218,9 @@ fn word(outcome: &CheckOutcome) -> &'static str {
     match outcome.verdict {
         // The word that `dotgen verify` uses.
         Verdict::Kept if outcome.exceeded => "exceeds",
-        Verdict::Kept => "kept",
+        Verdict::Kept | Verdict::Seen => "kept",
         Verdict::Violated => "violated",
-        Verdict::Seen => "seen",
-        Verdict::NotSeen => "not seen",
+        Verdict::NotExercised | Verdict::NotSeen => "not exercised",
     }
 }
 
@@ -215,7 +234,13 @@ fn checks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::
         ]
     });
     let rows: Vec<_> = rows.collect();
-    table(out, &["verdict", "check", "greatest", "limit"], &rows)
+    table(out, &["verdict", "check", "greatest", "limit"], &rows)?;
+    for check in &report.checks {
+        if let Some(why) = &check.why {
+            writeln!(out, "{OPEN}not exercised{OPEN:#} {}: {why}", title(check))?;
+        }
+    }
+    Ok(())
 }
 
 fn title(outcome: &CheckOutcome) -> String {

@@ -107,7 +107,11 @@ impl Listening {
     }
 
     pub(crate) fn begin(command: &mut Command) -> Listening {
-        command.stdout(Stdio::null()).stderr(Stdio::piped());
+        Listening::begin_with_output(command, Stdio::null())
+    }
+
+    pub(crate) fn begin_with_output(command: &mut Command, output: Stdio) -> Listening {
+        command.stdout(output).stderr(Stdio::piped());
         let mut child = command.spawn().expect("the program starts");
         let output = child.stderr.take().expect("it is piped");
         let mut output = BufReader::new(output);

@@ -1,10 +1,11 @@
 //! Compilation of codels by the system's compilers, without an installation of GenoM3: the steps for a folder
 //! of codels, the steps that are up to date, and the messages of compilers. This module runs nothing.
 
-use std::path::PathBuf;
-use std::time::SystemTime;
+use std::path::{Path, PathBuf};
 
 use camino::{Utf8Path, Utf8PathBuf};
+use md5::{Digest as _, Md5};
+use rustc_hash::FxHashMap;
 
 use super::files::IndexedFile;
 use super::folder::Folder;
@@ -207,40 +208,66 @@ fn dependencies_of(output: &Utf8Path) -> Utf8PathBuf {
 }
 
 impl Step {
-    /// The file with the command that made the output. It is written when the output is complete.
+    /// The file with the command that made the output and the contents of its inputs. It is written when the
+    /// output is complete.
     pub fn record(&self) -> Utf8PathBuf {
         format!("{}.command", self.output).into()
     }
 
-    /// The text of that file.
-    pub fn recorded(&self) -> String {
-        self.command.join("\n") + "\n"
-    }
-
-    /// True if the output is up to date: it was made by the same command, and all inputs exist and are older.
-    pub fn is_fresh(&self, disk: &dyn Disk) -> bool {
-        let made = modified(disk, &self.output);
-        let record = disk.read(self.record().as_std_path());
-        let same = record.is_ok_and(|record| record == self.recorded().as_bytes());
-        let (Some(made), true) = (made, same) else {
-            return false;
-        };
+    /// The text of that file: the command, and a digest of each input. `None` if an input cannot be read.
+    pub fn recorded(&self, contents: &mut Contents<'_>) -> Option<String> {
         let mut inputs: Vec<PathBuf> = self.inputs.iter().map(|input| input.into()).collect();
         if self.source.is_some() {
-            let listed = disk.read(dependencies_of(&self.output).as_std_path());
-            let Ok(listed) = listed else { return false };
+            let listed = contents.disk.read(dependencies_of(&self.output).as_std_path()).ok()?;
             inputs.extend(dependencies(&String::from_utf8_lossy(&listed)));
         }
-        let older = |path: &PathBuf| {
-            let time = disk.status(path).and_then(|status| status.modified);
-            time.is_some_and(|time| time <= made)
-        };
-        inputs.iter().all(older)
+        let mut out = self.command.join("\n") + "\n";
+        for input in inputs {
+            let digest = contents.digest(&input)?;
+            out.push_str(&format!("{digest:032x} {}\n", input.display()));
+        }
+        Some(out)
+    }
+
+    /// True if the output is up to date: it was made by the same command, from inputs with the same contents.
+    /// Times do not count: a restored file is older than the output of the text before.
+    pub fn is_fresh(&self, contents: &mut Contents<'_>) -> bool {
+        let record = contents.disk.read(self.record().as_std_path());
+        contents.disk.is_file(self.output.as_std_path())
+            && record.is_ok_and(|record| {
+                self.recorded(contents).is_some_and(|now| record == now.as_bytes())
+            })
+    }
+
+    /// The inputs that are known before the step, as they are now. A step whose inputs are different when it
+    /// has ended may have read either text.
+    pub fn before(&self, contents: &mut Contents<'_>) -> Vec<Option<u128>> {
+        self.inputs.iter().map(|input| contents.digest(input.as_std_path())).collect()
     }
 }
 
-fn modified(disk: &dyn Disk, path: &Utf8Path) -> Option<SystemTime> {
-    disk.status(path.as_std_path())?.modified
+/// Digests of files, each of which is read once.
+#[derive(Debug)]
+pub struct Contents<'d> {
+    disk: &'d dyn Disk,
+    digests: FxHashMap<PathBuf, Option<u128>>,
+}
+
+impl<'d> Contents<'d> {
+    /// The files as they are from now on; what is written later is not noticed.
+    pub fn new(disk: &'d dyn Disk) -> Self {
+        Contents { disk, digests: FxHashMap::default() }
+    }
+
+    fn digest(&mut self, path: &Path) -> Option<u128> {
+        if let Some(&known) = self.digests.get(path) {
+            return known;
+        }
+        let digest = |bytes: Vec<u8>| u128::from_be_bytes(Md5::digest(bytes).into());
+        let found = self.disk.read(path).ok().map(digest);
+        self.digests.insert(path.to_owned(), found);
+        found
+    }
 }
 
 /// The prerequisites of a makefile rule, as compilers write it (`-MMD`).

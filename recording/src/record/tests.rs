@@ -104,6 +104,53 @@ fn zeros_of_a_power_cut_end_a_recording() {
 }
 
 #[test]
+fn a_wrong_byte_of_a_chunk_is_damage_and_ends_the_steps_before_the_chunk() {
+    let bytes = written();
+    let whole = read(&bytes).expect("a recording");
+    let second = bytes.windows(9).rposition(|window| window == b"\"time\":30").expect("a step");
+    let chunk = {
+        let damaged =
+            |bytes: &[u8]| read(bytes).expect("a recording").broken.expect("a break").damaged;
+        let mut wrong = bytes.clone();
+        wrong[second + 7] ^= 7;
+        let read = read(&wrong).expect("a recording");
+        assert_eq!(read.steps, whole.steps[..3], "only the intact chunk");
+        assert_eq!(read.about.end, 20, "the run ends with the last intact step");
+        damaged(&wrong).expect("a place")
+    };
+    assert_eq!(bytes[chunk], mcap::records::op::CHUNK);
+    assert!(chunk < second && second - chunk < 300, "{chunk} {second}");
+    // Before the chunk, and outside of chunks, too: every byte of the data of the run counts.
+    let end = bytes.windows(9).rposition(|window| window == [0x0f, 4, 0, 0, 0, 0, 0, 0, 0]);
+    for at in 8..end.expect("the end of the data") {
+        let mut wrong = bytes.clone();
+        wrong[at] ^= 1;
+        if let Ok(read) = read(&wrong) {
+            let broken =
+                read.broken.unwrap_or_else(|| panic!("byte {at} is wrong, and nobody saw"));
+            assert!(broken.damaged.is_some(), "{at}: {broken}");
+            assert!(whole.steps.starts_with(&read.steps), "{at}");
+        }
+    }
+}
+
+#[test]
+fn a_length_is_at_most_what_is_left() {
+    // Each length of a name is as long as four bytes can say: that much memory is not asked for.
+    let bytes = written();
+    for name in ["dotgen.run", "scenario", "sailing", STEPS] {
+        let at = bytes.windows(name.len()).position(|window| window == name.as_bytes());
+        let mut wrong = bytes.clone();
+        wrong[at.expect("a name") - 1] = 0xff;
+        let damaged = match read(&wrong) {
+            Ok(read) => read.broken.expect("a break").to_string(),
+            Err(error) => error,
+        };
+        assert!(damaged.contains("damaged at byte"), "{name}: {damaged}");
+    }
+}
+
+#[test]
 fn other_files_are_refused() {
     for bytes in [&b""[..], b"some text, and no recording"] {
         assert!(read(bytes).is_err());

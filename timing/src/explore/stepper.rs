@@ -56,6 +56,11 @@ pub enum Seen {
         /// The service.
         service: ServiceId,
     },
+    /// A control task refuses a request: for lack of a slot, by `after` or `before`, or by a codel.
+    Refused {
+        /// The service.
+        service: ServiceId,
+    },
     /// A measured job ends.
     Job {
         /// Task.
@@ -434,7 +439,11 @@ impl<R: Rules> Walk for Walker<R> {
             }
             _ => {}
         }
+        self.rules.take_refusal();
         self.rules.apply(&mut self.s, action);
+        if let Some(service) = self.rules.take_refusal() {
+            seen.push(Seen::Refused { service });
+        }
         let before = std::mem::take(&mut self.before);
         let mut met = Vec::new();
         self.observe(Some(&before), &mut met);

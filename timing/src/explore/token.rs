@@ -477,6 +477,10 @@ impl<R: Rules> Rules for Tracked<'_, R> {
         self.rules.has_refused(service)
     }
 
+    fn take_refusal(&self) -> Option<ServiceId> {
+        self.rules.take_refusal()
+    }
+
     fn has_ended_restarts(&self, service: ServiceId) -> bool {
         self.rules.has_ended_restarts(service)
     }

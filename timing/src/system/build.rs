@@ -66,6 +66,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
             services: HashMap::new(),
             machines: HashMap::new(),
             components: HashMap::new(),
+            unrequested: Vec::new(),
             diagnostics: Vec::new(),
             assumptions: Vec::new(),
             conditions: Vec::new(),

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use dotgen_analysis::model::{Owner, Seconds};
 
-use super::TimedSystem;
+use super::{Automaton, TimedSystem};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::report::ground::Condition;
 use crate::scn::ast::Path;
@@ -33,6 +33,8 @@ pub struct Built {
     pub machines: HashMap<(usize, Owner), MachineId>,
     /// Components, by index in the scenario.
     pub components: HashMap<usize, ComponentId>,
+    /// Activities that no client requests, and that have no slots therefore.
+    pub unrequested: Vec<Unrequested>,
     /// Problems found. Without errors, verification goes on.
     pub diagnostics: Vec<Diagnostic>,
     /// Assumptions on which the result depends, in words.
@@ -46,6 +48,17 @@ pub struct Built {
     pub exact_unit: Option<Seconds>,
     /// The system as the runs of its checks keep it, once one does.
     pub(crate) shared: OnceLock<Arc<TimedSystem>>,
+}
+
+/// An activity that no client requests, with what its slots would be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unrequested {
+    /// The activity.
+    pub service: ServiceId,
+    /// The automaton of each slot.
+    pub automaton: Automaton,
+    /// Number of slots.
+    pub slots: u32,
 }
 
 /// The rounded time of a codel, in seconds.
@@ -64,6 +77,18 @@ impl Built {
     /// afterwards.
     pub(crate) fn shared(&self) -> Arc<TimedSystem> {
         Arc::clone(self.shared.get_or_init(|| Arc::new(self.system.clone())))
+    }
+
+    /// Gives the activities that no client requests their slots, for requests that the scenario does not
+    /// foresee.
+    pub fn add_slots(&mut self) {
+        for Unrequested { service, automaton, slots } in std::mem::take(&mut self.unrequested) {
+            for _ in 0..slots {
+                let slot = self.system.automata.push_and_get_key(automaton);
+                self.system.services[service].slots.push(slot);
+                self.system.tasks[automaton.task].slots.push(slot);
+            }
+        }
     }
 
     /// Returns true if an error prevents verification.

@@ -55,9 +55,10 @@ export interface Report {
   time: number;
   end: string;
   tasks: OfTask[];
+  'requests-outside-model'?: number;
   services: { service: string; requests: number; refused: number; ended: number }[];
   machines: Machine[];
-  checks: { name?: string; check: string; of: string; verdict: string; greatest?: number; limit?: number; at?: { time: number }; violations: number }[];
+  checks: { name?: string; check: string; of: string; verdict: string; why?: string; greatest?: number; limit?: number; at?: { time: number }; violations: number }[];
   violations: Violation[];
   'violation-count': number;
   assumptions: string[];

@@ -90,6 +90,12 @@ function showHead({ name, clock, debug, state, report, progress, hasTrace, times
   take.textContent = times === 1 ? 'Import 1 Time' : `Import ${times} Times`;
 }
 
+/** The verdict of a check in the words of `dotgen run`, with the reason why the run shows nothing about it. */
+function verdict(it: Report['checks'][number]): HTMLElement {
+  const word = { seen: 'kept', 'not-seen': 'not exercised', 'not-exercised': 'not exercised' }[it.verdict] ?? it.verdict;
+  return node('span', it.why === undefined ? word : `${word}: ${it.why}`, it.verdict === 'violated' ? 'violated' : '');
+}
+
 function showReport(report: Report | null, progress: Progress | null): void {
   const known = report ?? progress;
   const unit = shownUnit(known?.unit ?? '');
@@ -104,7 +110,7 @@ function showReport(report: Report | null, progress: Progress | null): void {
   table('checks', ['check', 'of', 'verdict', '#greatest', '#limit'], (report?.checks ?? []).map((it) => [
     it.name === undefined ? it.check : `${it.name}: ${it.check}`,
     it.of,
-    node('span', it.verdict, it.verdict === 'violated' ? 'violated' : ''),
+    verdict(it),
     number(it.greatest),
     number(it.limit),
   ]));
@@ -112,7 +118,9 @@ function showReport(report: Report | null, progress: Progress | null): void {
   table('machines', ['machine', 'from', 'to', '#taken'], (known?.machines ?? []).flatMap(({ machine, transitions }) =>
     transitions.map((it) => [machine, it.from, it.to, it.taken === 0 ? node('span', 'never', 'faint') : String(it.taken)]),
   ));
-  list('assumptions', [...(report?.assumptions ?? []), ...(report?.notes ?? [])]);
+  const outside = report?.['requests-outside-model'] ?? 0;
+  const requests = outside === 0 ? [] : [`outside the verified model: requests that no client of the scenario sends (${outside})`];
+  list('assumptions', [...(report?.assumptions ?? []), ...requests, ...(report?.notes ?? [])]);
 }
 
 /** What was typed into the forms of a run. */

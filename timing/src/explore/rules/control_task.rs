@@ -49,6 +49,7 @@ impl SystemRules<'_> {
             let Some(&free) = free else {
                 // Rejected: nothing is validated, and no task is woken.
                 self.rejected[service].set(true);
+                self.refusal.set(Some(service));
                 l.set_refused(s, component, 1);
                 l.set_control(s, component, control::REST);
                 return;
@@ -69,6 +70,7 @@ impl SystemRules<'_> {
     }
 
     fn refuse(&self, s: &mut State, component: ComponentId) {
+        self.refusal.set(self.layout.handled(s, component));
         self.layout.set_refused(s, component, 1);
         self.codels_done(s, component);
     }
@@ -106,6 +108,9 @@ impl SystemRules<'_> {
     pub(super) fn finish_control(&self, s: &mut State, component: ComponentId, outcome: usize) {
         let l = &self.layout;
         if self.points.handling == Handling::AtOnce {
+            if outcome != 0 {
+                self.refusal.set(l.handled(s, component));
+            }
             return match (self.validates(s, component), outcome) {
                 (true, 0) => self.accept(s, component),
                 (true, _) => self.end_of_message(s, component),
@@ -216,7 +221,10 @@ impl SystemRules<'_> {
                     }
                     self.interrupt(s, number, slot);
                 }
-                None => self.rejected[number].set(true),
+                None => {
+                    self.rejected[number].set(true);
+                    self.refusal.set(Some(number));
+                }
             }
             return self.end_of_message(s, component);
         }

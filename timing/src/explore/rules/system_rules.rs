@@ -35,6 +35,8 @@ pub(crate) struct SystemRules<'s> {
     pub(super) priorities: Vec<u64>,
     /// Services with a request that was rejected for lack of a slot.
     pub(super) rejected: TiVec<ServiceId, Cell<bool>>,
+    /// Service of the last request that was refused, for any reason.
+    pub(super) refusal: Cell<Option<ServiceId>>,
     /// Services of which two waiting instances have interrupted each other.
     pub(super) restarts: TiVec<ServiceId, Cell<bool>>,
     /// By codel, whether it excludes no other codel.
@@ -54,6 +56,7 @@ impl<'s> SystemRules<'s> {
             points,
             priorities: system.priorities(),
             rejected: ti_vec![Cell::new(false); system.services.len()],
+            refusal: Cell::new(None),
             restarts: ti_vec![Cell::new(false); system.services.len()],
             lockless: (system.codels.iter()).map(|codel| codel.conflicts.is_empty()).collect(),
             system,
@@ -344,6 +347,10 @@ impl Rules for SystemRules<'_> {
 
     fn has_refused(&self, service: ServiceId) -> bool {
         self.rejected[service].get()
+    }
+
+    fn take_refusal(&self) -> Option<ServiceId> {
+        self.refusal.take()
     }
 
     fn has_ended_restarts(&self, service: ServiceId) -> bool {

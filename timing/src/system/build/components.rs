@@ -9,7 +9,7 @@ use super::Builder;
 use super::times::TimeOf;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::scn::ast::{DEFAULT_PLACES, DEFAULT_SLOTS};
-use crate::system::indexed::DeclaredTask;
+use crate::system::indexed::{DeclaredTask, Unrequested};
 use crate::system::{Automaton, Component, ComponentId, Service, ServiceId, Task};
 
 impl Builder<'_> {
@@ -140,20 +140,21 @@ impl Builder<'_> {
                     .task
                     .map(|index| DeclaredTask { component: c, index })
                     .and_then(|task| self.out.tasks.get(&task).copied())
-                && self.requested.contains(&(c, s))
             {
                 let count = match self.settings.semantics().is_published() {
                     false => 1,
                     true => self.slots.get(&(c, s)).copied().unwrap_or(DEFAULT_SLOTS),
                 };
-                for _ in 0..count {
-                    slots.push(self.out.system.automata.push_and_get_key(Automaton {
-                        task,
-                        machine,
-                        service: Some(id),
-                    }));
+                let automaton = Automaton { task, machine, service: Some(id) };
+                if self.requested.contains(&(c, s)) {
+                    for _ in 0..count {
+                        slots.push(self.out.system.automata.push_and_get_key(automaton));
+                    }
+                    self.out.system.tasks[task].slots.extend(&slots);
+                } else {
+                    let unrequested = Unrequested { service: id, automaton, slots: count };
+                    self.out.unrequested.push(unrequested);
                 }
-                self.out.system.tasks[task].slots.extend(&slots);
             }
             self.out.services.insert((c, s), id);
             self.out.system.components[number].services.push(id);
