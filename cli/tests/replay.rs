@@ -127,3 +127,25 @@ fn what_codels_write_to_ports_is_in_the_recording() {
         assert_eq!(report["followed"], report["steps"], "{clock}");
     }
 }
+
+#[test]
+fn a_damaged_recording_is_not_called_a_wrong_run() {
+    let directory = recorded(&["--until", "20s"]);
+    let mut bytes = std::fs::read(directory.path().join("run.mcap")).expect("it is there");
+    let is_step = |window: &[u8]| window.starts_with(b"\"time\":") && window[7].is_ascii_digit();
+    let step = bytes.windows(8).rposition(is_step).expect("a step");
+    // One digit of the last step, in the last chunk.
+    bytes[step + 7] ^= 1;
+    directory.write("damaged.mcap", &bytes);
+    let (status_of, report) = replayed(&directory, &["damaged.mcap", "pump.scn"]);
+    assert_eq!(status_of, 2, "{report:#}");
+    assert_eq!((&report["difference-count"], &report["breaks-off"]), (&0.into(), &true.into()));
+    let at = report["damaged-at"].as_u64().expect("a place");
+    assert!(at > 0 && at < step as u64, "{report:#}");
+    assert!(report["steps"].as_u64() > Some(1000), "the intact chunks are compared: {report:#}");
+    assert_eq!(report["followed"], report["steps"]);
+    let words = directory.run(&["replay", "damaged.mcap", "pump.scn"]);
+    assert_eq!(status(&words), 2);
+    assert!(stderr(&words).contains(&format!("is damaged at byte {at}: ")), "{}", stderr(&words));
+    assert!(!stdout(&words).contains("run of the model"), "{}", stdout(&words));
+}

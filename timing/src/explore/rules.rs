@@ -274,8 +274,8 @@ pub(crate) trait Rules: Sized {
     /// Returns true if [`Rules::apply`] ever refused a request for a service for lack of a slot.
     fn has_refused(&self, service: ServiceId) -> bool;
 
-    /// Returns the service of the request that [`Rules::apply`] has refused since the last call: for lack of a
-    /// slot, by `after` or `before`, by a codel, or for want of components to connect.
+    /// Returns the service of the request that [`Rules::apply`] has refused since the last call: for lack of
+    /// a slot, by `after` or `before`, by a codel, or because nothing is left to abort.
     fn take_refusal(&self) -> Option<ServiceId>;
 
     /// Returns true if two waiting instances of a service ever interrupted each other in [`Rules::apply`].
