@@ -17,7 +17,7 @@ use serde::Serialize;
 use crate::analytic::{meets_deadlines, response_bounds};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::explore::{Findings, Limits, Stop, Watch, explore};
-use crate::limit::Grid;
+use crate::limit::{Grid, Phase};
 use crate::property::resolve;
 use crate::report::{TimeUnit, Value, Verdict};
 use crate::scn::ast::{CheckKind, Durations, Path, Scenario};
@@ -57,8 +57,8 @@ pub struct Extreme {
     pub exact: bool,
     /// Some verification was given up: the extreme may be further out.
     pub incomplete: bool,
-    /// Distance of the times that were tried, in the unit of the report: the limit is less than that beyond the
-    /// extreme, if it is exact.
+    /// Distance of the times that were tried, in the unit of the report: the limit is less than that beyond
+    /// the extreme, if it is exact.
     pub resolution: f64,
 }
 
@@ -156,10 +156,12 @@ impl<'a> DerivationContext<'a> {
 
     /// Explores with a share of the memory. If the share is not enough, explores with all of the memory,
     /// while no other exploration runs.
-    fn explore(&self, system: &TimedSystem, watch: &Watch) -> Findings {
+    fn explore(&self, system: &TimedSystem, watch: &Watch, phase: Phase) -> Findings {
+        let mut share = self.share;
+        share.states = share.states.min(phase.states());
         let found = {
             let _together = self.memory.read().unwrap_or_else(PoisonError::into_inner);
-            explore(system, watch, self.share, self.cancel)
+            explore(system, watch, share, self.cancel)
         };
         if self.together == 1 || found.stopped != Some(Stop::Memory) {
             return found;
@@ -186,7 +188,7 @@ impl<'a> DerivationContext<'a> {
                 break;
             }
             variation.settings.cores = Some(cores);
-            let verdict = variation.schedulable();
+            let verdict = variation.schedulable(Phase::Units);
             out.tried.push((cores, verdict));
             if verdict == Verdict::Proved {
                 out.cores = Some(cores);
@@ -213,10 +215,11 @@ impl<'a> DerivationContext<'a> {
             return Err(vec![not_a("codel that is executed", codel)]);
         };
         let longest = built.system.tasks.iter().filter_map(|task| task.period).max().unwrap_or(1);
-        let grid = Grid::new(unit, unit * Ratio::from_integer(i128::from(longest)));
-        let mut holds = |time: Seconds| {
+        let grid =
+            Grid::of(&variation.settings, unit, unit * Ratio::from_integer(i128::from(longest)));
+        let mut holds = |time: Seconds, phase| {
             variation.settings.upper_bound = Some((codel.clone(), time));
-            variation.schedulable()
+            variation.schedulable(phase)
         };
         let report_unit = TimeUnit::of(&Settings::new(self.scenario));
         let value = |steps: u32| Value::Time(report_unit.from_seconds(grid.time(steps)));
@@ -231,14 +234,14 @@ impl<'a> DerivationContext<'a> {
             incomplete: false,
             resolution: report_unit.from_seconds(grid.step),
         };
-        let verdict = holds(grid.time(start));
+        let verdict = holds(grid.time(start), Phase::Units);
         if !verdict.holds() {
             out.fails_now = verdict == Verdict::Refuted;
             out.incomplete = verdict == Verdict::Unknown;
             // Downwards: an execution time is at least the lower limit of its interval, and never zero.
             let least = if out.exact { grid.steps(current.lower).max(1) } else { 1 };
             if verdict == Verdict::Refuted && least < start {
-                match holds(grid.time(least)) {
+                match holds(grid.time(least), Phase::Units) {
                     verdict if verdict.holds() => out.found(grid, least, start, holds, value),
                     verdict => out.incomplete = verdict == Verdict::Unknown,
                 }
@@ -249,7 +252,7 @@ impl<'a> DerivationContext<'a> {
         let (mut good, mut bad) = (start, None);
         let mut step = grid.steps((longest / 16).max(1));
         while good < grid.steps(longest.saturating_mul(2)) {
-            match holds(grid.time(good + step)) {
+            match holds(grid.time(good + step), Phase::Units) {
                 verdict if verdict.holds() => good += step,
                 verdict => {
                     out.incomplete |= verdict == Verdict::Unknown;
@@ -277,10 +280,11 @@ impl<'a> DerivationContext<'a> {
         let Some(period) = built.system.tasks[built.tasks[&key]].period else {
             return Err(vec![not_a("periodic task", task)]);
         };
-        let grid = Grid::new(unit, unit * Ratio::from_integer(i128::from(period)));
-        let mut holds = |time: Seconds| {
+        let grid =
+            Grid::of(&variation.settings, unit, unit * Ratio::from_integer(i128::from(period)));
+        let mut holds = |time: Seconds, phase| {
             variation.settings.period = Some((task.clone(), time));
-            variation.schedulable()
+            variation.schedulable(phase)
         };
         let report_unit = TimeUnit::of(&Settings::new(self.scenario));
         let value = |steps: u32| Value::Time(report_unit.from_seconds(grid.time(steps)));
@@ -294,7 +298,7 @@ impl<'a> DerivationContext<'a> {
             incomplete: false,
             resolution: report_unit.from_seconds(grid.step),
         };
-        let verdict = holds(grid.time(now));
+        let verdict = holds(grid.time(now), Phase::Units);
         if verdict.holds() {
             out.found(grid, now, 0, holds, value);
         } else {
@@ -318,13 +322,14 @@ impl Extreme {
         grid: Grid,
         good: u32,
         bad: u32,
-        holds: impl FnMut(Seconds) -> Verdict,
+        holds: impl FnMut(Seconds, Phase) -> Verdict,
         value: impl Fn(u32) -> Value,
     ) {
-        let (last, unsure) = grid.last(good, bad, holds);
-        self.extreme = Some(value(last));
-        self.incomplete |= unsure > 1;
+        let last = grid.last(good, bad, holds);
+        self.extreme = Some(value(last.steps));
+        self.incomplete |= last.given_up;
         self.exact &= !self.incomplete;
+        self.resolution *= f64::from(last.resolution);
     }
 }
 
@@ -332,13 +337,13 @@ impl Extreme {
 fn longer(
     grid: Grid,
     period: u32,
-    holds: &mut impl FnMut(Seconds) -> Verdict,
+    holds: &mut impl FnMut(Seconds, Phase) -> Verdict,
     incomplete: &mut bool,
 ) -> Option<(u32, u32)> {
     let mut fails = period;
     for times in [2, 4, 8] {
         let longer = period.checked_mul(times)?;
-        match holds(grid.time(longer)) {
+        match holds(grid.time(longer), Phase::Units) {
             verdict if verdict.holds() => return Some((longer, fails)),
             verdict => *incomplete |= verdict == Verdict::Unknown,
         }
@@ -408,7 +413,7 @@ impl<'v> Variation<'v> {
         Ok(Variation { asked, settings, tasks })
     }
 
-    fn schedulable(&self) -> Verdict {
+    fn schedulable(&self, phase: Phase) -> Verdict {
         let asked = self.asked;
         if asked.cancel.is_over() {
             return Verdict::Unknown;
@@ -428,7 +433,7 @@ impl<'v> Variation<'v> {
         if watch.schedulable.is_empty() {
             return Verdict::Proved;
         }
-        let found = asked.explore(&built.system, &watch);
+        let found = asked.explore(&built.system, &watch, phase);
         let never_starts =
             |task| (found.absent.job(task)).is_some_and(|job| job.start_up.is_some());
         if found.missed.iter().any(Option::is_some) {

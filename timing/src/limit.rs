@@ -4,12 +4,14 @@ use dotgen_analysis::model::Seconds;
 use num_rational::Ratio;
 
 use crate::report::Verdict;
+use crate::scn::ast::Durations;
+use crate::system::settings::Settings;
 
 /// A limit is found to a hundredth of the time that it is compared with.
 const PARTS: i128 = 100;
 
-/// The times that are tried: multiples of a part of the base unit of the system. The base unit is the greatest common
-/// divisor of the stated times, and may be as coarse as the times themselves.
+/// The times that are tried: multiples of a part of the base unit of the system. The base unit is the
+/// greatest common divisor of the stated times, and may be as coarse as the times themselves.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Grid {
     /// Distance of the times, in seconds.
@@ -19,8 +21,17 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The grid for a system with a base unit, and for limits of times like `compared`.
-    pub(crate) fn new(unit: Seconds, compared: Seconds) -> Grid {
+    /// The grid for a system with a base unit, and for limits of times like `compared`. With fixed durations
+    /// a longer time can hold where a shorter one does not, and a stated unit is the one that is wanted:
+    /// whole units are tried.
+    pub(crate) fn of(settings: &Settings, unit: Seconds, compared: Seconds) -> Grid {
+        if settings.unit.is_some() || settings.durations == Durations::Fixed {
+            return Grid { step: unit, parts: 1 };
+        }
+        Grid::new(unit, compared)
+    }
+
+    fn new(unit: Seconds, compared: Seconds) -> Grid {
         let wanted = compared / Ratio::from_integer(PARTS);
         let part = |parts: &u32| unit / Ratio::from_integer(i128::from(*parts));
         let nice = [1, 10, 100, 1000].into_iter().flat_map(|tens| [1, 2, 5].map(|n| n * tens));
@@ -39,35 +50,64 @@ impl Grid {
         units.saturating_mul(self.parts)
     }
 
-    /// Returns the last number of steps that holds, between one that holds and one that does not, and the number of steps
-    /// from there to one that is known not to hold: more than 1 if a verification was given up.
-    ///
-    /// Whole units come first: they are verified with the fewest states.
+    /// Finds the last number of steps that holds, between one that holds and one that does not. Whole units
+    /// come first: they are verified with the fewest states. `holds` gets the phase, because parts of a unit
+    /// are worth less effort; one that is given up ends the search.
     pub(crate) fn last(
         self,
         mut good: u32,
         mut bad: u32,
-        mut holds: impl FnMut(Seconds) -> Verdict,
-    ) -> (u32, u32) {
-        let mut unsure = None;
-        for by in [self.parts, 1] {
+        mut holds: impl FnMut(Seconds, Phase) -> Verdict,
+    ) -> Last {
+        let mut given_up = false;
+        for (by, phase) in [(self.parts, Phase::Units), (1, Phase::Parts)] {
             while good.abs_diff(bad) > by {
                 let middle = good.midpoint(bad);
                 let whole = middle - middle % by;
                 // Between the ends, also if one of them is not a multiple.
                 let middle = if whole > good.min(bad) { whole } else { whole + by };
-                match holds(self.time(middle)) {
+                match holds(self.time(middle), phase) {
                     verdict if verdict.holds() => good = middle,
-                    Verdict::Unknown => {
-                        unsure.get_or_insert(bad);
+                    Verdict::Unknown if phase == Phase::Parts => break,
+                    verdict => {
+                        given_up |= verdict == Verdict::Unknown;
                         bad = middle;
                     }
-                    _ => bad = middle,
                 }
             }
         }
-        (good, unsure.unwrap_or(bad).abs_diff(good))
+        Last { steps: good, resolution: bad.abs_diff(good), given_up }
     }
+}
+
+/// The part of a search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Phase {
+    /// Whole base units.
+    Units,
+    /// Parts of one unit.
+    Parts,
+}
+
+impl Phase {
+    /// Limit on the states of a verification.
+    pub(crate) fn states(self) -> usize {
+        match self {
+            Phase::Units => usize::MAX,
+            Phase::Parts => 20_000,
+        }
+    }
+}
+
+/// The end of a search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Last {
+    /// The last number of steps that holds.
+    pub(crate) steps: u32,
+    /// Distance, in steps, to the first number that does not hold.
+    pub(crate) resolution: u32,
+    /// A verification of whole units was given up, so that greater numbers may hold.
+    pub(crate) given_up: bool,
 }
 
 #[cfg(test)]
@@ -81,19 +121,25 @@ mod tests {
         assert_eq!(grid.step, milliseconds(1, 10));
         for tenths in 21..60 {
             let limit = milliseconds(tenths, 10);
-            let holds = |time| if time <= limit { Verdict::Proved } else { Verdict::Refuted };
-            let (last, unsure) = grid.last(grid.steps(1), grid.steps(3), holds);
-            assert_eq!((grid.time(last), unsure), (limit, 1));
+            let holds = |time, _| if time <= limit { Verdict::Proved } else { Verdict::Refuted };
+            let last = grid.last(grid.steps(1), grid.steps(3), holds);
+            assert_eq!((grid.time(last.steps), last.resolution, last.given_up), (limit, 1, false));
         }
     }
 
     #[test]
     fn what_is_given_up_is_not_taken_for_the_limit() {
         let grid = Grid::new(Ratio::new(1, 1000), Ratio::new(1, 10));
-        let holds = |time: Seconds| {
+        let holds = |time: Seconds, _| {
             if time <= Ratio::new(1, 100) { Verdict::Proved } else { Verdict::Unknown }
         };
-        let (last, unsure) = grid.last(5, 90, holds);
-        assert_eq!((last, unsure), (10, 80));
+        assert_eq!(grid.last(5, 90, holds), Last { steps: 10, resolution: 1, given_up: true });
+        let grid = Grid::new(Ratio::new(1, 100), Ratio::new(1, 10));
+        let holds = |_, phase| match phase {
+            Phase::Units => Verdict::Proved,
+            Phase::Parts => Verdict::Unknown,
+        };
+        let last = grid.last(grid.steps(1), grid.steps(3), holds);
+        assert_eq!(last, Last { steps: grid.steps(2), resolution: grid.steps(1), given_up: false });
     }
 }

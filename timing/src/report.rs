@@ -1,7 +1,6 @@
 //! The report of a verification, as data and as text. The JSON form is part of the interface of `dotgen
 //! verify`.
 
-pub mod ground;
 mod time_unit;
 
 use crate::system::indexed::DeclaredTask;
@@ -17,8 +16,8 @@ use crate::explore::{Action, MomentKind};
 use crate::explore::{Stop, SystemRun};
 use crate::property::PropertyKind;
 use crate::reduction_use::ReductionUse;
+use crate::system::ground::Condition;
 use crate::system::{CodelName, ThreadName};
-use ground::Condition;
 pub use time_unit::TimeUnit;
 pub(crate) use time_unit::to_f64;
 
@@ -151,8 +150,8 @@ impl Limit {
         }
     }
 
-    /// Returns `true` if a time, in the unit of the report, is beyond the limit. A job that takes as long as its
-    /// period is late: the tick comes before its end.
+    /// Returns `true` if a time, in the unit of the report, is beyond the limit. A job that takes as long as
+    /// its period is late: the tick comes before its end.
     pub fn is_exceeded_by(self, time: Value) -> bool {
         match (time, self) {
             (Value::Unbounded, _) => true,

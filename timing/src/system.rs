@@ -9,6 +9,7 @@
 pub mod build;
 pub mod chain;
 pub(crate) mod flow;
+pub mod ground;
 mod ids;
 pub mod indexed;
 mod locks;

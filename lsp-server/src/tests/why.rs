@@ -67,7 +67,7 @@ async fn a_missed_deadline_says_why_and_what_would_help_and_the_fix_makes_it_hol
     let message = problem["message"].as_str().expect("text");
     let (cause, remedy) = (
         "`control` waits 8 ms for `level` of the ids, held by `tell`",
-        "it holds if `tell` takes at most 6 ms",
+        "it holds if `tell` takes at most 6.8 ms",
     );
     assert!(message.contains(cause) && message.contains(remedy), "{message}");
     let answer = client.ok("dotgen/verification", document(&uri)).await;
@@ -80,12 +80,12 @@ async fn a_missed_deadline_says_why_and_what_would_help_and_the_fix_makes_it_hol
     let actions = client.ok("textDocument/codeAction", params).await;
     let of_remedy = |json: &&Value| {
         let title = json["title"].as_str().unwrap_or_default();
-        title == "Set the execution time of `lift.report.start` to 6 ms, with which this holds"
+        title == "Set the execution time of `lift.report.start` to 6.8 ms, with which this holds"
     };
     let found = actions.as_array().into_iter().flatten().find(of_remedy);
     let action = found.unwrap_or_else(|| panic!("{actions}"));
     let edit = &action["edit"]["documentChanges"][0]["edits"][0];
-    assert_eq!(edit["newText"], "6 ms");
+    assert_eq!(edit["newText"], "6800 us");
     assert_eq!(edit["range"]["start"]["line"], 6);
     client.change(&uri, 2, json!([edit_of(edit)])).await;
     loop {

@@ -7,7 +7,7 @@ use num_rational::Ratio;
 
 use super::change::Change;
 use crate::explore::Limits;
-use crate::limit::Grid;
+use crate::limit::{Grid, Phase};
 use crate::report::{TimeUnit, Verdict};
 use crate::scn::ast::{Durations, Path, Policy};
 use crate::scn::names::Names;
@@ -62,11 +62,17 @@ impl<'t> Trial<'t> {
 
     /// Verifies the checks that must hold, with these settings.
     fn holds(&self, settings: &Settings) -> Verdict {
+        self.holds_within(settings, Phase::Units)
+    }
+
+    fn holds_within(&self, settings: &Settings, phase: Phase) -> Verdict {
+        let mut limits = self.limits;
+        limits.states = limits.states.min(phase.states());
         let late = self.end.is_some_and(|end| Instant::now() > end);
         if late || self.cancel.is_over() {
             return Verdict::Unknown;
         }
-        let report = verify_settings(self.names, settings, self.limits, self.cancel, &|_| {});
+        let report = verify_settings(self.names, settings, limits, self.cancel, &|_| {});
         let checks = &report.checks;
         if report.has_errors() || checks.is_empty() {
             Verdict::Unknown
@@ -103,7 +109,7 @@ impl<'t> Trial<'t> {
             return None;
         }
         let longest = system.tasks.iter().filter_map(|task| task.period).max();
-        let grid = Grid::new(system.unit, self.seconds(longest.unwrap_or(upper)));
+        let grid = Grid::of(&self.settings, system.unit, self.seconds(longest.unwrap_or(upper)));
         // A codel must take time, and its greatest time cannot be below its least time.
         let least = if fixed { 1 } else { grid.steps(lower).max(1) };
         let upper_steps = grid.steps(upper);
@@ -111,14 +117,14 @@ impl<'t> Trial<'t> {
             return None;
         }
         let mut settings = self.settings.clone();
-        let mut holds = |time: Seconds| {
+        let mut holds = |time: Seconds, phase: Phase| {
             settings.upper_bound = Some((Path::of(path), time));
-            self.holds(&settings)
+            self.holds_within(&settings, phase)
         };
-        if !holds(grid.time(least)).holds() {
+        if !holds(grid.time(least), Phase::Units).holds() {
             return None;
         }
-        let at_most = grid.time(grid.last(least, upper_steps, holds).0);
+        let at_most = grid.time(grid.last(least, upper_steps, holds).steps);
         let c = codel.site.map(|site| site.0);
         Some(Change::Wcet {
             codel: path.to_owned(),
@@ -137,22 +143,22 @@ impl<'t> Trial<'t> {
         let path = self.built.system.task_path(task);
         let now = self.built.system.tasks[task].period?;
         let mut settings = self.settings.clone();
-        let grid = Grid::new(self.built.system.unit, self.seconds(now));
-        let mut holds = |time: Seconds| {
+        let grid = Grid::of(&self.settings, self.built.system.unit, self.seconds(now));
+        let mut holds = |time: Seconds, phase: Phase| {
             settings.period = Some((Path::of(&path), time));
-            self.holds(&settings)
+            self.holds_within(&settings, phase)
         };
         let mut fails = grid.steps(now);
         let found = [2, 4].into_iter().find_map(|times| {
             let longer = grid.steps(now).checked_mul(times)?;
-            if holds(grid.time(longer)).holds() {
+            if holds(grid.time(longer), Phase::Units).holds() {
                 return Some((longer, fails));
             }
             fails = longer;
             None
         });
         let (longer, fails) = found?;
-        let needed = grid.time(grid.last(longer, fails, holds).0);
+        let needed = grid.time(grid.last(longer, fails, holds).steps);
         let src = self.names.components[c].component.tasks[declared].period.as_ref()?.src;
         Some(Change::Period {
             task: path,

@@ -7,8 +7,8 @@ use dotgen_analysis::model::{Owner, Seconds};
 
 use super::{Automaton, TimedSystem};
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::report::ground::Condition;
 use crate::scn::ast::Path;
+use crate::system::ground::Condition;
 use crate::system::{ComponentId, MachineId, ServiceId, TaskId};
 
 /// A task of a specification.

@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{
-    Awaited, CheckReport, Delay, Report, Soundness, TimeUnit, Value, Verdict, ground,
+    Awaited, CheckReport, Delay, Report, Soundness, TimeUnit, Value, Verdict,
 };
 use dotgen_timing::scn::ast::{Check, CheckKind, Item, Scenario};
+use dotgen_timing::system::ground;
 use dotgen_timing::system::indexed::DeclaredTask;
 use dotgen_timing::verify::{Options, settings};
 

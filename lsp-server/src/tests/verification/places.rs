@@ -2,19 +2,19 @@
 
 use serde_json::{Value, json};
 
-use super::{SCENARIO, STATUS, lenses, pump, telling, until};
+use super::{SCENARIO, STATUS, lenses, pump, telling, until, untimed};
 use crate::tests::client::{Client, Folder, document};
 
 #[tokio::test(flavor = "multi_thread")]
 async fn what_is_assumed_stands_at_the_use_of_the_specification() {
-    let folder = Folder::new(&[("pump.gen", &pump("4 ms"))]);
+    let folder = Folder::new(&[("pump.gen", &untimed("4 ms"))]);
     let mut params = telling(&folder);
     params["capabilities"]["textDocument"]["publishDiagnostics"] =
         json!({ "relatedInformation": true });
     let mut client = Client::start(params).await;
     let (uri, scn) = (folder.uri("pump.gen"), folder.uri("pump.scn"));
     client.open(&scn, SCENARIO).await;
-    until(&mut client, &scn, 1, "proved").await;
+    until(&mut client, &scn, 1, "conditional").await;
     let report = client.ok("textDocument/diagnostic", document(&scn)).await;
     let items = report["items"].as_array().expect("a list");
     let [found] = &items[..] else {
@@ -31,14 +31,30 @@ async fn what_is_assumed_stands_at_the_use_of_the_specification() {
     });
     assert_eq!(lines.collect::<Vec<_>>(), [Some(3), Some(4)]);
     // In the specification itself, only analysis reports it.
-    client.open(&uri, &pump("4 ms")).await;
-    until(&mut client, &scn, 1, "proved").await;
+    client.open(&uri, &untimed("4 ms")).await;
+    until(&mut client, &scn, 1, "conditional").await;
     let said = client.pulled(&uri).await;
     let of_wcet = said.iter().filter(|text| text.contains("wcet"));
-    assert_eq!(of_wcet.collect::<Vec<_>>(), ["timing/missing-wcet"]);
+    assert_eq!(of_wcet.collect::<Vec<_>>(), ["timing/missing-wcet", "timing/missing-wcet"]);
+    // No word is green.
+    let mut titles = lenses(&mut client, &scn).await;
+    titles.extend(lenses(&mut client, &uri).await);
+    let verdict = "? 2 codels without wcet: 4 of 8 ms";
+    assert!(titles.iter().any(|title| title.starts_with("conditional · ")), "{titles:?}");
+    assert!(titles.iter().any(|title| title.contains(verdict)), "{titles:?}");
+    let mut at = document(&uri);
+    at["position"] = json!({ "line": 2, "character": 7 });
+    let hover = client.ok("textDocument/hover", at).await;
+    let answer = client.ok("dotgen/verification", document(&scn)).await;
+    for text in [format!("{titles:?}"), hover.to_string(), answer.to_string()] {
+        assert!(!text.contains("proved") && !text.contains('✓'), "{text}");
+        assert!(text.contains("conditional"), "{text}");
+    }
+    let condition = answer["checks"][0]["condition"].as_str().expect("a sentence");
+    assert!(condition.contains("pump.fast.start, pump.fast.main have no `wcet`"), "{condition}");
     let off = json!({ "settings": { "dotgen": { "severity": { "timing-no-wcet": "off" } } } });
     client.notify("workspace/didChangeConfiguration", off).await;
-    until(&mut client, &scn, 1, "proved").await;
+    until(&mut client, &scn, 1, "conditional").await;
     assert_eq!(client.pulled(&scn).await, [""; 0]);
     client.finish_ignoring(STATUS).await;
 }
@@ -66,7 +82,7 @@ async fn what_prevents_a_verification_stands_in_the_specification() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn what_was_given_up_names_the_setting_to_raise() {
-    let folder = Folder::new(&[("pump.gen", &pump("6 ms"))]);
+    let folder = Folder::new(&[("pump.gen", &untimed("6 ms"))]);
     let mut client = Client::start(telling(&folder)).await;
     let limits = json!({ "settings": { "dotgen": { "verification": { "max-states": 3 } } } });
     client.notify("workspace/didChangeConfiguration", limits).await;

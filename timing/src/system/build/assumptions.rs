@@ -1,9 +1,9 @@
 //! The assumptions on which the result depends, in words.
 
 use super::Builder;
-use crate::report::ground::Condition;
 use crate::scn::ast::{self, Durations};
 use crate::scn::semantics::LockRule;
+use crate::system::ground::Condition;
 
 impl Builder<'_> {
     /// The conditions: codels without a time that can execute in this scenario.

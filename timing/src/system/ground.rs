@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::system::CodelName;
+use super::CodelName;
 
 /// Something that nobody has stated, and without which an answer may not hold.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
