@@ -1,10 +1,10 @@
 //! `cargo xtask budgets`: instructions and memory of what users do, at three sizes, against a file of the
 //! repository.
 //!
-//! Valgrind counts the instructions of the program of the tests, so the machine and its load do not matter.
-//! A change that takes more than [`SLACK`] of what the file says fails, and so does one that takes as much
-//! less: the file is written anew (`--write`), and the commit shows it. Twice the input may take [`DOUBLE`]
-//! times the instructions.
+//! Valgrind counts the instructions of the program that people build, so the machine and its load do not
+//! matter. A change that takes more than [`SLACK`] of what the file says fails, and so does one that takes as
+//! much less: the file is written anew (`--write`), and the commit shows it. Twice the input may take
+//! [`DOUBLE`] times the instructions.
 
 mod operations;
 
@@ -78,7 +78,7 @@ fn measured(names: &[String]) -> Result<BTreeMap<String, Figures>> {
     std::fs::create_dir_all(&folder)?;
     // Valgrind reads symbols for as long as it counts.
     let dotgen = folder.join("dotgen");
-    let built = extension::build_server(extension::Profile::Dev)?;
+    let built = extension::build_server(extension::Profile::Release)?;
     let (built, stripped) = (built.to_string_lossy(), dotgen.to_string_lossy());
     run::run(run::command(&folder, "strip", &["-o", &stripped, &built]))?;
     let wanted = |operation: &&Operation| {
@@ -193,7 +193,7 @@ fn path() -> std::path::PathBuf {
 
 const HEAD: &str = "\
 # Millions of instructions at three sizes, each twice the one before, and peak memory in MB at the largest, of
-# the program that the tests build. Written by `cargo xtask budgets --write`.
+# the program that `cargo install` builds. Written by `cargo xtask budgets --write`.
 ";
 
 fn written(all: &BTreeMap<String, Figures>) -> String {

@@ -84,29 +84,3 @@ fn measure(options: &Options, dotgen: &std::path::Path) -> Result<Report> {
     }
     Ok(report)
 }
-
-/// Examples of the sample.
-const SAMPLE: [&str; 2] = ["examples/drift", "examples/pump"];
-
-/// A sample of both campaigns, over two examples; the suite `campaign` of `cargo xtask test`. Returns the
-/// numbers of cases that passed and failed.
-pub(crate) fn sample() -> Result<(usize, usize)> {
-    let dotgen = extension::build_server(Profile::Dev)?;
-    let mut totals = (0, 0);
-    for what in [What::Actions, What::Codels] {
-        let options = Options {
-            what,
-            seed: 1,
-            mutations: 1,
-            places: 1,
-            only: SAMPLE.map(str::to_owned).to_vec(),
-            examples: true,
-            dotgen: None,
-        };
-        let report = measure(&options, &dotgen)?;
-        report.print();
-        totals.0 += report.cases();
-        totals.1 += report.bad();
-    }
-    Ok((totals.0 - totals.1.min(totals.0), totals.1))
-}

@@ -471,3 +471,35 @@ fn each_step_names_its_rule() {
         assert!(text.contains(step), "{step}: {text}");
     }
 }
+
+/// No place that shows the answer says that it is proved.
+#[test]
+fn a_proof_without_all_execution_times_is_conditional() {
+    let text = "component lamp {
+  ids { long light; };
+  task t { period 10 ms;
+    codel<start> dim(out light) yield go wcet 1 ms;
+    codel<go> glow(inout light) yield pause::go;
+  };
+  activity never() { task t; codel<start> idle(in light) yield ether; };
+};
+";
+    let scenario = "scenario s { use \"lamp.gen\"; check schedulable *; check response *; }\n";
+    let directory = Directory::new(&[("lamp.gen", text), ("s.scn", scenario)]);
+    let output = directory.run(&["verify", "s.scn"]);
+    assert_eq!(status(&output), 3);
+    let said = stdout(&output);
+    assert!(!said.contains("proved") && said.contains("2 conditional ("), "{said}");
+    let condition = "conditional: lamp.t.go has no `wcet` and counts as taking no time";
+    assert!(said.contains(condition), "{said}");
+    // The codel of an activity that nothing requests is not named.
+    assert!(!said.contains("lamp.never"), "{said}");
+    let answer = json_of(&directory.run(&["verify", "s.scn", "--format", "json"]));
+    for check in answer["checks"].as_array().expect("checks") {
+        assert_eq!(check["verdict"], "conditional", "{check}");
+        assert_eq!(
+            check["conditional"],
+            serde_json::json!([{ "missing": "wcet", "codel": "lamp.t.go" }])
+        );
+    }
+}

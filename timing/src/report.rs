@@ -62,7 +62,7 @@ pub struct Report {
 pub enum Verdict {
     /// The property holds.
     Proved,
-    /// The property holds if something is true that nobody has stated: [`CheckReport::conditions`].
+    /// The property holds if something is true that is not stated: [`CheckReport::conditions`].
     Conditional,
     /// The property does not hold.
     Refuted,
@@ -186,7 +186,7 @@ pub struct CheckReport {
     pub bound: Option<Value>,
     /// Verdict.
     pub verdict: Verdict,
-    /// What the verdict rests on although nobody has stated it; none unless the verdict is
+    /// What the verdict rests on although it is not stated; none unless the verdict is
     /// [`Verdict::Conditional`].
     #[serde(rename = "conditional", skip_serializing_if = "Vec::is_empty")]
     pub conditions: Vec<Condition>,

@@ -199,7 +199,7 @@ export interface VerificationCheck {
   limit: string | null;
   slack: string | null;
   note: string | null;
-  /** What the verdict rests on although nobody has stated it. */
+  /** What the verdict rests on although it is not stated. */
   condition: string | null;
   /** Why it fails in one sentence, and what would make it hold. */
   cause: string | null;

@@ -1,5 +1,6 @@
 //! `--format text`: a table of checks, the runs that refute them, the assumptions.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 
 use clap::builder::styling::{AnsiColor, Style};
@@ -48,6 +49,12 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
     for (number, remark) in (1..).zip(shared) {
         let remark = wrapped(&remark, 6, 6);
         writeln!(out, "{}  [{number}] {remark}", if number == 1 { "\n" } else { "" })?;
+    }
+    let conditions: BTreeSet<&str> =
+        view.checks.iter().filter_map(|check| check.condition.as_deref()).collect();
+    for condition in conditions {
+        writeln!(out)?;
+        labelled(out, "conditional:", condition)?;
     }
     for seen in &view.checks {
         shown_run(out, seen, unit, explained)?;
@@ -246,8 +253,7 @@ impl Row {
     fn new(view: &CheckView) -> Row {
         let check = view.report;
         let note = check.note.as_deref();
-        let condition = view.condition.as_deref();
-        let remarks: Vec<&str> = condition.into_iter().chain(note).chain(view.worth).collect();
+        let remarks: Vec<&str> = note.into_iter().chain(view.worth).collect();
         Row {
             verdict: view.outcome.word(),
             style: style(view.outcome),

@@ -1,10 +1,10 @@
-//! The ground of an answer: what it rests on although nobody has stated it.
+//! The ground of an answer: what it rests on although it is not stated.
 
 use serde::Serialize;
 
 use super::CodelName;
 
-/// Something that nobody has stated, and without which an answer may not hold.
+/// Something that is not stated, and without which an answer may not hold.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(tag = "missing", rename_all = "kebab-case")]
 pub enum Condition {
@@ -31,7 +31,6 @@ pub fn sentence(conditions: &[Condition]) -> String {
     if conditions.len() > NAMED {
         all += &format!(" and {} more", conditions.len() - NAMED);
     }
-    let (verb, it) =
-        if conditions.len() == 1 { ("has", "it takes") } else { ("have", "they take") };
-    format!("holds only if {it} no time: {all} {verb} no `wcet`")
+    let (has, counts) = if conditions.len() == 1 { ("has", "counts") } else { ("have", "count") };
+    format!("{all} {has} no `wcet` and {counts} as taking no time")
 }

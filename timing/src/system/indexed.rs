@@ -39,7 +39,7 @@ pub struct Built {
     pub diagnostics: Vec<Diagnostic>,
     /// Assumptions on which the result depends, in words.
     pub assumptions: Vec<String>,
-    /// What the result rests on although nobody has stated it.
+    /// What the result rests on although it is not stated.
     pub conditions: Vec<Condition>,
     /// Codels whose times were rounded, because they are not multiples of the unit of the scenario.
     pub rounded: Vec<Rounded>,

@@ -28,7 +28,7 @@ pub enum Status {
     Running,
     /// Every check holds.
     Proved,
-    /// Every check holds, some of them only if something is true that nobody has stated.
+    /// Every check holds, some of them only if something is true that is not stated.
     Conditional,
     /// A check fails.
     Refuted,

@@ -20,7 +20,7 @@ use super::why::FailureCause;
 pub enum Outcome {
     /// It holds.
     Proved,
-    /// It holds if something is true that nobody has stated.
+    /// It holds if something is true that is not stated.
     Conditional,
     /// It holds because its subject never occurs in a run.
     Vacuous,
@@ -120,7 +120,7 @@ pub struct CheckView<'r> {
     pub share: Option<String>,
     /// `≥ 30 %`
     pub slack: Option<String>,
-    /// What the verdict rests on although nobody has stated it, in a sentence.
+    /// What the verdict rests on although it is not stated, in a sentence.
     pub condition: Option<String>,
     /// A restriction of the verdict, if it is not exact.
     pub worth: Option<&'static str>,
