@@ -51,7 +51,10 @@ async fn what_is_assumed_stands_at_the_use_of_the_specification() {
         assert!(text.contains("conditional"), "{text}");
     }
     let condition = answer["checks"][0]["condition"].as_str().expect("a sentence");
-    assert!(condition.contains("pump.fast.start, pump.fast.main have no `wcet` and count"), "{condition}");
+    assert!(
+        condition.contains("pump.fast.start, pump.fast.main have no `wcet` and count"),
+        "{condition}"
+    );
     let off = json!({ "settings": { "dotgen": { "severity": { "timing-no-wcet": "off" } } } });
     client.notify("workspace/didChangeConfiguration", off).await;
     until(&mut client, &scn, 1, "conditional").await;

@@ -162,7 +162,7 @@ export function checks(wb) {
       await frame.locator('#findLimits').click();
       await limit('smallest number of cores').waitFor();
       assert.match(await limit('largest WCET').filter({ hasText: 'pump.control.main' }).textContent(), /ms/);
-      assert.match(await limit('smallest period').filter({ hasText: 'pump.control' }).textContent(), /8\.5 ms/);
+      assert.match(await limit('smallest period').filter({ hasText: 'pump.control' }).textContent(), /8\.1 ms/);
       assert.ok(await frame.locator('#stopLimits').isHidden());
       await limit('pump.control.main').locator('a').click();
       await page.locator('.monaco-editor .line-numbers.active-line-number', { hasText: /^18$/ }).waitFor();
