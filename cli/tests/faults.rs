@@ -262,7 +262,7 @@ fn a_second_signal_leaves_nothing_behind() {
 #[test]
 fn a_log_for_which_there_is_no_room_is_told() {
     let directory = with_body("");
-    let words = "run good/good.gen --simulate all --bounds none --runs 5000 --profile log";
+    let words = "run good/good.gen --simulate all --bounds none --runs 3 --profile log";
     let own = directory.command(&[]);
     let mut shell = Command::new("sh");
     shell.current_dir(directory.path());
