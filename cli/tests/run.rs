@@ -25,7 +25,7 @@ fn json_of(output: &Output) -> Value {
 
 /// The number of cycles of a task.
 fn cycles() -> u64 {
-    dotgen_loaders::times(5_000)
+    dotgen_loaders::times(20_000)
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn response_times_come_close_to_what_is_proved_and_never_exceed_it() {
             let number = |key: &str| task[key].as_f64().unwrap_or_else(|| panic!("{key}: {task}"));
             let (greatest, bound) = (number("greatest"), number("bound"));
             assert!(greatest <= bound, "{task}");
-            assert!(durations != "worst" || greatest >= 0.8 * bound, "{task}");
+            assert!(durations != "worst" || greatest >= 0.9 * bound, "{task}");
             assert!(durations != "best" || greatest == 0.0, "{task}");
             assert_eq!(task["missed"], 0, "{task}");
         }

@@ -139,12 +139,14 @@ impl Templates {
     /// `None` when something is missing, which is told.
     fn new(release: Release, variable: &str) -> Option<Templates> {
         let own = std::env::var_os(variable).map(PathBuf::from);
-        let (Some(own), Ok(_)) = (own, find_tclsh()) else {
-            dotgen_loaders::skip(format_args!(
-                "no data: {variable} names no folder of templates, or there is no tclsh"
-            ));
+        let Some(own) = own else {
+            dotgen_loaders::skip(format_args!("no data: {variable} names no folder of templates"));
             return None;
         };
+        if let Err(reason) = find_tclsh() {
+            dotgen_loaders::skip(reason);
+            return None;
+        }
         let copy = tempfile::tempdir().expect("a folder");
         for template in ["skeleton", "mappings", "common"] {
             let to = copy.path().join(template);

@@ -58,7 +58,7 @@ pub fn build_server(profile: Profile) -> Result<PathBuf> {
         Profile::Release => arguments.push("--release"),
         Profile::Dev => arguments.extend(TEST_FEATURES),
     }
-    step("Building the program (5 minutes at first, on two cores)");
+    step("Building the program (6 minutes at first, on two cores)");
     run::run(run::cargo(&arguments))?;
     let _ = built(profile).set(());
     Ok(server_program(profile))

@@ -292,7 +292,7 @@ fn shared_remarks(rows: &mut [Row]) -> Vec<String> {
 
 fn style(outcome: Outcome) -> Style {
     match outcome {
-        Outcome::Proved | Outcome::Bounded => AnsiColor::Green.on_default(),
+        Outcome::Proved => AnsiColor::Green.on_default(),
         Outcome::Refuted | Outcome::Exceeds => AnsiColor::Red.on_default().bold(),
         _ => AnsiColor::Yellow.on_default().bold(),
     }

@@ -25,7 +25,7 @@ a:focus-visible { outline: 1px solid var(--vscode-focusBorder); }
 .state { font-weight: 600; border-radius: 3px; padding: 1px 8px; border: 1px solid currentColor; }
 .proved { color: color-mix(in srgb, var(--vscode-charts-green) 75%, var(--vscode-editor-foreground)); }
 .refuted, .blocked { color: color-mix(in srgb, var(--vscode-editorError-foreground) 85%, var(--vscode-editor-foreground)); }
-.gave-up, .nothing { color: color-mix(in srgb, var(--vscode-editorWarning-foreground) 55%, var(--vscode-editor-foreground)); }
+.gave-up, .nothing, .conditional { color: color-mix(in srgb, var(--vscode-editorWarning-foreground) 55%, var(--vscode-editor-foreground)); }
 .stale, .running { color: var(--vscode-descriptionForeground); }
 .faint { color: var(--vscode-descriptionForeground); }
 .run-head { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; margin-top: 14px; }

@@ -22,7 +22,7 @@ const CLASSES: Record<VerificationAnswer['checks'][number]['verdict'], string> =
   proved: 'proved',
   conditional: 'gave-up',
   vacuous: 'gave-up',
-  bounded: 'proved',
+  bounded: 'gave-up',
   exceeds: 'refuted',
   refuted: 'refuted',
   'refuted?': 'gave-up',
