@@ -137,13 +137,13 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
 
 /// Builds the program that is measured.
 fn build(what: What) -> Result<PathBuf> {
-    step("Building dotgen for release");
-    let mut command = run::cargo(&["build", "--release", "--quiet", "--package", "dotgen"]);
+    step("Building dotgen as a release publishes it");
+    let mut command = run::cargo(&["build", "--profile=dist", "--quiet", "--package", "dotgen"]);
     if what == What::Runtime {
         command.args(["--features", "zenoh"]);
     }
     run::run(command)?;
-    Ok(target().join("release/dotgen"))
+    Ok(target().join("dist/dotgen"))
 }
 
 fn server(dotgen: &Path, runs: usize) -> Result<()> {

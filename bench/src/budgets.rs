@@ -20,9 +20,9 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 
 use crate::bench::measure::{self, Job};
+use operations::{OPERATIONS, Operation};
 use xtask::run::{self, step};
 use xtask::{extension, target, tools};
-use operations::{OPERATIONS, Operation};
 
 /// Part of a budget by which a measurement may differ: the C library chooses its functions by the processor.
 const SLACK: f64 = 0.1;

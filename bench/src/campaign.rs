@@ -18,8 +18,8 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 
-use xtask::extension::{self, Profile};
 use report::Report;
+use xtask::extension::{self, Profile};
 
 /// Options of `cargo xtask campaign`.
 #[derive(Args)]

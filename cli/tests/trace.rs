@@ -179,13 +179,17 @@ fn limits_are_looked_for_downwards_where_deadlines_are_missed() {
         let found = text.lines().find(|line| line.contains(what));
         found.unwrap_or_else(|| panic!("{what}: {text}")).to_owned()
     };
-    assert!(line("largest WCET    lift.report.start").contains("holds up to 5."));
+    assert!(
+        line("largest WCET    lift.report.start")
+            .contains("holds up to 5.8 ms (now 8 ms, to 200 µs)")
+    );
+    assert!(line("largest WCET    lift.rise.start").ends_with("missed already (now 1 ms)"));
     assert!(line("smallest period lift.control").contains("holds from 1"));
     assert!(
         text.contains("cause `control` waits 8 ms for `level` of the ids, held by `tell`"),
         "{text}"
     );
-    assert!(text.contains("help it holds if `tell` takes at most 5."), "{text}");
+    assert!(text.contains("help it holds if `tell` takes at most 5.8 ms"), "{text}");
 }
 
 /// The edits of the changes that repair it, each made alone by a program that knows nothing but the JSON.

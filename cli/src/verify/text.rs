@@ -210,10 +210,13 @@ impl Limits {
         what: &str,
         limit: &Extreme,
     ) -> std::io::Result<()> {
-        let (extreme, remark) = summary::extreme(limit, self.unit);
+        let (extreme, mut remark) = summary::extreme(limit, self.unit);
+        if !remark.is_empty() {
+            remark.insert_str(0, ", ");
+        }
         let now = self.unit.show_value(limit.now);
         let (of, width) = (&limit.of, self.width);
-        writeln!(out, "  {what:<15} {of:<width$}  {extreme} {FAINT}(now {now}, {remark}){FAINT:#}")
+        writeln!(out, "  {what:<15} {of:<width$}  {extreme} {FAINT}(now {now}{remark}){FAINT:#}")
     }
 
     /// Prints the most critical value, and a note if something is missing.

@@ -43,6 +43,8 @@ pub fn extreme(limit: &Extreme, unit: TimeUnit) -> (String, String) {
     };
     let remark = match (limit.extreme, limit.incomplete, limit.exact) {
         (Some(Value::Unbounded), ..) => "tried up to the longest period".to_owned(),
+        // No value that was tried holds.
+        (None, false, true) => String::new(),
         (_, true, _) => "given up there".to_owned(),
         (_, false, false) => "not known to be the limit".to_owned(),
         (_, false, true) => format!("to {}", unit.show(limit.resolution)),
