@@ -158,8 +158,13 @@ fn json_has_cause_and_remedy_and_the_remedy_holds() {
     };
     let answer = ask();
     let why = &answer["checks"][0]["why"];
-    assert_eq!(why["cause"]["waits-for"], "lock");
-    assert_eq!(why["cause"]["held-by"], "lift.report.start");
+    let parts = why["cause"]["parts"].as_array().expect("parts");
+    assert_eq!(
+        (&parts[0]["for"], &parts[0]["held-by"]),
+        (&json!("lock"), &json!("lift.report.start"))
+    );
+    let sum: f64 = parts.iter().filter_map(|part| part["time"].as_f64()).sum();
+    assert_eq!(json!(sum), why["cause"]["time"], "{why}");
     assert_eq!(why["remedy"]["codel"], "lift.report.start", "{why}");
     let most = why["remedy"]["at-most"].as_f64().expect("a time");
     // That time holds, and the next one does not.

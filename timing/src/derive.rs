@@ -413,12 +413,25 @@ impl<'v> Variation<'v> {
         Ok(Variation { asked, settings, tasks })
     }
 
+    /// Verifies the tasks, first with durations rounded to the unit of the scenario: with intervals, what
+    /// holds with them holds.
     fn schedulable(&self, phase: Phase) -> Verdict {
+        let intervals = self.settings.durations == Durations::Interval;
+        if self.settings.unit.is_some() && intervals && !self.settings.preempts() {
+            let rounded = Settings { rounds: true, ..self.settings.clone() };
+            if self.schedulable_with(&rounded, phase).holds() {
+                return Verdict::Proved;
+            }
+        }
+        self.schedulable_with(&self.settings, phase)
+    }
+
+    fn schedulable_with(&self, settings: &Settings, phase: Phase) -> Verdict {
         let asked = self.asked;
         if asked.cancel.is_over() {
             return Verdict::Unknown;
         }
-        let built = build(asked.names, &self.settings, &|_| true);
+        let built = build(asked.names, settings, &|_| true);
         if built.has_errors() {
             return Verdict::Unknown;
         }

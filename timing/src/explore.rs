@@ -10,6 +10,8 @@
 mod continued;
 mod details;
 mod findings;
+mod follow;
+mod last_job;
 mod liveness;
 mod measure;
 mod never_observed;
@@ -28,6 +30,7 @@ mod watch;
 pub use continued::{Continued, NextStep};
 pub use details::{Blocker, Executing, MomentDetails};
 pub use findings::{Bound, Findings, Found, Measured};
+pub(crate) use follow::follow;
 pub use liveness::{Liveness, LivenessQuery, liveness};
 pub use never_observed::{NeverObserved, TaskWithoutJob};
 pub use reductions::{Activity, Kind, Kinds, Reason};

@@ -22,10 +22,9 @@ pub(crate) struct Grid {
 
 impl Grid {
     /// The grid for a system with a base unit, and for limits of times like `compared`. With fixed durations
-    /// a longer time can hold where a shorter one does not, and a stated unit is the one that is wanted:
-    /// whole units are tried.
+    /// a longer time can hold where a shorter one does not: whole units are tried.
     pub(crate) fn of(settings: &Settings, unit: Seconds, compared: Seconds) -> Grid {
-        if settings.unit.is_some() || settings.durations == Durations::Fixed {
+        if settings.durations == Durations::Fixed {
             return Grid { step: unit, parts: 1 };
         }
         Grid::new(unit, compared)

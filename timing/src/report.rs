@@ -211,13 +211,12 @@ pub struct CheckReport {
     /// A run that ends in the violation.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub counterexample: Vec<Event>,
-    /// A run with rounded durations that violates the property, if durations were rounded. It need not be a
-    /// run of the system.
-    #[serde(skip_serializing_if = "Vec::is_empty", rename = "possible-run")]
-    pub possible_run: Vec<Event>,
     /// Causes for the lateness of the job at the end of the run: its waits, in order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub reason: Vec<Delay>,
+    /// The job at the end of the run, if it is late.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub job: Option<LateJob>,
     /// A run that reaches the value or the predicate.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub witness: Vec<Event>,
@@ -230,10 +229,48 @@ pub struct CheckReport {
     /// The run, to be continued with other steps.
     #[serde(skip)]
     pub kept: Option<Arc<SystemRun>>,
-    /// Durations that matter to the check were rounded: the value is an upper bound, and a failure may be a
-    /// false alarm.
+    /// A run with rounded durations that would answer the check, if it were one of the system.
+    #[serde(skip)]
+    pub(crate) candidate: Option<Arc<SystemRun>>,
+    /// The check was answered with rounded durations: the verdict holds, and the value is an upper bound.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub rounded: bool,
+}
+
+/// A job that is late at the end of a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LateJob {
+    /// Its tick, in the unit of the report.
+    #[serde(serialize_with = "serialize_time")]
+    pub from: f64,
+    /// Time at which it could begin, in the unit of the report: later than its tick if the job before had
+    /// not ended.
+    #[serde(serialize_with = "serialize_time")]
+    pub begun: f64,
+    /// End of the run, in the unit of the report.
+    #[serde(serialize_with = "serialize_time")]
+    pub until: f64,
+    /// The codels that it executed, in order of their first execution.
+    pub executed: Vec<JobExecutions>,
+}
+
+/// The executions of one codel in a job.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JobExecutions {
+    /// Codel.
+    pub codel: CodelName,
+    /// Number of executions, the last of which may not have ended.
+    pub times: u32,
+    /// Time with a core, in the unit of the report.
+    #[serde(serialize_with = "serialize_time")]
+    pub time: f64,
+    /// Time without a core, because other threads had it, in the unit of the report.
+    #[serde(serialize_with = "serialize_time", skip_serializing_if = "is_zero")]
+    pub preempted: f64,
+}
+
+fn is_zero(time: &f64) -> bool {
+    *time == 0.0
 }
 
 /// A resource for which a job waits.
@@ -510,10 +547,9 @@ impl Report {
 }
 
 impl CheckReport {
-    /// Returns the most telling run: one that refutes the check, else one that may do so, else one that
-    /// reaches the value.
+    /// Returns the most telling run: one that refutes the check, else one that reaches the value.
     pub fn run(&self) -> &[Event] {
-        let runs = [&self.counterexample, &self.possible_run, &self.witness];
+        let runs = [&self.counterexample, &self.witness];
         runs.into_iter().find(|run| !run.is_empty()).map_or(&[], |run| run)
     }
 

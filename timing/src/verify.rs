@@ -5,6 +5,7 @@ mod bounds;
 mod certified;
 mod chains;
 mod checks;
+mod coarse;
 mod events;
 mod groups;
 mod invariants;
@@ -123,7 +124,16 @@ pub(crate) fn verify_settings(
         unit,
         ..Report::default()
     };
-    let whole = build(names, settings, &|_| true);
+    let mut whole = build(names, settings, &|_| true);
+    let rounding = Settings { rounds: true, ..settings.clone() };
+    let mut settings = settings;
+    if whole.has_errors() && settings.unit.is_some() {
+        // The exact times may be too many for whole numbers of their common unit.
+        let rounded = build(names, &rounding, &|_| true);
+        if !rounded.has_errors() {
+            (whole, settings) = (rounded, &rounding);
+        }
+    }
     report.diagnostics.clone_from(&whole.diagnostics);
     report.assumptions.clone_from(&whole.assumptions);
     report.notes.extend(rounding::note(&whole));
@@ -162,6 +172,7 @@ pub(crate) fn verify_settings(
     for (group, of_group, _) in &groups {
         group.invariants(&checks, of_group, &mut report);
     }
+    let unconfirmed = coarse::answer(&parts, of_whole, &checks, &mut report);
     let seen: Vec<Seen> = (groups.iter())
         .map(|(group, of_group, analysed)| {
             group.soon(&checks, of_group, groups.len() == 1, analysed, &mut report)
@@ -170,6 +181,7 @@ pub(crate) fn verify_settings(
     for ((group, of_group, analysed), seen) in groups.iter().zip(&seen) {
         group.rest(&checks, of_group, analysed, seen, &mut report);
     }
+    coarse::note_unconfirmed(&unconfirmed, &mut report);
     mark_lower_bounds(&mut report);
     report.seconds = start.elapsed().as_secs_f64();
     report

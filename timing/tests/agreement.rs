@@ -6,6 +6,7 @@ mod certificates;
 mod chains;
 mod expected;
 mod invariants;
+mod rounding;
 mod sequences;
 mod servers;
 mod systems;

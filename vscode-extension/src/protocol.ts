@@ -193,7 +193,7 @@ export interface VerificationCheck {
   check: string;
   of: string;
   /** `open`: not answered yet. */
-  verdict: 'proved' | 'conditional' | 'vacuous' | 'bounded' | 'exceeds' | 'refuted' | 'refuted?' | 'gave up' | 'nothing' | 'open';
+  verdict: 'proved' | 'conditional' | 'vacuous' | 'bounded' | 'exceeds' | 'refuted' | 'gave up' | 'nothing' | 'open';
   worth: string | null;
   value: string | null;
   limit: string | null;

@@ -86,16 +86,13 @@ fn shown_run(
     explained: bool,
 ) -> anyhow::Result<()> {
     let check = seen.report;
-    let (events, remark) = match check.counterexample.is_empty() {
-        true => (&check.possible_run, ", with rounded durations; it may not be possible"),
-        false => (&check.counterexample, ""),
-    };
+    let events = &check.counterexample;
     if events.is_empty() {
         return Ok(());
     }
     let style = style(seen.outcome);
     let word = seen.outcome.word();
-    writeln!(out, "\n{style}{word}{style:#} {}{remark}", seen.title())?;
+    writeln!(out, "\n{style}{word}{style:#} {}", seen.title())?;
     run(out, events, check.cycle, unit, explained)?;
     let requests = events.iter().filter(|event| event.kind == MomentKind::Request);
     let requests: Vec<&str> = requests.map(|request| request.what.as_str()).collect();

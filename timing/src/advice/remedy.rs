@@ -33,7 +33,7 @@ pub fn remedy(
     (report, check): (&Report, &CheckReport),
     cancel: &Cancel,
 ) -> Option<Change> {
-    if check.verdict != Verdict::Refuted || check.rounded {
+    if check.verdict != Verdict::Refuted {
         return None;
     }
     let names = Names::new(&input.specs);

@@ -78,7 +78,7 @@ impl Candidate {
 /// Returns true if a deadline or a limit is certainly missed.
 fn misses(report: &CheckReport) -> bool {
     let limited = report.kind.is_deadline() || report.kind.is_time();
-    let fails = report.verdict == Verdict::Refuted && !report.rounded;
+    let fails = report.verdict == Verdict::Refuted;
     limited && (fails || report.exceeds())
 }
 

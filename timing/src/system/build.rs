@@ -94,7 +94,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
     if let Some((one, others)) = &settings.apart {
         others.iter().for_each(|name| out.system.separate(one, name));
     }
-    let preempts = matches!(settings.policy(), ast::Policy::Priority | ast::Policy::Fair);
+    let preempts = settings.preempts();
     // If an operating system grants cores, control tasks need cores as well.
     let control_tasks = if preempts { out.system.components.len() } else { 0 };
     let needing =

@@ -13,8 +13,10 @@ use crate::system::CodelName;
 pub struct Settings {
     /// Name of the scenario.
     pub name: String,
-    /// Unit of values in the result. Durations are rounded to it.
+    /// Unit of values in the result.
     pub unit: Option<(u64, Unit)>,
+    /// Execution times are rounded to the unit: a system with fewer states, for proofs and candidates.
+    pub rounds: bool,
     /// Number of cores; `None`: no limit.
     pub cores: Option<u32>,
     /// Preset of the semantics.
@@ -65,6 +67,7 @@ impl Settings {
         let mut out = Settings {
             name: scenario.name.clone(),
             unit: None,
+            rounds: false,
             cores: None,
             preset: Preset::Servers,
             points: Points::default(),
@@ -129,6 +132,11 @@ impl Settings {
     /// Returns true if `before` and `after` apply.
     pub fn order(&self) -> bool {
         self.stated_order.unwrap_or(!self.semantics().is_published())
+    }
+
+    /// Returns true if a thread can lose its core to another one.
+    pub fn preempts(&self) -> bool {
+        matches!(self.policy(), Policy::Priority | Policy::Fair)
     }
 
     /// Returns the order in which cores are granted.

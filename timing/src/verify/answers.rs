@@ -79,12 +79,13 @@ impl Group<'_> {
             gave_up: None,
             by: None,
             counterexample: Vec::new(),
-            possible_run: Vec::new(),
             reason: Vec::new(),
+            job: None,
             witness: Vec::new(),
             cycle: None,
             left_out: false,
             kept: None,
+            candidate: None,
             rounded,
         }
     }
@@ -112,6 +113,7 @@ impl Group<'_> {
             What::Deadlock => absent(&found.deadlock, &mut out),
             What::Reachable(_) if found.never[place] => out.verdict = Verdict::Refuted,
             What::Reachable(_) => match &found.reached[place] {
+                Some(found) if out.rounded => self.candidate(&found.run, &mut out),
                 Some(found) => {
                     out.verdict = Verdict::Proved;
                     self.witness(&found.run, &mut out);
@@ -125,10 +127,11 @@ impl Group<'_> {
                 if out.value == Some(Value::Unbounded) && out.note.is_none() {
                     out.note = self.loop_of(task);
                 }
-                if let (Some(end), Some(bound)) = (exceeded(&found.response[place]), bound) {
+                let end = exceeded(&found.response[place]).filter(|_| !out.rounded);
+                if let (Some(end), Some(bound)) = (end, bound) {
                     let what = format!("the job has taken more than {}", limit_text(bound));
                     let src = self.built.system.tasks[self.built.tasks[&task]].src;
-                    self.run_of_refutation(&mut out).push(Event {
+                    out.counterexample.push(Event {
                         src: src.map(|(c, src)| (self.names.components[c].spec_index, src)),
                         ..self.excess_event(end, self.task_name(task), what)
                     });
@@ -136,14 +139,15 @@ impl Group<'_> {
             }
             What::Within(_, list, bound) => {
                 self.bounded(&found.within[place], NEVER_TRUE, found, &mut out);
-                if let (Some(end), Some(bound)) = (exceeded(&found.within[place]), bound) {
+                let end = exceeded(&found.within[place]).filter(|_| !out.rounded);
+                if let (Some(end), Some(bound)) = (end, bound) {
                     let what = format!(
                         "`{}` has not followed within {}",
                         sequence(list),
                         limit_text(bound)
                     );
                     let event = self.excess_event(end, self.last_component(check), what);
-                    self.run_of_refutation(&mut out).push(event);
+                    out.counterexample.push(event);
                 }
             }
             What::Chain(_) | What::LeadsTo(..) | What::Eventually(_) => {}

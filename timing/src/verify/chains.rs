@@ -25,7 +25,8 @@ impl Group<'_> {
         let measured: Option<Measured> = found.within.first().cloned().flatten();
         let never = "the first datum is never written";
         self.bounded(&measured, never, &found, &mut out);
-        if let (Some(end), Some(limit)) = (exceeded(&measured), of.bound) {
+        let end = exceeded(&measured).filter(|_| !out.rounded);
+        if let (Some(end), Some(limit)) = (end, of.bound) {
             let (from, to) = (of.path.from.text(), of.path.to.text());
             let limit = limit_text(limit);
             let what = match of.kind {
@@ -35,7 +36,7 @@ impl Group<'_> {
                 ChainKind::Age => format!("`{to}` depends on a `{from}` of more than {limit} ago"),
             };
             let event = self.excess_event(end, self.last_component(check), what);
-            self.run_of_refutation(&mut out).push(event);
+            out.counterexample.push(event);
         }
         if measured.is_some_and(|value| !is_exact(system, &chain.chain, value.bound)) {
             // The age reached the counting limit: the value is a lower bound.

@@ -9,11 +9,17 @@ use crate::scn::names::Names;
 use crate::system::{CodelId, ThreadName, TimedSystem};
 
 impl Group<'_> {
-    /// Sets the run that shows the failure of a check.
+    /// Sets the run that shows the failure of a check. With rounded durations, the run need not exist in the
+    /// system: it is a candidate.
     pub(super) fn refute(&self, run: &Run, out: &mut CheckReport) {
+        if out.rounded {
+            self.candidate(run, out);
+            return;
+        }
         out.verdict = Verdict::Refuted;
         out.reason = self.reason(run, out.id.task);
-        *self.run_of_refutation(out) = self.events(run);
+        out.job = self.late_job(run, out);
+        out.counterexample = self.events(run);
         out.left_out = run.left_out;
         out.kept = self.kept(run);
         out.cycle = run.cycle.map(|at| {
@@ -22,13 +28,11 @@ impl Group<'_> {
         });
     }
 
-    /// Returns the field for a run that refutes a check. With rounded durations, the run need not exist in
-    /// the system.
-    pub(super) fn run_of_refutation<'r>(&self, out: &'r mut CheckReport) -> &'r mut Vec<Event> {
-        match out.rounded {
-            true => &mut out.possible_run,
-            false => &mut out.counterexample,
-        }
+    /// Keeps a run with rounded durations, which answers the check if the exact system has it as well.
+    pub(super) fn candidate(&self, run: &Run, out: &mut CheckReport) {
+        out.verdict = Verdict::Unknown;
+        out.value = None;
+        out.candidate = self.kept(run);
     }
 
     /// Sets the run that shows the value of a check.

@@ -3,7 +3,7 @@
 use num_rational::Ratio;
 
 use super::checks::{Single, What, expand};
-use super::{Cancel, Group, Options, SystemInput, events, rounding, settings};
+use super::{Cancel, Group, Options, SystemInput, events, settings};
 use crate::diagnostic::Diagnostic;
 use crate::explore::{Run, Watched};
 use crate::property::{Predicate, resolve};
@@ -91,7 +91,7 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
         semantics: settings.semantics().text(),
         unit,
         assumptions: built.assumptions.clone(),
-        notes: (rounding::note(&built).into_iter()).chain(not_followed(&group, &singles)).collect(),
+        notes: not_followed(&group, &singles).into_iter().collect(),
         diagnostics,
         ..Report::default()
     };

@@ -34,6 +34,11 @@ const SMALL: u64 = 20_000;
 pub(super) struct Seen(Vec<Option<CheckReport>>);
 
 impl Seen {
+    /// Nothing has been seen of a number of checks.
+    pub(super) fn none(checks: usize) -> Seen {
+        Seen(vec![None; checks])
+    }
+
     fn note(&mut self, check: usize, report: CheckReport) {
         let time = |report: &CheckReport| match report.value {
             Some(Value::Time(time)) => Some(time),
@@ -87,7 +92,7 @@ impl Group<'_> {
         analysed: &ResponseBounds,
         report: &mut Report,
     ) -> Seen {
-        let mut seen = Seen(vec![None; checks.len()]);
+        let mut seen = Seen::none(checks.len());
         self.walk(checks, of_group, analysed, &mut seen, report);
         for (rounds, states) in STAGES {
             let share = if rounds == Some(0) { 1 } else { SHARE };

@@ -4,7 +4,7 @@ use num_rational::Ratio;
 
 use super::Group;
 use crate::explore::{Moment, MomentKind, Run};
-use crate::report::{Awaited, Delay, Holder};
+use crate::report::{Awaited, CheckReport, Delay, Holder, JobExecutions, LateJob};
 use crate::system::indexed::DeclaredTask;
 use crate::system::{CodelId, TaskId, ThreadName, TimedSystem};
 
@@ -23,6 +23,27 @@ struct Possession {
 }
 
 impl Group<'_> {
+    /// Returns the job of a task that has not ended when a run ends.
+    pub(super) fn late_job(&self, run: &Run, check: &CheckReport) -> Option<LateJob> {
+        let system = &self.built.system;
+        let task = *self.built.tasks.get(&check.id.task?)?;
+        let job = run.last_job(system, task, check.kind.is_deadline())?;
+        let seconds = |at: u64| system.unit * Ratio::from_integer(i128::from(at));
+        let time = |at: u64| self.unit.from_seconds(seconds(at));
+        let executed = job.works.iter().map(|work| JobExecutions {
+            codel: system.codels[work.codel].path.clone(),
+            times: work.times,
+            time: time(work.executed),
+            preempted: time(work.preempted),
+        });
+        Some(LateJob {
+            from: time(job.from),
+            begun: time(job.begun),
+            until: time(job.until),
+            executed: executed.collect(),
+        })
+    }
+
     /// Returns the waits of the last job of a task in a run, each with the holders of the resource.
     pub(super) fn reason(&self, run: &Run, task: Option<DeclaredTask>) -> Vec<Delay> {
         let Some(task) = task.and_then(|task| self.built.tasks.get(&task)) else {

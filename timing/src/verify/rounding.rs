@@ -7,7 +7,7 @@ use dotgen_analysis::quantity;
 /// Number of codels named in the note; further codels are only counted.
 const NAMED: usize = 4;
 
-/// Returns a note about the rounded codels: their effect on the answers, and how to avoid them. `None` if no
+/// Returns a note about the rounded codels: their effect on the answers that were found with them. `None` if no
 /// codel was rounded.
 pub(super) fn note(built: &Built) -> Option<String> {
     let rounded = &built.rounded;
@@ -22,12 +22,12 @@ pub(super) fn note(built: &Built) -> Option<String> {
     if rounded.len() > NAMED {
         names += &format!(" and {} more", rounded.len() - NAMED);
     }
-    let avoid = match built.exact_unit.and_then(units::as_written) {
-        Some(unit) => format!("`unit {unit};` avoids it"),
-        None => "a finer unit avoids it".to_owned(),
+    let exact = match built.exact_unit.and_then(units::as_written) {
+        Some(unit) => format!("`unit {unit};` gives exact values"),
+        None => "without `unit`, values are exact".to_owned(),
     };
     Some(format!(
-        "rounded to the unit of the scenario: {names}; what is proved holds all the same, values are upper bounds, and \
-         a failure may be a false alarm; {avoid}"
+        "rounded to the unit of the scenario: {names}; what is proved holds for the exact times, and values are upper \
+         bounds; {exact}"
     ))
 }

@@ -100,7 +100,7 @@ pub(crate) fn in_words(
 pub fn title(change: &Change) -> Option<String> {
     Some(match change {
         Change::Wcet { codel, seconds, .. } => {
-            format!("Set the execution time of `{codel}` to {}", time(*seconds))
+            format!("Give `{codel}` a budget of {}", time(*seconds))
         }
         Change::Period { task, seconds, .. } => {
             format!("Set the period of `{task}` to {}", time(*seconds))

@@ -66,7 +66,6 @@ fn answer(assuming: String, problem: &Problem, options: &Options, report: &Repor
     let open = |outcome: &Outcome| !matches!(outcome, Outcome::Proved | Outcome::Bounded);
     let worst = [
         Outcome::Refuted,
-        Outcome::PossiblyRefuted,
         Outcome::Exceeds,
         Outcome::GaveUp,
         Outcome::Open,

@@ -27,9 +27,6 @@ pub fn chosen(report: &Report, wanted: Option<usize>) -> Option<usize> {
 /// What the run of a check shows: `a run that refutes it`.
 pub fn shows(check: &CheckReport) -> &'static str {
     match (check.verdict == Verdict::Refuted, check.kind.is_time()) {
-        _ if !check.possible_run.is_empty() => {
-            "a run with rounded durations; it may not be possible"
-        }
         (true, _) => "a run that refutes it",
         (false, true) => "the longest run found",
         (false, false) => "a run that shows it",

@@ -61,6 +61,9 @@ pub struct Focus {
     pub lane: Option<usize>,
     /// The step that is shown first.
     pub step: Option<usize>,
+    /// The cause of the failure in words, if it was computed with the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cause: Option<String>,
 }
 
 /// The subject of a lane.

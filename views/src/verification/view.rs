@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{
     Awaited, CheckReport, Delay, Report, Soundness, TimeUnit, Value, Verdict,
 };
@@ -30,8 +29,6 @@ pub enum Outcome {
     Exceeds,
     /// It does not hold.
     Refuted,
-    /// It may fail: the run that refutes it has rounded durations.
-    PossiblyRefuted,
     /// It is not settled.
     GaveUp,
     /// Execution times are missing.
@@ -50,7 +47,6 @@ impl Outcome {
             Outcome::Bounded => "bounded",
             Outcome::Exceeds => "exceeds",
             Outcome::Refuted => "refuted",
-            Outcome::PossiblyRefuted => "refuted?",
             Outcome::GaveUp => "gave up",
             Outcome::Nothing => "nothing",
             Outcome::Open => "open",
@@ -61,21 +57,19 @@ impl Outcome {
     pub fn counted(self) -> &'static str {
         match self {
             Outcome::Exceeds => "beyond the period",
-            Outcome::PossiblyRefuted => "possibly refuted",
             Outcome::Nothing => "nothing to verify",
             _ => self.word(),
         }
     }
 
     /// All outcomes, in the order of counts.
-    pub const ALL: [Outcome; 10] = [
+    pub const ALL: [Outcome; 9] = [
         Outcome::Proved,
         Outcome::Conditional,
         Outcome::Vacuous,
         Outcome::Bounded,
         Outcome::Exceeds,
         Outcome::Refuted,
-        Outcome::PossiblyRefuted,
         Outcome::GaveUp,
         Outcome::Nothing,
         Outcome::Open,
@@ -93,10 +87,6 @@ impl Outcome {
             }
             Verdict::Proved => Outcome::Proved,
             Verdict::Conditional => Outcome::Conditional,
-            // Rounding makes reachability uncertain, but not unreachability.
-            Verdict::Refuted if report.rounded && report.kind != PropertyKind::Reachable => {
-                Outcome::PossiblyRefuted
-            }
             Verdict::Refuted => Outcome::Refuted,
             Verdict::Unknown => Outcome::GaveUp,
             Verdict::Nothing => Outcome::Nothing,

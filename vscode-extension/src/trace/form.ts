@@ -69,7 +69,7 @@ export interface Trace {
   unit: string;
   start: number;
   end: number;
-  focus: { at: number; lane: number | null; step: number | null };
+  focus: { at: number; lane: number | null; step: number | null; cause?: string };
   /** From here on it goes on for ever. */
   repeats: number | null;
   lanes: Lane[];

@@ -169,7 +169,9 @@ function show(trace: Trace): void {
   resize();
   find();
   choose(trace.focus.step ?? Math.max(0, trace.steps.length - 1), false);
-  if (model.cause !== undefined) element('told').prepend(`${trace.lanes[model.cause.lane]?.name ?? ''} ${model.cause.text}. `);
+  const { cause } = trace.focus;
+  if (typeof cause === 'string') element('told').prepend(...rich(cause), '. ');
+  else if (model.cause !== undefined) element('told').prepend(`${trace.lanes[model.cause.lane]?.name ?? ''} ${model.cause.text}. `);
   revealLane(trace.focus.lane);
 }
 

@@ -25,7 +25,6 @@ const CLASSES: Record<VerificationAnswer['checks'][number]['verdict'], string> =
   bounded: 'gave-up',
   exceeds: 'refuted',
   refuted: 'refuted',
-  'refuted?': 'gave-up',
   'gave up': 'gave-up',
   nothing: 'gave-up',
   open: 'running',

@@ -36,7 +36,7 @@ test('a wait for a lock says what is shared; who is waited for may wait too', ()
 });
 
 test('a job that never waits is its own cause; a run without a late lane has none', () => {
-  assert.deepEqual(causeOf(run([span(4, 12, 30, 'run')])), { lane: 4, from: 12, to: 30, text: 'never waits in a queue: its codels, preemption included, exceed the limit', lanes: [4] });
+  assert.deepEqual(causeOf(run([span(4, 12, 30, 'run')])), { lane: 4, from: 12, to: 30, text: 'executes and never waits, for 18 ms', lanes: [4] });
   assert.equal(causeOf(run(core, { focus: { at: 30, lane: null, step: null } })), undefined);
   assert.equal(causeOf(run(core, { focus: { at: 30, lane: 5, step: null } })), undefined, 'a lane that executes nothing');
 });

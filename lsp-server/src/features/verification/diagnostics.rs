@@ -12,7 +12,7 @@ use dotgen_timing::advice::Change;
 use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::property::PropertyKind;
-use dotgen_timing::report::{CheckReport, Value, Verdict};
+use dotgen_timing::report::{CheckReport, Value};
 
 use super::problems::about;
 use super::{has_refuting_run, place, tasks};
@@ -101,12 +101,27 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Abo
     let mut out = Vec::new();
     let view = answer.view();
     for task in tasks(&entry.problem, path) {
+        let refuted = view.of_task(task.id).filter(|(_, view)| view.outcome == Outcome::Refuted);
+        // A task that is late gets one diagnostic, with all that is known about the lateness.
+        let late = { refuted }.filter(|(_, view)| match view.report.kind {
+            PropertyKind::Schedulable => true,
+            PropertyKind::Response => view.report.bound.is_some(),
+            _ => false,
+        });
+        let late: Vec<(usize, &CheckView)> = late.collect();
+        if let Some(&(check, first)) = late.first() {
+            let others = late[1..].iter().filter_map(|(_, view)| Some(fact(answer, view)?.1));
+            let found =
+                diagnostic(snapshot, entry, answer, first, path, &task.range, others.collect());
+            out.extend(found.map(|diagnostic| AboutCheck {
+                changes: changes(answer, first),
+                problem: entry.places().clone(),
+                diagnostic,
+                check,
+                refuting_run: has_refuting_run(first.report),
+            }));
+        }
         for (check, view) in view.of_task(task.id) {
-            let asked = match view.report.kind {
-                PropertyKind::Schedulable => true,
-                PropertyKind::Response => view.report.bound.is_some(),
-                _ => false,
-            };
             // Several checks that gave up get one diagnostic: the same change helps all of them.
             let given_up = view.outcome == Outcome::GaveUp
                 && view.report.kind == PropertyKind::Schedulable
@@ -114,8 +129,9 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Abo
                 && !out.iter().any(|check: &AboutCheck| check.diagnostic.code == GAVE_UP);
             let vacuous =
                 view.outcome == Outcome::Vacuous && view.report.kind == PropertyKind::Schedulable;
-            if given_up || vacuous || (asked && view.report.verdict == Verdict::Refuted) {
-                let found = diagnostic(snapshot, entry, answer, view, path, &task.range);
+            if given_up || vacuous {
+                let found =
+                    diagnostic(snapshot, entry, answer, view, path, &task.range, Vec::new());
                 out.extend(found.map(|diagnostic| AboutCheck {
                     changes: changes(answer, view),
                     problem: entry.places().clone(),
@@ -170,7 +186,7 @@ fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<AboutChe
         let Some(written) = &view.written else {
             continue;
         };
-        let found = diagnostic(snapshot, entry, answer, view, path, written);
+        let found = diagnostic(snapshot, entry, answer, view, path, written, Vec::new());
         out.extend(found.map(|diagnostic| AboutCheck {
             changes: changes(answer, view),
             problem: entry.places().clone(),
@@ -196,18 +212,12 @@ pub(super) fn changes(answer: &Answer, view: &CheckView) -> Vec<Change> {
     out
 }
 
-fn diagnostic(
-    snapshot: &Snapshot,
-    entry: &Entry,
-    answer: &Answer,
-    view: &CheckView,
-    path: &Utf8Path,
-    range: &Range<usize>,
-) -> Option<Diagnostic> {
+/// The code and the fact of a check that does not hold, or is not settled; `None` if it is no finding.
+fn fact(answer: &Answer, view: &CheckView) -> Option<(&'static str, String)> {
     let unit = answer.unit();
     let check = view.report;
     let of = &check.of;
-    let (code, mut message) = match (view.outcome, check.kind) {
+    Some(match (view.outcome, check.kind) {
         (Outcome::Proved | Outcome::Bounded | Outcome::Exceeds | Outcome::Open, _) => return None,
         // Missing items are reported at their own place.
         (Outcome::Nothing | Outcome::Conditional, _) => return None,
@@ -254,15 +264,28 @@ fn diagnostic(
             (EXCEEDED, message)
         }
         (_, kind) => (FAILED, format!("`{kind} {of}` does not hold")),
-    };
+    })
+}
+
+/// The diagnostic of a check at a place. `others` are further facts about the same lateness.
+fn diagnostic(
+    snapshot: &Snapshot,
+    entry: &Entry,
+    answer: &Answer,
+    view: &CheckView,
+    path: &Utf8Path,
+    range: &Range<usize>,
+    others: Vec<String>,
+) -> Option<Diagnostic> {
+    let (unit, check) = (answer.unit(), view.report);
+    let (code, mut message) = fact(answer, view)?;
+    for other in others {
+        message += &format!("; {other}");
+    }
     if let Some(why) = view.why {
         message += &format!("; {}", why.in_words(unit));
     } else if let Some(why) = view.reason.last() {
         message += &format!("; {why}");
-    }
-    if view.outcome == Outcome::PossiblyRefuted {
-        message +=
-            "; this may be a false alarm, as durations are rounded up to the unit of the scenario";
     }
     if !language::is_scenario(path) && view.outcome != Outcome::GaveUp {
         message += &match entry.problem.is_written() {

@@ -264,9 +264,6 @@ fn verdict(entry: &Entry, task: DeclaredTask) -> Option<(Mark, String)> {
             (false, _) => say(Mark::Fails, &format!("{} fails", refuted.report.kind)),
         };
     }
-    if first(Outcome::PossiblyRefuted).is_some() {
-        return say(Mark::Unsettled, "may be late: durations are rounded");
-    }
     if first(Outcome::Exceeds).is_some() {
         return say(Mark::Fails, &and_measured("later than its period"));
     }
@@ -356,7 +353,6 @@ fn of_task(entry: &Entry, task: DeclaredTask) -> Option<String> {
     let mut parts = Vec::new();
     match of_kind(PropertyKind::Schedulable).map(|kind| kind.outcome) {
         Some(Outcome::Refuted) => parts.push("deadline missed".to_owned()),
-        Some(Outcome::PossiblyRefuted) => parts.push("deadline perhaps missed".to_owned()),
         Some(Outcome::Proved) if open => parts.push("deadline met".to_owned()),
         _ => {}
     }
@@ -373,8 +369,6 @@ fn of_task(entry: &Entry, task: DeclaredTask) -> Option<String> {
     }
     let mut word = if has(Outcome::Refuted) {
         "refuted".to_owned()
-    } else if has(Outcome::PossiblyRefuted) {
-        "refuted with rounded durations only".to_owned()
     } else if let Some(task) = all.iter().find(|task| task.outcome == Outcome::GaveUp) {
         outcome(task)
     } else if has(Outcome::Exceeds) {

@@ -79,6 +79,7 @@ pub(crate) fn trace(
     });
     if simulation.is_none() {
         trace.notes.extend(check.note.clone());
+        trace.focus.cause.clone_from(&answer.view().checks[number].cause);
     }
     let places = question.shown.places();
     let trace = trace.placed(|pair| locate(snapshot, places, Some(pair)))?;

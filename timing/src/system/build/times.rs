@@ -113,12 +113,17 @@ impl Builder<'_> {
     }
 
     /// Returns the unit of the scenario, if it states one.
-    fn unit(&self) -> Option<Seconds> {
+    fn stated_unit(&self) -> Option<Seconds> {
         let (count, unit) = self.settings.unit?;
         Some(unit.seconds() * Ratio::from_integer(i128::from(count)))
     }
 
-    /// Returns the execution time of a codel, rounded to the unit of the scenario.
+    /// Returns the unit to which execution times are rounded, if they are.
+    fn unit(&self) -> Option<Seconds> {
+        self.stated_unit().filter(|_| self.settings.rounds)
+    }
+
+    /// Returns the execution time of a codel, rounded if the settings say so.
     pub(super) fn duration(
         &self,
         c: usize,
@@ -180,7 +185,7 @@ impl Builder<'_> {
     /// Reports periods that are not multiples of the unit. Periods are never rounded: such a system is not
     /// verified.
     pub(super) fn whole_periods(&mut self, included: &[usize]) {
-        let Some(unit) = self.unit() else { return };
+        let Some(unit) = self.stated_unit() else { return };
         // A period tried by a derived question is not a stated one.
         if self.settings.period.is_some() {
             return;

@@ -335,6 +335,7 @@ impl TraceBuilder<'_> {
                 at: missed.map_or(end, |mark| mark.at),
                 lane: missed.map(|mark| mark.lane),
                 step: missed.and_then(|mark| mark.step).or(last),
+                cause: None,
             },
             repeats,
             arrows: arrows.collect(),

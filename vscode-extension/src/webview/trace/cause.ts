@@ -57,5 +57,5 @@ export function causeOf(trace: Trace): Cause | undefined {
     return { lane, from: wait.from, to: wait.to, text: `waits ${time(length(wait), trace.unit)} for ${awaited(wait)}`, lanes: [...lanes] };
   }
   const from = job.reduce((least, it) => Math.min(least, it.from), at);
-  return { lane, from, to: at, text: 'never waits in a queue: its codels, preemption included, exceed the limit', lanes: [...lanes] };
+  return { lane, from, to: at, text: `executes and never waits, for ${time(at - from, trace.unit)}`, lanes: [...lanes] };
 }

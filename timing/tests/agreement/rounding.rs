@@ -1,0 +1,83 @@
+//! Agreement of answers that were looked for with rounded times with those of the exact times alone.
+
+use dotgen_loaders::unit;
+use dotgen_timing::explore::Limits;
+use dotgen_timing::report::{Report, Soundness, Value, Verdict};
+use dotgen_timing::scn::parse;
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
+
+use super::servers::random::{Texts, chained, periodic, quiet, requests, texts, varied};
+use super::{all_agree, first, systems};
+
+/// Replaces execution times by times that are no multiples of a millisecond.
+fn off_the_unit(dice: &mut systems::Dice, texts: &mut Texts) {
+    for specification in &mut texts.specifications {
+        let parts: Vec<String> = specification.split("wcet ").map(str::to_owned).collect();
+        let mut out = parts[0].clone();
+        for part in &parts[1..] {
+            let (number, rest) = part.split_once(' ').expect("a unit");
+            let time: u32 = number.parse().expect("a whole number");
+            let off = dice.pick(&["05", "25", "5", "85"]);
+            let time = if time == 0 { "0".to_owned() } else { format!("{}.{off}", time - 1) };
+            out += &format!("wcet {time} {rest}");
+        }
+        *specification = out;
+    }
+}
+
+fn report(texts: &Texts, unit_item: &str) -> Option<Report> {
+    let units: Result<Vec<_>, _> = texts.specifications.iter().map(|file| unit(file)).collect();
+    let units = units.ok()?;
+    let parsed = parse(&texts.scenario.replace("unit 1 ms;", unit_item));
+    assert!(parsed.errors.is_empty(), "{:?}", parsed.errors);
+    let limits = Limits { states: 60_000, bytes: 1 << 28, threads: 1, ..Limits::default() };
+    let options = Options { limits, ..Options::default() };
+    let input = SystemInput { specs: units.iter().map(|unit| &*unit.spec).collect() };
+    Some(verify(&input, &parsed.scenario, &options, &Cancel::default()))
+}
+
+fn compare(name: &str, texts: &Texts) -> Option<Result<(), String>> {
+    let shown = || format!("{name}\n{}\n{}", texts.specifications.join("\n"), texts.scenario);
+    let (rounded, exact) = (report(texts, "unit 1 ms;")?, report(texts, "")?);
+    // A chain that no data go along, as chains are random.
+    if exact.has_errors() {
+        return None;
+    }
+    let mut wrong = Vec::new();
+    for (one, other) in rounded.checks.iter().zip(&exact.checks) {
+        let known = [one, other].iter().all(|check| check.verdict != Verdict::Unknown);
+        if known && one.verdict != other.verdict {
+            wrong.push(format!(
+                "{} {}: {:?}, exactly {:?}",
+                one.kind, one.of, one.verdict, other.verdict
+            ));
+        }
+        if one.verdict == Verdict::Refuted && one.rounded && one.value.is_some() {
+            wrong.push(format!("{} {}: refuted with rounded times", one.kind, one.of));
+        }
+        if let (Some(Value::Time(one_time)), Some(Value::Time(time))) = (one.value, other.value) {
+            let exact = other.soundness == Soundness::Exact && known;
+            if exact && one.soundness == Soundness::Safe && one_time < time / 1000.0 - 1e-9 {
+                wrong.push(format!("{} {}: {one_time} ms bounds {time} µs", one.kind, one.of));
+            }
+        }
+        if let Some(step) = one.kept.as_ref().and_then(|run| run.impossible_step()) {
+            wrong.push(format!("{} {}: step {step} is impossible", one.kind, one.of));
+        }
+    }
+    Some(match wrong.is_empty() {
+        true => Ok(()),
+        false => Err(format!("{}\n{}", wrong.join("\n"), shown())),
+    })
+}
+
+#[test]
+fn rounded_times_change_no_verdict() {
+    all_agree(first(), dotgen_loaders::times(40), 2, |seed| {
+        let dice = &mut systems::Dice::new(seed);
+        let draw = [texts, varied, requests, chained, quiet, periodic][seed as usize % 6];
+        let mut texts = draw(dice);
+        off_the_unit(dice, &mut texts);
+        compare(&format!("seed {seed}"), &texts)
+    });
+}
