@@ -8,6 +8,7 @@ use dotgen_analysis::language::{self, SCENARIO, SPECIFICATION};
 
 use super::{Event, Mutation, State};
 use crate::protocol::progress;
+use crate::protocol::types::MessageType;
 use crate::session::dispatch::ReadRequest;
 use dotgen_platform::files::vfs;
 
@@ -86,9 +87,17 @@ impl State {
                 let below = |path: &Utf8PathBuf| {
                     vfs::files_below(path, &[SPECIFICATION, SCENARIO, "tcl", "toml"])
                 };
-                folders.iter().flat_map(below).collect::<Vec<_>>()
+                let mut found = vfs::FilesBelow::default();
+                for one in folders.iter().map(below) {
+                    found.files.extend(one.files);
+                    found.unreadable.extend(one.unreadable);
+                }
+                found
             });
-            let files = listing.await.unwrap_or_default();
+            let vfs::FilesBelow { files, unreadable } = listing.await.unwrap_or_default();
+            if let Some(message) = told_unreadable(&unreadable) {
+                client.show_message(MessageType::WARNING, message).await;
+            }
             let specifications = files.iter().filter(|file| language::is_specification(file));
             let summary = match specifications.count() {
                 1 => "1 specification".to_owned(),
@@ -98,4 +107,14 @@ impl State {
             progress::end(shown, summary).await;
         });
     }
+}
+
+/// The message about folders that cannot be listed: their specifications are not part of the workspace.
+fn told_unreadable(folders: &[vfs::UnreadableFolder]) -> Option<String> {
+    let first = folders.first()?;
+    let more = match folders.len() - 1 {
+        0 => String::new(),
+        more => format!(" (and {more} more)"),
+    };
+    Some(format!("{first}{more}. The specifications below are not part of the workspace."))
 }
