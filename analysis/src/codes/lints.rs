@@ -443,7 +443,7 @@ pub const CODES: &[LintCode] = &[
         follows: &[],
         meaning: "dotgen accepts a text that `genom3` refuses or reads as another value.",
         why: "The specification then works in dotgen only: a colleague with `genom3` gets an error, or another \
-              number. The message names the [deviation](../deviations.md). D03: `genom3` converts a character \
+              number. The message names the [deviation](../../deviations.md). D03: `genom3` converts a character \
               literal to no type. D04: `genom3` refuses a union whose switch is an enum declared in place. \
               D07: `genom3` keeps 32 bits of an integer literal.",
         example: "const char separator = ';';\n",
