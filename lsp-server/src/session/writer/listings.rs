@@ -118,3 +118,21 @@ fn told_unreadable(folders: &[vfs::UnreadableFolder]) -> Option<String> {
     };
     Some(format!("{first}{more}. The specifications below are not part of the workspace."))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_that_cannot_be_listed_are_one_message() {
+        let folder = |path: &str| vfs::UnreadableFolder {
+            path: path.into(),
+            reason: "permission denied".to_owned(),
+        };
+        assert_eq!(told_unreadable(&[]), None);
+        let told = told_unreadable(&[folder("/a"), folder("/b")]);
+        let expected = "cannot list the folder `/a`: permission denied (and 1 more). The specifications below \
+                        are not part of the workspace.";
+        assert_eq!(told.as_deref(), Some(expected));
+    }
+}
