@@ -68,7 +68,7 @@ pub fn other_unicode(bytes: &[u8]) -> Option<&'static str> {
     }
     let most = start.len() / 2;
     let (few, many) = (even.min(odd), even.max(odd));
-    (bytes.len() % 2 == 0 && few == 0 && many > 1 && many * 2 > most).then_some("UTF-16")
+    (bytes.len().is_multiple_of(2) && few == 0 && many > 1 && many * 2 > most).then_some("UTF-16")
 }
 
 /// Escapes a text that does not come from a file (typed by a user or sent by a client), so that it can be
