@@ -64,6 +64,37 @@ fn each_codel_without_execution_time_is_named() {
 }
 
 #[test]
+fn deviations_from_the_compiler_are_remarks() {
+    let spec = "const char c = 'x';\nunion u switch (enum e { a, b }) { case a: long x; };\n\
+                const unsigned long n = 0xFFFFFFFF;\nconst long long m = -(2147483648);\n\
+                component k { ids { long x; }; task t { codel<start> f(in x) yield ether; };\n\
+                attribute a(in x = 4294967296 - 4294967295); };\n";
+    let found = check(text(spec), Config::default());
+    let all = found.iter().filter(|check| check.code == "genom3/deviation");
+    let shown: Vec<String> = all
+        .inspect(|check| assert_eq!(check.severity, Severity::Information))
+        .map(|check| format!("{}: {}\n", &spec[check.range.clone()], check.message))
+        .collect();
+    assert!(found.iter().all(|check| check.severity != Severity::Error), "{found:?}");
+    expect![[r"
+        'x': genom3 refuses the character 'x' (deviation D03): it converts a character literal to no type; write it as a string of one character, which both accept
+        enum e { a, b }: genom3 refuses the union `u` (deviation D04): its switch is an enum declared in place; declare the enum before the union
+        0xFFFFFFFF: genom3 reads `0xFFFFFFFF` as -1 (deviation D07): it keeps 32 bits of an integer, and refuses the value where it no longer fits; keep integers below 2147483648 if genom3 must read the specification
+        2147483648: genom3 reads `2147483648` as -2147483648 (deviation D07): it keeps 32 bits of an integer, and refuses the value where it no longer fits; keep integers below 2147483648 if genom3 must read the specification
+        4294967296: genom3 reads `4294967296` as 0 (deviation D07): it keeps 32 bits of an integer, and refuses the value where it no longer fits; keep integers below 2147483648 if genom3 must read the specification
+        4294967295: genom3 reads `4294967295` as -1 (deviation D07): it keeps 32 bits of an integer, and refuses the value where it no longer fits; keep integers below 2147483648 if genom3 must read the specification
+    "]]
+    .assert_eq(&shown.concat());
+
+    let mut off = Config::default();
+    off.severities.push(("genom3/deviation".to_owned(), None));
+    let found = check(text(spec), off);
+    assert!(found.iter().all(|check| check.code != "genom3/deviation"), "{found:?}");
+    let allowed = "// dotgen: allow(genom3/deviation) read by dotgen only\nconst char c = 'x';\n";
+    assert_eq!(check(text(allowed), Config::default()), []);
+}
+
+#[test]
 fn every_example_triggers_its_code() {
     for code in CODES {
         let found = codes_of(code.example);
@@ -119,7 +150,7 @@ const NEAR_MISSES: &[(&str, &str)] = &[
     ),
     (
         "ids/never-written",
-        "component c { ids { long x; }; task t { codel<start> f(in x) yield ether; }; attribute set(in x); \
+        "component k { ids { long x; }; task t { codel<start> f(in x) yield ether; }; attribute set(in x); \
             };",
     ),
     (
@@ -200,6 +231,11 @@ const NEAR_MISSES: &[(&str, &str)] = &[
         "component c { function set_speed(); function get_speed(); function stop(); };",
     ),
     ("style/order", "component c { ids { long x; }; attribute a(in x); function f(); };"),
+    (
+        "genom3/deviation",
+        "const char c = \"x\"; const long n = 0x7fffffff; enum e { a, b }; \
+         union u switch (e) { case a: long x; };",
+    ),
     (
         "lint/unused-suppression",
         "component c {\n// dotgen: allow(service/order-cycle) on purpose\nfunction f() { before g; };\nfunction g() { before f; };\n};",

@@ -135,7 +135,7 @@ pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFi
         let Ok(path) = absolute(argument) else {
             continue;
         };
-        let mut found = vfs::files_below(&path, &[SCENARIO]);
+        let mut found = vfs::files_below(&path, &[SCENARIO]).files;
         found.retain(|path| !files.iter().any(|file| file.path == *path));
         let names: Vec<_> = (found.iter()).map(|path| format!("`{}`", display(path))).collect();
         match names.as_slice() {

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use super::{Outcome, SpecificationOptions};
 use dotgen_lsp_server::config::{self, Config, Level, Problem, Settings};
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
-use dotgen_platform::files::vfs::{self, PackageConfig, Vfs};
+use dotgen_platform::files::vfs::{self, PackageConfig, UnreadableFolder, Vfs};
 use dotgen_platform::panic;
 use dotgen_ros2::rules::RuleError;
 #[cfg(feature = "zenoh")]
@@ -93,19 +93,20 @@ pub(super) fn told_rules(file: Option<&ConfigProblems>, errors: &[RuleError]) ->
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// Returns the files that arguments name: the files themselves, and all `.gen` files below directories.
+/// Returns the files that an argument names: the file itself, or all `.gen` files below a directory.
 ///
 /// # Errors
-/// An argument cannot be used.
-pub(super) fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>> {
+/// The argument, or a file or folder below it, cannot be used.
+fn files(argument: &Utf8Path) -> anyhow::Result<Vec<SourceFile>> {
     let mut found = NamedFiles::default();
-    for argument in arguments {
-        found.add(argument, &[SPECIFICATION])?;
+    match found.add(argument, &[SPECIFICATION])?.into_iter().next() {
+        Some(error) => Err(error),
+        None => Ok(found.files),
     }
-    Ok(found.files)
 }
 
-/// Returns the files as [`files`] does, for commands that continue without unusable ones.
+/// Returns the files that arguments name: the files themselves, and all below directories with one of the
+/// extensions. The command continues without unusable ones, which are reported.
 pub(super) fn usable_files(
     arguments: &[Utf8PathBuf],
     extensions: &[&str],
@@ -166,7 +167,7 @@ impl NamedFiles {
         }
     }
 
-    /// Adds the files of an argument. Returns the errors of files below a directory.
+    /// Adds the files of an argument. Returns the errors of files and folders below a directory.
     fn add(
         &mut self,
         argument: &Utf8Path,
@@ -181,8 +182,10 @@ impl NamedFiles {
         let mut skipped = Vec::new();
         match vfs::read(&path) {
             FileContent::Directory => {
-                let found = vfs::files_below(&path, extensions);
-                skipped = unusable_names(&path, extensions);
+                let below = vfs::files_below(&path, extensions);
+                skipped.extend(below.unreadable.iter().map(unlisted));
+                skipped.extend(unusable_names(&path, extensions));
+                let found = below.files;
                 if found.is_empty() && skipped.is_empty() {
                     let all: Vec<String> =
                         extensions.iter().map(|extension| format!(".{extension}")).collect();
@@ -205,6 +208,14 @@ impl NamedFiles {
         }
         Ok(skipped)
     }
+}
+
+/// Returns the error for a folder that cannot be listed.
+fn unlisted(folder: &UnreadableFolder) -> anyhow::Error {
+    let path = Utf8Path::from_path(&folder.path);
+    let path = path.map_or_else(|| folder.path.display().to_string(), display);
+    let path = if path.is_empty() { ".".to_owned() } else { path };
+    anyhow::anyhow!("cannot list the folder `{path}`: {}", folder.reason)
 }
 
 /// Returns an error for each file below a directory whose name is not UTF-8: no message and no include could
@@ -242,6 +253,9 @@ pub(super) fn standard_input() -> anyhow::Result<String> {
     let mut bytes = Vec::new();
     std::io::Read::read_to_end(&mut std::io::stdin(), &mut bytes)
         .context("cannot read standard input")?;
+    if let Some(name) = encoding::other_unicode(&bytes) {
+        bail!("cannot read standard input: it is {name}; convert it to UTF-8");
+    }
     Ok(encoding::decode(bytes))
 }
 
@@ -296,7 +310,7 @@ pub(super) fn single(
     argument: &Utf8Path,
     reading: &SpecificationOptions,
 ) -> anyhow::Result<Session> {
-    let files = files(&[argument.to_owned()])?;
+    let files = files(argument)?;
     files.iter().try_for_each(refuse_scenario)?;
     if files.len() > 1 {
         let names: Vec<_> = files.iter().map(|file| display(&file.path)).collect();
@@ -365,11 +379,13 @@ impl Session {
         let mut config = None;
         if let Some(directory) = directory {
             let path = directory.join(config::FILE_NAME);
-            let text: Arc<str> = match vfs::read(&path) {
-                FileContent::Text(text) | FileContent::NotUtf8(text) => text.into(),
-                _ => "".into(),
+            let (text, unreadable): (Arc<str>, _) = match vfs::read(&path) {
+                FileContent::Text(text) | FileContent::NotUtf8(text) => (text.into(), None),
+                FileContent::Missing => ("".into(), None),
+                _ => ("".into(), Some(Problem::unreadable())),
             };
-            let read = config::from_toml(&text);
+            let mut read = config::from_toml(&text);
+            read.problems.extend(unreadable);
             let own = read.settings.resolved_against(directory);
             settings = settings.over(own.chosen_by(ReleaseOrigin::ConfigurationFile(path.clone())));
             config = Some(ConfigProblems { path, text, problems: read.problems });

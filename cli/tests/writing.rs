@@ -214,6 +214,84 @@ fn names_that_are_no_utf8_are_told() {
     }
 }
 
+/// A folder without permissions, which its owner, or a user without rights, cannot list.
+#[cfg(unix)]
+#[test]
+fn folders_that_cannot_be_listed_are_told() {
+    use std::os::unix::fs::PermissionsExt;
+    use std::os::unix::process::CommandExt;
+    let component = "component c { task t { codel<start> f() yield ether; }; };\n";
+    let directory = Directory::new(&[("a.gen", component), ("sub/b.gen", component)]);
+    directory.write("codels/deep/f.c", b"\n");
+    let mode = |path: &str, mode| {
+        let path = directory.path().join(path);
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode)).expect("set");
+    };
+    mode(".", 0o755);
+    mode("sub", 0o000);
+    mode("codels/deep", 0o000);
+    let root = directory.path().join("sub").read_dir().is_ok();
+    let run = |arguments: &[&str]| {
+        let mut command = directory.command(arguments);
+        if root {
+            command.uid(65534);
+        }
+        command.output()
+    };
+    let outputs = [
+        run(&["check", "."]),
+        run(&["check", "sub"]),
+        run(&["fmt", "--check"]),
+        run(&["verify", "sub"]),
+        run(&["model", "."]),
+        run(&["codels", "check", "a.gen"]),
+    ];
+    mode("sub", 0o700);
+    mode("codels/deep", 0o700);
+    for (at, output) in outputs.into_iter().enumerate() {
+        let Ok(output) = output else {
+            dotgen_loaders::skip("another user cannot run the program");
+            return;
+        };
+        let told = stderr(&output);
+        // The first one ends `model`.
+        let folder = match at {
+            4 if told.contains("deep") => "codels/deep",
+            5 => "codels/deep",
+            _ => "sub",
+        };
+        assert_eq!(status(&output), 2, "{at}: {told}");
+        assert!(told.contains("cannot list the folder `"), "{at}: {told}");
+        assert!(told.contains(&format!("{folder}`: ")), "{at}: {told}");
+    }
+}
+
+#[test]
+fn utf_16_is_told() {
+    let text = "struct  a { long x ; } ;\n";
+    let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let marked = [&b"\xff\xfe"[..], &little].concat();
+    let directory = Directory::new(&[]);
+    directory.write("marked.gen", &marked);
+    directory.write("bare.gen", &little);
+    directory.write("bare.scn", &little);
+    for file in ["marked.gen", "bare.gen", "bare.scn"] {
+        for arguments in [&["fmt"][..], &["fmt", "--check"], &["check"]] {
+            let output = directory.run(&[arguments, &[file]].concat());
+            assert_eq!(status(&output), 2, "{file}");
+            let expected = format!("cannot read `{file}`: it is UTF-16; save it as UTF-8");
+            assert!(stderr(&output).contains(&expected), "{}", stderr(&output));
+        }
+    }
+    assert_eq!(read(&directory, "marked.gen"), marked);
+    let below = directory.run(&["fmt", "."]);
+    assert_eq!(status(&below), 2);
+    assert!(stderr(&below).contains("`marked.gen`: it is UTF-16"), "{}", stderr(&below));
+    let below = directory.run(&["check", "."]);
+    assert_ne!(status(&below), 0);
+    assert!(stdout(&below).contains("it is UTF-16; save it as UTF-8"), "{}", stdout(&below));
+}
+
 /// On a small file system of our own, in a namespace: full before all is written.
 #[cfg(target_os = "linux")]
 #[test]

@@ -48,6 +48,29 @@ pub fn decode(bytes: Vec<u8>) -> String {
     out
 }
 
+/// Number of bytes that [`other_unicode`] examines.
+const EXAMINED: usize = 4096;
+
+/// The name of the encoding, if a file is in one of two or four bytes a character. Such a file has no text as
+/// UTF-8: every ASCII character has a zero next to it.
+pub fn other_unicode(bytes: &[u8]) -> Option<&'static str> {
+    match bytes {
+        [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => return Some("UTF-32"),
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => return Some("UTF-16"),
+        _ => {}
+    }
+    // Without a byte order mark: most characters of a specification are ASCII.
+    let start = &bytes[..bytes.len().min(EXAMINED)];
+    let (mut even, mut odd) = (0, 0);
+    for pair in start.chunks_exact(2) {
+        even += usize::from(pair[0] == 0);
+        odd += usize::from(pair[1] == 0);
+    }
+    let most = start.len() / 2;
+    let (few, many) = (even.min(odd), even.max(odd));
+    (bytes.len().is_multiple_of(2) && few == 0 && many > 1 && many * 2 > most).then_some("UTF-16")
+}
+
 /// Escapes a text that does not come from a file (typed by a user or sent by a client), so that it can be
 /// inserted into the text of a file.
 pub fn escape(text: &str) -> Cow<'_, str> {

@@ -435,6 +435,23 @@ pub const CODES: &[LintCode] = &[
         fix: "Move the service: attributes come first, then functions, then activities.",
     },
     LintCode {
+        id: "genom3/deviation",
+        severity: Severity::Information,
+        on: true,
+        absence: false,
+        unnecessary: false,
+        follows: &[],
+        meaning: "dotgen accepts a text that `genom3` refuses or reads as another value.",
+        why: "The specification then works in dotgen only: a colleague with `genom3` gets an error, or another \
+              number. The message names the [deviation](../../deviations.md). D03: `genom3` converts a character \
+              literal to no type. D04: `genom3` refuses a union whose switch is an enum declared in place. \
+              D07: `genom3` keeps 32 bits of an integer literal.",
+        example: "const char separator = ';';\n",
+        corrected: "const char separator = \";\";\n",
+        fix: "Write a character as a string of one character, declare the enum before the union, and keep integer \
+              literals below 2147483648. If only dotgen reads the specification, switch the remark off.",
+    },
+    LintCode {
         id: UNUSED_SUPPRESSION,
         severity: Severity::Hint,
         on: true,

@@ -9,7 +9,7 @@ use super::{
     words,
 };
 use crate::{
-    finding::{Finding, values::ValueProblem},
+    finding::{Finding, lints::LintWarning, values::ValueProblem},
     item_tree::{Expr, ExprKind, Path},
     model::{Name, Src, TypeKind, Value},
 };
@@ -59,6 +59,7 @@ impl<'a> Elaborator<'a> {
                     self.error(at, ValueProblem::NotACharacter { text: text.clone() });
                     return Const::Unknown;
                 }
+                self.deviation(at, LintWarning::CharacterLiteral { text: text.clone() });
                 Const::Char(content.to_owned())
             }
             ExprKind::Str(parts) => {
@@ -104,6 +105,11 @@ impl<'a> Elaborator<'a> {
             Some((value, odd)) => {
                 if odd {
                     self.error(at, ValueProblem::OctalDigit { text: text.clone(), value });
+                }
+                if value > i128::from(i32::MAX) {
+                    // GenoM3 keeps the low 32 bits, as a signed integer.
+                    let kept = value as u32 as i32;
+                    self.deviation(at, LintWarning::WideInteger { text: text.clone(), kept });
                 }
                 Const::unsigned(value)
             }

@@ -13,7 +13,7 @@ use super::{
     words,
 };
 use crate::{
-    finding::{Finding, FindingKind, Near, Severity, names::NameProblem},
+    finding::{Finding, FindingKind, Near, Severity, lints::LintWarning, names::NameProblem},
     item_tree::{Item, Name, Ptr},
     model::{Body, Name as Text, Spec, Src, Type, TypeId, TypeKind},
 };
@@ -244,6 +244,13 @@ impl<'a> Elaborator<'a> {
     /// Reports a problem that has only one place.
     pub(super) fn error(&mut self, at: Src, kind: impl Into<FindingKind>) {
         self.report(Finding::new(kind, at));
+    }
+
+    /// Reports text that GenoM3 reads otherwise: a deviation. In imported text, it was reported there.
+    pub(super) fn deviation(&mut self, at: Src, kind: LintWarning) {
+        if self.importing.is_none() {
+            self.report(Finding::new(kind, at));
+        }
     }
 
     /// Reports an unknown name.

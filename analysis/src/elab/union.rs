@@ -13,6 +13,7 @@ use crate::finding::role::Role;
 use crate::{
     finding::{
         Finding,
+        lints::LintWarning,
         values::{Purpose, ValueProblem},
     },
     item_tree::{CaseLabel, Item, Name, TypeRef, TypeRefKind},
@@ -30,6 +31,10 @@ impl<'a> Elaborator<'a> {
         let inside = self.open_type(name, ScopeKind::Union, DefKind::Union, node);
         let (switch, members) = self.within(inside.scope, Some(inside.def), |this| {
             let ty = this.type_ref(switch);
+            if let TypeRefKind::Inline(_) = switch.kind {
+                let name = name.text.clone();
+                this.deviation(this.src(switch.ptr), LintWarning::InlineSwitch { name });
+            }
             let ty = this.check_switch(ty, switch, name);
             let clashing = match &switch.kind {
                 TypeRefKind::Named(path) => {

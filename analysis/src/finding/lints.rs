@@ -221,6 +221,18 @@ findings! {
         "style/order" OddOrder { late: LateCodels }
             => "{late} late: attributes first, then functions, then activities";
 
+        "genom3/deviation" CharacterLiteral { text: Name }
+            => "genom3 refuses the character {text} (deviation D03): it converts a character literal to no \
+                type",
+               "write it as a string of one character, which both accept";
+        "genom3/deviation" InlineSwitch { name: Name }
+            => "genom3 refuses the union `{name}` (deviation D04): its switch is an enum declared in place",
+               "declare the enum before the union";
+        "genom3/deviation" WideInteger { text: Name, kept: i32 }
+            => "genom3 reads `{text}` as {kept} (deviation D07): it keeps 32 bits of an integer, and refuses \
+                the value where it no longer fits",
+               "keep integers below 2147483648 if genom3 must read the specification";
+
         "lint/unused-suppression" UnusedAllowance { code: Name }
             => "nothing here is reported as `{code}`: remove it from the comment";
         "lint/unused-suppression" UnknownAllowance { code: Name }

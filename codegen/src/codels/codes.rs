@@ -152,6 +152,20 @@ pub const CODES: &[CodelCode] = &[
         fix: "Change the direction in the specification to `out` or `inout` and update the signature, or write to a \
               copy.",
     },
+    CodelCode {
+        code: DriftCode::UnwrittenPort,
+        meaning: "No codel writes an output port, although codels have it as an `out` parameter.",
+        why: "A port is published by its `write`. Without the call, a change of its `data` stays in the component, and \
+              readers of the port get no data.",
+        specification: "component c {\n  struct s { double x; };\n  port out s speed;\n  task t { codel<start> c_f(out speed) yield ether; };\n};\n",
+        source: "genom_event c_f(const c_speed *speed, const genom_context self)\n{\n  speed->data(self)->x = 1.;\n  return c_ether;\n}\n",
+        corrected: Correction::Source(
+            "genom_event c_f(const c_speed *speed, const genom_context self)\n{\n  speed->data(self)->x = 1.;\n  speed->write(self);\n  return c_ether;\n}\n",
+        ),
+        fix: "Call `write` on the port after the change of its data, or remove the parameter from the codel. \
+              Nothing is reported if the parameter is used in any other way, for example passed to a helper, or if \
+              another codel writes the port.",
+    },
 ];
 
 /// The entry of a kind.

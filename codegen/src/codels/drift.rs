@@ -9,6 +9,7 @@ mod flow;
 mod members;
 mod names;
 mod orphan;
+mod ports;
 mod signature;
 
 use std::ops::Range;
@@ -50,11 +51,13 @@ pub enum DriftCode {
     UndeclaredName,
     /// The code writes to a read-only parameter.
     ConstantWrite,
+    /// No codel writes an output port that is its parameter.
+    UnwrittenPort,
 }
 
 impl DriftCode {
     /// Every kind.
-    pub const ALL: [DriftCode; 10] = [
+    pub const ALL: [DriftCode; 11] = [
         DriftCode::MissingDefinition,
         DriftCode::SignatureMismatch,
         DriftCode::UndeclaredYield,
@@ -65,6 +68,7 @@ impl DriftCode {
         DriftCode::UnknownMember,
         DriftCode::UndeclaredName,
         DriftCode::ConstantWrite,
+        DriftCode::UnwrittenPort,
     ];
 
     /// The kind of a difference.
@@ -88,6 +92,7 @@ impl DriftCode {
             }
             Difference::NoName { .. } => DriftCode::UndeclaredName,
             Difference::ConstantWrite { .. } => DriftCode::ConstantWrite,
+            Difference::UnwrittenPort { .. } => DriftCode::UnwrittenPort,
         }
     }
 
@@ -104,6 +109,7 @@ impl DriftCode {
             DriftCode::UnknownMember => "codel/unknown-member",
             DriftCode::UndeclaredName => "codel/undeclared-name",
             DriftCode::ConstantWrite => "codel/constant-write",
+            DriftCode::UnwrittenPort => "codel/unwritten-port",
         }
     }
 
@@ -344,6 +350,7 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
             comment::check(&check, &definitions, &mut out);
         }
         members::check(expected, sources, options, &mut out);
+        ports::check(expected, sources, options, &mut out);
     }
     let alone = |input: &&FunctionIn<'_>| !renamed.contains(&input.place());
     let certain = orphan::are_certain(all, options);

@@ -204,6 +204,8 @@ pub struct Sources {
     /// True if a source cannot be read, or if the build files list one that does not exist: existing
     /// functions may then be missing here.
     pub incomplete: bool,
+    /// The errors of files and folders that cannot be read.
+    pub unreadable: Vec<String>,
 }
 
 /// Access to the files of a codels folder.
@@ -212,6 +214,10 @@ pub trait Files {
     fn read(&self, path: &Utf8Path) -> Option<Arc<str>>;
     /// Files below a folder, subfolders included, relative to it; `None` if the folder does not exist.
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>>;
+    /// The errors of folders that cannot be listed: the folder itself, or below it.
+    fn unlisted(&self, _folder: &Utf8Path) -> Vec<String> {
+        Vec::new()
+    }
     /// The time of the last change of a file; `None` if it is unknown.
     fn changed(&self, _path: &Utf8Path) -> Option<ModificationTime> {
         None
@@ -268,14 +274,18 @@ impl Sources {
         let makefile = files.read(&makefile_path);
         let selected = select(&listing.unwrap_or_default(), makefile.as_deref(), config);
         let cxx = selected.sources.iter().any(|source| source.extension() != Some("c"));
-        let mut incomplete = !selected.absent.is_empty();
+        let mut unreadable = files.unlisted(&folder);
+        let mut incomplete = !selected.absent.is_empty() || !unreadable.is_empty();
         let mut load = |paths: Vec<Utf8PathBuf>| {
             let mut out = Vec::new();
             for path in paths {
                 let path = folder.join(path);
                 match files.read(&path) {
                     Some(text) => out.push(index(path, text, cxx)),
-                    None => incomplete = true,
+                    None => {
+                        incomplete = true;
+                        unreadable.push(format!("cannot read `{path}` as UTF-8 text"));
+                    }
                 }
             }
             out
@@ -291,6 +301,7 @@ impl Sources {
                 .filter(|_| selected.listed)
                 .map(|makefile| (makefile_path, makefile)),
             incomplete,
+            unreadable,
         }
     }
 

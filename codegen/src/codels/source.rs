@@ -148,6 +148,9 @@ pub struct Body {
     pub throws_unknown: bool,
     /// Every identifier.
     pub mentions: FxHashSet<SmolStr>,
+    /// Identifiers with a use that may write a port: every use except `NAME->data(…)` and other calls of a
+    /// port that write nothing.
+    pub escaping: FxHashSet<SmolStr>,
     /// Names used as values that the function does not declare, each at its first use. Names under a
     /// preprocessor condition, and arguments of calls, which may be macros, are absent.
     pub free: Vec<(SmolStr, Span)>,

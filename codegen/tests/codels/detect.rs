@@ -375,6 +375,85 @@ fn an_orphan_becomes_a_codel() {
     );
 }
 
+/// A component whose functions `f` and `g` have the output port `p`, with these bodies.
+fn with_port(lang: &str, f: &str, g: Option<&str>, around: &str) -> Vec<String> {
+    let spec = format!(
+        "component c {{ {lang}\n  struct s {{ double x; }}; port out s p;\n  task t {{\n    \
+         codel<start> c_f(out p) yield main;\n    codel<main> c_g(out p) yield ether;\n  }};\n}};\n"
+    );
+    let cxx = !lang.is_empty();
+    let function = |name: &str, body: &str| {
+        let [event, context, end] = match cxx {
+            true => ["genom::event", "", "c::ether"],
+            false => ["genom_event", ", const genom_context self", "c_ether"],
+        };
+        format!("{event} c_{name}(const c_p *out{context})\n{{\n  {body}\n  return {end};\n}}\n")
+    };
+    let g = g.map(|body| function("g", body)).unwrap_or_default();
+    let source = format!("{around}{}{g}", function("f", f));
+    let found = Fixture::new(&spec, &[(if cxx { "c_codels.cc" } else { "c_codels.c" }, &source)]);
+    let mut found = found.report();
+    found.retain(|line| line.starts_with("codel/unwritten-port"));
+    found
+}
+
+#[test]
+fn a_port_that_no_codel_writes_is_told_at_each() {
+    let data = "if (self) out->data(self)->x = 1.;";
+    let found = with_port("", data, Some("(void)out;"), "");
+    let message = |function: &str| {
+        format!(
+            "codel/unwritten-port: `{function}` never writes the output port `p`, and no other codel of `c` \
+             does: readers get no data; call `write` on the port, or remove the parameter"
+        )
+    };
+    assert_eq!(found, [message("c_f"), message("c_g")]);
+    assert_eq!(with_port("", "", Some("out->open(\"x\", self);"), "").len(), 2);
+    let lambda = "auto all = [&]() { out->data(self)->x = 1.; };";
+    // `auto` needs no call: the port is used, but not written.
+    assert_eq!(with_port("lang \"c++\";", lambda, Some(""), "").len(), 2);
+    let other = "#define RATE 10\nstatic double p_of(double x) { return x; }\n";
+    assert_eq!(with_port("", data, Some("p_of(2.);"), other).len(), 2);
+}
+
+#[test]
+fn a_port_that_may_be_written_is_not_told() {
+    let data = "out->data(self)->x = 1.;";
+    for body in [
+        "out->write(self);",
+        "if (out->write(self)) return c_e(self);",
+        "(*out).write(self);",
+        "(out)->write(self);",
+        "publish(out);",
+        "publish(&out, self);",
+        "publish(self, 2, (void *)out);",
+        "const c_p *other = out; other->write(self);",
+        "struct all all = { out };",
+        "keep = out;",
+        "genom_event (*write)(genom_context) = out->write; write(self);",
+        "PUBLISH(self);",
+        "#if RATE\n  out->write(self);\n#endif",
+        "/* skeleton sample: insert your code */",
+        "out->write(self;",
+    ] {
+        assert_eq!(with_port("", data, Some(body), ""), Vec::<String>::new(), "{body}");
+        assert_eq!(with_port("", body, Some(data), ""), Vec::<String>::new(), "{body}");
+    }
+    // No function yet.
+    assert_eq!(with_port("", data, None, ""), Vec::<String>::new());
+    let macros = "#define publish(x) \\\n  out->write(x)\n";
+    assert_eq!(with_port("", data, Some("publish(self);"), macros), Vec::<String>::new());
+    for body in
+        ["[&] { out->write(self); }();", "auto &port = *out; port.write(self);", "std::ref(out);"]
+    {
+        assert_eq!(
+            with_port("lang \"c++\";", data, Some(body), ""),
+            Vec::<String>::new(),
+            "{body}"
+        );
+    }
+}
+
 #[test]
 fn every_code_of_the_manual_is_found_in_its_example_and_nothing_else() {
     for code in DriftCode::ALL {

@@ -38,7 +38,7 @@ pub enum ProblemKind {
 
 impl Problem {
     /// The file exists but is not text.
-    pub(crate) fn unreadable() -> Problem {
+    pub fn unreadable() -> Problem {
         Problem {
             kind: ProblemKind::Syntax,
             message: format!("`{}` cannot be read as UTF-8 text", super::FILE_NAME),

@@ -60,6 +60,14 @@ impl Files for Disk {
         })
     }
 
+    fn unlisted(&self, folder: &Utf8Path) -> Vec<String> {
+        if !folder.is_dir() {
+            return Vec::new();
+        }
+        let unreadable = vfs::files_below(folder, &[]).unreadable;
+        unreadable.iter().map(ToString::to_string).collect()
+    }
+
     fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {
         history::changed(path).map(ModificationTime::At)
     }

@@ -7,7 +7,9 @@ mod interfaces;
 mod pkg_config;
 mod pkg_file;
 
+use std::fmt;
 use std::io::ErrorKind;
+use std::path::PathBuf;
 use std::sync::{PoisonError, RwLock};
 
 use camino::{Utf8Path, Utf8PathBuf};
@@ -138,6 +140,9 @@ pub fn read(path: &Utf8Path) -> FileContent {
     }
     match std::fs::read(path) {
         Ok(bytes) => {
+            if let Some(name) = encoding::other_unicode(&bytes) {
+                return FileContent::Unreadable(format!("it is {name}; save it as UTF-8"));
+            }
             let valid = std::str::from_utf8(&bytes).is_ok();
             let text = encoding::decode(bytes);
             match valid {
@@ -167,23 +172,114 @@ pub fn specifications_in(directory: &Utf8Path) -> Vec<Utf8PathBuf> {
     out
 }
 
-/// Every file below `directory` with one of the extensions, sorted. Hidden directories, `build` directories
-/// of other tools and links to directories are skipped.
-pub fn files_below(directory: &Utf8Path, extensions: &[&str]) -> Vec<Utf8PathBuf> {
+/// The files that a walk found, and what it could not read.
+#[derive(Debug, Default)]
+pub struct FilesBelow {
+    /// The files, sorted.
+    pub files: Vec<Utf8PathBuf>,
+    /// The folders that cannot be listed, each with the reason.
+    pub unreadable: Vec<UnreadableFolder>,
+}
+
+/// A folder that cannot be listed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct UnreadableFolder {
+    /// The folder.
+    pub path: PathBuf,
+    /// The error of the system.
+    pub reason: String,
+}
+
+impl fmt::Display for UnreadableFolder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "cannot list the folder `{}`: {}", self.path.display(), self.reason)
+    }
+}
+
+/// Every file below `directory` with one of the extensions. Hidden directories, `build` directories of other
+/// tools and links to directories are skipped.
+pub fn files_below(directory: &Utf8Path, extensions: &[&str]) -> FilesBelow {
     let visible = |entry: &walkdir::DirEntry| {
         let name = entry.file_name().to_string_lossy();
         entry.depth() == 0
             || !(entry.file_type().is_dir()
                 && (name.starts_with('.') || matches!(&*name, "node_modules" | "target")))
     };
-    let mut files: Vec<Utf8PathBuf> = walkdir::WalkDir::new(directory)
-        .into_iter()
-        .filter_entry(visible)
-        .filter_map(Result::ok)
-        .filter(|entry| entry.path().is_file())
-        .filter_map(|entry| Utf8PathBuf::from_path_buf(entry.into_path()).ok())
-        .filter(|path| path.extension().is_some_and(|extension| extensions.contains(&extension)))
-        .collect();
-    files.sort();
-    files
+    let mut found = FilesBelow::default();
+    for entry in walkdir::WalkDir::new(directory).into_iter().filter_entry(visible) {
+        match entry {
+            Ok(entry) => {
+                let Ok(path) = Utf8PathBuf::from_path_buf(entry.path().to_owned()) else {
+                    continue;
+                };
+                let wanted = path.extension().is_some_and(|end| extensions.contains(&end));
+                if wanted && is_file(&entry) {
+                    found.files.push(path);
+                }
+            }
+            Err(error) => found.unreadable.extend(unreadable(directory, &error)),
+        }
+    }
+    found.files.sort();
+    found
+}
+
+/// Returns true if an entry of a folder is a file, or a link to one. A target that cannot be examined counts:
+/// the error is reported when the file is read.
+fn is_file(entry: &walkdir::DirEntry) -> bool {
+    if !entry.path_is_symlink() {
+        return entry.file_type().is_file();
+    }
+    match std::fs::metadata(entry.path()) {
+        Ok(metadata) => metadata.is_file(),
+        Err(error) => !missing(&error),
+    }
+}
+
+/// The folder of an error of a walk; `None` if the folder vanished during the walk.
+fn unreadable(directory: &Utf8Path, error: &walkdir::Error) -> Option<UnreadableFolder> {
+    let cause = error.io_error()?;
+    if error.depth() > 0 && missing(cause) {
+        return None;
+    }
+    let path = error.path().unwrap_or(directory.as_std_path()).to_owned();
+    Some(UnreadableFolder { path, reason: super::reason(cause) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_that_cannot_be_listed_is_an_error_of_the_walk() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = Utf8Path::from_path(folder.path()).unwrap();
+        std::fs::create_dir(folder.join("sub")).unwrap();
+        for name in ["b.gen", "a.gen", "c.txt", "sub/d.gen"] {
+            std::fs::write(folder.join(name), "").unwrap();
+        }
+        let found = files_below(folder, &["gen"]);
+        let names: Vec<_> =
+            found.files.iter().map(|path| path.strip_prefix(folder).unwrap()).collect();
+        assert_eq!(names, ["a.gen", "b.gen", "sub/d.gen"]);
+        assert_eq!(found.unreadable, []);
+        let found = files_below(&folder.join("none"), &["gen"]);
+        assert!(found.files.is_empty());
+        let errors: Vec<_> = found.unreadable.iter().map(ToString::to_string).collect();
+        let expected = format!("cannot list the folder `{folder}/none`: ");
+        assert!(matches!(errors.as_slice(), [error] if error.starts_with(&expected)), "{errors:?}");
+    }
+
+    #[test]
+    fn utf_16_is_not_read_as_text() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = Utf8PathBuf::from_path_buf(folder.path().join("a.gen")).unwrap();
+        let units = "\u{feff}struct a { long x; };\n".encode_utf16();
+        let bytes: Vec<u8> = units.flat_map(u16::to_le_bytes).collect();
+        std::fs::write(&path, bytes).unwrap();
+        let FileContent::Unreadable(why) = read(&path) else {
+            panic!("it is read");
+        };
+        assert_eq!(why, "it is UTF-16; save it as UTF-8");
+    }
 }

@@ -84,3 +84,29 @@ fn line_ends_are_those_of_most_lines() {
     assert_eq!(LineEnd::CrLf.fit("a\nb\r\nc"), "a\r\nb\r\nc");
     assert_eq!(LineEnd::Lf.fit("a\nb\r\nc"), "a\nb\nc");
 }
+
+#[test]
+fn files_in_wider_units_are_recognised() {
+    let text = "// caf\u{e9}\nstruct a { long x; };\n";
+    let little = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<_>>();
+    let big = |text: &str| text.encode_utf16().flat_map(u16::to_be_bytes).collect::<Vec<_>>();
+    let marked = format!("\u{feff}{text}");
+    for bytes in [little(text), big(text), little(&marked), big(&marked), little("\u{feff}")] {
+        assert_eq!(other_unicode(&bytes), Some("UTF-16"), "{bytes:x?}");
+    }
+    let wide: Vec<u8> = marked.chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
+    assert_eq!(other_unicode(&wide), Some("UTF-32"));
+    for bytes in [
+        &b""[..],
+        b"\0",
+        b"a\0",
+        b"\xef\xbb\xbfab",
+        b"caf\xe9",
+        b"ab\0cd\0ef",
+        b"\xff",
+        b"\0\0\0\0",
+    ] {
+        assert_eq!(other_unicode(bytes), None, "{bytes:x?}");
+    }
+    assert_eq!(other_unicode(text.as_bytes()), None);
+}

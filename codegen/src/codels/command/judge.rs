@@ -342,7 +342,8 @@ impl Findings {
         let reveals = after.errors < self.errors;
         let mismatch = DriftCode::SignatureMismatch.as_str();
         let follows = after.count(mismatch) < self.count(mismatch);
-        let in_body = [DriftCode::UndeclaredName, DriftCode::ConstantWrite];
+        let in_body =
+            [DriftCode::UndeclaredName, DriftCode::ConstantWrite, DriftCode::UnwrittenPort];
         let is_left = |code: &str| {
             follows && in_body.iter().any(|undeclared_name| undeclared_name.as_str() == code)
         };

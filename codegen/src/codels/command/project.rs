@@ -134,6 +134,11 @@ impl<'a> Project<'a> {
                 continue;
             }
             for mut folder in folder::folders(&unit, &mut |path| self.sources(path)) {
+                for error in &folder.sources.unreadable {
+                    if !errors.contains(error) {
+                        errors.push(error.clone());
+                    }
+                }
                 let specification = folder.specification.clone();
                 folder.retain(|name| seen.insert((specification.clone(), name.clone())));
                 if !folder.components.is_empty() {
@@ -216,6 +221,10 @@ impl Files for Project<'_> {
             }
             None => (!below.is_empty()).then_some(below),
         }
+    }
+
+    fn unlisted(&self, folder: &Utf8Path) -> Vec<String> {
+        self.files.unlisted(folder)
     }
 
     fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {

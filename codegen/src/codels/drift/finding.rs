@@ -66,6 +66,10 @@ findings! {
         "codel/constant-write" ConstantWrite { function: Name, parameter: Name }
             => "`{function}` writes to `{parameter}`, which is read only", "make it `out` or `inout` in the codel, \
                 or write to a copy";
+        "codel/unwritten-port" UnwrittenPort { function: Name, port: Name, component: Name }
+            => "`{function}` never writes the output port `{port}`, and no other codel of `{component}` does: \
+                readers get no data",
+               "call `write` on the port, or remove the parameter";
         "codel/stale-comment" StaleComment { codel: Name, wrong: Clauses }
             => "comment of codel `{codel}`: {wrong}";
     }

@@ -28,6 +28,7 @@ pub(super) fn read(block: Node<'_>, parameters: &[Parameter], text: &str) -> Bod
             throws: Vec::new(),
             throws_unknown: false,
             mentions: FxHashSet::default(),
+            escaping: FxHashSet::default(),
             free: Vec::new(),
             constant_writes: Vec::new(),
         },
@@ -39,6 +40,12 @@ pub(super) fn read(block: Node<'_>, parameters: &[Parameter], text: &str) -> Bod
     }
     let mut returns = Vec::new();
     preorder(block, |node| reader.node(node, &mut returns));
+    preorder(block, |node| {
+        if node.kind() == "identifier" && !is_idle(node, text) {
+            reader.body.escaping.insert(source(node, text).into());
+        }
+        true
+    });
     let names = names::Names::of(block, text);
     reader.body.free = names.free(parameters);
     reader.body.constant_writes = names.constant_writes(parameters);
@@ -50,6 +57,34 @@ pub(super) fn read(block: Node<'_>, parameters: &[Parameter], text: &str) -> Bod
         reader.body.returns.push(Return { span: node.byte_range(), values: out });
     }
     reader.body
+}
+
+/// Members of a port that write nothing.
+const IDLE_MEMBERS: [&str; 4] = ["data", "read", "open", "close"];
+
+/// True if the use of a name writes no port: a call `NAME->data(…)`, or `(void)NAME;`.
+fn is_idle(node: Node<'_>, text: &str) -> bool {
+    let Some(around) = node.parent() else {
+        return false;
+    };
+    let Some(outer) = around.parent() else {
+        return false;
+    };
+    let field = |of: Node<'_>, name, value: Node<'_>| of.child_by_field_name(name) == Some(value);
+    match around.kind() {
+        "field_expression" => {
+            let member = around.child_by_field_name("field").map(|member| source(member, text));
+            field(around, "argument", node)
+                && member.is_some_and(|member| IDLE_MEMBERS.contains(&member))
+                && outer.kind() == "call_expression"
+                && field(outer, "function", around)
+        }
+        "cast_expression" => {
+            let ty = around.child_by_field_name("type").map(|ty| source(ty, text));
+            ty.is_some_and(|ty| ty.trim() == "void") && outer.kind() == "expression_statement"
+        }
+        _ => false,
+    }
 }
 
 struct Reader<'t> {

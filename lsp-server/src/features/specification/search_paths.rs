@@ -128,7 +128,7 @@ fn below(folder: &Utf8Path, wanted: &Utf8Path) -> Vec<Utf8PathBuf> {
     let Some(extension) = wanted.extension() else {
         return Vec::new();
     };
-    let all = vfs::files_below(folder, &[extension]).into_iter();
+    let all = vfs::files_below(folder, &[extension]).files.into_iter();
     let found = all.filter(|path| path.ends_with(wanted));
     let directory = |path: Utf8PathBuf| {
         let up = path.ancestors().nth(wanted.components().count())?;

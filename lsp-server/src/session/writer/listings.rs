@@ -8,6 +8,7 @@ use dotgen_analysis::language::{self, SCENARIO, SPECIFICATION};
 
 use super::{Event, Mutation, State};
 use crate::protocol::progress;
+use crate::protocol::types::MessageType;
 use crate::session::dispatch::ReadRequest;
 use dotgen_platform::files::vfs;
 
@@ -86,9 +87,17 @@ impl State {
                 let below = |path: &Utf8PathBuf| {
                     vfs::files_below(path, &[SPECIFICATION, SCENARIO, "tcl", "toml"])
                 };
-                folders.iter().flat_map(below).collect::<Vec<_>>()
+                let mut found = vfs::FilesBelow::default();
+                for one in folders.iter().map(below) {
+                    found.files.extend(one.files);
+                    found.unreadable.extend(one.unreadable);
+                }
+                found
             });
-            let files = listing.await.unwrap_or_default();
+            let vfs::FilesBelow { files, unreadable } = listing.await.unwrap_or_default();
+            if let Some(message) = told_unreadable(&unreadable) {
+                client.show_message(MessageType::WARNING, message).await;
+            }
             let specifications = files.iter().filter(|file| language::is_specification(file));
             let summary = match specifications.count() {
                 1 => "1 specification".to_owned(),
@@ -97,5 +106,33 @@ impl State {
             let _ = events.send(Event::Mutation(Mutation::Scanned(number, files)));
             progress::end(shown, summary).await;
         });
+    }
+}
+
+/// The message about folders that cannot be listed: their specifications are not part of the workspace.
+fn told_unreadable(folders: &[vfs::UnreadableFolder]) -> Option<String> {
+    let first = folders.first()?;
+    let more = match folders.len() - 1 {
+        0 => String::new(),
+        more => format!(" (and {more} more)"),
+    };
+    Some(format!("{first}{more}. The specifications below are not part of the workspace."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_that_cannot_be_listed_are_one_message() {
+        let folder = |path: &str| vfs::UnreadableFolder {
+            path: path.into(),
+            reason: "permission denied".to_owned(),
+        };
+        assert_eq!(told_unreadable(&[]), None);
+        let told = told_unreadable(&[folder("/a"), folder("/b")]);
+        let expected = "cannot list the folder `/a`: permission denied (and 1 more). The specifications below \
+                        are not part of the workspace.";
+        assert_eq!(told.as_deref(), Some(expected));
     }
 }

@@ -66,7 +66,7 @@ export function checks(wb) {
       await wb.open('pump.scn');
       await wb.statusItem.locator('.codicon-check').waitFor();
       await lens('8 ms · proved').waitFor();
-      await lens('17.5 ms · proved').waitFor();
+      await lens('33.5 ms · proved').waitFor();
       const colours = new Set(await page.locator('.monaco-editor .view-lines .view-line span span').evaluateAll((all) => all.map((it) => it.className)));
       assert.ok(colours.size > 4, [...colours].join(' '));
       await wb.shot('60-scenario.png');
