@@ -154,6 +154,8 @@ enum Outcome {
     Unusable,
     /// Not finished within the limits: 3.
     GaveUp,
+    /// A run did not end in order: 4.
+    NotStopped,
 }
 
 /// Runs the program. Exit status 0: no errors; 1: errors in a specification; 2: wrong usage, or a file that
@@ -212,6 +214,7 @@ fn main() -> ExitCode {
         Ok(Outcome::Errors) => ExitCode::from(1),
         Ok(Outcome::Unusable) => ExitCode::from(2),
         Ok(Outcome::GaveUp) => ExitCode::from(3),
+        Ok(Outcome::NotStopped) => ExitCode::from(4),
         // The reader of the output has closed it.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {

@@ -43,9 +43,12 @@ use scenario::{Ended, one};
 /// other codels are random, and the same for the same seed. The run follows the model of `dotgen verify`;
 /// deviations are reported as violations.
 ///
+/// However a run ends, its activities and tasks execute their `stop` codels. A second signal ends it without
+/// them, a third one at once.
+///
 /// Exit status: 0 without violations, 1 with violations of a check, a proved bound or a codel, 2 if nothing
 /// could be run (wrong usage, a file that cannot be read or has errors, codels that do not compile), 3 if the
-/// run ended early.
+/// run ended early, 4 if something had not ended within --stop-within.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Scenarios (.scn), specifications (.gen), and directories to search for .gen files
@@ -151,6 +154,10 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value_t = OnViolation::Report)]
     on_violation: OnViolation,
 
+    /// Longest end of the run: the time in which `stop` codels must have ended, with a unit
+    #[arg(long, value_name = "TIME", value_parser = stop_within, default_value = "2s")]
+    stop_within: std::time::Duration,
+
     /// Write all executions of codels to FILE, in the format of GenoM3's profiler
     #[arg(long, value_name = "FILE")]
     profile: Option<Utf8PathBuf>,
@@ -229,6 +236,9 @@ enum Format {
     Json,
 }
 
+/// The longest bound on the end of a run.
+const MAX_STOP: std::time::Duration = std::time::Duration::from_secs(600);
+
 /// A file, and the number of items in it.
 type WrittenFile = (Utf8PathBuf, u64, Contents);
 
@@ -269,6 +279,17 @@ fn time(text: &str) -> Result<Seconds, String> {
         _ => return Err(wrong()),
     };
     Ok(number * unit)
+}
+
+/// Parses the longest end of a run.
+fn stop_within(text: &str) -> Result<std::time::Duration, String> {
+    let nanos = (time(text)? * Ratio::from_integer(1_000_000_000)).to_integer();
+    match u64::try_from(nanos) {
+        Ok(nanos) if nanos <= MAX_STOP.as_nanos() as u64 => {
+            Ok(std::time::Duration::from_nanos(nanos))
+        }
+        _ => Err(format!("give at most {} s", MAX_STOP.as_secs())),
+    }
 }
 
 /// Parses a decimal number that is not negative.
@@ -383,7 +404,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
     }
     let ended = |answer: &Answer| !matches!(answer.report.end, End::Done | End::NothingLeft);
-    Ok(trouble.outcome(if answers.iter().any(|answer| answer.report.violated()) {
+    Ok(trouble.outcome(if answers.iter().any(|answer| !answer.report.unfinished.is_empty()) {
+        Outcome::NotStopped
+    } else if answers.iter().any(|answer| answer.report.violated()) {
         Outcome::Errors
     } else if answers.iter().any(ended) {
         Outcome::GaveUp

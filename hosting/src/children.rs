@@ -92,6 +92,10 @@ pub struct Children {
     /// Set if hosts wait for a debugger: the function to call, and no timeouts.
     debug: Option<Waiting>,
     interrupt: Interrupt,
+    /// Time that an orderly end may take after an interruption.
+    stop_within: Duration,
+    /// All hosts have begun: an interruption is a request for an orderly end.
+    running: bool,
     /// Number of starts. Messages of hosts of an earlier start are ignored.
     started: u64,
     /// Time of the start, on the clock of the hosts, in nanoseconds.
@@ -117,7 +121,7 @@ impl Children {
         components: TiVec<ComponentId, HostedComponent>,
         tasks: Vec<HostedTask>,
         real: bool,
-        interrupt: Interrupt,
+        (interrupt, stop_within): (Interrupt, Duration),
     ) -> Children {
         let (sender, arrivals) = channel();
         let children = libraries.into_iter().map(|library| Child {
@@ -134,6 +138,8 @@ impl Children {
             raised: false,
             debug: None,
             interrupt,
+            stop_within,
+            running: false,
             started: 0,
             begin: monotonic_nanos(),
             early: VecDeque::new(),
@@ -246,9 +252,17 @@ impl Children {
             }
             let look = Instant::now() + INTERRUPT_POLL_INTERVAL;
             match self.next(until.min(look)) {
-                None if look < until && !self.interrupt.is_raised() => {}
+                None if look < until && !self.must_end() => {}
                 other => return other,
             }
+        }
+    }
+
+    /// Returns true if the run must end without what is under way.
+    fn must_end(&self) -> bool {
+        match self.running {
+            true => self.interrupt.is_over(self.stop_within),
+            false => self.interrupt.is_raised(),
         }
     }
 
@@ -328,6 +342,7 @@ impl Children {
 impl Hosts for Children {
     fn start(&mut self) -> Result<(), String> {
         self.started += 1;
+        self.running = false;
         self.early.clear();
         self.boards = SharedDataPool::default();
         for component in self.children.keys() {
@@ -360,11 +375,12 @@ impl Hosts for Children {
                     let message = self.message(event);
                     self.early.extend(message);
                 }
-                None if self.interrupt.is_raised() => return Err("interrupted".to_owned()),
+                None if self.must_end() => return Err("interrupted".to_owned()),
                 None => return Err("a host does not begin".to_owned()),
             }
         }
         self.begin = monotonic_nanos();
+        self.running = true;
         Ok(())
     }
 
@@ -401,7 +417,7 @@ impl Hosts for Children {
         let until = self.deadline();
         loop {
             match self.next_unless_interrupted(until) {
-                None if self.interrupt.is_raised() => return None,
+                None if self.must_end() => return None,
                 None => {
                     self.kill(component);
                     let why = "did not answer within 10 s".to_owned();
@@ -458,6 +474,10 @@ impl Hosts for Children {
             Some(_) => None,
             None => u64::try_from(REPLY_TIMEOUT.as_nanos()).ok(),
         }
+    }
+
+    fn is_over(&self) -> bool {
+        self.must_end()
     }
 
     fn kill(&mut self, component: ComponentId) {

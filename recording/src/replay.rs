@@ -146,8 +146,14 @@ impl<'s> Replay<'s> {
         if self.lost || !self.advance_to(step.time, step) {
             return;
         }
-        if step.rule == Rule::Abort {
-            return self.abort(step);
+        match step.rule {
+            Rule::Abort => return self.abort(step),
+            Rule::Stop => {
+                self.stepper.shut_down();
+                self.report.followed += 1;
+                return;
+            }
+            _ => {}
         }
         self.stepper.possible(&mut self.possible);
         let mut found = self.find(step);

@@ -1,8 +1,10 @@
 //! The loop of a run on the virtual clock: discrete events, waiting only for codels that hosts execute.
 
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
+use dotgen_timing::system::Ticks;
 
 use crate::decide::Decide;
+use crate::ending::Ending;
 use crate::live::Live;
 use crate::watch::RunObserver;
 
@@ -52,6 +54,7 @@ pub fn run(
     {
         return End::NotStarted;
     }
+    let mut ending: Option<Ending> = None;
     loop {
         if let Some(live) = live.as_deref_mut() {
             live.step(stepper, &seen);
@@ -67,24 +70,41 @@ pub fn run(
             forward_violations(stepper, live, watch);
         }
         seen.clear();
-        if watch.is_over() {
-            return End::Stopped;
+        if let (Some(ending), Some(live)) = (&mut ending, live.as_deref_mut())
+            && let Some(end) = ending.proceed(stepper, watch, live)
+        {
+            return end;
         }
         steps += 1;
         // A step that executes a codel may take long.
-        if (live.is_some() || steps.is_multiple_of(STEPS_PER_POLL)) && interrupted() {
-            return End::Interrupted;
-        }
+        let polls = live.is_some() || steps.is_multiple_of(STEPS_PER_POLL);
+        let mut reason = match watch.is_over() {
+            true => Some(End::Stopped),
+            false => (polls && interrupted()).then_some(End::Interrupted),
+        };
         stepper.possible(&mut possible);
         let actions = possible.actions();
-        if possible.may_wait() && (actions.is_empty() || decide.waits()) {
-            let left = until.saturating_sub(stepper.now());
-            let jump = stepper.next_moment();
-            let jump = match jump {
-                _ if left == 0 => return End::Done,
-                None => return End::NothingLeft,
-                Some(jump) => u64::from(jump).min(left),
+        let waits = possible.may_wait() && (actions.is_empty() || decide.waits());
+        let left = match &ending {
+            Some(ending) => ending.left(stepper),
+            None => until.saturating_sub(stepper.now()),
+        };
+        let next = stepper.next_moment().filter(|_| waits);
+        if waits && reason.is_none() {
+            reason = match next {
+                _ if left == 0 => Some(End::Done),
+                None => Some(End::NothingLeft),
+                Some(_) => None,
             };
+        }
+        if let Some(reason) = reason.filter(|_| ending.is_none()) {
+            // Codels that were executed may have to stop something.
+            let Some(live) = live.as_deref_mut() else { return reason };
+            ending = Some(Ending::request(reason, stepper, live));
+            continue;
+        }
+        if waits {
+            let jump = u64::from(next.unwrap_or(Ticks::MAX)).min(left).max(1);
             stepper.pass(u32::try_from(jump).unwrap_or(u32::MAX), &mut seen);
             watch.moment(stepper);
             at_once = 0;

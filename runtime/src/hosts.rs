@@ -280,6 +280,11 @@ pub trait Hosts {
     /// no limit, for instance under a debugger.
     fn blocked_after_nanos(&self) -> Option<u64>;
 
+    /// Returns true if the run must end at once, with what is under way.
+    fn is_over(&self) -> bool {
+        false
+    }
+
     /// Kills a component that does not answer.
     fn kill(&mut self, component: ComponentId);
 

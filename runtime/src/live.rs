@@ -6,15 +6,18 @@
 
 mod components;
 mod delegation;
+mod ending;
 mod outcomes;
 mod requests;
 
 use std::collections::{HashMap, VecDeque};
+use std::time::Duration;
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
 use dotgen_timing::system::{CodelId, ComponentId, ServiceId, TaskId, TimedSystem, Yield};
 use typed_index_collections::{TiVec, ti_vec};
 
+use crate::ending::STOP_WITHIN;
 use crate::hosts::{
     Call, CodelEnd, CodelResult, Connection, Hosts, Message, OutsideRequest, Reader, Source,
 };
@@ -87,6 +90,14 @@ pub struct Live<'p> {
     connected: Vec<Connection>,
     /// Work that hosts execute without the engine.
     delegations: Delegations,
+    /// Longest end of a run.
+    stop_within: Duration,
+    /// The run is ending: there are no new requests.
+    ending: bool,
+    /// What has not ended within the bound, in words.
+    unfinished: Vec<String>,
+    /// Places of activities whose codels take too long, which must be interrupted.
+    overrun: Vec<usize>,
 }
 
 impl<'p> Live<'p> {
@@ -115,6 +126,10 @@ impl<'p> Live<'p> {
             asks: HashMap::new(),
             next_ask: 0,
             delegations: Delegations::new(components),
+            stop_within: STOP_WITHIN,
+            ending: false,
+            unfinished: Vec::new(),
+            overrun: Vec::new(),
             system,
             parts,
             hosts,
@@ -131,6 +146,8 @@ impl<'p> Live<'p> {
         self.places = (0..stepper.places()).map(|_| None).collect();
         self.asks.clear();
         self.delegations = Delegations::new(self.system.components.len());
+        self.ending = false;
+        self.overrun.clear();
         self.fault = self.hosts.start().err();
         self.fault.is_none()
     }
@@ -307,7 +324,9 @@ impl<'p> Live<'p> {
                     return;
                 };
                 let component = self.system.services[request.service].component;
-                if self.is_alive(component) {
+                if self.ending {
+                    self.answer_failed(request.id, requests::STOPPING);
+                } else if self.is_alive(component) {
                     self.wanted[component].push_back(request);
                 } else {
                     self.answer_failed(request.id, requests::COMPONENT_LOST);
@@ -352,15 +371,12 @@ impl<'p> Live<'p> {
             took,
             limit,
         });
-        if self.stops_activities
-            && let Some(Some(running)) = self.running.get_mut(executor)
-            && let Some(ran) = &mut running.ran
-            && matches!(running.work, Work::State { automaton, .. }
-                if self.system.automata[automaton].service.is_some())
+        if let Some(Some(Running { work: Work::State { slot, automaton, .. }, .. })) =
+            self.running.get(executor)
+            && self.stops_activities
+            && self.system.automata[*automaton].service.is_some()
         {
-            ran.how = CodelEnd::Exception;
-            ran.name = "::dotgen::overrun".to_owned();
-            ran.detail.clear();
+            self.overrun.push(*slot);
         }
     }
 

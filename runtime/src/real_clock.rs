@@ -10,6 +10,7 @@ use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
 use dotgen_timing::system::Ticks;
 
 use crate::decide::Decide;
+use crate::ending::Ending;
 use crate::engine::{self, End, MAX_ACTIONS_AT_ONE_MOMENT};
 use crate::hosts::Message;
 use crate::live::Live;
@@ -54,6 +55,7 @@ pub fn run(
     }
     let mut clock = Clock::start(live, pace);
     live.permit_delegations(clock.time);
+    let mut ending: Option<Ending> = None;
     loop {
         live.step(stepper, &seen);
         for observation in &seen {
@@ -65,8 +67,16 @@ pub fn run(
         live.accept(stepper, &mut told);
         live.abort(stepper, &mut |stepper, place| watch.interrupt(stepper, place));
         engine::forward_violations(stepper, live, watch);
-        if watch.is_over() {
-            return End::Stopped;
+        // A run that is always late must end as well.
+        let reason = match watch.is_over() {
+            true => Some(End::Stopped),
+            false => interrupted().then_some(End::Interrupted),
+        };
+        if let (None, Some(reason)) = (&ending, reason) {
+            ending = Some(Ending::request(reason, stepper, live));
+        }
+        if let Some(end) = ending.as_mut().and_then(|end| end.proceed(stepper, watch, live)) {
+            return end;
         }
         stepper.possible(&mut possible);
         allowed.clear();
@@ -84,13 +94,13 @@ pub fn run(
             stepper.perform(action, &mut seen);
             continue;
         }
-        // A run that is always late must end as well.
-        if interrupted() {
-            return End::Interrupted;
-        }
-        let left = until.saturating_sub(stepper.now());
+        let left = match &ending {
+            Some(ending) => ending.left(stepper),
+            None => until.saturating_sub(stepper.now()),
+        };
         if left == 0 {
-            return End::Done;
+            ending.get_or_insert_with(|| Ending::request(End::Done, stepper, live));
+            continue;
         }
         live.delegate(stepper);
         let passed = clock.wait(stepper, live, &works, left);

@@ -40,6 +40,9 @@ pub struct RunReport {
     pub time: Value,
     /// End of the last run.
     pub end: End,
+    /// Codels that were still executed when the last run had to end, or else components that had not ended.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unfinished: Vec<String>,
     /// Tasks, in order of declaration.
     pub tasks: Vec<TaskCounts>,
     /// Requests that no client of the scenario sends. The verified model does not have them.
@@ -239,6 +242,7 @@ impl RunReport {
             runs: outcome.runs,
             time: Value::Time(prepared.time(outcome.time)),
             end: outcome.end,
+            unfinished: outcome.unfinished.clone(),
             tasks: tasks(prepared, &outcome.tally, bounds, outcome.time),
             requests_outside_model: 0,
             services: services.collect(),

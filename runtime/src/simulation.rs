@@ -56,6 +56,8 @@ pub struct SimulationResult<'p> {
     /// First run, if the plan asks for it. A run with too many actions is truncated and marked as [left
     /// out](Run::left_out).
     pub recorded: Option<Run>,
+    /// Codels that were still executed when the last run had to end, or else components that had not ended.
+    pub unfinished: Vec<String>,
 }
 
 /// The execution of real codels.
@@ -75,6 +77,9 @@ pub trait Record {
 
     /// Records an interruption of an activity from outside, by its place, before it is performed.
     fn interrupt(&mut self, stepper: &Stepper, place: usize);
+
+    /// Records that the run begins to end.
+    fn on_ending(&mut self, stepper: &Stepper);
 
     /// Records new data of an output port.
     fn on_port_update(&mut self, stepper: &Stepper, written: &PortUpdate);
@@ -126,6 +131,7 @@ pub fn simulate_recorded<'p, W: Write>(
         recorded: plan.record.then(Run::default),
         record,
         first: true,
+        ended: None,
     };
     if let (Some(execution), Some(_)) = (&mut execution, &observer.record) {
         execution.live.keep_data();
@@ -158,6 +164,7 @@ pub fn simulate_recorded<'p, W: Write>(
         time: observer.offset,
         refused: (system.services.keys()).filter(|&service| stepper.has_refused(service)).collect(),
         recorded: observer.recorded,
+        unfinished: execution.map_or(Vec::new(), |execution| execution.live.unfinished().to_vec()),
         end,
         runs,
     }
@@ -199,13 +206,17 @@ struct Observer<'o, 'r, 'f, 'p, W> {
     record: Option<&'r mut dyn Record>,
     /// The present run is the first one.
     first: bool,
+    /// Time at which the present run began to end, in base units: from then on its checks are not observed.
+    ended: Option<u64>,
 }
 
 impl<W: Write> Observer<'_, '_, '_, '_, W> {
     /// Handles the end of a run.
     fn end_run(&mut self, stepper: &Stepper, end: End) {
         self.tally.end(stepper);
-        self.judge.end(stepper, end);
+        if self.ended.is_none() {
+            self.judge.end(stepper, end);
+        }
         if self.first {
             if let Some(run) = &mut self.recorded {
                 run.end = match run.left_out {
@@ -218,7 +229,7 @@ impl<W: Write> Observer<'_, '_, '_, '_, W> {
             }
         }
         self.first = false;
-        self.offset += stepper.now();
+        self.offset += self.ended.take().unwrap_or(stepper.now());
     }
 }
 
@@ -228,7 +239,9 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
             profile.on_event(&mut self.tally, stepper, seen, self.offset);
         }
         self.tally.on_event(self.system, stepper, seen);
-        self.judge.on_event(stepper, seen);
+        if self.ended.is_none() {
+            self.judge.on_event(stepper, seen);
+        }
         if let Some((_, states)) = &mut self.follow {
             states.on_event(self.system, seen);
         }
@@ -253,6 +266,16 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
         }
     }
 
+    fn on_ending(&mut self, stepper: &Stepper, end: End) {
+        if self.ended.is_none() {
+            self.judge.end(stepper, end);
+            self.ended = Some(stepper.now());
+        }
+        if let Some(record) = self.record.as_mut().filter(|_| self.first) {
+            record.on_ending(stepper);
+        }
+    }
+
     fn on_port_update(&mut self, stepper: &Stepper, written: &PortUpdate) {
         if let Some(record) = self.record.as_mut().filter(|_| self.first) {
             record.on_port_update(stepper, written);
@@ -260,7 +283,9 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
     }
 
     fn moment(&mut self, stepper: &Stepper) {
-        self.judge.moment(stepper);
+        if self.ended.is_none() {
+            self.judge.moment(stepper);
+        }
         if let Some(record) = self.record.as_mut().filter(|_| self.first) {
             record.moment();
         }
@@ -279,6 +304,6 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
     }
 
     fn is_over(&self) -> bool {
-        self.stop_at_violation && self.judge.has_violations()
+        self.stop_at_violation && self.judge.has_violations() && self.ended.is_none()
     }
 }

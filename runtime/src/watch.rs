@@ -3,6 +3,8 @@
 use dotgen_timing::explore::{Action, Seen, Stepper};
 use dotgen_timing::system::ComponentId;
 
+use crate::engine::End;
+
 /// Observes a run.
 pub trait RunObserver {
     /// Receives an event. The stepper has performed it.
@@ -13,6 +15,10 @@ pub trait RunObserver {
 
     /// Receives an interruption of an activity from outside, by the place of the activity.
     fn interrupt(&mut self, stepper: &Stepper, place: usize);
+
+    /// Receives the beginning of the end of the run, with its reason: components are shut down from here on, and
+    /// no check is observed any more. Comes again when the shutdown goes on past tasks that were never started.
+    fn on_ending(&mut self, stepper: &Stepper, end: End);
 
     /// Is called after time has passed.
     fn moment(&mut self, stepper: &Stepper);

@@ -39,6 +39,10 @@ impl Record for Recording<'_> {
         self.steps.push(Step::abort(self.system, stepper, place));
     }
 
+    fn on_ending(&mut self, stepper: &Stepper) {
+        self.steps.push(Step::stop(stepper));
+    }
+
     fn on_port_update(&mut self, _: &Stepper, _: &PortUpdate) {}
 
     fn end(&mut self, stepper: &Stepper) {

@@ -18,19 +18,38 @@ pub struct Cancel {
     now: Mutex<Vec<(ThreadId, Effort)>>,
 }
 
-/// Ends verifications with the results found so far, including verifications that begin later.
+/// Ends verifications with the results found so far, including verifications that begin later. Ends a run in
+/// order.
 #[derive(Debug, Clone, Default)]
-pub struct Interrupt(Arc<OnceLock<Instant>>);
+pub struct Interrupt(Arc<Requests>);
+
+#[derive(Debug, Default)]
+struct Requests {
+    raised: OnceLock<Instant>,
+    forced: AtomicBool,
+}
 
 impl Interrupt {
-    /// Ends the verifications, as the user has waited long enough.
+    /// Ends the verifications, as the user has waited long enough; requests the orderly end of a run.
     pub fn raise(&self) {
-        self.0.get_or_init(Instant::now);
+        self.0.raised.get_or_init(Instant::now);
+    }
+
+    /// Also ends what is still under way for an orderly end.
+    pub fn force(&self) {
+        self.raise();
+        self.0.forced.store(true, Ordering::Release);
     }
 
     /// Returns true after [`raise`](Self::raise).
     pub fn is_raised(&self) -> bool {
-        self.0.get().is_some()
+        self.0.raised.get().is_some()
+    }
+
+    /// Returns true after [`force`](Self::force), or when an orderly end has had this time.
+    pub fn is_over(&self, within: Duration) -> bool {
+        let late = self.0.raised.get().is_some_and(|at| at.elapsed() >= within);
+        late || self.0.forced.load(Ordering::Acquire)
     }
 }
 
@@ -110,7 +129,7 @@ impl Cancel {
 
     /// Returns true if even the reconstruction of runs has to end.
     pub(crate) fn is_too_late(&self) -> bool {
-        let interrupted = self.interrupt.0.get();
+        let interrupted = self.interrupt.0.raised.get();
         let limit = self.time_limit().unwrap_or_default();
         self.is_abandoned()
             || interrupted.is_some_and(|instant| instant.elapsed() >= MAX_RECONSTRUCTION_TIME)

@@ -245,7 +245,7 @@ impl Context<'_, '_> {
             priority,
         });
         let (components, tasks) = (components.collect(), tasks.collect());
-        let interrupt = self.interrupt.clone();
+        let interrupt = (self.interrupt.clone(), arguments.stop_within);
         let mut children = Children::new(libraries, components, tasks, real, interrupt);
         if arguments.debug {
             children.debug(arguments.waiting());
@@ -333,6 +333,7 @@ impl Context<'_, '_> {
         let interrupted = || self.interrupt.is_raised();
         let stops_activities = arguments.on_violation == super::OnViolation::StopActivity;
         let mut live = Live::new(system, &parts, &mut children, !real, stops_activities);
+        live.set_stop_within(arguments.stop_within);
         let execution = Execution {
             live: &mut live,
             pace,

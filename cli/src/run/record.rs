@@ -112,6 +112,11 @@ impl Record for Recording<'_, '_> {
         self.step(at, &Step::abort(self.system, stepper, place));
     }
 
+    fn on_ending(&mut self, stepper: &Stepper) {
+        let at = self.at(stepper);
+        self.step(at, &Step::stop(stepper));
+    }
+
     fn on_port_update(&mut self, stepper: &Stepper, written: &PortUpdate) {
         let Some(Some(member)) = self.members.get(written.component) else {
             return;

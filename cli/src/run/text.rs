@@ -101,6 +101,9 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
         1 => write!(out, "; {OPEN}1 check not exercised{OPEN:#}")?,
         count => write!(out, "; {OPEN}{count} checks not exercised{OPEN:#}")?,
     }
+    if !report.unfinished.is_empty() {
+        write!(out, "; {BAD}not stopped in time: {}{BAD:#}", report.unfinished.join(", "))?;
+    }
     match ended(report.end) {
         Some(why) => writeln!(out, "; {OPEN}{why}{OPEN:#}")?,
         None => writeln!(out)?,

@@ -1,4 +1,5 @@
-//! Ctrl-C: a verification ends with the answers so far. A second Ctrl-C ends the process at once.
+//! Ctrl-C: a verification ends with the answers so far, a run in order. The last Ctrl-C ends the process at
+//! once.
 
 use std::io::IsTerminal;
 
@@ -15,14 +16,15 @@ const ENDED: i32 = 130;
 /// process.
 pub(crate) fn on_terminal() -> Interrupt {
     match std::io::stderr().is_terminal() {
-        true => watched(),
+        true => watched(false),
         false => Interrupt::default(),
     }
 }
 
-/// Returns an interrupt that Ctrl-C, TERM and HUP raise, whatever their source.
+/// Returns an interrupt that Ctrl-C, TERM and HUP raise, whatever their source. The second signal forces it,
+/// the third one ends the process.
 pub(crate) fn on_signals() -> Interrupt {
-    watched()
+    watched(true)
 }
 
 /// The signals that request the end. A signal that comes while no task waits for it is kept for the next one.
@@ -75,7 +77,7 @@ impl Signals {
     }
 }
 
-fn watched() -> Interrupt {
+fn watched(in_order: bool) -> Interrupt {
     let interrupt = Interrupt::default();
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let Ok(runtime) = runtime else {
@@ -92,6 +94,10 @@ fn watched() -> Interrupt {
             signals.next().await;
             raised.raise();
             signals.next().await;
+            if in_order {
+                raised.force();
+                signals.next().await;
+            }
             disk::leave(ENDED);
         });
     });

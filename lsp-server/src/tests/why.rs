@@ -80,7 +80,7 @@ async fn a_missed_deadline_says_why_and_what_would_help_and_the_fix_makes_it_hol
     let actions = client.ok("textDocument/codeAction", params).await;
     let of_remedy = |json: &&Value| {
         let title = json["title"].as_str().unwrap_or_default();
-        title == "Set the execution time of `lift.report.start` to 6.8 ms, with which this holds"
+        title == "Give `lift.report.start` a budget of 6.8 ms, with which this holds"
     };
     let found = actions.as_array().into_iter().flatten().find(of_remedy);
     let action = found.unwrap_or_else(|| panic!("{actions}"));

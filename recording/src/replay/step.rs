@@ -46,6 +46,8 @@ pub enum Rule {
     Proceed,
     /// An activity is interrupted from outside.
     Abort,
+    /// The run ends: its components are shut down (18).
+    Stop,
 }
 
 impl Rule {
@@ -70,6 +72,7 @@ impl Rule {
             Rule::Shut => "a component that is killed ends what it executes",
             Rule::Proceed => "a client goes on when what it waits for has come",
             Rule::Abort => "an activity is interrupted by services that say so",
+            Rule::Stop => "a run ends when its components are shut down",
         }
     }
 }
@@ -158,6 +161,12 @@ impl Step {
         }
     }
 
+    /// Returns the step that begins the end of a run.
+    pub fn stop(stepper: &Stepper) -> Step {
+        let none = String::new;
+        Step { time: stepper.now(), rule: Rule::Stop, of: none(), what: none(), to: none() }
+    }
+
     /// Returns the step in words, without its time.
     pub fn describe(&self) -> String {
         let Step { of, what, to, .. } = self;
@@ -179,6 +188,7 @@ impl Step {
             Rule::Shut => format!("`{of}` gets on with its end"),
             Rule::Proceed => format!("client `{of}` goes on"),
             Rule::Abort => format!("a request from outside interrupts `{of}`"),
+            Rule::Stop => "the run begins to end".to_owned(),
         }
     }
 }

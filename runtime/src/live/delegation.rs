@@ -129,6 +129,11 @@ impl Live<'_> {
         self.delegations.time = allowed.then_some(time);
     }
 
+    /// Returns true if some thread executes cycles by itself.
+    pub(crate) fn has_delegations(&self) -> bool {
+        !self.delegations.tasks.is_empty()
+    }
+
     /// Returns true if the thread of a task executes its cycles by itself.
     pub fn is_delegated(&self, task: TaskId) -> bool {
         let mut tasks = self.delegations.tasks.iter();
@@ -157,6 +162,9 @@ impl Live<'_> {
             return;
         };
         self.recall_waiting(stepper);
+        if self.ending {
+            return;
+        }
         let candidates = std::mem::take(&mut self.delegations.candidates);
         for task in candidates {
             if self.is_delegated(task) {

@@ -9,6 +9,12 @@ use dotgen_timing::system::{ClientId, ComponentId, ServiceId};
 /// Marks the numbers of requests by codels.
 const CODEL_REQUEST_BIT: u64 = 1 << 63;
 
+/// The exception of a request to a run that is ending.
+pub(super) const STOPPING: &str = "::dotgen::stopping";
+
+/// The exception of an activity whose codel took too long.
+const OVERRUN: &str = "::dotgen::overrun";
+
 /// The exception of a request to a component that is lost.
 pub(super) const COMPONENT_LOST: &str = "::dotgen::lost";
 
@@ -159,11 +165,18 @@ impl Live<'_> {
         let wanted = self.wanted.get(component).and_then(|requests| requests.front());
         let steps = &self.system.clients[client].steps;
         let requests = steps.get(step).and_then(|step| step.requests());
-        wanted.is_some_and(|request| requests == Some(request.service))
+        !self.ending && wanted.is_some_and(|request| requests == Some(request.service))
     }
 
-    /// Interrupts aborted outside requests. `tell` gets the place of each one before the interruption.
+    /// Interrupts aborted outside requests, and activities whose codels take too long. `tell` gets the place of each one before the interruption.
     pub fn abort(&mut self, stepper: &mut Stepper, tell: &mut dyn FnMut(&Stepper, usize)) {
+        for place in std::mem::take(&mut self.overrun) {
+            if let Some(Some(instance)) = self.places.get_mut(place) {
+                instance.failed.get_or_insert_with(|| (OVERRUN.to_owned(), Vec::new()));
+                tell(stepper, place);
+                stepper.interrupt(place);
+            }
+        }
         for id in std::mem::take(&mut self.aborts) {
             let of = |instance: &Option<Instance>| {
                 instance.as_ref().is_some_and(|instance| instance.wanted == Some(id))

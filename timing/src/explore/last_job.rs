@@ -41,8 +41,7 @@ impl Run {
     ) -> Option<LastJob> {
         let period = system.tasks[task].period.filter(|_| deadline);
         let task = usize::from(task);
-        let clocks =
-            Clocks { response: vec![true; system.tasks.len()], within: Vec::new(), token: 0 };
+        let clocks = Clocks { response: vec![true; system.tasks.len()], ..Clocks::default() };
         let rules = SystemRules::new(system).with_clocks(&clocks);
         let clock = rules.frame().response[task]?;
         let mut s = rules.initial();

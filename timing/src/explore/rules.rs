@@ -189,6 +189,17 @@ pub(crate) struct Enabled {
 }
 
 impl Enabled {
+    /// Removes the requests of clients, which may then wait.
+    pub(crate) fn without_requests(&mut self) {
+        let before = self.actions.len();
+        self.actions.retain(|action| !matches!(action, Action::Request { .. }));
+        if self.actions.len() < before {
+            let takes_time =
+                |action: &Action| matches!(action, Action::Finish { .. } | Action::Preempt { .. });
+            self.urgent = !self.actions.iter().all(takes_time);
+        }
+    }
+
     /// Returns true if time may pass.
     pub(crate) fn is_calm(&self) -> bool {
         !self.urgent && !self.forced
@@ -318,6 +329,20 @@ pub(crate) trait Rules: Sized {
 
     /// Interrupts the activity in a place, like a service that interrupts it.
     fn interrupt_activity(&self, s: &mut State, place: usize);
+
+    /// Begins the shutdown of a component, if the state has a place for it ([`Clocks::ends`]), or goes on with
+    /// it if it [is stuck](Self::is_stuck).
+    fn begin_shutdown(&self, _s: &mut State, _component: ComponentId) {}
+
+    /// Returns true if the shutdown of a component waits for a task that was never started.
+    fn is_stuck(&self, _s: &State, _component: ComponentId) -> bool {
+        false
+    }
+
+    /// Returns true if a component has been shut down.
+    fn is_shut_down(&self, _s: &State, _component: ComponentId) -> bool {
+        false
+    }
 
     /// Returns the service whose request a control task is handling, and whether the request is already
     /// refused.

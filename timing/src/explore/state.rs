@@ -64,6 +64,8 @@ pub(crate) struct Clocks {
     pub(crate) within: Vec<Stages>,
     /// Numbers in the discrete part for the token of a chain.
     pub(crate) token: usize,
+    /// Every component can be shut down from outside, and not only those that a client may kill.
+    pub(crate) ends: bool,
 }
 
 /// The stages of an observer.
@@ -78,7 +80,7 @@ pub(crate) struct Stages {
 impl Clocks {
     /// Returns the absence of clocks and observers.
     pub(crate) fn none(tasks: usize) -> Self {
-        Clocks { response: vec![false; tasks], within: Vec::new(), token: 0 }
+        Clocks { response: vec![false; tasks], within: Vec::new(), token: 0, ends: false }
     }
 }
 

@@ -252,6 +252,25 @@ impl<'s> Stepper<'s> {
         self.walk.interrupt(place);
     }
 
+    /// Begins the shutdown of every component, as their clients' `kill` does: activities are interrupted, then
+    /// the permanent activities. No more requests are taken. A system has no such action, but the end of a run needs it. Under the
+    /// published semantics, which have no shutdown, activities are interrupted, and permanent ones go on. A
+    /// shutdown that [is stuck](Self::is_stuck) goes on.
+    pub fn shut_down(&mut self) {
+        self.walk.shut_down();
+    }
+
+    /// Returns true if some shutdown waits for a task that was never started, because the start-up of an
+    /// earlier task has failed.
+    pub fn is_stuck(&self) -> bool {
+        self.walk.is_stuck()
+    }
+
+    /// Returns true if a component has ended after [`shut_down`](Self::shut_down).
+    pub fn is_shut_down(&self, component: ComponentId) -> bool {
+        self.walk.is_shut_down(component)
+    }
+
     /// Returns the service whose request the control task of a component is handling, and whether the request
     /// is already refused. (Under the published semantics only the end of the validation shows that.)
     pub fn handling(&self, component: ComponentId) -> Option<(ServiceId, bool)> {
@@ -297,6 +316,9 @@ trait Walk {
     fn places(&self) -> usize;
     fn activity(&self, place: usize) -> Option<AutomatonId>;
     fn interrupt(&mut self, place: usize);
+    fn shut_down(&mut self);
+    fn is_stuck(&self) -> bool;
+    fn is_shut_down(&self, component: ComponentId) -> bool;
     fn handling(&self, component: ComponentId) -> Option<(ServiceId, bool)>;
     fn has_refused(&self, service: ServiceId) -> bool;
 }
@@ -308,6 +330,7 @@ fn walk<'s, R: Rules + 's>(rules: &R, watched: &Watched) -> Stepper<'s> {
             .map(|(_, responses)| Stages { count: responses.len(), measured: true })
             .collect(),
         token: 0,
+        ends: true,
     };
     let rules = rules.with_clocks(&clocks);
     let observers = watched.within.iter().map(|(trigger, responses)| Observer {
@@ -320,6 +343,7 @@ fn walk<'s, R: Rules + 's>(rules: &R, watched: &Watched) -> Stepper<'s> {
         overdue: vec![false; rules.system().tasks.len()],
         s: rules.initial(),
         before: rules.initial(),
+        ending: false,
         now: 0,
         rules,
     };
@@ -335,6 +359,8 @@ struct Walker<R: Rules> {
     before: State,
     /// Tasks that were reported as overdue.
     overdue: Vec<bool>,
+    /// Components are being shut down, and take no requests.
+    ending: bool,
     now: u64,
 }
 
@@ -399,6 +425,7 @@ impl<R: Rules> Walker<R> {
 impl<R: Rules> Walk for Walker<R> {
     fn begin(&mut self, seen: &mut Vec<Seen>) {
         self.s = self.rules.initial();
+        self.ending = false;
         self.now = 0;
         self.overdue.fill(false);
         let mut met = Vec::new();
@@ -418,6 +445,9 @@ impl<R: Rules> Walk for Walker<R> {
 
     fn possible(&self, out: &mut Enabled) {
         self.rules.enabled(&self.s, out);
+        if self.ending {
+            out.without_requests();
+        }
     }
 
     fn perform(&mut self, action: Action, seen: &mut Vec<Seen>) {
@@ -555,6 +585,22 @@ impl<R: Rules> Walk for Walker<R> {
 
     fn interrupt(&mut self, place: usize) {
         self.rules.interrupt_activity(&mut self.s, place);
+    }
+
+    fn shut_down(&mut self) {
+        self.ending = true;
+        for component in self.rules.system().components.keys() {
+            self.rules.begin_shutdown(&mut self.s, component);
+        }
+    }
+
+    fn is_stuck(&self) -> bool {
+        let mut components = self.rules.system().components.keys();
+        components.any(|component| self.rules.is_stuck(&self.s, component))
+    }
+
+    fn is_shut_down(&self, component: ComponentId) -> bool {
+        self.rules.is_shut_down(&self.s, component)
     }
 
     fn handling(&self, component: ComponentId) -> Option<(ServiceId, bool)> {

@@ -8,8 +8,12 @@ use super::Cx;
 use crate::diagnostic::FileEdit;
 use crate::ide::FileView;
 
-/// The edit that sets the execution time of the codel around a place to `time` (`4 ms`), if the codel states
-/// one in a clause of its own. Times from a macro or a pragma are not edited.
+/// Marks an execution time that is required and not measured.
+const BUDGET: &str = " /* budget */";
+
+/// The edit that makes `time` (`4 ms`) the budget of the codel around a place, if the codel states a time in
+/// a clause of its own or in a pragma of the file. A clause gets the word *budget* as a comment, because the
+/// time is no longer a measured one. Times from a macro are not edited.
 pub(crate) fn execution_time(
     view: &FileView<'_>,
     range: &Range<usize>,
@@ -19,10 +23,28 @@ pub(crate) fn execution_time(
     let cx = Cx { view, range };
     let codel = cx.ancestor::<ast::Codel>()?;
     let mut clauses = codel.wcets();
-    let (clause, None) = (clauses.next()?, clauses.next()) else {
-        return None;
-    };
-    replace_time(&cx, &clause.quantity()?, time)
+    match (clauses.next(), clauses.next()) {
+        (Some(clause), None) => {
+            let quantity = clause.quantity()?;
+            let after = cx.view.text().get(cx.node_range(quantity.syntax()).end..)?;
+            let known = after.trim_start().starts_with(BUDGET.trim_start());
+            let mark = if known { "" } else { BUDGET };
+            replace_time(&cx, &quantity, &format!("{time}{mark}"))
+        }
+        (None, _) => {
+            let name = cx.text(codel.name()?.syntax()).to_owned();
+            let directives = view.root().descendants().filter_map(ast::Directive::cast);
+            let pragma = { directives }.find(|directive| {
+                // The first name is the word after `#pragma`.
+                let mut names = directive.syntax().children().filter_map(ast::NameRef::cast);
+                let mut is =
+                    |text: &str| names.next().is_some_and(|name| cx.text(name.syntax()) == text);
+                is("wcet") && is(&name)
+            })?;
+            replace_time(&cx, &pragma.quantity()?, time)
+        }
+        _ => None,
+    }
 }
 
 /// A time of a task.

@@ -43,6 +43,13 @@ impl Live<'_> {
         pauses.push((task, until));
     }
 
+    /// Recalls all tasks.
+    pub(in crate::live) fn recall_all(&mut self) {
+        let executors: Vec<usize> =
+            self.delegations.tasks.iter().map(|delegated| delegated.executor).collect();
+        executors.into_iter().for_each(|executor| self.recall(executor));
+    }
+
     fn recall(&mut self, executor: usize) {
         if let Some(delegated) = self.delegations.of(executor)
             && delegated.recall == Recall::None

@@ -131,7 +131,7 @@ test('the mouse: a click chooses, the wheel zooms at the pointer, a drag moves t
 
 test('many remedies leave room for the lanes in a small pane', async () => {
   const it = await pages.open({ width: 340, height: 290 });
-  const remedies = ['pump.report.start', 'pump.control', 'pump.report', 'pump.control.main'].map((name) => ({ title: `Set the execution time of \`${name}\` to 5 ms`, previews: true }));
+  const remedies = ['pump.report.start', 'pump.control', 'pump.report', 'pump.control.main'].map((name) => ({ title: `Give \`${name}\` a budget of 5 ms`, previews: true }));
   await it.send({ type: 'trace', trace: trace(200), remedies });
   const { height } = await it.page.locator('#trace').boundingBox();
   assert.ok(height >= 60, `${height} pixels`);
@@ -144,7 +144,7 @@ test('a remedy shows the run with it while it is pointed at, and is written by a
   const it = await pages.open();
   const run = trace(200);
   const other = { ...trace(40), title: 'it holds' };
-  const remedies = [{ title: 'Set the execution time of `move` to 3 ms', previews: true }, { title: 'Set the period of `main` to 20 ms', previews: false }];
+  const remedies = [{ title: 'Give `move` a budget of 3 ms', previews: true }, { title: 'Set the period of `main` to 20 ms', previews: false }];
   await it.send({ type: 'trace', trace: run, remedies });
   const buttons = it.page.locator('#remedies button');
   const title = () => it.page.locator('#title').textContent();

@@ -43,7 +43,8 @@ pub(crate) struct Layout {
     pub(super) core_queue: Option<(usize, usize)>,
     /// Length, then executors, of each component. With jobs, all components share one queue.
     pub(super) lock_queue: TiVec<ComponentId, Option<usize>>,
-    /// Place of the shutdown stage of each component that a client may kill; 0: not killed.
+    /// Place of the shutdown stage of each component that a client, or the end of a run, may kill; 0: not
+    /// killed.
     pub(super) shutdown: TiVec<ComponentId, Option<usize>>,
     /// Clients for which the step that sent a request matters.
     pub(super) follows: TiVec<ClientId, bool>,
@@ -116,7 +117,8 @@ impl Layout {
         let shutdown = (system.components.iter())
             .map(|component| {
                 let kill = |&of: &ServiceId| system.services[of].builtin == Some(Builtin::Kill);
-                (component.services.iter().any(kill)).then(|| places.discrete(1))
+                let ends = clocks.ends && !jobs || component.services.iter().any(kill);
+                ends.then(|| places.discrete(1))
             })
             .collect();
         let timers = places.times(tasks);

@@ -5,9 +5,9 @@
 //! they end; and at last its control task. The thread of the shutdown needs no core and takes no time, and
 //! each of its steps is an action.
 
-use super::SystemRules;
 use super::layout::EdfTimes;
 use super::status::{control, flag, slot, thread, tracker};
+use super::{Rules, SystemRules};
 use crate::explore::state::State;
 use crate::system::{Builtin, ClientAction, ClientId, ComponentId, TaskId};
 
@@ -34,12 +34,65 @@ impl SystemRules<'_> {
             Builtin::Abort => self.abort(s, component),
             Builtin::Connect => true,
             Builtin::Kill => {
-                if let Some(place) = self.layout.shutdown[component]
-                    && s.d[place] == 0
-                {
-                    s.d[place] = 1;
-                }
+                self.kill(s, component);
                 true
+            }
+        }
+    }
+
+    /// Begins the shutdown of a component. Jobs have none: their activities are interrupted at once.
+    pub(super) fn kill(&self, s: &mut State, component: ComponentId) {
+        if let Some(place) = self.layout.shutdown[component] {
+            s.d[place] = s.d[place].max(1);
+            return;
+        }
+        for &task in &self.system.components[component].tasks {
+            let places: Vec<usize> = self.running_jobs(s, usize::from(task)).collect();
+            for place in places {
+                self.mark(s, usize::from(task), place);
+            }
+        }
+    }
+
+    /// Returns true if the shutdown of a component waits for a task that was never started, because an earlier
+    /// task of the component has failed in its start-up. Such a task has nothing to stop.
+    pub(super) fn is_stuck(&self, s: &State, component: ComponentId) -> bool {
+        let Some(Stage::Permanent(task) | Stage::Stopping(task)) = self.stage(s, component) else {
+            return false;
+        };
+        let awaited = self.awaits_start_up(s, TaskId::from(task)).map(usize::from);
+        let ended = |task: usize| {
+            let place = self.permanent(s, task);
+            place.is_none_or(|place| self.layout.activity(s, place) == slot::ETHER)
+        };
+        awaited.is_some_and(|awaited| awaited != task && ended(awaited))
+    }
+
+    /// Goes on with a shutdown past tasks that were never started.
+    pub(super) fn skip_unstarted(&self, s: &mut State, component: ComponentId) {
+        while self.is_stuck(s, component)
+            && let Some(place) = self.layout.shutdown[component]
+        {
+            s.d[place] += 1;
+        }
+    }
+
+    /// Returns the activities of a task, except the permanent one, without a shutdown of its component.
+    fn running_jobs(&self, s: &State, task: usize) -> impl Iterator<Item = usize> {
+        let slots = self.layout.slots(task).iter().copied();
+        slots.filter(move |&slot| {
+            let automaton = Rules::activity(self, s, slot);
+            automaton.is_some_and(|automaton| self.system.automata[automaton].service.is_some())
+        })
+    }
+
+    /// Returns true if a component has shut down. Without a shutdown: if its activities have ended.
+    pub(super) fn has_shut_down(&self, s: &State, component: ComponentId) -> bool {
+        let tasks = &self.system.components[component].tasks;
+        match self.layout.shutdown[component] {
+            Some(place) => s.d[place] != 0 && self.stage(s, component).is_none(),
+            None => {
+                tasks.iter().all(|&task| self.running_jobs(s, usize::from(task)).next().is_none())
             }
         }
     }

@@ -455,6 +455,19 @@ impl Rules for SystemRules<'_> {
         }
     }
 
+    fn begin_shutdown(&self, s: &mut State, component: ComponentId) {
+        self.kill(s, component);
+        self.skip_unstarted(s, component);
+    }
+
+    fn is_stuck(&self, s: &State, component: ComponentId) -> bool {
+        SystemRules::is_stuck(self, s, component)
+    }
+
+    fn is_shut_down(&self, s: &State, component: ComponentId) -> bool {
+        self.has_shut_down(s, component)
+    }
+
     fn handling(&self, s: &State, component: ComponentId) -> Option<(ServiceId, bool)> {
         let l = &self.layout;
         let service = l.handled(s, component)?;

@@ -74,7 +74,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
                 measured: measured(Timing::Within(i)),
             })
             .collect();
-        let clocks = Clocks { response: observed, within: clocked, token: 0 };
+        let clocks = Clocks { response: observed, within: clocked, token: 0, ends: false };
         let own = rules.with_clocks(&clocks);
         let predicates: Vec<&Predicate> = (watch.within.iter())
             .flat_map(|bound| bound.responses.iter().chain([&bound.trigger]))
