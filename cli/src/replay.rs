@@ -30,7 +30,7 @@ use super::{Outcome, SpecificationOptions, report};
 ///
 /// A damaged recording is compared up to the damage.
 ///
-/// Exit status: 0 if the recording is a run of the model, 1 if not, 2 if it is damaged or nothing could be
+/// Exit status: 0 if the recording is a run of the model, 1 if not, or if a codel violates its declaration, 2 if it is damaged or nothing could be
 /// compared.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
@@ -219,6 +219,12 @@ fn print_text(
     }
     match report.difference_count {
         0 => writeln!(out, "it is a run of the model")?,
+        1 if report.violation_count == 1 => {
+            writeln!(out, "\n1 violation by a codel; all else is a run of the model")?
+        }
+        count if report.violation_count == count => {
+            writeln!(out, "\n{count} violations by codels; all else is a run of the model")?
+        }
         _ if report.followed < report.steps => writeln!(
             out,
             "\nit is no run of the model; from the last difference on it was not followed"

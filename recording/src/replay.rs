@@ -13,6 +13,7 @@ mod step;
 
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Watched, Work};
 use dotgen_timing::system::{ClientId, CodelId, FOREVER, Ticks, TimedSystem};
+use num_rational::Ratio;
 use typed_index_collections::TiVec;
 
 pub use step::{Rule, Step};
@@ -75,6 +76,9 @@ pub struct ReplayReport {
     pub differences: Vec<Difference>,
     /// Number of all differences.
     pub difference_count: u64,
+    /// Number of those differences that are violations by codels, which a run counts as well: their times and
+    /// exceptions. With these the run is one of the model.
+    pub violation_count: u64,
 }
 
 /// Replays a recorded run in the model. See the [module](self).
@@ -131,6 +135,7 @@ impl<'s> Replay<'s> {
                 from_outside: 0,
                 differences: Vec::new(),
                 difference_count: 0,
+                violation_count: 0,
             },
             system,
             stepper,
@@ -194,6 +199,7 @@ impl<'s> Replay<'s> {
                 of: String::new(),
                 what: String::new(),
                 to: String::new(),
+                executed: None,
             };
             // The last event of the run may be missing in the recording.
             self.advance_to(time, &end);
@@ -208,7 +214,7 @@ impl<'s> Replay<'s> {
     /// Returns the possible action that corresponds to a step.
     fn find(&self, step: &Step) -> Option<Action> {
         let mut actions = self.possible.actions().iter().copied();
-        actions.find(|&action| Step::new(self.system, &self.stepper, action) == *step)
+        actions.find(|&action| Step::new(self.system, &self.stepper, action).is_alike(step))
     }
 
     /// Returns the action by which an executor ends although the model forbids it. Either the work took less
@@ -222,7 +228,8 @@ impl<'s> Replay<'s> {
         self.stepper.set_window(executor, (0, 0));
         self.stepper.possible(&mut self.possible);
         let found = self.find(step)?;
-        if least > 0 {
+        // On the real clock, what takes less than stated is no violation.
+        if least > 0 && step.executed.is_none() {
             let (took, limit) = (self.took(executor), self.begun[executor].1.0);
             self.record_difference(step, step.rule, DifferenceKind::Shorter { took, limit });
         }
@@ -321,11 +328,22 @@ impl<'s> Replay<'s> {
     }
 
     fn record_overrun(&mut self, executor: usize, step: &Step) {
-        if !std::mem::take(&mut self.longer[executor]) {
-            return;
-        }
+        let longer = std::mem::take(&mut self.longer[executor]);
+        let limit = self.begun[executor].1.1;
+        let took = match step.executed {
+            // As in the run: the exchange of messages is no part of it.
+            // A codel without a stated time has the limit 0.
+            Some(nanos) if limit != FOREVER && limit > 0 => {
+                let unit = self.system.unit * Ratio::from_integer(1_000_000_000);
+                let units = (Ratio::from_integer(i128::from(nanos)) / unit).ceil().to_integer();
+                let took = u64::try_from(units).unwrap_or(u64::MAX);
+                (took > u64::from(limit)).then_some(took)
+            }
+            Some(_) => None,
+            None => longer.then(|| self.took(executor)),
+        };
+        let Some(took) = took else { return };
         let whose = self.end_of(executor);
-        let (took, limit) = (self.took(executor), self.begun[executor].1.1);
         let step = match step.what.is_empty() && step.of.is_empty() {
             // The recording ended before the work.
             true => &whose,
@@ -370,6 +388,13 @@ impl<'s> Replay<'s> {
 
     fn record_difference(&mut self, step: &Step, rule: Rule, what: DifferenceKind) {
         self.report.difference_count += 1;
+        let by_codel = matches!(
+            what,
+            DifferenceKind::Longer { .. }
+                | DifferenceKind::Shorter { .. }
+                | DifferenceKind::Undeclared
+        );
+        self.report.violation_count += u64::from(by_codel);
         if self.report.differences.len() < MAX_KEPT_DIFFERENCES {
             self.report.differences.push(Difference {
                 number: self.report.steps,

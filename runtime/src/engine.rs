@@ -115,7 +115,7 @@ pub fn run(
             return End::Standstill;
         }
         let action = choose(actions, &works, decide, live.as_deref_mut(), &mut outcomes);
-        watch.on_action(stepper, action);
+        watch.on_action(stepper, action, None);
         stepper.perform(action, &mut seen);
     }
 }

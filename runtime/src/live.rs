@@ -13,7 +13,7 @@ mod requests;
 use std::collections::{HashMap, VecDeque};
 use std::time::Duration;
 
-use dotgen_timing::explore::{Seen, Stepper, Work};
+use dotgen_timing::explore::{Action, Seen, Stepper, Work};
 use dotgen_timing::system::{CodelId, ComponentId, ServiceId, TaskId, TimedSystem, Yield};
 use typed_index_collections::{TiVec, ti_vec};
 
@@ -285,6 +285,13 @@ impl<'p> Live<'p> {
     fn work_deadline_nanos(&self) -> u64 {
         let blocked_after_nanos = self.hosts.blocked_after_nanos();
         blocked_after_nanos.map_or(u64::MAX, |number| self.hosts.now().saturating_add(number))
+    }
+
+    /// Returns the execution time of the codel that an action ends, in nanoseconds, if a host has executed it.
+    pub(crate) fn executed(&self, action: Action) -> Option<u64> {
+        let Action::Finish { executor, .. } = action else { return None };
+        let running = self.running.get(executor)?.as_ref()?;
+        Some(running.ran.as_ref().filter(|_| running.real)?.nanos)
     }
 
     /// Returns true if a host executes work for an executor.

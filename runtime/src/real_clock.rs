@@ -90,7 +90,7 @@ pub fn run(
                 return End::Standstill;
             }
             let action = engine::choose(&allowed, &works, decide, Some(live), &mut outcomes);
-            watch.on_action(stepper, action);
+            watch.on_action(stepper, action, live.executed(action));
             stepper.perform(action, &mut seen);
             continue;
         }

@@ -6,6 +6,7 @@ use std::io::Write;
 use dotgen_timing::explore::{Action, Run, Seen, Stepper};
 use dotgen_timing::system::{ServiceId, Ticks, TimedSystem};
 use dotgen_timing::verify::Prepared;
+use num_rational::Ratio;
 
 use crate::checker::RunChecker;
 use crate::decide::{Durations, RandomDecisions};
@@ -72,8 +73,9 @@ pub struct Execution<'l, 'p> {
 
 /// Records a run.
 pub trait Record {
-    /// Records an action before it is performed.
-    fn on_action(&mut self, stepper: &Stepper, action: Action);
+    /// Records an action before it is performed, with the execution time of a codel that it ends, in
+    /// nanoseconds, if a host has executed the codel on the real clock.
+    fn on_action(&mut self, stepper: &Stepper, action: Action, executed: Option<u64>);
 
     /// Records an interruption of an activity from outside, by its place, before it is performed.
     fn interrupt(&mut self, stepper: &Stepper, place: usize);
@@ -247,10 +249,15 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
         }
     }
 
-    fn on_action(&mut self, stepper: &Stepper, action: Action) {
+    fn on_action(&mut self, stepper: &Stepper, action: Action, executed: Option<u64>) {
         let now = stepper.now();
+        if let (Action::Finish { executor, .. }, Some(nanos)) = (action, executed) {
+            let nanos = Ratio::new(i128::from(nanos), 1_000_000_000);
+            let units = (nanos / self.system.unit).ceil().to_integer();
+            self.tally.set_executed(executor, now, u64::try_from(units).unwrap_or(u64::MAX));
+        }
         if let Some(record) = self.record.as_mut().filter(|_| self.first) {
-            record.on_action(stepper, action);
+            record.on_action(stepper, action, executed);
         }
         if let Some(run) = self.recorded.as_mut().filter(|_| self.first) {
             match run.steps.len() < MAX_RECORDED_ACTIONS {

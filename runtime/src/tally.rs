@@ -181,6 +181,13 @@ impl Tally {
         }
     }
 
+    /// Sets the execution time of work that ends now, if that is less than the time since its locks were
+    /// granted: the rest is the exchange of messages with its host. Times are in base units.
+    pub(crate) fn set_executed(&mut self, executor: usize, now: u64, executed: u64) {
+        let busy = self.busy(executor);
+        busy.begun = busy.begun.max(now.saturating_sub(executed));
+    }
+
     pub(crate) fn busy(&mut self, executor: usize) -> &mut ActiveWork {
         if self.busy.len() <= executor {
             let idle = ActiveWork { asked: 0, begun: 0 };

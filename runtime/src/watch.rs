@@ -10,8 +10,9 @@ pub trait RunObserver {
     /// Receives an event. The stepper has performed it.
     fn on_event(&mut self, stepper: &Stepper, seen: &Seen);
 
-    /// Receives an action before it is performed.
-    fn on_action(&mut self, stepper: &Stepper, action: Action);
+    /// Receives an action before it is performed; for the end of a codel that a host has executed on the real
+    /// clock, with its execution time in nanoseconds: without what the exchange of messages takes.
+    fn on_action(&mut self, stepper: &Stepper, action: Action, executed: Option<u64>);
 
     /// Receives an interruption of an activity from outside, by the place of the activity.
     fn interrupt(&mut self, stepper: &Stepper, place: usize);

@@ -34,13 +34,13 @@ struct Ends<'s> {
 }
 
 impl Record for Ends<'_> {
-    fn on_action(&mut self, stepper: &Stepper, action: Action) {
+    fn on_action(&mut self, stepper: &Stepper, action: Action, executed: Option<u64>) {
         if let Action::Finish { executor, .. } = action {
             let codel = stepper.work(executor).and_then(|work| work.codel());
             let real = codel.is_some_and(|codel| self.parts.codel(codel).is_some());
             self.ended += u64::from(real);
         }
-        self.recording.on_action(stepper, action);
+        self.recording.on_action(stepper, action, executed);
     }
 
     fn interrupt(&mut self, stepper: &Stepper, place: usize) {

@@ -31,8 +31,8 @@ impl<'s> Recording<'s> {
 }
 
 impl Record for Recording<'_> {
-    fn on_action(&mut self, stepper: &Stepper, action: Action) {
-        self.steps.push(Step::new(self.system, stepper, action));
+    fn on_action(&mut self, stepper: &Stepper, action: Action, executed: Option<u64>) {
+        self.steps.push(Step { executed, ..Step::new(self.system, stepper, action) });
     }
 
     fn interrupt(&mut self, stepper: &Stepper, place: usize) {

@@ -102,9 +102,9 @@ impl<'r, 's> Recording<'r, 's> {
 }
 
 impl Record for Recording<'_, '_> {
-    fn on_action(&mut self, stepper: &Stepper, action: Action) {
+    fn on_action(&mut self, stepper: &Stepper, action: Action, executed: Option<u64>) {
         let at = self.at(stepper);
-        self.step(at, &Step::new(self.system, stepper, action));
+        self.step(at, &Step { executed, ..Step::new(self.system, stepper, action) });
     }
 
     fn interrupt(&mut self, stepper: &Stepper, place: usize) {

@@ -20,6 +20,7 @@ fn step(time: u64) -> Step {
         of: "sail.main".to_owned(),
         what: String::new(),
         to: String::new(),
+        executed: None,
     }
 }
 

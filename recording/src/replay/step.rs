@@ -93,6 +93,9 @@ pub struct Step {
     /// Outcome: the yield of a codel, the next step of a client.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub to: String,
+    /// Execution time of the codel that ends, in nanoseconds, if it was executed on the real clock.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub executed: Option<u64>,
 }
 
 impl Step {
@@ -145,7 +148,7 @@ impl Step {
             // Not a step of a run.
             Action::Mark { .. } => (Rule::Proceed, none(), none(), none()),
         };
-        Step { time: stepper.now(), rule, of, what, to }
+        Step { time: stepper.now(), rule, of, what, to, executed: None }
     }
 
     /// Returns the step of an interruption from outside, by the place of the activity.
@@ -158,13 +161,30 @@ impl Step {
             of: service.map_or(String::new(), |service| system.service_path(service)),
             what: place.to_string(),
             to: String::new(),
+            executed: None,
         }
     }
 
     /// Returns the step that begins the end of a run.
     pub fn stop(stepper: &Stepper) -> Step {
         let none = String::new;
-        Step { time: stepper.now(), rule: Rule::Stop, of: none(), what: none(), to: none() }
+        Step {
+            time: stepper.now(),
+            rule: Rule::Stop,
+            of: none(),
+            what: none(),
+            to: none(),
+            executed: None,
+        }
+    }
+
+    /// Returns true if both are the same step of the model, whatever a codel really took.
+    pub(super) fn is_alike(&self, other: &Step) -> bool {
+        let parts = |step: &Step| {
+            let Step { time, rule, of, what, to, executed: _ } = step.clone();
+            (time, rule, of, what, to)
+        };
+        parts(self) == parts(other)
     }
 
     /// Returns the step in words, without its time.

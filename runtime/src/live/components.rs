@@ -98,7 +98,9 @@ impl<'s> HostedComponents<'s> {
             let events = definition.yields.iter();
             out.declared[at] =
                 events.filter_map(|event| member.spec.full_name(event.event)).collect();
-            if codel.upper != FOREVER && definition.wcet.is_some() {
+            // Without a `wcet`, a time is one that the scenario states.
+            let stated = definition.wcet.is_some() || codel.upper > 0;
+            if codel.upper != FOREVER && stated {
                 let limit = (nanos * Ratio::from_integer(i128::from(codel.upper))).to_integer();
                 out.limits[at] = u64::try_from(limit).ok();
             }
