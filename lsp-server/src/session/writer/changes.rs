@@ -26,6 +26,8 @@ pub(crate) enum Mutation {
     Change(DidChangeTextDocumentParams),
     /// Half of a surrogate pair in the last change of a document was replaced.
     Mended(Uri),
+    /// A notification about a document cannot be read: the client's text is unknown.
+    Unreadable(Uri),
     /// The client has sent the whole text of such a document.
     SentAgain(Uri, Option<DocumentText>),
     /// `didSave`
@@ -87,6 +89,15 @@ impl State {
                 }
             }
             Mutation::Mended(uri) => self.mended(uri),
+            Mutation::Unreadable(uri) => {
+                let path = uri::to_path(&uri);
+                if self.documents.lose(&path) {
+                    tracing::error!(%path, "document dropped until its whole text is sent");
+                    self.publisher.clear(&path, &self.outbox);
+                    self.touch(path);
+                    self.ask_for_text(uri);
+                }
+            }
             Mutation::SentAgain(uri, sent) => self.receive_text(&uri, sent),
             Mutation::Saved(uri) => self.saved(&uri),
             Mutation::Close(params) => {
