@@ -245,6 +245,9 @@ impl State {
             if path.file_name() == Some(crate::config::FILE_NAME) {
                 self.workspace.reload_files(&path);
                 self.reconfigure();
+                if self.documents.text(&path).is_none() {
+                    self.pending.files.insert(path);
+                }
                 continue;
             }
             if path.file_name() == Some(SCRIPT) && self.workspace.contains(&path) {
