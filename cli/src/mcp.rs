@@ -224,7 +224,9 @@ impl Tools {
             (Some(path), _) => path,
             (None, CodelAction::Check) => here(),
             (None, _) => {
-                return failure(&format!("`path` is missing: `{action}` changes files, so name them"));
+                return failure(&format!(
+                    "`path` is missing: `{action}` changes files, so name them"
+                ));
             }
         };
         self.command(["codels", action, "--", &path], &context).await

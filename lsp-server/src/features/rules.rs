@@ -53,8 +53,7 @@ pub(crate) fn renames(
     for (file, roots) in files {
         let Some(text) = snapshot.analysis.text(&file)? else { continue };
         let is_rule = |word: &Word| word.path.iter().take(RULES.len()).eq(RULES);
-        let words: Vec<Word> =
-            words(&text).into_iter().filter(|word| is_rule(word)).collect();
+        let words: Vec<Word> = words(&text).into_iter().filter(|word| is_rule(word)).collect();
         if words.is_empty() {
             continue;
         }
@@ -170,13 +169,15 @@ impl Renamed<'_> {
         let spec = &*self.unit.spec;
         let components = spec.components.iter();
         for component in components.filter(|one| one.kind == ComponentKind::Component) {
-            let of_component = |word: &&Word| word.path.get(2).is_some_and(|key| *key == *component.name);
+            let of_component =
+                |word: &&Word| word.path.get(2).is_some_and(|key| *key == *component.name);
             for word in words.iter().filter(of_component) {
                 if word.is_key && word.path.len() == 3 && self.has(component.src) {
                     found.renamed.insert((word.range.start, word.range.end));
                 }
                 let port = word.path.get(3);
-                let port = port.and_then(|key| component.ports.iter().find(|port| *port.name == **key));
+                let port =
+                    port.and_then(|key| component.ports.iter().find(|port| *port.name == **key));
                 let Some(port) = port else { continue };
                 if word.is_key && word.path.len() == 4 && self.has(port.src) {
                     found.renamed.insert((word.range.start, word.range.end));
@@ -217,7 +218,8 @@ impl Renamed<'_> {
     fn contains(&self, spec: &Spec, ty: TypeId, depth: usize) -> bool {
         let members = members(spec, ty).iter();
         let mut members = members.take_while(|_| depth > 0);
-        members.any(|member| self.has(spec.ty(*member).src) || self.contains(spec, *member, depth - 1))
+        members
+            .any(|member| self.has(spec.ty(*member).src) || self.contains(spec, *member, depth - 1))
     }
 }
 
@@ -291,7 +293,8 @@ mod tests {
                     [ros2.messages.pom.other.fields]\nd = \"z\"\n[ros2]\nmessages.pom.third.type = \"t\"\n";
         let words = words(text);
         let found = |path: &str, is_key: bool| -> Vec<&str> {
-            let words = words.iter().filter(|word| word.path.join(".") == path && word.is_key == is_key);
+            let words =
+                words.iter().filter(|word| word.path.join(".") == path && word.is_key == is_key);
             words.map(|word| &text[word.range.clone()]).collect()
         };
         assert_eq!(found("ros2.messages.pom", true), ["pom", "pom", "pom"]);

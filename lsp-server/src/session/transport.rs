@@ -200,7 +200,8 @@ impl Session {
             self.initialize.get_or_init(|| params.clone());
         }
         let changes = matches!(&*method, "textDocument/didOpen" | "textDocument/didChange");
-        let document = (mended && changes).then(|| request.params().and_then(document_of)).flatten();
+        let document =
+            (mended && changes).then(|| request.params().and_then(document_of)).flatten();
         let ready = std::future::poll_fn(|context| self.service.poll_ready(context));
         if ready.await.is_err() {
             self.phase = Phase::Exited;

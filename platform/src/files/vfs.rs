@@ -351,13 +351,20 @@ mod tests {
         let (a, b) = (folder.join("a.gen"), folder.join("b.gen"));
         std::fs::write(&a, "one").unwrap();
         let vfs = Vfs::for_editor();
-        assert_eq!((vfs.read(&a), vfs.read(&b)), (FileContent::Text("one".into()), FileContent::Missing));
+        assert_eq!(
+            (vfs.read(&a), vfs.read(&b)),
+            (FileContent::Text("one".into()), FileContent::Missing)
+        );
         assert_eq!(vfs.changed(), []);
         // A file of the same length, put in the place of the old one.
         std::fs::write(folder.join("new"), "two").unwrap();
         std::fs::rename(folder.join("new"), &a).unwrap();
         std::fs::write(&b, "").unwrap();
-        let change = |path: &Utf8PathBuf, existed, exists| FileChange { path: path.clone(), existed, exists };
+        let change = |path: &Utf8PathBuf, existed, exists| FileChange {
+            path: path.clone(),
+            existed,
+            exists,
+        };
         assert_eq!(vfs.changed(), [change(&a, true, true), change(&b, false, true)]);
         assert_eq!(vfs.changed(), []);
         std::fs::remove_file(&a).unwrap();
