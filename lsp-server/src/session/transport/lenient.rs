@@ -30,6 +30,9 @@ const MAX_COORDINATE: u64 = (1 << 31) - 1;
 /// that was removed.
 pub(super) fn mend(method: &str, params: &mut Value) -> Vec<String> {
     normalize(params);
+    if !params.is_object() {
+        return Vec::new();
+    }
     match method {
         "initialize" => {
             name_folders(&mut params["workspaceFolders"]);
@@ -325,6 +328,36 @@ mod tests {
         let mut params = json!({ "position": { "line": 2.0, "character": 1e300 } });
         mend("textDocument/hover", &mut params);
         assert_eq!(params["position"], json!({ "line": 2, "character": MAX_COORDINATE }));
+    }
+
+    #[test]
+    fn parameters_of_any_form_are_survived() {
+        let methods = [
+            "initialize",
+            "textDocument/didOpen",
+            "textDocument/didChange",
+            "textDocument/didSave",
+            "workspace/didChangeWatchedFiles",
+            "workspace/didChangeWorkspaceFolders",
+        ];
+        for params in [
+            json!(null),
+            json!([]),
+            json!([1]),
+            json!(1.0),
+            json!("x"),
+            json!({}),
+            json!({ "event": [] }),
+            json!({ "textDocument": 1 }),
+            json!({ "workspaceFolders": [1] }),
+            json!({ "capabilities": [], "changes": { "a": 1 } }),
+        ] {
+            for method in methods {
+                let mut params = params.clone();
+                mend(method, &mut params);
+                error(method, &params);
+            }
+        }
     }
 
     #[test]
