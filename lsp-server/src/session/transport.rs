@@ -234,8 +234,8 @@ impl Session {
         }
     }
 
-    /// Changes the parameters of a message to what the protocol types accept. `None`: it is a notification that
-    /// cannot be read.
+    /// Changes the parameters of a message to what the protocol types accept. `None`: the message is a
+    /// notification that cannot be read.
     fn mend(&self, request: Request) -> Option<Request> {
         let is_notification = request.id().is_none();
         let (method, id, params) = request.into_parts();

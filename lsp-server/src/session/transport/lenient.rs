@@ -107,7 +107,7 @@ fn normalize(value: &mut Value) {
             }
             for (name, value) in fields {
                 match value {
-                    Value::String(text) if is_uri(name) => {
+                    Value::String(text) if is_uri(name, text) => {
                         if let Some(escaped) = uri::escaped(text) {
                             *text = escaped;
                         }
@@ -127,9 +127,10 @@ fn normalize(value: &mut Value) {
     }
 }
 
-/// True for the fields whose value is a URI.
-pub(super) fn is_uri(field: &str) -> bool {
-    field == "uri" || field.ends_with("Uri") || matches!(field, "root" | "folder" | "current")
+/// True for the fields whose value is a URI. Settings of some of these names are paths.
+fn is_uri(field: &str, text: &str) -> bool {
+    let may_be = || matches!(field, "root" | "folder" | "current") && text.starts_with("file:");
+    field == "uri" || field.ends_with("Uri") || may_be()
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "whole numbers in range")]
