@@ -17,7 +17,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run() -> anyhow::Result<Outcome> {
-    logging::install("warn,dotgen_lsp_server=info");
+    let log = logging::install("warn,dotgen_lsp_server=info");
     memory::return_when_idle();
     // Removes files of sessions that ended without cleanup. The server does not wait for this.
     let cleaner = std::thread::Builder::new().name("cleaner".to_owned());
@@ -34,6 +34,7 @@ pub(super) fn run() -> anyhow::Result<Outcome> {
     let shut_down = runtime.block_on(server::serve(tokio::io::stdin(), tokio::io::stdout()));
     // A pending read of standard input, or an abandoned request, must not delay the end of the process.
     runtime.shutdown_background();
+    log.wait();
     // "exit with 0 if the shutdown request has been received before, otherwise with 1" (LSP 3.17).
     std::process::exit(i32::from(!shut_down));
 }

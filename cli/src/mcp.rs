@@ -2,7 +2,7 @@
 //!
 //! A tool runs this program with the arguments of a command, so that an assistant reads what people read.
 
-use std::path::PathBuf;
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -39,7 +39,7 @@ type Context = RequestContext<RoleServer>;
 pub(super) struct Arguments {}
 
 pub(super) fn run() -> anyhow::Result<Outcome> {
-    logging::install("warn");
+    let log = logging::install("warn");
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(async {
         let service = Tools::default().serve(rmcp::transport::stdio()).await?;
@@ -47,6 +47,7 @@ pub(super) fn run() -> anyhow::Result<Outcome> {
         anyhow::Ok(())
     })?;
     runtime.shutdown_background();
+    log.wait();
     Ok(Outcome::Fine)
 }
 
@@ -58,6 +59,7 @@ struct Tools {
 
 /// A name to look up.
 #[derive(Debug, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
 struct Name {
     /// Name of a declaration: `fill`, `pump.fill.start`
     name: String,
@@ -68,6 +70,7 @@ struct Name {
 
 /// Specifications.
 #[derive(Debug, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
 struct Specifications {
     /// Specification (.gen), scenario (.scn), or a folder of them
     #[serde(default = "here")]
@@ -76,10 +79,9 @@ struct Specifications {
 
 /// Specifications to fix.
 #[derive(Debug, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 struct Fixes {
-    /// Specification (.gen), scenario (.scn), or a folder of them
-    #[serde(default = "here")]
+    /// Specification (.gen), scenario (.scn), or a folder of them, all of which may be changed
     path: String,
     /// Also apply the first fix of errors that could be meant in another way
     #[serde(default)]
@@ -88,10 +90,11 @@ struct Fixes {
 
 /// What to do with codels.
 #[derive(Debug, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
 struct Codels {
-    /// Specification, or folder of specifications
-    #[serde(default = "here")]
-    path: String,
+    /// Specification, or folder of specifications; required for `sync` and `stub`
+    #[serde(default)]
+    path: Option<String>,
     /// What to do
     #[serde(default)]
     action: CodelAction,
@@ -111,6 +114,7 @@ enum CodelAction {
 
 /// A run.
 #[derive(Debug, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
 struct Simulation {
     /// Scenario (.scn) or specification (.gen)
     path: String,
@@ -121,6 +125,7 @@ struct Simulation {
 
 /// A picture.
 #[derive(Debug, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
 struct Picture {
     /// Specification, or several files of a system
     path: String,
@@ -143,6 +148,7 @@ enum PictureKind {
 
 /// The code of a diagnostic.
 #[derive(Debug, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
 struct Code {
     /// Code in brackets at the end of a finding: `fsm/busy-loop`
     code: String,
@@ -183,7 +189,8 @@ impl Tools {
     }
 
     #[tool(
-        description = "Apply every unambiguous fix to specifications and report the rest; changes files"
+        description = "Apply every unambiguous fix to specifications and report the rest; changes files",
+        annotations(read_only_hint = false, destructive_hint = true, idempotent_hint = true)
     )]
     async fn fix(
         &self,
@@ -200,7 +207,8 @@ impl Tools {
     }
 
     #[tool(
-        description = "Compare, repair or write the C and C++ functions (codels) of a specification"
+        description = "Compare, repair or write the C and C++ functions (codels) of a specification",
+        annotations(read_only_hint = false, destructive_hint = true)
     )]
     async fn codels(
         &self,
@@ -212,7 +220,16 @@ impl Tools {
             CodelAction::Sync => "sync",
             CodelAction::Stub => "stub",
         };
-        self.command(["codels", action, "--", &parameter.path], &context).await
+        let path = match (parameter.path, parameter.action) {
+            (Some(path), _) => path,
+            (None, CodelAction::Check) => here(),
+            (None, _) => {
+                return failure(&format!(
+                    "`path` is missing: `{action}` changes files, so name them"
+                ));
+            }
+        };
+        self.command(["codels", action, "--", &path], &context).await
     }
 
     #[tool(
@@ -294,6 +311,13 @@ impl Tools {
         arguments: [&str; N],
         context: &Context,
     ) -> CallToolResult {
+        // Every command but `explain` ends with its path.
+        if arguments[0] != "explain"
+            && let Some(path) = arguments.last()
+            && let Err(error) = inside(Path::new(path))
+        {
+            return failure(&error);
+        }
         let is_drawing = arguments[0] == "diagram";
         let arguments = arguments.map(Into::into).to_vec();
         let cancelled = context.ct.clone();
@@ -321,6 +345,27 @@ impl Tools {
             _ => CallToolResult::error(content),
         }
     }
+}
+
+/// Checks that a path is in the folder that the server was started in. Links are followed.
+///
+/// # Errors
+/// The reason and the remedy.
+fn inside(path: &Path) -> Result<(), String> {
+    let folder = std::env::current_dir().and_then(|folder| folder.canonicalize());
+    let folder = folder.map_err(|error| format!("the server's folder is not readable: {error}"))?;
+    let whole = folder.join(path);
+    // The command reports a file that does not exist. Its place is that of the nearest folder that does.
+    let existing = whole.ancestors().find_map(|ancestor| ancestor.canonicalize().ok());
+    let climbs = path.components().any(|part| part == Component::ParentDir) && !whole.exists();
+    if !climbs && existing.is_some_and(|existing| existing.starts_with(&folder)) {
+        return Ok(());
+    }
+    Err(format!(
+        "`{}` is outside of {}: start `dotgen mcp` in a folder that contains it",
+        path.display(),
+        folder.display()
+    ))
 }
 
 fn failure(message: &str) -> CallToolResult {

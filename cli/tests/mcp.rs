@@ -22,7 +22,13 @@ struct Client {
 
 impl Client {
     fn start(directory: &Directory) -> Client {
+        Client::start_in(directory, "")
+    }
+
+    /// A client with the server in a folder of a directory.
+    fn start_in(directory: &Directory, folder: &str) -> Client {
         let mut command = directory.command(&["mcp"]);
+        command.current_dir(directory.path().join(folder));
         let mut server = command
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -88,11 +94,41 @@ fn the_tools_are_at_most_eight_and_described() {
     let expected = ["check", "codels", "draw", "explain", "fix", "look_up", "simulate", "verify"];
     assert_eq!(names, expected);
     for tool in tools {
+        assert_eq!(tool["inputSchema"]["additionalProperties"], false, "{}", tool["name"]);
+        let changes_files = ["codels", "fix"].contains(&tool["name"].as_str().expect("a name"));
+        assert_eq!(tool["annotations"]["destructiveHint"] == true, changes_files, "{tool}");
         for (name, property) in tool["inputSchema"]["properties"].as_object().expect("properties") {
             let described = property["description"].is_string() || property["$ref"].is_string();
             assert!(described, "{}: {name}", tool["name"]);
         }
     }
+}
+
+#[test]
+fn a_call_changes_only_what_it_names() {
+    let broken = PUMP.replacen("lang    \"c\";", "lang    \"c\"", 1);
+    let directory = Directory::new(&[("in/pump.gen", &broken), ("out.gen", &broken)]);
+    let mut client = Client::start_in(&directory, "in");
+    for (tool, arguments) in [
+        ("fix", json!({ "file": "pump.gen" })),
+        ("fix", json!({ "path": "pump.gen", "unsafe": true })),
+        ("fix", json!({})),
+        ("check", json!({ "file": "pump.gen" })),
+        ("explain", json!({ "code": "fsm/busy-loop", "path": "." })),
+    ] {
+        let (text, is_error) = client.call(tool, arguments.clone());
+        assert!(is_error && text.contains("field"), "{tool} {arguments}: {text}");
+    }
+    for (tool, path) in
+        [("fix", ".."), ("fix", "../out.gen"), ("check", "/"), ("draw", "none/../../x")]
+    {
+        let (text, is_error) = client.call(tool, json!({ "path": path }));
+        assert!(is_error && text.contains("is outside of"), "{tool} {path}: {text}");
+    }
+    let (text, is_error) = client.call("codels", json!({ "action": "stub" }));
+    assert!(is_error && text.starts_with("`path` is missing"), "{text}");
+    assert_eq!(directory.read("in/pump.gen"), broken);
+    assert_eq!(directory.read("out.gen"), broken);
 }
 
 #[test]

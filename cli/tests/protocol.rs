@@ -252,6 +252,29 @@ fn the_server_ends_with_the_process_of_its_client() {
     client.wait().expect("it has ended");
 }
 
+/// As in a container: the id of the client belongs to another namespace.
+#[test]
+fn a_client_that_is_not_visible_is_not_watched() {
+    let client = json!({ "capabilities": {}, "processId": i32::MAX });
+    goes_on(Server::start_with(client, &[]));
+}
+
+/// A pipe holds 64 KiB on Linux. Each of the changes is about a document that is not open, which is logged.
+#[test]
+fn a_log_that_is_not_read_blocks_nothing() {
+    let mut server = Server::unread();
+    server.request(0, "initialize", json!({ "capabilities": {} }));
+    server.send(json!({ "method": "initialized", "params": {} }));
+    let params = json!({
+        "textDocument": { "uri": "file:///nowhere/other.gen", "version": 1 },
+        "contentChanges": [{ "text": "x" }],
+    });
+    for _ in 0..2000 {
+        server.send(json!({ "method": "textDocument/didChange", "params": params }));
+    }
+    goes_on(server);
+}
+
 #[test]
 fn garbage_costs_nothing_but_itself() {
     let mut server = Server::start();

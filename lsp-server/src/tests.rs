@@ -2,6 +2,7 @@
 //! unexpected messages. No test sleeps; each waits for messages.
 
 mod client;
+mod clients;
 mod codels;
 mod component;
 mod configuration;

@@ -30,12 +30,21 @@ impl Server {
 
     /// A server that nothing was said to yet.
     pub(crate) fn raw(environment: &[(&str, &std::path::Path)]) -> Server {
+        Server::with_log(environment, Stdio::null())
+    }
+
+    /// As [`Server::raw`], with a log that is a pipe without reader.
+    pub(crate) fn unread() -> Server {
+        Server::with_log(&[], Stdio::piped())
+    }
+
+    fn with_log(environment: &[(&str, &std::path::Path)], log: Stdio) -> Server {
         let mut child = Command::new(env!("CARGO_BIN_EXE_dotgen"))
             .args(["lsp", "--stdio"])
             .envs(environment.iter().copied())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            .stderr(Stdio::null())
+            .stderr(log)
             .spawn()
             .expect("the program runs");
         let to = child.stdin.take();

@@ -69,8 +69,8 @@ pub(crate) struct FilePlace {
     pub(crate) range: Range<usize>,
 }
 
-/// The scenarios of the workspace and the open scenarios that use a file, with their present texts.
-fn scenarios_using(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Problem>> {
+/// The texts of the scenarios of the workspace and of the open scenarios.
+pub(crate) fn texts(snapshot: &Snapshot) -> Cancellable<Vec<(Utf8PathBuf, String)>> {
     let open = snapshot.open.keys().filter(|key| is_scenario(key));
     let mut paths: Vec<&Utf8PathBuf> = snapshot.scenarios.iter().chain(open).collect();
     paths.sort();
@@ -84,7 +84,16 @@ fn scenarios_using(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Prob
                 _ => continue,
             },
         };
-        let problem = problems::scenario(snapshot, path, text)?;
+        out.push((path.clone(), text));
+    }
+    Ok(out)
+}
+
+/// The scenarios that use a file, with their present texts.
+fn scenarios_using(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Problem>> {
+    let mut out = Vec::new();
+    for (path, text) in texts(snapshot)? {
+        let problem = problems::scenario(snapshot, &path, text)?;
         if problem.reads(file) {
             out.push(problem);
         }

@@ -91,6 +91,11 @@ impl Backend {
         self.mutate(Mutation::Mended(document));
     }
 
+    /// Reports that a notification about a document cannot be read.
+    pub(crate) fn unreadable(&self, document: Uri) {
+        self.mutate(Mutation::Unreadable(document));
+    }
+
     /// Waits for a change. False if the client has closed its end.
     async fn changed(&self, revisions: &mut watch::Receiver<u64>) -> bool {
         let mut closed = self.closed.clone();

@@ -117,7 +117,7 @@ pub(crate) fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
             file_operations: Some(WorkspaceFileOperationsServerCapabilities {
                 will_rename: Some(FileOperationRegistrationOptions {
                     filters: [
-                        ("**/*.{gen,idl,h,hh}", FileOperationPatternKind::File),
+                        ("**/*.{gen,idl,h,hh,scn}", FileOperationPatternKind::File),
                         ("**/*", FileOperationPatternKind::Folder),
                     ]
                     .map(|(glob, matches)| FileOperationFilter {

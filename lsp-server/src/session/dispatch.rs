@@ -42,6 +42,10 @@ pub(crate) struct ReadRequest {
     pub(crate) bulk: bool,
     /// True if the request needs the whole workspace: it waits until all files are known.
     pub(crate) whole: bool,
+    /// True if the answer contains edits: files that changed on disk are read again first.
+    pub(crate) edits: bool,
+    /// True if the files of the workspace were listed for this request.
+    pub(crate) is_listed: bool,
     /// Version of that document at the first attempt.
     pub(crate) expected: Option<Option<i32>>,
     /// For cancellation by the client.
@@ -128,6 +132,8 @@ struct RequestScope {
     bulk: bool,
     /// All of the workspace.
     whole: bool,
+    /// The answer contains edits.
+    edits: bool,
 }
 
 /// Sends requests to the writer and waits for their results.
@@ -219,6 +225,44 @@ impl Dispatcher {
         .await
     }
 
+    /// As [`Dispatcher::feature`], for an answer with edits.
+    pub(crate) async fn edits<P, R>(
+        &self,
+        uri: Uri,
+        params: P,
+        feature: fn(&LanguageFeatures) -> Handler<P, R>,
+    ) -> types::Result<R>
+    where
+        P: Send + Sync + 'static,
+        R: Default + Send + 'static,
+    {
+        let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| match subject {
+            Some(subject) => {
+                let features = features_of(snapshot, &subject.path);
+                feature(features)(snapshot, subject, params)
+            }
+            None => Ok(R::default()),
+        };
+        let about = RequestScope { edits: true, ..RequestScope::default() };
+        self.run(Some(uri), about, params, Arc::default(), work).await
+    }
+
+    /// As [`Dispatcher::anywhere`], for an answer with edits.
+    pub(crate) async fn edits_anywhere<P, R>(
+        &self,
+        params: P,
+        handler: fn(&Snapshot, &P) -> Cancellable<R>,
+    ) -> types::Result<R>
+    where
+        P: Send + Sync + 'static,
+        R: Default + Send + 'static,
+    {
+        let work =
+            move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
+        let about = RequestScope { edits: true, ..RequestScope::default() };
+        self.run(None, about, params, Arc::default(), work).await
+    }
+
     /// A request whose answer depends on the language of the document.
     pub(crate) async fn language<P, R>(
         &self,
@@ -261,7 +305,7 @@ impl Dispatcher {
         let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| {
             handler(snapshot, subject, params)
         };
-        let about = RequestScope { whole: true, bulk: true };
+        let about = RequestScope { whole: true, bulk: true, edits: true };
         let seen = Arc::new(HandlerState::default());
         let answer = pin!(self.run(uri, about, params, seen.clone(), work));
         self.shown(title, &seen, answer).await
@@ -374,6 +418,8 @@ impl Dispatcher {
                 subject: uri.clone(),
                 bulk: about.bulk,
                 whole: about.whole,
+                edits: about.edits,
+                is_listed: false,
                 expected,
                 control: control.clone(),
                 work: Box::new(move |admission| {

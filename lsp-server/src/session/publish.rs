@@ -22,6 +22,7 @@ use crate::protocol::types::{
     Diagnostic, PublishDiagnosticsParams, Range, Uri, VersionedTextDocumentIdentifier, notification,
 };
 use crate::session::post::Post;
+use crate::workspace::documents::Documents;
 use crate::workspace::snapshot::{OpenFile, Snapshot};
 use dotgen_platform::panic;
 
@@ -188,6 +189,22 @@ impl Publisher {
         };
         if !std::mem::take(&mut sent.diagnostics).is_empty() {
             outbox.publish(path, Vec::new());
+        }
+    }
+
+    /// Clears the diagnostics of the closed files below a folder that are outside the workspace.
+    pub(crate) fn clear_below(
+        &mut self,
+        folder: &Utf8Path,
+        is_outside: impl Fn(&Utf8Path) -> bool,
+        documents: &Documents,
+        outbox: &Outbox,
+    ) {
+        let paths = self.sent.keys().filter(|path| path.starts_with(folder) && is_outside(path));
+        let paths = paths.filter(|path| !documents.open_files().contains_key(*path));
+        for path in paths.cloned().collect::<Vec<_>>() {
+            self.clear(&path, outbox);
+            self.sent.remove(&path);
         }
     }
 

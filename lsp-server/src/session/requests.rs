@@ -208,7 +208,7 @@ impl LanguageServer for Backend {
 
     async fn code_action(&self, params: CodeActionParams) -> Result<Option<CodeActionResponse>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.actions).await
+        self.dispatch.edits(uri, params, |features| features.actions).await
     }
 
     async fn initialize(&self, params: InitializeParams) -> Result<InitializeResult> {
@@ -353,7 +353,7 @@ impl LanguageServer for Backend {
     }
 
     async fn code_action_resolve(&self, action: CodeAction) -> Result<CodeAction> {
-        let resolved = self.dispatch.anywhere(action.clone(), codels::actions::resolve);
+        let resolved = self.dispatch.edits_anywhere(action.clone(), codels::actions::resolve);
         let resolved = resolved.await?.into_response()?;
         Ok(resolved.unwrap_or(action))
     }

@@ -6,6 +6,7 @@
 
 mod client_process;
 mod frame;
+mod lenient;
 mod message;
 mod spelling;
 
@@ -187,17 +188,20 @@ impl Session {
             }
             return None;
         }
-        let params = request.params().clone_params(&method);
-        if let Some(params) = &params {
+        // The spellings are those of the message as it came.
+        if let Some(params) = request.params() {
             lock(&self.spelling).store_uris(&method, params);
         }
+        let request = self.mend(request)?;
         if method == "initialize"
-            && let Some(params) = params
+            && let Some(params) = request.params()
         {
             self.watch_client(&params["processId"]);
-            self.initialize.get_or_init(|| params);
+            self.initialize.get_or_init(|| params.clone());
         }
-        let document = mended.then(|| document_of(&request)).flatten();
+        let changes = matches!(&*method, "textDocument/didOpen" | "textDocument/didChange");
+        let document =
+            (mended && changes).then(|| request.params().and_then(document_of)).flatten();
         let ready = std::future::poll_fn(|context| self.service.poll_ready(context));
         if ready.await.is_err() {
             self.phase = Phase::Exited;
@@ -228,6 +232,38 @@ impl Session {
             }
             Poll::Pending => Some(call),
         }
+    }
+
+    /// Changes the parameters of a message to what the protocol types accept. `None`: the message is a
+    /// notification that cannot be read.
+    fn mend(&self, request: Request) -> Option<Request> {
+        let is_notification = request.id().is_none();
+        let (method, id, params) = request.into_parts();
+        let params = params.map(|mut params| {
+            for removed in lenient::mend(&method, &mut params) {
+                tracing::warn!("{method}: ignored {removed}");
+            }
+            params
+        });
+        if is_notification
+            && let Some(error) = lenient::error(&method, params.as_ref().unwrap_or(&Value::Null))
+        {
+            let document = params.as_ref().and_then(document_of);
+            let name = document.as_ref().map_or("no document", |uri| uri.as_str());
+            tracing::error!("{method} cannot be read ({name}): {error}");
+            if let Some(document) = document {
+                self.service.inner().unreadable(document);
+            }
+            return None;
+        }
+        let mut request = Request::build(method);
+        if let Some(params) = params {
+            request = request.params(params);
+        }
+        if let Some(id) = id {
+            request = request.id(id);
+        }
+        Some(request.finish())
     }
 
     fn watch_client(&mut self, process: &Value) {
@@ -264,30 +300,9 @@ impl Session {
     }
 }
 
-/// Clones parameters that the transport needs itself.
-trait CloneParams {
-    fn clone_params(self, method: &str) -> Option<Value>;
-}
-
-impl CloneParams for Option<&Value> {
-    fn clone_params(self, method: &str) -> Option<Value> {
-        match method {
-            "initialize" | "workspace/didChangeWorkspaceFolders" => self.cloned(),
-            "textDocument/didOpen" => {
-                let uri = &self?["textDocument"]["uri"];
-                Some(json!({ "textDocument": { "uri": uri } }))
-            }
-            _ => None,
-        }
-    }
-}
-
-/// The document whose text a notification changes.
-fn document_of(request: &Request) -> Option<Uri> {
-    let changes = matches!(request.method(), "textDocument/didOpen" | "textDocument/didChange");
-    let params = request.params().filter(|_| changes)?;
-    let uri = &params["textDocument"]["uri"];
-    serde_json::from_value(uri.clone()).ok()
+/// The document of a notification.
+fn document_of(params: &Value) -> Option<Uri> {
+    params["textDocument"]["uri"].as_str()?.parse().ok()
 }
 
 /// Ensures that a message with an `id` gets an answer.

@@ -92,6 +92,14 @@ impl Documents {
         }
     }
 
+    /// Drops the text of an open document. Returns true if the text was known.
+    pub(crate) fn lose(&mut self, path: &Utf8Path) -> bool {
+        let Some(text) = self.texts.get_mut(path) else { return false };
+        // The saved text, or an answer of the client, restores the document.
+        self.mended.insert(path.to_owned());
+        matches!(std::mem::replace(text, Text::Lost), Text::Known(_))
+    }
+
     /// The text of an open document.
     pub(crate) fn text(&self, path: &Utf8Path) -> Option<&Arc<str>> {
         match self.texts.get(path) {

@@ -110,6 +110,7 @@ impl Workspace {
         let kept = |path: &Utf8Path| !removed.iter().any(|folder| path.starts_with(folder));
         self.projects.retain(|project| kept(&project.path));
         Arc::make_mut(&mut self.templates).retain(kept);
+        Arc::make_mut(&mut self.scenarios).retain(|scenario| kept(scenario));
         for folder in &event.added {
             self.add(folder.uri.clone());
         }
@@ -253,6 +254,12 @@ impl Workspace {
             .chain(&self.projects)
             .filter(|folder| !folder.file.problems.is_empty());
         with_problems.map(of).collect()
+    }
+
+    /// The configuration files, which may not exist yet.
+    pub(crate) fn config_files(&self) -> impl Iterator<Item = Utf8PathBuf> {
+        let folders = self.folders.iter().chain(&self.projects);
+        folders.map(|folder| folder.path.join(config::FILE_NAME))
     }
 
     /// The folders of the client.

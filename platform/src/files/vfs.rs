@@ -7,10 +7,12 @@ mod interfaces;
 mod pkg_config;
 mod pkg_file;
 
+use std::collections::HashMap;
 use std::fmt;
 use std::io::ErrorKind;
 use std::path::PathBuf;
-use std::sync::{PoisonError, RwLock};
+use std::sync::{Mutex, PoisonError, RwLock};
+use std::time::SystemTime;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{DirEntry, FileContent, Loader, PackageFlags};
@@ -49,12 +51,54 @@ pub struct Vfs {
     packages: RwLock<PackageConfig>,
     /// True if text that is not UTF-8 is read in the form that editors show.
     for_editor: bool,
+    /// The files that were asked for, with their states before that. Only for editors.
+    asked: Mutex<HashMap<Utf8PathBuf, Option<Stamp>>>,
+}
+
+/// The state of a file on disk, without its text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stamp {
+    length: u64,
+    modified: Option<SystemTime>,
+    /// On Unix: the inode, and the time of its last change. A replaced file has another inode, even if its
+    /// length and time are those of the old file.
+    #[cfg(unix)]
+    inode: (u64, i64, i64),
+}
+
+impl Stamp {
+    /// The state of a file. `None` if there is no such file.
+    pub fn of(path: &Utf8Path) -> Option<Stamp> {
+        let metadata = std::fs::metadata(path).ok()?;
+        #[cfg(unix)]
+        let inode = {
+            use std::os::unix::fs::MetadataExt;
+            (metadata.ino(), metadata.ctime(), metadata.ctime_nsec())
+        };
+        metadata.is_file().then(|| Stamp {
+            length: metadata.len(),
+            modified: metadata.modified().ok(),
+            #[cfg(unix)]
+            inode,
+        })
+    }
+}
+
+/// A change of a file on disk.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileChange {
+    /// The file.
+    pub path: Utf8PathBuf,
+    /// True if the file existed before.
+    pub existed: bool,
+    /// True if the file exists now.
+    pub exists: bool,
 }
 
 impl Vfs {
     /// A loader with the package search of `packages`.
     pub fn new(packages: PackageConfig) -> Vfs {
-        Vfs { packages: RwLock::new(packages), for_editor: false }
+        Vfs { packages: RwLock::new(packages), ..Vfs::default() }
     }
 
     /// A loader for a server. Text that is not UTF-8 is read with U+FFFD, as editors show it, so that
@@ -62,6 +106,35 @@ impl Vfs {
     /// in which case the client's text is used.
     pub fn for_editor() -> Vfs {
         Vfs { for_editor: true, ..Vfs::default() }
+    }
+
+    /// Records the state of a file, before it is read.
+    pub fn watch(&self, path: &Utf8Path) {
+        if self.for_editor {
+            let stamp = Stamp::of(path);
+            let mut asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
+            asked.insert(path.to_owned(), stamp);
+        }
+    }
+
+    /// The files whose state differs from that at the last read, or at the last call. Costs a system call for
+    /// each file that was ever asked for.
+    pub fn changed(&self) -> Vec<FileChange> {
+        let mut asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut changes = Vec::new();
+        for (path, stamp) in asked.iter_mut() {
+            let now = Stamp::of(path);
+            let before = std::mem::replace(stamp, now);
+            if before != now {
+                changes.push(FileChange {
+                    path: path.clone(),
+                    existed: before.is_some(),
+                    exists: now.is_some(),
+                });
+            }
+        }
+        changes.sort_by(|a, b| a.path.cmp(&b.path));
+        changes
     }
 
     /// Changes the package search. Returns true if it differs from the previous one.
@@ -77,6 +150,7 @@ impl Vfs {
 
 impl Loader for Vfs {
     fn read(&self, path: &Utf8Path) -> FileContent {
+        self.watch(path);
         match read(path) {
             FileContent::Text(text) if self.for_editor => FileContent::Text(shown(text)),
             FileContent::NotUtf8(text) if self.for_editor => FileContent::NotUtf8(shown(text)),
@@ -268,6 +342,33 @@ mod tests {
         let errors: Vec<_> = found.unreadable.iter().map(ToString::to_string).collect();
         let expected = format!("cannot list the folder `{folder}/none`: ");
         assert!(matches!(errors.as_slice(), [error] if error.starts_with(&expected)), "{errors:?}");
+    }
+
+    #[test]
+    fn changes_on_disk_are_noticed_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = Utf8Path::from_path(folder.path()).unwrap();
+        let (a, b) = (folder.join("a.gen"), folder.join("b.gen"));
+        std::fs::write(&a, "one").unwrap();
+        let vfs = Vfs::for_editor();
+        assert_eq!(
+            (vfs.read(&a), vfs.read(&b)),
+            (FileContent::Text("one".into()), FileContent::Missing)
+        );
+        assert_eq!(vfs.changed(), []);
+        // A file of the same length, put in the place of the old one.
+        std::fs::write(folder.join("new"), "two").unwrap();
+        std::fs::rename(folder.join("new"), &a).unwrap();
+        std::fs::write(&b, "").unwrap();
+        let change = |path: &Utf8PathBuf, existed, exists| FileChange {
+            path: path.clone(),
+            existed,
+            exists,
+        };
+        assert_eq!(vfs.changed(), [change(&a, true, true), change(&b, false, true)]);
+        assert_eq!(vfs.changed(), []);
+        std::fs::remove_file(&a).unwrap();
+        assert_eq!(vfs.changed(), [change(&a, true, false)]);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use dotgen_codegen::codels::rename::listed;
 
 use crate::features::codels::navigation;
 use crate::features::convert::edit::{Review, edit_of, workspace_edit};
-use crate::features::mentions;
+use crate::features::{mentions, rules};
 use crate::protocol::convert::uri;
 use crate::protocol::types::*;
 use crate::protocol::user_result::UserResult;
@@ -62,6 +62,8 @@ pub(crate) fn rename_at(
     };
     let specifications = edits.clone();
     edits.extend(mentions::renames(snapshot, at, new_name)?);
+    let rules = rules::renames(snapshot, &specifications, new_name)?;
+    edits.extend(rules.edits);
     // Headers of installed packages must not be edited.
     let foreign = edits.iter().find(|edit| {
         let path = &edit.path;
@@ -89,7 +91,9 @@ pub(crate) fn rename_at(
     let label = format!("Rename to {new_name}");
     let mut folders = snapshot.folders.iter().filter(|folder| at.path.starts_with(folder));
     let folder = folders.next().cloned().unwrap_or_default();
-    let left = listed(&sources.left, MAX_LISTED, &folder);
+    let mut left = rules.left;
+    left.extend(sources.left);
+    let left = listed(&left, MAX_LISTED, &folder);
     let review = match left.is_empty() {
         true => Review::SeveralFiles(&label),
         false => Review::Leaves { label: &label, left: &left },
@@ -97,7 +101,7 @@ pub(crate) fn rename_at(
     Ok(UserResult(edit_of(snapshot, review, &all)?.map(Some)))
 }
 
-/// The edits of includes for moved files.
+/// The edits of includes, and of `use` in scenarios, for moved files.
 pub(crate) fn files(
     snapshot: &Snapshot,
     params: &RenameFilesParams,
@@ -107,7 +111,8 @@ pub(crate) fn files(
     let moves: Vec<_> = moves
         .filter_map(|movement| Some((path(&movement.old_uri)?, path(&movement.new_uri)?)))
         .collect();
-    let edits = snapshot.analysis.files_moved(&moves)?;
+    let mut edits = snapshot.analysis.files_moved(&moves)?;
+    edits.extend(rules::uses_moved(snapshot, &moves)?);
     match edits.is_empty() {
         true => Ok(UserResult::default()),
         false => Ok(UserResult(workspace_edit(snapshot, &edits)?.map(Some))),

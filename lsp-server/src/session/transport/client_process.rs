@@ -1,5 +1,8 @@
 //! The process of the client, by the `processId` of `initialize`: the server ends when that process has
 //! ended. A killed client closes nothing, and its child processes may hold the pipe open.
+//!
+//! In a container the id may be that of another namespace. A process that does not exist at the start is not
+//! watched.
 
 use tokio::sync::oneshot;
 
@@ -20,7 +23,7 @@ pub(crate) fn gone(id: i64) -> oneshot::Receiver<()> {
     told
 }
 
-/// Waits for the end of a process. False if the process cannot be watched.
+/// Waits for the end of a process. False if the process cannot be watched, or does not exist at the start.
 #[cfg(target_os = "linux")]
 fn wait(id: i64) -> bool {
     use rustix::event::{PollFd, PollFlags, poll};
@@ -40,7 +43,10 @@ fn wait(id: i64) -> bool {
                 Ok(_) => return true,
             }
         },
-        Err(Errno::SRCH) => true,
+        Err(Errno::SRCH) => {
+            tracing::info!("the client's process {id} is not visible here, so it is not watched");
+            false
+        }
         Err(_) => poll_exit(pid),
     }
 }
@@ -55,6 +61,9 @@ fn wait(id: i64) -> bool {
 #[cfg(unix)]
 fn poll_exit(pid: rustix::process::Pid) -> bool {
     use rustix::io::Errno;
+    if rustix::process::test_kill_process(pid) == Err(Errno::SRCH) {
+        return false;
+    }
     while rustix::process::test_kill_process(pid) != Err(Errno::SRCH) {
         std::thread::sleep(std::time::Duration::from_secs(3));
     }

@@ -21,6 +21,8 @@ const PUBLISH: &str = "textDocument/publishDiagnostics";
 pub(super) struct Spelling {
     files: FxHashMap<Utf8PathBuf, String>,
     folders: FxHashMap<Utf8PathBuf, String>,
+    /// Documents that are not files and whose URI had to be escaped, by the escaped URI.
+    others: FxHashMap<String, String>,
     /// Files with diagnostics at the client, and the URI under which they were sent.
     published: FxHashMap<Utf8PathBuf, String>,
 }
@@ -37,8 +39,13 @@ impl Spelling {
                 self.store_folders(&params["event"]["added"]);
             }
             "textDocument/didOpen" => {
-                if let Some((path, text)) = file(&params["textDocument"]["uri"]) {
+                let uri = &params["textDocument"]["uri"];
+                if let Some((path, text)) = file(uri) {
                     self.files.insert(path, text.to_owned());
+                } else if let Some(text) = uri.as_str()
+                    && let Some(escaped) = uri::escaped(text)
+                {
+                    self.others.insert(escaped, text.to_owned());
                 }
             }
             _ => {}
@@ -61,7 +68,7 @@ impl Spelling {
     /// Changes a message to the client to its spelling. Returns a message to send before, which clears
     /// diagnostics under another spelling.
     pub(super) fn apply(&mut self, message: &mut Value) -> Option<Value> {
-        if !self.files.is_empty() || !self.folders.is_empty() {
+        if !(self.files.is_empty() && self.folders.is_empty() && self.others.is_empty()) {
             for part in ["params", "result"] {
                 if let Some(part) = message.get_mut(part) {
                     self.rewrite(part);
@@ -116,6 +123,9 @@ impl Spelling {
 
     /// The client's spelling of a URI, if it differs.
     fn spell(&self, text: &str) -> Option<String> {
+        if let Some(own) = self.others.get(text) {
+            return Some(own.clone());
+        }
         let path = path(text)?;
         let spelt = match self.files.get(&path) {
             Some(own) => own.clone(),
@@ -143,7 +153,8 @@ fn path(text: &str) -> Option<Utf8PathBuf> {
     if !scheme.eq_ignore_ascii_case("file:") {
         return None;
     }
-    let uri: Uri = text.parse().ok()?;
+    let escaped = uri::escaped(text);
+    let uri: Uri = escaped.as_deref().unwrap_or(text).parse().ok()?;
     let path = uri::to_path(&uri);
     (!uri::is_virtual(Utf8Path::new(&path))).then_some(path)
 }
@@ -185,6 +196,27 @@ mod tests {
                 { "changes": { (client): [], (apart): [] } },
             ])
         );
+    }
+
+    #[test]
+    fn raw_characters_leave_as_they_came() {
+        let mut spelling = Spelling::default();
+        spelling.store_uris("initialize", &json!({ "rootUri": "file:///w/[é]" }));
+        for uri in ["file:///w/[é]/a#1.gen", "untitled:a b"] {
+            spelling.store_uris("textDocument/didOpen", &opened(uri));
+        }
+        let mut message = json!({ "result": [
+            { "uri": "file:///w/%5B%C3%A9%5D/a%231.gen" },
+            { "uri": "file:///w/%5B%C3%A9%5D/b.gen" },
+            { "uri": "untitled:a%20b" },
+        ]});
+        assert_eq!(spelling.apply(&mut message), None);
+        let expected = json!([
+            { "uri": "file:///w/[é]/a#1.gen" },
+            { "uri": "file:///w/[é]/b.gen" },
+            { "uri": "untitled:a b" },
+        ]);
+        assert_eq!(message["result"], expected);
     }
 
     #[test]

@@ -26,6 +26,8 @@ pub(crate) enum Mutation {
     Change(DidChangeTextDocumentParams),
     /// Half of a surrogate pair in the last change of a document was replaced.
     Mended(Uri),
+    /// A notification about a document cannot be read: the client's text is unknown.
+    Unreadable(Uri),
     /// The client has sent the whole text of such a document.
     SentAgain(Uri, Option<DocumentText>),
     /// `didSave`
@@ -53,6 +55,7 @@ impl State {
     pub(super) fn mutate(&mut self, mutation: Mutation) {
         match mutation {
             Mutation::Open(params) => {
+                self.reread_without_watchers();
                 let document = params.text_document;
                 let path = uri::to_path(&document.uri);
                 let file = OpenFile {
@@ -87,9 +90,22 @@ impl State {
                 }
             }
             Mutation::Mended(uri) => self.mended(uri),
+            Mutation::Unreadable(uri) => {
+                let path = uri::to_path(&uri);
+                if self.documents.lose(&path) {
+                    tracing::error!(%path, "document dropped until its whole text is sent");
+                    self.publisher.clear(&path, &self.outbox);
+                    self.touch(path);
+                    self.ask_for_text(uri);
+                }
+            }
             Mutation::SentAgain(uri, sent) => self.receive_text(&uri, sent),
-            Mutation::Saved(uri) => self.saved(&uri),
+            Mutation::Saved(uri) => {
+                self.saved(&uri);
+                self.reread_without_watchers();
+            }
             Mutation::Close(params) => {
+                self.reread_without_watchers();
                 let path = uri::to_path(&params.text_document.uri);
                 if self.documents.close(&path) {
                     self.pending.roots = true;
@@ -112,6 +128,12 @@ impl State {
             }
             Mutation::Folders(params) => {
                 self.workspace.change_folders(&params.event);
+                self.pending.roots = true;
+                for folder in &params.event.removed {
+                    let folder = uri::to_path(&folder.uri);
+                    let outside = |path: &Utf8Path| !self.workspace.contains(path);
+                    self.publisher.clear_below(&folder, outside, &self.documents, &self.outbox);
+                }
                 self.reconfigure();
                 self.pull_settings();
                 self.scan();
@@ -180,11 +202,40 @@ impl State {
         }
     }
 
+    /// Reads files again that changed on disk, for a client that does not watch files.
+    fn reread_without_watchers(&mut self) {
+        if !self.client.watched_files {
+            self.reread_changed();
+        }
+    }
+
+    /// Reads files again that changed on disk.
+    pub(super) fn reread_changed(&mut self) {
+        let changes = self.vfs.changed().into_iter();
+        let changes = changes.map(|change| {
+            let kind = match (change.existed, change.exists) {
+                (false, _) => FileChangeType::CREATED,
+                (true, true) => FileChangeType::CHANGED,
+                (true, false) => FileChangeType::DELETED,
+            };
+            (change.path, kind)
+        });
+        let changes: Vec<_> = changes.collect();
+        if !changes.is_empty() {
+            tracing::info!(files = changes.len(), "files changed on disk");
+            self.changed_on_disk(changes);
+        }
+    }
+
     fn watched(&mut self, changes: Vec<FileEvent>) {
+        let changes = changes.into_iter().map(|change| (uri::to_path(&change.uri), change.typ));
+        self.changed_on_disk(changes.collect());
+    }
+
+    fn changed_on_disk(&mut self, changes: Vec<(Utf8PathBuf, FileChangeType)>) {
         let mut matters = false;
-        for change in changes {
-            let path = uri::to_path(&change.uri);
-            if change.typ == FileChangeType::DELETED {
+        for (path, typ) in changes {
+            if typ == FileChangeType::DELETED {
                 matters |= self.gone(&path);
             }
             if !is_watched(&path) {
@@ -194,6 +245,9 @@ impl State {
             if path.file_name() == Some(crate::config::FILE_NAME) {
                 self.workspace.reload_files(&path);
                 self.reconfigure();
+                if self.documents.text(&path).is_none() {
+                    self.pending.files.insert(path);
+                }
                 continue;
             }
             if path.file_name() == Some(SCRIPT) && self.workspace.contains(&path) {
@@ -204,13 +258,13 @@ impl State {
             }
             match path.extension() {
                 Some("pc") => self.pending.packages = true,
-                Some(SCENARIO) if change.typ == FileChangeType::DELETED => {
+                Some(SCENARIO) if typ == FileChangeType::DELETED => {
                     Arc::make_mut(&mut self.workspace.scenarios).remove(&path);
                 }
                 Some(SCENARIO) if self.workspace.contains(&path) => {
                     Arc::make_mut(&mut self.workspace.scenarios).insert(path.clone());
                 }
-                Some(SPECIFICATION) if change.typ == FileChangeType::DELETED => {
+                Some(SPECIFICATION) if typ == FileChangeType::DELETED => {
                     self.pending.roots |= self.workspace.files.remove(&path);
                 }
                 Some(SPECIFICATION) if self.workspace.contains(&path) => {

@@ -1,6 +1,7 @@
 //! Listings of the files of the workspace, and what waits for them.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::host::Cancelled;
@@ -23,6 +24,8 @@ pub(super) struct Listings {
     pub(super) last: u64,
     /// Requests that wait for the end of the listing.
     pub(super) waiting: Vec<ReadRequest>,
+    /// The last message about folders that cannot be listed, which is shown once.
+    shown: Arc<Mutex<Option<String>>>,
 }
 
 impl State {
@@ -81,6 +84,7 @@ impl State {
         };
         self.listings.running += 1;
         let wants_progress = self.client.progress;
+        let last_shown = self.listings.shown.clone();
         self.outbox.run_conversation(move |client| async move {
             let shown = progress::begin(&client, wants_progress, "Indexing").await;
             let listing = tokio::task::spawn_blocking(move || {
@@ -95,7 +99,12 @@ impl State {
                 found
             });
             let vfs::FilesBelow { files, unreadable } = listing.await.unwrap_or_default();
-            if let Some(message) = told_unreadable(&unreadable) {
+            let message = told_unreadable(&unreadable);
+            let before = std::mem::replace(
+                &mut *last_shown.lock().unwrap_or_else(PoisonError::into_inner),
+                message.clone(),
+            );
+            if let Some(message) = message.filter(|message| before.as_ref() != Some(message)) {
                 client.show_message(MessageType::WARNING, message).await;
             }
             let specifications = files.iter().filter(|file| language::is_specification(file));

@@ -44,9 +44,18 @@ impl State {
         if read.control.is_cancelled() {
             return;
         }
+        let mut read = read;
+        // A client that watches files may be late, which is rare and costs little here. A list of all actions
+        // is requested at every move of the cursor.
+        if read.edits && (read.whole || !self.client.watched_files) {
+            self.reread_changed();
+        }
+        if read.whole && !self.client.watched_files && !read.is_listed {
+            self.scan();
+        }
         if read.whole && self.listings.running > 0 {
+            read.is_listed = true;
             // The request is about the present text.
-            let mut read = read;
             let subject = read.subject.as_ref().map(uri::to_path);
             let version = subject.and_then(|subject| {
                 self.documents.open_files().get(&subject).map(|file| file.version)

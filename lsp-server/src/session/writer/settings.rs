@@ -58,6 +58,9 @@ impl State {
 
     /// Computes the configuration again, and reports the errors in its files.
     pub(super) fn reconfigure(&mut self) {
+        for file in self.workspace.config_files() {
+            self.vfs.watch(&file);
+        }
         let config = self.workspace.config();
         self.pending.packages |= self.vfs.set_packages(&config.packages);
         if *self.config != config {
