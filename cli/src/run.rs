@@ -378,7 +378,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if arguments.systemd {
         let titles: Vec<&str> =
             all.iter().map(|(_, problem)| problem.path.file_stem().unwrap_or_default()).collect();
-        let unit = systemd::unit(&titles.join(", "), std::env::args_os().skip(1))?;
+        let unit =
+            systemd::unit(&titles.join(", "), std::env::args_os().skip(1), arguments.stop_within)?;
         std::io::stdout().write_all(unit.as_bytes())?;
         return Ok(trouble.outcome(Outcome::Fine));
     }

@@ -237,7 +237,7 @@ fn a_signal_ends_a_run_whose_codel_is_blocked() {
     let blocked = directory.path().join("blocked");
     soon("the codel", || blocked.exists().then_some(()));
     signal("-HUP", run.id());
-    assert_eq!(ended(&mut run).code(), Some(3));
+    assert_eq!(ended(&mut run).code(), Some(4));
     none_is_left(&directory);
     // What happened until then is told.
     assert!(directory.read("log").contains(" bad_first "));
@@ -253,7 +253,7 @@ fn a_second_signal_leaves_nothing_behind() {
         run.signal(name);
     }
     let status = ended(&mut run.0);
-    assert!(matches!(status.code(), Some(1 | 3 | 130)), "{status}");
+    assert!(matches!(status.code(), Some(1 | 3 | 4 | 130)), "{status}");
     let left = names(directory.path());
     let expected: &[&[&str]] = &[&["bad", "good"], &["bad", "good", "log"]];
     assert!(expected.iter().any(|name| left == *name), "{left:?}");

@@ -6,6 +6,7 @@ mod conventions;
 mod debug;
 #[path = "support/directory.rs"]
 mod directory;
+mod ends;
 mod examples;
 mod faults;
 mod fixing;

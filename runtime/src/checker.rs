@@ -260,6 +260,9 @@ impl<'p> RunChecker<'p> {
             }
             (a, b) => *a == *b,
         });
+        if let (Some(_), CodelViolation::Overrun { known: true, .. }) = (known, &violation) {
+            return;
+        }
         let place = known.unwrap_or_else(|| {
             self.broken.push(violation);
             self.broken.len() - 1

@@ -56,11 +56,12 @@ impl Ending {
             stepper.shut_down();
         }
         let ended = self.begun && live.has_ended(stepper);
-        let late = live.hosts().now() >= self.until || stepper.now() >= self.until_in_model;
+        let over = live.hosts().now() >= self.until || stepper.now() >= self.until_in_model;
+        let late = over || live.hosts().is_over();
         if late && !ended {
             live.note_unfinished(stepper);
         }
-        (ended || late || live.hosts().is_over()).then_some(self.reason)
+        (ended || late).then_some(self.reason)
     }
 
     /// The time that is left in the model, in base units.

@@ -48,9 +48,17 @@ struct Running {
     /// A host executes it.
     real: bool,
     ran: Option<CodelResult>,
+    /// Start on the clock of the hosts, in nanoseconds.
+    since: u64,
+    /// It has been reported that it takes too long.
+    late: bool,
     /// It has yielded an event that the model does not know.
     undeclared: bool,
 }
+
+/// Time after its limit at which a codel that has not returned counts as late, in nanoseconds: the exchange of
+/// messages is no part of its execution.
+const GRACE_NANOS: u64 = 2_000_000;
 
 /// Returns the number of the thread that executes the codels of a task.
 fn lane(task: TaskId) -> u32 {
@@ -238,7 +246,9 @@ impl<'p> Live<'p> {
         }
         let codel = work.codel();
         let real = codel.is_some_and(|codel| self.is_real(codel));
-        self.running[executor] = Some(Running { work, real, ran: None, undeclared: false });
+        let since = self.hosts.now();
+        self.running[executor] =
+            Some(Running { work, real, ran: None, since, late: false, undeclared: false });
         let Some((codel, call)) = self.call(executor, &work).filter(|_| real) else {
             return;
         };
@@ -371,16 +381,51 @@ impl<'p> Live<'p> {
             Some(limit) if !self.waits && ran.nanos > limit => limit,
             _ => return,
         };
-        let took = ran.nanos;
+        self.overruns(executor, codel, (ran.nanos, limit));
+    }
+
+    /// Reports codels that have not returned although their time is over. Returns the time of the next one, in
+    /// nanoseconds on the clock of the hosts.
+    pub(crate) fn note_late(&mut self) -> Option<u64> {
+        let now = self.hosts.now();
+        let mut next: Option<u64> = None;
+        for executor in 0..self.running.len() {
+            let Some(running) = &self.running[executor] else { continue };
+            let codel = running.work.codel().filter(|_| running.real && running.ran.is_none());
+            let limit = codel.and_then(|codel| Some((codel, self.parts.limit(codel)?)));
+            let Some((codel, limit)) = limit.filter(|_| !running.late) else { continue };
+            // The model may be behind the thread of a delegated task.
+            if self.is_delegated_executor(executor) {
+                continue;
+            }
+            let due = running.since.saturating_add(limit).saturating_add(GRACE_NANOS);
+            if due > now {
+                next = Some(next.map_or(due, |next| next.min(due)));
+                continue;
+            }
+            let took = now - running.since;
+            self.overruns(executor, codel, (took, limit));
+            if let Some(running) = &mut self.running[executor] {
+                running.late = true;
+            }
+        }
+        next
+    }
+
+    /// Reports a codel that takes, or has taken, too long; its activity is interrupted if that is wanted.
+    fn overruns(&mut self, executor: usize, codel: CodelId, (took, limit): (u64, u64)) {
+        let known = self.running[executor].as_ref().is_some_and(|running| running.late);
         self.broken.push(CodelViolation::Overrun {
             codel: self.system.codels[codel].path.to_string(),
             function: self.parts.function(codel),
             took,
             limit,
+            known,
         });
         if let Some(Some(Running { work: Work::State { slot, automaton, .. }, .. })) =
             self.running.get(executor)
             && self.stops_activities
+            && !known
             && self.system.automata[*automaton].service.is_some()
         {
             self.overrun.push(*slot);

@@ -66,6 +66,7 @@ pub fn run(
         clock.deliver(stepper, live);
         live.accept(stepper, &mut told);
         live.abort(stepper, &mut |stepper, place| watch.interrupt(stepper, place));
+        let late = live.note_late();
         engine::forward_violations(stepper, live, watch);
         // A run that is always late must end as well.
         let reason = match watch.is_over() {
@@ -103,7 +104,7 @@ pub fn run(
             continue;
         }
         live.delegate(stepper);
-        let passed = clock.wait(stepper, live, &works, left);
+        let passed = clock.wait(stepper, live, &works, (left, late));
         if passed > 0 {
             at_once = 0;
             stepper.pass(passed, &mut seen);
@@ -139,14 +140,14 @@ impl Clock {
     }
 
     /// Receives the messages that have arrived, so that time never passes them. If the model has reached the
-    /// present time, waits for the next event: the thread yields the processor. Returns the time that passes
-    /// in the model, in base units.
+    /// present time, waits for the next event, until `late` in nanoseconds: the thread yields the processor.
+    /// Returns the time that passes in the model, in base units.
     fn wait(
         &mut self,
         stepper: &Stepper,
         live: &mut Live<'_>,
         works: &[Option<Work>],
-        left: u64,
+        (left, late): (u64, Option<u64>),
     ) -> Ticks {
         for _ in 0..MAX_MESSAGES_AT_ONCE {
             let Some(message) = live.hosts().wait(0) else {
@@ -183,6 +184,7 @@ impl Clock {
         };
         // If the time is over, the model waits for the report of a thread.
         let until = if until > now { until.min(longest) } else { longest };
+        let until = late.map_or(until, |late| until.min(late.max(now)));
         if let Some(message) = live.hosts().wait(until) {
             self.receive(message, live);
             return 0;

@@ -7,7 +7,7 @@ use dotgen_timing::system::{ClientId, TaskId, Ticks};
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
-use crate::checker::{Idle, Moment, Verdict, Violation};
+use crate::checker::{Idle, Moment, RunChecker, Verdict, Violation};
 use crate::counts::{MachineCounts, TaskCounts, machines, tasks};
 use crate::decide::Durations;
 use crate::engine::End;
@@ -201,6 +201,16 @@ pub enum Violated {
     },
 }
 
+/// Returns the report of one of the violations of a run that goes on.
+pub(crate) fn violation(
+    prepared: &Prepared,
+    plan: &Plan,
+    judge: &RunChecker<'_>,
+    number: usize,
+) -> ViolationReport {
+    ReportBuilder { prepared, plan }.violation(judge, number)
+}
+
 impl RunReport {
     /// Creates the report of finished runs.
     pub fn new(
@@ -249,7 +259,9 @@ impl RunReport {
             codels: codels.collect(),
             machines: machines(prepared, &outcome.tally),
             checks: make.checks(outcome),
-            violations: make.violations(outcome),
+            violations: (0..outcome.judge.violations.len())
+                .map(|number| make.violation(&outcome.judge, number))
+                .collect(),
             violation_count: outcome.judge.count,
             assumptions: prepared.report.assumptions.clone(),
             notes,
@@ -325,10 +337,10 @@ impl ReportBuilder<'_> {
         }
     }
 
-    fn violations(&self, outcome: &SimulationResult) -> Vec<ViolationReport> {
+    fn violation(&self, judge: &RunChecker<'_>, number: usize) -> ViolationReport {
         let system = &self.prepared.built.system;
-        let all = outcome.judge.violations.iter();
-        let all = all.map(|&(at, violation)| ViolationReport {
+        let (at, violation) = judge.violations[number];
+        ViolationReport {
             at: self.at(at),
             what: match violation {
                 Violation::Check(check) => Violated::Check { check },
@@ -337,7 +349,7 @@ impl ReportBuilder<'_> {
                     response: self.value(response),
                     bound: self.value(bound),
                 },
-                Violation::CodelViolation(at) => match &outcome.judge.broken[at] {
+                Violation::CodelViolation(at) => match &judge.broken[at] {
                     CodelViolation::Undeclared { codel, function, event } => Violated::Undeclared {
                         codel: codel.clone(),
                         function: function.clone(),
@@ -349,15 +361,16 @@ impl ReportBuilder<'_> {
                         function: codel.as_ref().map(|codel| codel.1.clone()),
                         why: why.clone(),
                     },
-                    CodelViolation::Overrun { codel, function, took, limit } => Violated::Overrun {
-                        codel: codel.clone(),
-                        function: function.clone(),
-                        took: self.nanos(*took),
-                        limit: self.nanos(*limit),
-                    },
+                    CodelViolation::Overrun { codel, function, took, limit, .. } => {
+                        Violated::Overrun {
+                            codel: codel.clone(),
+                            function: function.clone(),
+                            took: self.nanos(*took),
+                            limit: self.nanos(*limit),
+                        }
+                    }
                 },
             },
-        });
-        all.collect()
+        }
     }
 }

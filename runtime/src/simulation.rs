@@ -15,6 +15,7 @@ use crate::live::Live;
 use crate::profile::Profile;
 use crate::progress::{ActivityStates, ProgressReceiver};
 use crate::real_clock::{self, Pace};
+use crate::report::{self, ViolationReport};
 use crate::tally::Tally;
 use crate::watch::{CodelViolation, PortUpdate, RunObserver};
 
@@ -69,6 +70,8 @@ pub struct Execution<'l, 'p> {
     pub pace: Option<Pace>,
     /// Receiver of snapshots.
     pub follow: Option<&'l mut dyn ProgressReceiver>,
+    /// Receives the first violation of each kind when it happens.
+    pub violated: Option<&'l dyn Fn(&ViolationReport)>,
 }
 
 /// Records a run.
@@ -120,6 +123,7 @@ pub fn simulate_recorded<'p, W: Write>(
     let (watched, places) = prepared.watched();
     let mut stepper = Stepper::new(system, &watched);
     let follow = execution.as_mut().and_then(|execution| execution.follow.take());
+    let violated = execution.as_ref().and_then(|execution| execution.violated);
     let mut observer = Observer {
         system,
         prepared,
@@ -133,6 +137,9 @@ pub fn simulate_recorded<'p, W: Write>(
         recorded: plan.record.then(Run::default),
         record,
         first: true,
+        plan,
+        violated,
+        shown: 0,
         ended: None,
     };
     if let (Some(execution), Some(_)) = (&mut execution, &observer.record) {
@@ -208,11 +215,25 @@ struct Observer<'o, 'r, 'f, 'p, W> {
     record: Option<&'r mut dyn Record>,
     /// The present run is the first one.
     first: bool,
+    plan: &'o Plan,
+    /// Receives violations when they happen.
+    violated: Option<&'f dyn Fn(&ViolationReport)>,
+    /// Number of violations that were passed on.
+    shown: usize,
     /// Time at which the present run began to end, in base units: from then on its checks are not observed.
     ended: Option<u64>,
 }
 
 impl<W: Write> Observer<'_, '_, '_, '_, W> {
+    /// Passes on new violations.
+    fn show_violations(&mut self) {
+        let Some(violated) = self.violated else { return };
+        while self.shown < self.judge.violations.len() {
+            violated(&report::violation(self.prepared, self.plan, &self.judge, self.shown));
+            self.shown += 1;
+        }
+    }
+
     /// Handles the end of a run.
     fn end_run(&mut self, stepper: &Stepper, end: End) {
         self.tally.end(stepper);
@@ -230,6 +251,7 @@ impl<W: Write> Observer<'_, '_, '_, '_, W> {
                 record.end(stepper);
             }
         }
+        self.show_violations();
         self.first = false;
         self.offset += self.ended.take().unwrap_or(stepper.now());
     }
@@ -243,6 +265,7 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
         self.tally.on_event(self.system, stepper, seen);
         if self.ended.is_none() {
             self.judge.on_event(stepper, seen);
+            self.show_violations();
         }
         if let Some((_, states)) = &mut self.follow {
             states.on_event(self.system, seen);
@@ -292,6 +315,7 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
     fn moment(&mut self, stepper: &Stepper) {
         if self.ended.is_none() {
             self.judge.moment(stepper);
+            self.show_violations();
         }
         if let Some(record) = self.record.as_mut().filter(|_| self.first) {
             record.moment();
@@ -308,6 +332,7 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
 
     fn on_violation(&mut self, stepper: &Stepper, broken: CodelViolation) {
         self.judge.on_violation(stepper, broken);
+        self.show_violations();
     }
 
     fn is_over(&self) -> bool {

@@ -66,6 +66,9 @@ pub enum CodelViolation {
         took: u64,
         /// Stated execution time, in nanoseconds.
         limit: u64,
+        /// The same execution was reported before it ended.
+        #[serde(skip)]
+        known: bool,
     },
 }
 

@@ -147,7 +147,8 @@ fn run(
         polls.get() > interrupt_after
     };
     let mut live = Live::new(system, &parts, &mut hosts, false, false);
-    let execution = Execution { live: &mut live, pace: Some(Pace { nanos }), follow: None };
+    let execution =
+        Execution { live: &mut live, pace: Some(Pace { nanos }), follow: None, violated: None };
     let plan = Plan {
         until: RUN_NANOS / nanos,
         runs: 1,

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use camino::Utf8PathBuf;
 use dotgen_recording::log::origins;
 use dotgen_runtime::profile::{Profile, functions};
-use dotgen_runtime::report::RunReport;
+use dotgen_runtime::report::{RunReport, Violated, ViolationReport};
 use dotgen_runtime::simulation::{Record, SimulationResult, simulate_recorded};
 use dotgen_timing::report::Event;
 use dotgen_timing::scn::names::Names;
@@ -16,7 +16,8 @@ use typed_index_collections::TiVec;
 use super::bounds::{self, BoundVerification};
 use super::record::Recording;
 use super::recorder::{Files, Recorder, Runs};
-use super::{Arguments, Clock, Simulate};
+use super::{Arguments, Clock, Simulate, text};
+use crate::report;
 use crate::session::Session;
 use dotgen_platform::files::disk::AppendedFile;
 use dotgen_views::verification::Problem;
@@ -330,9 +331,21 @@ impl Context<'_, '_> {
             followers,
             real.then_some(&is_executed as &dyn Fn(CodelId) -> bool),
         )?;
-        let interrupted = || self.interrupt.is_raised();
+        let watchdog = super::systemd::Watchdog::new();
+        let interrupted = || {
+            watchdog.report();
+            self.interrupt.is_raised()
+        };
         let stops_activities = arguments.on_violation == super::OnViolation::StopActivity;
         let mut live = Live::new(system, &parts, &mut children, !real, stops_activities);
+        let violated = |violation: &ViolationReport| {
+            let unit = opened.report.unit;
+            let what = match &violation.what {
+                Violated::Check { check } => text::check_title(&opened.checks[*check].report),
+                other => text::violated(other, unit),
+            };
+            report::note(&format!("at {}: violated {what}", unit.show_value(violation.at.time)));
+        };
         live.set_stop_within(arguments.stop_within);
         let execution = Execution {
             live: &mut live,
@@ -340,6 +353,7 @@ impl Context<'_, '_> {
             follow: progress_subscribers
                 .as_mut()
                 .map(|subscriber| subscriber as &mut dyn ProgressReceiver),
+            violated: real.then_some(&violated as &dyn Fn(&ViolationReport)),
         };
         let mut recording = self.recording(files.recording.take(), &opened, real)?;
         let mut outcome = simulate_recorded(

@@ -1,8 +1,52 @@
 //! `dotgen run --systemd`: a unit that starts the same run with the machine.
 
+use std::cell::Cell;
 use std::ffi::OsString;
+use std::os::unix::net::UnixDatagram;
+use std::time::{Duration, Instant};
 
 use dotgen_hosting::realtime;
+
+/// Time after which systemd ends an engine that does not report.
+const WATCHDOG: Duration = Duration::from_secs(10);
+
+/// Time between two reports of the engine.
+const REPORT_INTERVAL: Duration = Duration::from_secs(1);
+
+/// Time that systemd leaves for the end of a run, beyond that of the components, in seconds.
+const STOP_MARGIN_SECS: u64 = 5;
+
+/// Reports to systemd that the engine goes on, if systemd has started it (`NOTIFY_SOCKET`).
+pub(super) struct Watchdog {
+    socket: Option<UnixDatagram>,
+    reported: Cell<Option<Instant>>,
+}
+
+impl Watchdog {
+    /// Connects to systemd. A socket with an abstract name is not supported by the library, and is left out.
+    pub(super) fn new() -> Watchdog {
+        let connected = std::env::var_os("NOTIFY_SOCKET").and_then(|path| {
+            let socket = UnixDatagram::unbound().ok()?;
+            socket.set_nonblocking(true).ok()?;
+            socket.connect(path).ok()?;
+            Some(socket)
+        });
+        Watchdog { socket: connected, reported: Cell::new(None) }
+    }
+
+    /// Reports, at most once a second. The first report says that the components run.
+    pub(super) fn report(&self) {
+        let Some(socket) = &self.socket else { return };
+        let last = self.reported.get();
+        if last.is_some_and(|last| last.elapsed() < REPORT_INTERVAL) {
+            return;
+        }
+        let text = if last.is_none() { "READY=1\nWATCHDOG=1" } else { "WATCHDOG=1" };
+        // Without systemd at the other end, nothing waits for the report.
+        let _ = socket.send(text.as_bytes());
+        self.reported.set(Some(Instant::now()));
+    }
+}
 
 /// The option itself, which the unit leaves out.
 const OPTION: &str = "--systemd";
@@ -14,6 +58,7 @@ const OPTION: &str = "--systemd";
 pub(super) fn unit(
     title: &str,
     arguments: impl Iterator<Item = OsString>,
+    stop_within: Duration,
 ) -> anyhow::Result<String> {
     let program = std::env::current_exe()?;
     let folder = std::env::current_dir()?;
@@ -28,13 +73,21 @@ pub(super) fn unit(
          Wants=network-online.target\n\
          \n\
          [Service]\n\
+         # Ready when the components run; the engine reports that it goes on.\n\
+         Type=notify\n\
+         NotifyAccess=main\n\
+         TimeoutStartSec=infinity\n\
+         WatchdogSec={watchdog}\n\
+         # More than `--stop-within`: activities execute their `stop` codels.\n\
+         TimeoutStopSec={stop}\n\
+         KillMode=mixed\n\
          User={user}\n\
          WorkingDirectory={folder}\n\
          ExecStart={command}\n\
-         # 3: the run was stopped; 2: nothing can be run.\n\
+         # 3: the run was stopped; 1: after a violation; 4: not in time; 2: nothing can be run.\n\
          SuccessExitStatus=3\n\
          Restart=on-failure\n\
-         RestartPreventExitStatus=2\n\
+         RestartPreventExitStatus=1 2 4\n\
          # Real-time priority and locked memory for codels.\n\
          LimitRTPRIO={priority}\n\
          LimitMEMLOCK=infinity\n\
@@ -42,6 +95,8 @@ pub(super) fn unit(
          [Install]\n\
          WantedBy=multi-user.target\n",
         title = escaped(&text(title.into())?),
+        watchdog = WATCHDOG.as_secs(),
+        stop = stop_within.as_secs() + STOP_MARGIN_SECS,
         user = rustix::process::getuid().as_raw(),
         folder = escaped(&text(folder.into())?),
         command = words.join(" "),

@@ -7,7 +7,8 @@ use dotgen_analysis::terminal;
 use dotgen_runtime::checker::Verdict;
 use dotgen_runtime::engine::End;
 use dotgen_runtime::report::{CheckOutcome, RunMoment, RunReport, Violated};
-use dotgen_timing::report::{TimeUnit, Value};
+use dotgen_timing::property::PropertyKind;
+use dotgen_timing::report::{CheckReport, TimeUnit, Value};
 use dotgen_timing::verify::settings;
 
 use super::{Answer, Contents};
@@ -247,12 +248,18 @@ fn checks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::
 }
 
 fn title(outcome: &CheckOutcome) -> String {
-    let named = outcome.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
-    let of = match outcome.of.is_empty() {
-        true => String::new(),
-        false => format!(" {}", outcome.of),
-    };
-    format!("{named}{}{of}", outcome.check)
+    titled(outcome.name.as_deref(), outcome.check, &outcome.of)
+}
+
+/// Returns the name of a check of a run that goes on.
+pub(super) fn check_title(check: &CheckReport) -> String {
+    titled(check.name.as_deref(), check.kind, &check.of)
+}
+
+fn titled(name: Option<&str>, kind: PropertyKind, of: &str) -> String {
+    let named = name.map_or(String::new(), |name| format!("{name}: "));
+    let of = if of.is_empty() { String::new() } else { format!(" {of}") };
+    format!("{named}{kind}{of}")
 }
 
 fn violations(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::Result<()> {
@@ -263,42 +270,42 @@ fn violations(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::
                 let check = &report.checks[*check];
                 (title(check), times(check.violations))
             }
-            Violated::BeyondBound { task, response, bound } => {
-                let what = format!(
-                    "the proved bound of {task}: {} is more than {}",
-                    unit.show_value(*response),
-                    unit.show_value(*bound)
-                );
-                (what, String::new())
-            }
-            Violated::Undeclared { codel, function, event } => {
-                let what = match event.is_empty() {
-                    true => "something that is no event of its component".to_owned(),
-                    false => format!("`{event}`, which its specification does not declare"),
-                };
-                let what = format!("the transitions of {codel}: `{function}` returned {what}");
-                (what, String::new())
-            }
-            Violated::Lost { component, codel, function, why } => {
-                let of = match (codel, function) {
-                    (Some(codel), Some(function)) => format!(" in `{function}` ({codel})"),
-                    _ => String::new(),
-                };
-                let what = format!("that components run: `{component}` {why}{of}");
-                (what, String::new())
-            }
-            Violated::Overrun { codel, function, took, limit } => {
-                let what = format!(
-                    "the execution time of {codel}: `{function}` took {}, more than {}",
-                    unit.show_value(*took),
-                    unit.show_value(*limit)
-                );
-                (what, String::new())
-            }
+            other => (violated(other, unit), String::new()),
         };
         writeln!(out, "\n{BAD}violated{BAD:#} {what}, {at}{more}")?;
     }
     Ok(())
+}
+
+/// Returns what is violated, and how, for a violation of no check.
+pub(super) fn violated(what: &Violated, unit: TimeUnit) -> String {
+    match what {
+        Violated::Check { .. } => "a check".to_owned(),
+        Violated::BeyondBound { task, response, bound } => format!(
+            "the proved bound of {task}: {} is more than {}",
+            unit.show_value(*response),
+            unit.show_value(*bound)
+        ),
+        Violated::Undeclared { codel, function, event } => {
+            let what = match event.is_empty() {
+                true => "something that is no event of its component".to_owned(),
+                false => format!("`{event}`, which its specification does not declare"),
+            };
+            format!("the transitions of {codel}: `{function}` returned {what}")
+        }
+        Violated::Lost { component, codel, function, why } => {
+            let of = match (codel, function) {
+                (Some(codel), Some(function)) => format!(" in `{function}` ({codel})"),
+                _ => String::new(),
+            };
+            format!("that components run: `{component}` {why}{of}")
+        }
+        Violated::Overrun { codel, function, took, limit } => format!(
+            "the execution time of {codel}: `{function}` took {}, more than {}",
+            unit.show_value(*took),
+            unit.show_value(*limit)
+        ),
+    }
 }
 
 fn times(count: u64) -> String {

@@ -1,0 +1,187 @@
+//! Every end of a run is orderly: activities, then tasks execute their `stop` codels.
+#![cfg(target_os = "linux")]
+
+use std::process::Stdio;
+
+use serde_json::{Value, json};
+
+use crate::directory::{Directory, status, stdout};
+use crate::running::{Listening, compilers, ended, processes, soon, violation};
+
+const DRIVE: &str = r#"
+struct speed_s { double v; };
+component drive {
+  version "1"; lang "LANG";
+  ids { long n; };
+  port out speed_s speed;
+  task main {
+    period 10 ms;
+    codel<start> drive_init(out n) yield main wcet 9 ms;
+    codel<main> drive_tick(inout n) yield pause::main wcet 9 ms;
+    codel<stop> drive_end(inout n) yield ether wcet 9 ms;
+  };
+  activity go(in double v) {
+    task main;
+    codel<start> drive_go(in v, out speed) yield pause::start wcet 9 ms;
+    codel<stop> drive_halt(out speed) yield ether wcet 9 ms;
+  };
+};
+"#;
+
+/// What both languages share. A codel of the activity waits if its speed is more than 8.
+const HELPERS: &str = r#"
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+static void note(const char *what) { FILE *f = fopen("notes", "a"); fprintf(f, "%s\n", what); fclose(f); }
+static void go(double v) { static int first = 1; if (first) note("go"); first = 0; if (v > 8) usleep(60000); }
+static void halt(void) { note("activity"); while (getenv("HANG")) pause(); }
+"#;
+
+const IN_C: &str = r#"
+genom_event drive_init(int32_t *n, const genom_context self)
+{ (void)self; *n = 0; return drive_main; }
+genom_event drive_tick(int32_t *n, const genom_context self)
+{ (void)self; *n += 1; return drive_pause_main; }
+genom_event drive_end(int32_t *n, const genom_context self)
+{ (void)n; (void)self; note("task"); return drive_ether; }
+genom_event drive_go(double v, const drive_speed *speed, const genom_context self)
+{ speed->data(self)->v = v; speed->write(self); go(v); return drive_pause_start; }
+genom_event drive_halt(const drive_speed *speed, const genom_context self)
+{ speed->data(self)->v = 0; speed->write(self); halt(); return drive_ether; }
+"#;
+
+const IN_CXX: &str = r#"
+genom::event drive_init(int32_t &n) { n = 0; return drive::main; }
+genom::event drive_tick(int32_t &n) { n += 1; return drive::pause::main; }
+genom::event drive_end(int32_t &n) { (void)n; note("task"); return drive::ether; }
+genom::event drive_go(double v, drive::speed &speed)
+{ speed.data().v = v; speed.write(); go(v); return drive::pause::start; }
+genom::event drive_halt(drive::speed &speed)
+{ speed.data().v = 0; speed.write(); halt(); return drive::ether; }
+"#;
+
+/// The component in a language.
+fn drive(language: &str) -> Directory {
+    let (name, types, codels) = match language {
+        "c" => ("codels/drive.c", "drive_c_types.h", IN_C),
+        _ => ("codels/drive.cc", "drive_cxx_types.h", IN_CXX),
+    };
+    let source = format!("#include \"acdrive.h\"\n#include \"{types}\"\n{HELPERS}{codels}");
+    let specification = DRIVE.replace("LANG", language);
+    Directory::new(&[("drive.gen", specification.as_str()), (name, source.as_str())])
+}
+
+/// Starts a run on the real clock, with the activity under way.
+fn begin(directory: &Directory, speed: u32, hangs: bool, options: &[&str]) -> Listening {
+    let mut arguments = vec!["run", "drive.gen", "--clock", "real", "--socket", "s"];
+    arguments.extend(["--bounds", "none", "--format", "json", "--record", "run.mcap"]);
+    arguments.extend(options);
+    let report = std::fs::File::create(directory.path().join("report.json")).expect("a file");
+    let mut command = directory.command(&arguments);
+    if hangs {
+        command.env("HANG", "1");
+    }
+    let run = Listening::begin_with_output(&mut command, report.into());
+    let input = format!("{{\"v\": {speed}}}");
+    let mut call = directory.command(&["call", "--socket", "s", "drive", "go", &input]);
+    call.stdout(Stdio::null()).stderr(Stdio::null());
+    let mut call = call.spawn().expect("a call");
+    std::thread::spawn(move || call.wait());
+    soon("the activity", || notes(directory).starts_with("go\n").then_some(()));
+    run
+}
+
+/// What the codels have noted, in order.
+fn notes(directory: &Directory) -> String {
+    std::fs::read_to_string(directory.path().join("notes")).unwrap_or_default()
+}
+
+fn report(directory: &Directory) -> Value {
+    serde_json::from_str(&directory.read("report.json")).expect("JSON")
+}
+
+const IN_ORDER: &str = "go\nactivity\ntask\n";
+
+#[test]
+fn every_end_executes_the_stop_codels() {
+    if !compilers() {
+        return;
+    }
+    for language in ["c", "c++"] {
+        let directory = drive(language);
+        for end in ["-INT", "-TERM", "-HUP"] {
+            directory.write("notes", b"");
+            let mut run = begin(&directory, 5, false, &[]);
+            run.signal(end);
+            let code = ended(&mut run.0).code();
+            assert_eq!(notes(&directory), IN_ORDER, "{language} {end}");
+            let report = report(&directory);
+            let violated = report["violation-count"] != 0;
+            assert_eq!(code, Some(if violated { 1 } else { 3 }), "{report:#}");
+            assert_eq!(
+                (&report["end"], &report["unfinished"]),
+                (&json!("interrupted"), &Value::Null)
+            );
+        }
+        // A run that ends by itself, and the end in its recording.
+        directory.write("notes", b"");
+        let mut run = begin(&directory, 5, false, &["--until", "300ms"]);
+        assert!(matches!(ended(&mut run.0).code(), Some(0 | 1)));
+        assert_eq!(notes(&directory), IN_ORDER, "{language}");
+        let replayed = directory.run(&["replay", "run.mcap", "drive.gen", "--format", "json"]);
+        let replayed: Value = serde_json::from_str(&stdout(&replayed)).expect("JSON");
+        assert_eq!(replayed["difference-count"], replayed["violation-count"], "{replayed:#}");
+        assert_eq!(processes(&directory), Vec::<String>::new());
+    }
+}
+
+#[test]
+fn a_late_codel_ends_its_activity_or_the_run_in_order() {
+    if !compilers() {
+        return;
+    }
+    let directory = drive("c");
+    for action in ["stop-activity", "stop"] {
+        directory.write("notes", b"");
+        let options = ["--on-violation", action, "--until", "1s"];
+        let mut run = begin(&directory, 9, false, &options);
+        // The violation is reported before the codel has returned.
+        run.told("violated the execution time of drive.go.start");
+        assert_eq!(ended(&mut run.0).code(), Some(1));
+        assert_eq!(notes(&directory), IN_ORDER, "{action}");
+        let report = report(&directory);
+        assert_eq!(violation(&report, "overrun")["function"], "drive_go", "{report:#}");
+    }
+}
+
+#[test]
+fn a_stop_codel_that_does_not_return_is_named() {
+    if !compilers() {
+        return;
+    }
+    let directory = drive("c");
+    for (options, signals) in [(&["--stop-within", "100ms"][..], 1), (&[][..], 2)] {
+        directory.write("notes", b"");
+        let mut run = begin(&directory, 5, true, options);
+        run.signal("-INT");
+        soon("the stop codel", || notes(&directory).contains("activity").then_some(()));
+        if signals > 1 {
+            run.signal("-INT");
+        }
+        assert_eq!(ended(&mut run.0).code(), Some(4));
+        assert_eq!(report(&directory)["unfinished"], json!(["drive.go.stop"]));
+        assert_eq!(processes(&directory), Vec::<String>::new());
+    }
+}
+
+#[test]
+fn a_run_on_the_virtual_clock_ends_in_order() {
+    if !compilers() {
+        return;
+    }
+    let directory = drive("c");
+    let arguments = ["run", "drive.gen", "--until", "100ms", "--bounds", "none"];
+    assert!(matches!(status(&directory.run(&arguments)), 0 | 1));
+    assert!(notes(&directory).ends_with("task\n"), "{}", notes(&directory));
+}
