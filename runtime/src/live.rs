@@ -56,8 +56,8 @@ struct Running {
     undeclared: bool,
 }
 
-/// Time after its limit at which a codel that has not returned counts as late, in nanoseconds: the exchange of
-/// messages is no part of its execution.
+/// Time after its limit at which a codel that has not returned counts as late, in nanoseconds: the exchange
+/// of messages is no part of its execution.
 const GRACE_NANOS: u64 = 2_000_000;
 
 /// Returns the number of the thread that executes the codels of a task.

@@ -17,8 +17,8 @@ pub trait RunObserver {
     /// Receives an interruption of an activity from outside, by the place of the activity.
     fn interrupt(&mut self, stepper: &Stepper, place: usize);
 
-    /// Receives the beginning of the end of the run, with its reason: components are shut down from here on, and
-    /// no check is observed any more. Comes again when the shutdown goes on past tasks that were never started.
+    /// Receives the beginning of the end of the run, with its reason: components are shut down from here on,
+    /// and no check is observed any more. Comes again when the shutdown goes on past tasks that were never started.
     fn on_ending(&mut self, stepper: &Stepper, end: End);
 
     /// Is called after time has passed.

@@ -23,7 +23,7 @@ pub(crate) use time_unit::to_f64;
 
 /// Version of the JSON form: raised when a field changes its meaning or is removed. Its schema is
 /// `docs/verify.schema.json`.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// The results of a verification.
 #[derive(Debug, Clone, Default, Serialize)]

@@ -126,7 +126,7 @@ fn words(text: &str) -> Vec<Word> {
                 tables = vec![std::mem::take(&mut key)];
             }
             EventKind::SimpleKey => {
-                if !std::mem::take(&mut after_point) && !(is_header && key.is_empty()) {
+                if !(std::mem::take(&mut after_point) || is_header && key.is_empty()) {
                     key = tables.last().cloned().unwrap_or_default();
                 }
                 key.push(text[range.clone()].to_owned());

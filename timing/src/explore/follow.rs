@@ -99,7 +99,7 @@ impl Guide {
         for &(time, action) in &guide.run.steps {
             if time > stepper.now() {
                 let wait = Ticks::try_from(time - stepper.now()).unwrap_or(Ticks::MAX);
-                // The run is one of the system: only the outcome of works matters here, not when they may end.
+                // The run is one of the system: only the outcomes matter here, not when works may end.
                 for executor in 0..stepper.executors() {
                     if let Some((least, greatest)) = stepper.window(executor) {
                         stepper.set_window(executor, (least, greatest.max(wait)));

@@ -7,8 +7,8 @@ use dotgen_analysis::quantity;
 /// Number of codels named in the note; further codels are only counted.
 const NAMED: usize = 4;
 
-/// Returns a note about the rounded codels: their effect on the answers that were found with them. `None` if no
-/// codel was rounded.
+/// Returns a note about the rounded codels: their effect on the answers that were found with them. `None` if
+/// no codel was rounded.
 pub(super) fn note(built: &Built) -> Option<String> {
     let rounded = &built.rounded;
     if rounded.is_empty() {
