@@ -107,7 +107,7 @@ mod tests {
         let (lines, queue) = sync_channel(2);
         let mut log = Log { lines, waiting: Arc::default(), dropped: Arc::default() };
         for line in 0..5 {
-            writeln!(log, "{line}").unwrap();
+            log.write_all(format!("{line}\n").as_bytes()).unwrap();
         }
         let (waiting, dropped) = (log.waiting.clone(), log.dropped.clone());
         assert_eq!((waiting.load(Ordering::Acquire), dropped.load(Ordering::Acquire)), (2, 3));

@@ -30,8 +30,8 @@ use super::{Outcome, SpecificationOptions, report};
 ///
 /// A damaged recording is compared up to the damage.
 ///
-/// Exit status: 0 if the recording is a run of the model, 1 if not, or if a codel violates its declaration, 2 if it is damaged or nothing could be
-/// compared.
+/// Exit status: 0 if the recording is a run of the model, 1 if not, or if a codel violates its declaration, 2
+/// if the recording is damaged or nothing could be compared.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// A recording (.mcap), and a scenario (.scn) or specifications (.gen)

@@ -37,6 +37,8 @@ pub enum Origin<'l> {
     Simulated,
     /// A simulated codel in a run on the real clock, by its path.
     Codel(&'l str),
+    /// The run begins to end: its components are shut down.
+    Ending,
     /// The end of the run: the log is whole.
     End,
 }
@@ -54,6 +56,11 @@ pub fn origins<'c>(measured: bool, simulated: impl Iterator<Item = &'c str>) -> 
     out
 }
 
+/// Returns the line after which the components of a run are shut down.
+pub fn ending() -> String {
+    format!("{}the run begins to end\n", String::from_utf8_lossy(TIME_SOURCE_PREFIX))
+}
+
 /// Returns the last line of a log.
 pub fn end() -> String {
     format!("{}end of the run\n", String::from_utf8_lossy(TIME_SOURCE_PREFIX))
@@ -64,6 +71,7 @@ pub fn origin(text: &[u8]) -> Option<Origin<'_>> {
     match std::str::from_utf8(text.strip_prefix(TIME_SOURCE_PREFIX)?).ok()?.trim() {
         "times are measured" => Some(Origin::Measured),
         "times are simulated" => Some(Origin::Simulated),
+        "the run begins to end" => Some(Origin::Ending),
         "end of the run" => Some(Origin::End),
         other => other.strip_prefix("simulated ").map(Origin::Codel),
     }

@@ -106,7 +106,7 @@ impl LogMeasurements {
             Some(origin @ (Origin::Measured | Origin::Simulated)) => self
                 .sections
                 .push(Section { simulated: origin == Origin::Simulated, ..Section::default() }),
-            Some(Origin::End) | None => {}
+            Some(Origin::Ending | Origin::End) | None => {}
         }
         let Some((line, kind)) = self.left.classify(&mut self.kinds, text, ended) else {
             return;

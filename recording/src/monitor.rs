@@ -31,7 +31,7 @@ use dotgen_timing::system::{CodelId, MachineId, TaskId, Ticks, TimedSystem};
 use rustc_hash::FxHashMap;
 use typed_index_collections::{TiVec, ti_vec};
 
-use crate::log::{LineKinds, SkippedLines};
+use crate::log::{LineKinds, Origin, SkippedLines, origin};
 use crate::matching::Mismatch;
 
 pub use deviation::{Deviation, DeviationKind};
@@ -150,6 +150,8 @@ pub struct Monitor<'s> {
     runs: u64,
     found: Vec<Deviation>,
     counts: BTreeMap<&'static str, u64>,
+    /// The run that is read is ending.
+    ending: bool,
 }
 
 /// The times of a task, in nanoseconds.
@@ -242,11 +244,21 @@ impl<'s> Monitor<'s> {
             runs: 0,
             found: Vec::new(),
             counts: BTreeMap::new(),
+            ending: false,
         }
     }
 
     /// Reads a line of a log. `ended`: the line has its line break.
     pub fn line(&mut self, number: u64, text: &[u8], ended: bool) {
+        match origin(text) {
+            Some(Origin::Ending) => self.ending = true,
+            Some(Origin::Measured | Origin::Simulated) => self.ending = false,
+            _ => {}
+        }
+        // While components are shut down, turns do not wait for ticks.
+        if self.ending {
+            return;
+        }
         let Some((line, kind)) = self.left.classify(&mut self.kinds, text, ended) else {
             return;
         };

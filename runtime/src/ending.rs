@@ -2,16 +2,11 @@
 //! activities are interrupted and execute their `stop` codels, then its permanent activities do, and the port
 //! data of these codels is published. What has not ended within a bound is named.
 
-use std::time::Duration;
-
 use dotgen_timing::explore::Stepper;
 
-use crate::engine::End;
+use crate::end::End;
 use crate::live::Live;
 use crate::watch::RunObserver;
-
-/// Longest end of a run, unless another one is given.
-pub(crate) const STOP_WITHIN: Duration = Duration::from_secs(2);
 
 /// An end under way.
 #[derive(Debug)]

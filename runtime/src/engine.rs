@@ -4,6 +4,7 @@ use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
 use dotgen_timing::system::Ticks;
 
 use crate::decide::Decide;
+pub use crate::end::End;
 use crate::ending::Ending;
 use crate::live::Live;
 use crate::watch::RunObserver;
@@ -14,24 +15,6 @@ pub(crate) const MAX_ACTIONS_AT_ONE_MOMENT: u64 = 1_000_000;
 
 /// Number of steps between two polls for an interruption or the end of a run.
 const STEPS_PER_POLL: u64 = 256;
-
-/// The reason for the end of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum End {
-    /// The run has reached its requested duration.
-    Done,
-    /// No further event is possible.
-    NothingLeft,
-    /// Time does not pass, because too many actions take no time.
-    Standstill,
-    /// The observer ended the run.
-    Stopped,
-    /// The run was interrupted.
-    Interrupted,
-    /// A component could not be started.
-    NotStarted,
-}
 
 /// Runs a system from time 0 until a time, in base units. Hosts execute the codels of `live`; `decide`
 /// chooses the rest.

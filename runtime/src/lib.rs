@@ -13,6 +13,7 @@
 pub mod checker;
 pub mod counts;
 pub mod decide;
+mod end;
 mod ending;
 pub mod engine;
 pub mod hosts;

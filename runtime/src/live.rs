@@ -17,7 +17,7 @@ use dotgen_timing::explore::{Action, Seen, Stepper, Work};
 use dotgen_timing::system::{CodelId, ComponentId, ServiceId, TaskId, TimedSystem, Yield};
 use typed_index_collections::{TiVec, ti_vec};
 
-use crate::ending::STOP_WITHIN;
+use crate::end::STOP_WITHIN;
 use crate::hosts::{
     Call, CodelEnd, CodelResult, Connection, Hosts, Message, OutsideRequest, Reader, Source,
 };
@@ -297,7 +297,8 @@ impl<'p> Live<'p> {
         blocked_after_nanos.map_or(u64::MAX, |number| self.hosts.now().saturating_add(number))
     }
 
-    /// Returns the execution time of the codel that an action ends, in nanoseconds, if a host has executed it.
+    /// Returns the execution time of the codel that an action ends, in nanoseconds, if a host has executed
+    /// it.
     pub(crate) fn executed(&self, action: Action) -> Option<u64> {
         let Action::Finish { executor, .. } = action else { return None };
         let running = self.running.get(executor)?.as_ref()?;
@@ -384,8 +385,8 @@ impl<'p> Live<'p> {
         self.overruns(executor, codel, (ran.nanos, limit));
     }
 
-    /// Reports codels that have not returned although their time is over. Returns the time of the next one, in
-    /// nanoseconds on the clock of the hosts.
+    /// Reports codels that have not returned although their time is over. Returns the time of the next one,
+    /// in nanoseconds on the clock of the hosts.
     pub(crate) fn note_late(&mut self) -> Option<u64> {
         let now = self.hosts.now();
         let mut next: Option<u64> = None;

@@ -24,6 +24,9 @@ const NANOS: i128 = 1_000_000_000;
 /// The service of a permanent activity: no other service can have this name.
 pub const PERMANENT: &str = "<permanent>";
 
+/// The line after which the components of a run are shut down.
+pub const ENDING: &str = "# dotgen: the run begins to end\n";
+
 /// Writes lines of a log.
 pub struct Profile<'s, W> {
     system: &'s TimedSystem,
@@ -64,6 +67,12 @@ impl<'s, W: Write> Profile<'s, W> {
         let line = self.line(codel, &work, outcome, times);
         let result = self.out.write_all(line.as_bytes());
         self.lines += 1;
+        self.error = self.error.take().or(result.err());
+    }
+
+    /// Writes that the run begins to end.
+    pub fn on_ending(&mut self) {
+        let result = self.out.write_all(ENDING.as_bytes());
         self.error = self.error.take().or(result.err());
     }
 

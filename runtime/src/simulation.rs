@@ -300,6 +300,9 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
         if self.ended.is_none() {
             self.judge.end(stepper, end);
             self.ended = Some(stepper.now());
+            if let Some(profile) = &mut self.profile {
+                profile.on_ending();
+            }
         }
         if let Some(record) = self.record.as_mut().filter(|_| self.first) {
             record.on_ending(stepper);

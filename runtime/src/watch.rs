@@ -3,7 +3,7 @@
 use dotgen_timing::explore::{Action, Seen, Stepper};
 use dotgen_timing::system::ComponentId;
 
-use crate::engine::End;
+use crate::end::End;
 
 /// Observes a run.
 pub trait RunObserver {
@@ -18,7 +18,8 @@ pub trait RunObserver {
     fn interrupt(&mut self, stepper: &Stepper, place: usize);
 
     /// Receives the beginning of the end of the run, with its reason: components are shut down from here on,
-    /// and no check is observed any more. Comes again when the shutdown goes on past tasks that were never started.
+    /// and no check is observed any more. Comes again when the shutdown goes on past tasks that were never
+    /// started.
     fn on_ending(&mut self, stepper: &Stepper, end: End);
 
     /// Is called after time has passed.

@@ -446,3 +446,8 @@ scenario plant {
     }
     assert!(preempted > 10, "{preempted}");
 }
+
+#[test]
+fn the_line_of_an_end_is_the_one_that_readers_know() {
+    assert_eq!(dotgen_runtime::profile::ENDING, dotgen_recording::log::ending());
+}

@@ -7,6 +7,9 @@ use crate::report::Verdict;
 use crate::scn::ast::Durations;
 use crate::system::settings::Settings;
 
+/// Greatest number of steps in the base unit.
+const MAX_PARTS: u32 = 1_000;
+
 /// A limit is found to a hundredth of the time that it is compared with.
 const PARTS: i128 = 100;
 
@@ -22,8 +25,18 @@ pub(crate) struct Grid {
 
 impl Grid {
     /// The grid for a system with a base unit, and for limits of times like `compared`. With fixed durations
-    /// a longer time can hold where a shorter one does not: whole units are tried.
+    /// a longer time can hold where a shorter one does not, and a stated unit is the one that is wanted:
+    /// whole units are tried.
     pub(crate) fn of(settings: &Settings, unit: Seconds, compared: Seconds) -> Grid {
+        if let Some((count, name)) = settings.unit {
+            let stated = name.seconds() * Ratio::from_integer(i128::from(count));
+            let parts = (unit / stated).to_integer();
+            if let (true, Ok(parts @ 1..=MAX_PARTS)) =
+                ((unit / stated).is_integer(), u32::try_from(parts))
+            {
+                return Grid { step: stated, parts };
+            }
+        }
         if settings.durations == Durations::Fixed {
             return Grid { step: unit, parts: 1 };
         }

@@ -26,13 +26,17 @@ const SCENARIO: &str = "scenario ride {
 
 /// The server with both files open, after it has found the remedy.
 async fn start() -> (Client, Folder, String) {
-    let folder = Folder::new(&[("lift.gen", LIFT), ("ride.scn", SCENARIO)]);
+    start_with(LIFT).await
+}
+
+async fn start_with(lift: &str) -> (Client, Folder, String) {
+    let folder = Folder::new(&[("lift.gen", lift), ("ride.scn", SCENARIO)]);
     let mut params = folder.params(pulling());
     params["initializationOptions"] = json!({ "verificationStatus": true });
     params["capabilities"]["workspace"]["workspaceEdit"] = json!({ "documentChanges": true });
     let mut client = Client::start(params).await;
     let uri = folder.uri("lift.gen");
-    client.open(&uri, LIFT).await;
+    client.open(&uri, lift).await;
     client.open(&folder.uri("ride.scn"), SCENARIO).await;
     loop {
         let notification = client.notification(STATUS).await;
@@ -71,7 +75,10 @@ async fn a_missed_deadline_says_why_and_what_would_help_and_the_fix_makes_it_hol
     );
     assert!(message.contains(cause) && message.contains(remedy), "{message}");
     let answer = client.ok("dotgen/verification", document(&uri)).await;
-    assert_eq!(answer["checks"][0]["cause"], cause);
+    let all = format!(
+        "{cause}; executes `steer` for 2 ms: together 10 ms, and the job has not ended when its next tick comes"
+    );
+    assert_eq!(answer["checks"][0]["cause"], all.as_str());
     assert_eq!(answer["checks"][0]["remedy"], remedy);
 
     let mut params = document(&uri);
@@ -85,7 +92,7 @@ async fn a_missed_deadline_says_why_and_what_would_help_and_the_fix_makes_it_hol
     let found = actions.as_array().into_iter().flatten().find(of_remedy);
     let action = found.unwrap_or_else(|| panic!("{actions}"));
     let edit = &action["edit"]["documentChanges"][0]["edits"][0];
-    assert_eq!(edit["newText"], "6800 us");
+    assert_eq!(edit["newText"], "6800 us /* budget */");
     assert_eq!(edit["range"]["start"]["line"], 6);
     client.change(&uri, 2, json!([edit_of(edit)])).await;
     loop {
@@ -95,6 +102,25 @@ async fn a_missed_deadline_says_why_and_what_would_help_and_the_fix_makes_it_hol
         }
         assert!(notification["status"] != "gave-up", "{notification}");
     }
+    client.finish_ignoring(STATUS).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_time_of_a_pragma_gets_its_budget_there() {
+    let lift = format!("{}#pragma wcet tell 8 ms\n", LIFT.replace(" wcet 8 ms", ""));
+    let (mut client, _folder, uri) = start_with(&lift).await;
+    let problem = problem(&mut client, &uri).await;
+    let mut params = document(&uri);
+    params["range"] = problem["range"].clone();
+    params["context"] = json!({ "diagnostics": [], "only": ["quickfix"] });
+    let actions = client.ok("textDocument/codeAction", params).await;
+    let found = actions.as_array().into_iter().flatten().find(|json| {
+        let title = json["title"].as_str().unwrap_or_default();
+        title.starts_with("Give `lift.report.start` a budget of 6.8 ms")
+    });
+    let action = found.unwrap_or_else(|| panic!("{actions}"));
+    let edit = &action["edit"]["documentChanges"][0]["edits"][0];
+    assert_eq!((&edit["newText"], &edit["range"]["start"]["line"]), (&json!("6800 us"), &json!(9)));
     client.finish_ignoring(STATUS).await;
 }
 

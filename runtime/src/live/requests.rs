@@ -168,7 +168,8 @@ impl Live<'_> {
         !self.ending && wanted.is_some_and(|request| requests == Some(request.service))
     }
 
-    /// Interrupts aborted outside requests, and activities whose codels take too long. `tell` gets the place of each one before the interruption.
+    /// Interrupts aborted outside requests, and activities whose codels take too long. `tell` gets the place
+    /// of each one before the interruption.
     pub fn abort(&mut self, stepper: &mut Stepper, tell: &mut dyn FnMut(&Stepper, usize)) {
         for place in std::mem::take(&mut self.overrun) {
             if let Some(Some(instance)) = self.places.get_mut(place) {

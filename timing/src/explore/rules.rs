@@ -330,8 +330,8 @@ pub(crate) trait Rules: Sized {
     /// Interrupts the activity in a place, like a service that interrupts it.
     fn interrupt_activity(&self, s: &mut State, place: usize);
 
-    /// Begins the shutdown of a component, if the state has a place for it ([`Clocks::ends`]), or goes on with
-    /// it if it [is stuck](Self::is_stuck).
+    /// Begins the shutdown of a component, if the state has a place for it ([`Clocks::ends`]), or goes on
+    /// with it if it [is stuck](Self::is_stuck).
     fn begin_shutdown(&self, _s: &mut State, _component: ComponentId) {}
 
     /// Returns true if the shutdown of a component waits for a task that was never started.

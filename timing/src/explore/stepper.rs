@@ -252,10 +252,10 @@ impl<'s> Stepper<'s> {
         self.walk.interrupt(place);
     }
 
-    /// Begins the shutdown of every component, as their clients' `kill` does: activities are interrupted, then
-    /// the permanent activities. No more requests are taken. A system has no such action, but the end of a run needs it. Under the
-    /// published semantics, which have no shutdown, activities are interrupted, and permanent ones go on. A
-    /// shutdown that [is stuck](Self::is_stuck) goes on.
+    /// Begins the shutdown of every component, as their clients' `kill` does: activities are interrupted,
+    /// then the permanent activities. No more requests are taken. A system has no such action, but the end of
+    /// a run needs it. Under the published semantics, which have no shutdown, activities are interrupted, and
+    /// permanent ones go on. A shutdown that [is stuck](Self::is_stuck) goes on.
     pub fn shut_down(&mut self) {
         self.walk.shut_down();
     }

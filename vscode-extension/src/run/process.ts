@@ -104,7 +104,7 @@ export class Run {
     };
   }
 
-  /** Ends the run, which then tells what happened until now. The second time it ends without a word. */
+  /** Ends the run, which then tells what happened until now. The second time it ends at once. */
   stop(): void {
     if (this.isOver) return;
     this.child.kill('SIGINT');

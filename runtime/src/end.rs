@@ -1,0 +1,24 @@
+//! The reason for the end of a run, and its bound.
+
+use std::time::Duration;
+
+/// Longest end of a run, unless another one is given.
+pub(crate) const STOP_WITHIN: Duration = Duration::from_secs(2);
+
+/// The reason for the end of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// The run has reached its requested duration.
+    Done,
+    /// No further event is possible.
+    NothingLeft,
+    /// Time does not pass, because too many actions take no time.
+    Standstill,
+    /// The observer ended the run.
+    Stopped,
+    /// The run was interrupted.
+    Interrupted,
+    /// A component could not be started.
+    NotStarted,
+}
