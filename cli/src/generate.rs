@@ -64,11 +64,9 @@ fn in_project(arguments: &[String]) -> ExitCode {
         file = configuration(rest);
         let config = &file.config;
         let text = |path: &Utf8PathBuf| path.to_string();
-        let templates: Vec<String> = config.template_paths.iter().map(text).collect();
         Project {
             include_paths: config.include_paths.iter().map(text).collect(),
             defines: config.defines.clone(),
-            template_paths: (!templates.is_empty()).then(|| templates.join(":")),
         }
     });
     let packages = PackageConfig { may_run: true, ..file.config.packages.clone() };
@@ -116,6 +114,8 @@ fn configuration(words: &[String]) -> ConfigFile {
 }
 
 fn run(name: &str, arguments: &[String], packages: PackageConfig, file: &ConfigFile) -> ExitCode {
+    let templates: Vec<&str> =
+        file.config.template_paths.iter().map(|path| path.as_str()).collect();
     let mut environment = Environment {
         name,
         program: std::env::current_exe().unwrap_or_else(|_| name.into()),
@@ -131,6 +131,7 @@ fn run(name: &str, arguments: &[String], packages: PackageConfig, file: &ConfigF
         processes: dotgen_platform::process::system(),
         // The generator parses `--confined`, among its other options.
         confined: None,
+        project_templates: (!templates.is_empty()).then(|| templates.join(":")),
         failed_at: None,
         release: file.config.release.clone(),
     };

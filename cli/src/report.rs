@@ -149,16 +149,26 @@ pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFi
     }
 }
 
-/// Writes the new content of files: all of them, or none.
-pub(super) fn write_files(files: &[NewContent]) -> anyhow::Result<()> {
-    Ok(SystemDisk.write(files)?)
+/// Writes the new content of files: all of them, or none. Links do not lead out of the folders `within`. If
+/// there are no folders, the user named the paths.
+pub(super) fn write_files(
+    mut files: Vec<NewContent>,
+    within: &[Utf8PathBuf],
+) -> anyhow::Result<()> {
+    for file in &mut files {
+        file.within = within.iter().map(Into::into).collect();
+    }
+    Ok(SystemDisk.write(&files)?)
 }
 
-/// Returns the new content of a file that is edited as text.
+/// Returns the content of a file that no other program edits.
 pub(super) fn new_content(path: &Utf8Path, text: &str) -> NewContent {
-    NewContent {
-        path: path.as_std_path().to_owned(),
-        bytes: encoding::encode(text).into_owned(),
-        mode: None,
-    }
+    NewContent::new(path, encoding::encode(text).into_owned())
+}
+
+/// Returns the new content of a file that is edited as text. `before` is the text that was read; `None` if
+/// there was no file.
+pub(super) fn edited(path: &Utf8Path, before: Option<&str>, text: &str) -> NewContent {
+    let before = before.map(|before| encoding::encode(before).into_owned());
+    NewContent { before: before.into(), ..new_content(path, text) }
 }

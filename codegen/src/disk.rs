@@ -6,6 +6,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use crate::template::readable_files;
+
 /// All access of code generation to files, except specifications, which are read through
 /// `dotgen_analysis::host::Loader`.
 pub trait Disk: fmt::Debug + Send + Sync {
@@ -35,7 +37,8 @@ pub trait Disk: fmt::Debug + Send + Sync {
     fn current_dir(&self) -> PathBuf;
 
     /// Gives files new content: either all of them or none. Missing directories are created. An existing file
-    /// keeps its mode and owner, links are followed, and the file is complete at any moment.
+    /// keeps its mode and owner, links are followed, and the file is complete at any moment. A file that is
+    /// no longer as it was read, and a file outside of its folders, are errors.
     ///
     /// # Errors
     /// The first file that cannot be written, and the state of the others.
@@ -123,6 +126,50 @@ pub struct NewContent {
     pub bytes: Vec<u8>,
     /// Unix permissions; `None` for the present ones, or the system's default for a new file.
     pub mode: Option<u32>,
+    /// The content that the new one was computed from.
+    pub before: Before,
+    /// The folders of which one must contain the file, with all links followed. Empty for a path that the
+    /// user named: such a path may lead anywhere.
+    pub within: Vec<PathBuf>,
+}
+
+impl NewContent {
+    /// The new content of a file whose present content does not matter, at a path that the user named.
+    pub fn new(path: impl Into<PathBuf>, bytes: Vec<u8>) -> NewContent {
+        NewContent { path: path.into(), bytes, mode: None, before: Before::Any, within: Vec::new() }
+    }
+
+    /// Returns the reason why the file may not be written: a link leads out of its folders, or `..` does.
+    pub fn leads_out(&self, disk: &dyn Disk) -> Option<String> {
+        let name = |path: &Path| format!("`{}`", path.display());
+        if self.within.is_empty() || readable_files::is_below(disk, &self.path, &self.within) {
+            return None;
+        }
+        let folders: Vec<String> = self.within.iter().map(|folder| name(folder)).collect();
+        let folders = folders.join(" and ");
+        Some(match readable_files::link_out(disk, &self.path, &self.within) {
+            Some(link) => format!("the link {} leads out of {folders}", name(&link)),
+            None => format!("it is outside of {folders}"),
+        })
+    }
+}
+
+/// The content that a file had when it was read. A file with another content at the moment of writing was
+/// changed by another program, and is left as it is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Before {
+    /// Does not matter.
+    Any,
+    /// There was no file.
+    Missing,
+    /// These bytes.
+    Bytes(Vec<u8>),
+}
+
+impl From<Option<Vec<u8>>> for Before {
+    fn from(bytes: Option<Vec<u8>>) -> Before {
+        bytes.map_or(Before::Missing, Before::Bytes)
+    }
 }
 
 /// A failure to write files.

@@ -48,6 +48,7 @@ fn run_as(release: Release, dir: &Path, args: &[&str]) -> (i32, String, String) 
         processes: Arc::new(crate::processes::ShellProcesses),
         confined: None,
         failed_at: None,
+        project_templates: None,
         release: Some(ReleaseChoice { release, origin: ReleaseOrigin::CommandLine }),
     };
     let dir = dir.display().to_string();

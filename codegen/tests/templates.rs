@@ -66,6 +66,7 @@ fn run(
         input_path: String::new(),
         processes: Arc::new(crate::processes::ShellProcesses),
         confined: confined.as_ref(),
+        allowed: Vec::new(),
     };
     let mut compiler = Compiler::new(
         Arc::new(crate::files::Files),
@@ -406,6 +407,7 @@ fn a_preview_shows_what_a_run_writes() {
             input_path: String::new(),
             processes: Arc::new(crate::processes::ShellProcesses),
             confined: None,
+            allowed: Vec::new(),
         };
         let mut compiler = Compiler::new(
             Arc::new(crate::files::Files),

@@ -69,16 +69,64 @@ pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> boo
     folders.iter().any(|folder| resolve(disk, folder).is_some_and(|other| path.starts_with(other)))
 }
 
+/// The outermost link on the way to a path that leads out of all of the folders; `None` if no link does.
+pub(crate) fn link_out(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
+    let path = plain(disk, path);
+    let mut ancestors: Vec<&Path> = path.ancestors().collect();
+    ancestors.reverse();
+    let named: Vec<PathBuf> = folders.iter().map(|folder| plain(disk, folder)).collect();
+    let inside = |path: &&&Path| named.iter().any(|folder| path.starts_with(folder));
+    let mut inside = ancestors.iter().filter(inside);
+    inside.find(|at| disk.is_link(at) && !is_below(disk, at, folders)).map(|at| at.to_path_buf())
+}
+
 /// Returns true if a path, with all links resolved, has a part that begins with a dot below all of the
 /// folders around the path. Such files configure tools, shells and editors: `.git/hooks`, `.vscode`,
 /// `.profile`.
 pub(crate) fn is_hidden(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
+    has_part(disk, path, folders, |part| part.starts_with(b"."))
+}
+
+/// Folders whose files configure tools, or are run by them.
+const CONTROL_FOLDERS: [&str; 16] = [
+    ".git",
+    ".hg",
+    ".svn",
+    ".bzr",
+    ".jj",
+    ".github",
+    ".gitlab",
+    ".circleci",
+    ".husky",
+    ".vscode",
+    ".idea",
+    ".vs",
+    ".zed",
+    ".devcontainer",
+    ".cargo",
+    ".ssh",
+];
+
+/// Returns true if a path, with all links resolved, is in a control folder below all of the folders around
+/// the path: see [`is_hidden`].
+pub(crate) fn is_control(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
+    has_part(disk, path, folders, |part| {
+        CONTROL_FOLDERS.iter().any(|name| part.eq_ignore_ascii_case(name.as_bytes()))
+    })
+}
+
+fn has_part(
+    disk: &dyn Disk,
+    path: &Path,
+    folders: &[PathBuf],
+    is_wanted: impl Fn(&[u8]) -> bool,
+) -> bool {
     let parts = |path: &Path, folders: &[PathBuf]| {
         let below = folders.iter().filter_map(|folder| path.strip_prefix(folder).ok());
         below
             .map(|rest| {
                 let mut parts = rest.components();
-                parts.any(|part| part.as_os_str().as_encoded_bytes().starts_with(b"."))
+                parts.any(|part| is_wanted(part.as_os_str().as_encoded_bytes()))
             })
             .reduce(|one, other| one && other)
     };
@@ -147,6 +195,10 @@ mod tests {
         {
             assert!(!below(path), "{path}");
         }
+        let link = |path: &str| link_out(&Files, &root.join(path), std::slice::from_ref(&root));
+        assert_eq!(link("out/sub/a"), Some(root.join("out")));
+        assert_eq!(link("nowhere"), Some(root.join("nowhere")));
+        assert_eq!(link("inner/a"), None);
         // A folder that does not exist yet has the place where it will be created.
         assert!(is_below(&Files, &root.join("out/new/a"), &[root.join("out/new")]));
         let hidden = |path: &str| is_hidden(&Files, &root.join(path), std::slice::from_ref(&root));
@@ -158,6 +210,14 @@ mod tests {
         }
         for path in ["a", "inner/a", ".git/../a", "sub/b.c/d"] {
             assert!(!hidden(path), "{path}");
+        }
+        let control =
+            |path: &str| is_control(&Files, &root.join(path), std::slice::from_ref(&root));
+        for path in [".git/hooks/x", "sub/.GIT/x", ".vscode/a", "plain/hooks/x"] {
+            assert!(control(path), "{path}");
+        }
+        for path in [".clang-format", ".gitignore", "inner/.d", ".link/e", "git/x"] {
+            assert!(!control(path), "{path}");
         }
         // The folder itself may be hidden.
         let folders = [root.clone(), root.join(".git")];
