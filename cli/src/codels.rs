@@ -374,7 +374,7 @@ fn write(changes: &[FileChange], within: &[Utf8PathBuf], dry_run: bool) -> anyho
         for change in changes {
             let path = session::display(&change.path).into();
             let shown = FileChange { path, ..change.clone() };
-            write!(out, "{}", encoding::shown(&shown.diff()))?;
+            write!(out, "{}", report::patch(&shown.diff()))?;
         }
         return Ok(());
     }

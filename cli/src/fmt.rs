@@ -170,6 +170,7 @@ pub(super) fn print_diff(name: &str, old: &str, new: &str) -> anyhow::Result<()>
     let mut unified = diff.unified_diff();
     unified.context_radius(CONTEXT).header(name, name);
     let mut out = std::io::stdout().lock();
-    write!(out, "{}", encoding::shown(&unified.to_string()))?;
+    let unified = unified.to_string();
+    write!(out, "{}", report::patch(&unified))?;
     Ok(())
 }

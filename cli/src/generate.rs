@@ -15,6 +15,7 @@ use dotgen_codegen::template::{Limits, OutputSink};
 
 use dotgen_lsp_server::config::{self, Config};
 use dotgen_platform::files::disk::SystemDisk;
+use dotgen_platform::files::read_regular_to_string;
 use dotgen_platform::files::vfs::PackageConfig;
 use dotgen_platform::files::vfs::Vfs;
 use dotgen_ros2::interfaces::packages;
@@ -104,7 +105,7 @@ fn configuration(words: &[String]) -> ConfigFile {
         return ConfigFile::default();
     };
     let path = directory.join(config::FILE_NAME);
-    let text = std::fs::read_to_string(&path).unwrap_or_default();
+    let text = read_regular_to_string(path.as_std_path()).unwrap_or_default();
     let read = config::from_toml(&text);
     let settings = read.settings.resolved_against(&directory);
     ConfigFile {

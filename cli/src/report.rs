@@ -149,6 +149,16 @@ pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFi
     }
 }
 
+/// Returns a patch for standard output: safe for a terminal, and unchanged for a file or a program.
+pub(super) fn patch(text: &str) -> String {
+    use std::io::IsTerminal;
+    let shown = encoding::shown(text);
+    match std::io::stdout().is_terminal() {
+        true => terminal::text(&shown).into_owned(),
+        false => shown.into_owned(),
+    }
+}
+
 /// Writes the new content of files: all of them, or none. Links do not lead out of the folders `within`. If
 /// there are no folders, the user named the paths.
 pub(super) fn write_files(

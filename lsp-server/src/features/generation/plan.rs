@@ -15,6 +15,7 @@ use super::run::{Generated, Job};
 use crate::config::{self, Generate};
 use crate::protocol::convert::uri;
 use dotgen_platform::files::disk::SystemDisk;
+use dotgen_platform::files::read_regular_to_string;
 
 /// The results of one or several templates.
 #[derive(Default)]
@@ -116,7 +117,7 @@ impl Plan {
 /// Adds choices to the `dotgen.toml` of a folder.
 pub(crate) fn remember(folder: &Utf8Path, choices: &[Generate]) -> std::result::Result<(), String> {
     let path = folder.join(config::FILE_NAME);
-    let (existing, before) = match std::fs::read_to_string(&path) {
+    let (existing, before) = match read_regular_to_string(path.as_std_path()) {
         Ok(text) => (true, text),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => (false, String::new()),
         Err(error) => return Err(format!("cannot read {path}: {error}")),

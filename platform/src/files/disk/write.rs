@@ -429,7 +429,7 @@ fn may_write(path: &Path) -> io::Result<()> {
 
 /// Fails if a file is no longer as it was read: another program has changed it since.
 fn is_as_read(target: &Path, before: &Before) -> io::Result<()> {
-    let same = match (before, std::fs::read(target)) {
+    let same = match (before, crate::files::read_regular(target)) {
         (Before::Any, _) => true,
         (Before::Bytes(bytes), Ok(now)) => *bytes == now,
         (Before::Missing, Err(error)) => error.kind() == ErrorKind::NotFound,
