@@ -18,7 +18,6 @@ use dotgen_codegen::codels::{
     repair::ManualChange,
     stub::StubOptions,
 };
-use dotgen_syntax::encoding;
 use std::io::Write as _;
 
 use super::report::{self, Compared, FileReports, Format};

@@ -435,7 +435,6 @@ fn templates_without_tcl_write_nothing_that_acts_later() {
     template("tasks", "path = \"sub/.vscode/tasks.json\"");
     template("script", "path = \"run.sh\"\npermissions = \"a+x\"");
     template("plain", "path = \".clang-format\"");
-    template("linked", "path = \"codels/a.c\"");
     let victim = dir.path().join("victim");
     std::fs::create_dir(&victim).unwrap();
     std::fs::create_dir(dir.path().join("out")).unwrap();
@@ -459,7 +458,7 @@ fn templates_without_tcl_write_nothing_that_acts_later() {
     }
     let (status, _, err) = run(&[], "plain");
     assert_eq!((status, err.as_str()), (0, ""));
-    let (status, _, err) = run(&[], "linked");
+    let (status, _, err) = run(&[], "skeleton");
     assert_eq!(status, 2);
     assert!(err.contains("the link DIR/out/codels leads out of DIR/out"), "{err}");
     assert_eq!(std::fs::read_dir(&victim).unwrap().count(), 0);
