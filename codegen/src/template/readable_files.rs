@@ -3,11 +3,12 @@
 //! The operating system confines the interpreter. The reads and writes that the engine does for it are
 //! checked here, with the same folders.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use super::Failure;
 use super::discover::SearchPath;
 use crate::disk::Disk;
+pub(crate) use crate::disk::{is_below, link_out, plain, resolve};
 use crate::process::Access;
 
 /// The readable files and folders.
@@ -59,25 +60,6 @@ impl ReadableFiles {
             _ => Ok(()),
         }
     }
-}
-
-/// Returns true if a file would be below one of the folders once written, with all links on the way resolved.
-pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
-    let Some(path) = resolve(disk, path) else {
-        return false;
-    };
-    folders.iter().any(|folder| resolve(disk, folder).is_some_and(|other| path.starts_with(other)))
-}
-
-/// The outermost link on the way to a path that leads out of all of the folders; `None` if no link does.
-pub(crate) fn link_out(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
-    let path = plain(disk, path);
-    let mut ancestors: Vec<&Path> = path.ancestors().collect();
-    ancestors.reverse();
-    let named: Vec<PathBuf> = folders.iter().map(|folder| plain(disk, folder)).collect();
-    let inside = |path: &&&Path| named.iter().any(|folder| path.starts_with(folder));
-    let mut inside = ancestors.iter().filter(inside);
-    inside.find(|at| disk.is_link(at) && !is_below(disk, at, folders)).map(|at| at.to_path_buf())
 }
 
 /// Returns true if a path, with all links resolved, has a part that begins with a dot below all of the
@@ -134,40 +116,6 @@ fn has_part(
     let real: Vec<PathBuf> = folders.iter().filter_map(|folder| resolve(disk, folder)).collect();
     let by_links = resolve(disk, path).and_then(|path| parts(&path, &real));
     by_links.unwrap_or(true) || parts(&plain(disk, path), &named).unwrap_or(false)
-}
-
-/// The path with links resolved; its last parts need not exist. `None` for a dangling link: a file written
-/// there would be created at the target of the link.
-fn resolve(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
-    let path = plain(disk, path);
-    for ancestor in path.ancestors() {
-        if let Ok(real) = disk.canonical(ancestor) {
-            let rest = path.strip_prefix(ancestor).ok()?;
-            return Some(match rest.as_os_str().is_empty() {
-                true => real,
-                false => real.join(rest),
-            });
-        }
-        if disk.is_link(ancestor) {
-            return None;
-        }
-    }
-    Some(disk.absolute(&path))
-}
-
-/// The path without `.` and `..`, absolute.
-pub(crate) fn plain(disk: &dyn Disk, path: &Path) -> PathBuf {
-    let mut out = PathBuf::new();
-    for component in disk.absolute(path).components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir => {
-                out.pop();
-            }
-            other => out.push(other),
-        }
-    }
-    out
 }
 
 #[cfg(test)]
