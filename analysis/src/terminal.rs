@@ -33,6 +33,24 @@ pub fn name(name: &str) -> Cow<'_, str> {
     }
 }
 
+/// A text with colours of this program that is safe for a terminal: as [`text`], but colours stay.
+pub fn styled(styled: &str) -> String {
+    let mut out = String::with_capacity(styled.len() + 8);
+    let mut rest = styled;
+    while let Some(start) = rest.find("\u{1b}[") {
+        let after = &rest[start + 2..];
+        let end = after.find(|c: char| !c.is_ascii_digit() && c != ';').unwrap_or(after.len());
+        out += &text(&rest[..start]);
+        match after[end..].starts_with('m') {
+            true => out += &rest[start..start + 2 + end + 1],
+            false => out += &text(&rest[start..start + 2 + end]),
+        }
+        rest = &after[end + usize::from(after[end..].starts_with('m'))..];
+    }
+    out += &text(rest);
+    out
+}
+
 fn is_harmful(c: char) -> bool {
     let direction = matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     direction || c.is_control() && !matches!(c, '\n' | '\t')
@@ -47,6 +65,8 @@ mod tests {
         assert!(matches!(text("plain é 😀\n\tx"), Cow::Borrowed(_)));
         assert_eq!(text("a\u{1b}]0;x\u{7}b\r\u{9b}31m"), "a\\u{1b}]0;x\\u{7}b\\u{d}\\u{9b}31m");
         assert_eq!(text("\u{202e}neg."), "\\u{202e}neg.");
+        assert_eq!(styled("\u{1b}[1;31ma\u{202e}\u{1b}[0m"), "\u{1b}[1;31ma\\u{202e}\u{1b}[0m");
+        assert_eq!(styled("\u{1b}[2Jé\u{1b}"), "\\u{1b}[2Jé\\u{1b}");
         assert_eq!(name("a\nb\u{8}"), "a\\nb\\u{8}");
     }
 }

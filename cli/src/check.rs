@@ -85,6 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut report = FileReports::default();
     let mut changed = fix::ChangedTexts::new();
     let mut made = fix::AppliedFixes::new();
+    let mut writable = Vec::new();
     let reading = SpecificationOptions {
         only_installed: arguments.denies_missing(),
         ..arguments.reading.clone()
@@ -93,6 +94,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         if arguments.verbose {
             print_release(&session)?;
         }
+        writable.extend(session.writable());
         if arguments.fix || arguments.diff {
             let which = match arguments.unsafe_fixes {
                 true => fix::Applied::AlsoGuesses,
@@ -116,7 +118,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if arguments.diff {
         return fix::print(&changed);
     }
-    fix::write(&changed, &made)?;
+    fix::write(&changed, &made, &writable)?;
     if !arguments.denies_missing() {
         for diagnostic in &mut report.diagnostics {
             diagnostic.severity = severity_here(diagnostic.code, diagnostic.severity);

@@ -18,7 +18,6 @@ use dotgen_codegen::codels::{
     repair::ManualChange,
     stub::StubOptions,
 };
-use dotgen_syntax::encoding;
 use std::io::Write as _;
 
 use super::report::{self, Compared, FileReports, Format};
@@ -275,7 +274,7 @@ fn stub(arguments: &Stub) -> anyhow::Result<Outcome> {
     if changes.is_empty() {
         report::note("every codel has a function; there is nothing to write");
     }
-    write(&changes, arguments.dry_run)?;
+    write(&changes, &session.writable(), arguments.dry_run)?;
     Ok(Outcome::Fine)
 }
 
@@ -296,7 +295,10 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
     for mut session in session::open(files, &arguments.reading)? {
         let roots = roots(&session);
         let done = command::sync(&mut project(&mut session), &roots, &options);
-        if trouble.ok_or_report(write(&done.changes, arguments.dry_run)).is_none() {
+        if trouble
+            .ok_or_report(write(&done.changes, &session.writable(), arguments.dry_run))
+            .is_none()
+        {
             continue;
         }
         let mut out = anstream::stdout();
@@ -353,12 +355,17 @@ fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
     if arguments.output.is_none() && !ignored.exists() {
         changes.push(FileChange { path: ignored, before: None, after: IGNORED.to_owned() });
     }
-    write(&changes, false)?;
+    // A folder of the command line may be anywhere.
+    let within = match &arguments.output {
+        Some(_) => vec![output],
+        None => session.writable(),
+    };
+    write(&changes, &within, false)?;
     Ok(Outcome::Fine)
 }
 
 /// Writes changes, all or none, and prints the names of the files; or prints the differences.
-fn write(changes: &[FileChange], dry_run: bool) -> anyhow::Result<()> {
+fn write(changes: &[FileChange], within: &[Utf8PathBuf], dry_run: bool) -> anyhow::Result<()> {
     let changed = |change: &&FileChange| change.before.as_deref() != Some(&change.after);
     let changes: Vec<&FileChange> = changes.iter().filter(changed).collect();
     let mut out = anstream::stdout();
@@ -366,12 +373,14 @@ fn write(changes: &[FileChange], dry_run: bool) -> anyhow::Result<()> {
         for change in changes {
             let path = session::display(&change.path).into();
             let shown = FileChange { path, ..change.clone() };
-            write!(out, "{}", encoding::shown(&shown.diff()))?;
+            write!(out, "{}", report::patch(&shown.diff()))?;
         }
         return Ok(());
     }
-    let content = |change: &&FileChange| report::new_content(&change.path, &change.after);
-    report::write_files(&changes.iter().map(content).collect::<Vec<_>>())?;
+    let content = |change: &&FileChange| {
+        report::edited(&change.path, change.before.as_deref(), &change.after)
+    };
+    report::write_files(changes.iter().map(content).collect(), within)?;
     for change in changes {
         let did = match change.before.is_some() {
             true => "changed",

@@ -71,10 +71,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             if arguments.stand_ins && !session::is_standard_input(path) {
                 let found = session.ask(path, |analysis| analysis.stand_ins(path))?;
                 let changes = standins::changes(path, &found);
-                let content =
-                    |change: &FileChange| report::new_content(&change.path, &change.after);
-                let contents: Vec<_> = changes.iter().map(content).collect();
-                trouble.ok_or_report(report::write_files(&contents));
+                let content = |change: &FileChange| {
+                    report::edited(&change.path, change.before.as_deref(), &change.after)
+                };
+                let contents = changes.iter().map(content).collect();
+                trouble.ok_or_report(report::write_files(contents, &session.writable()));
                 written = changes.iter().map(|change| session::display(&change.path)).collect();
             }
             all.push(FileDependencies {

@@ -314,9 +314,9 @@ fn write(pictures: Vec<(Option<Utf8PathBuf>, Vec<u8>)>) -> anyhow::Result<()> {
     let mut files = Vec::new();
     for (path, bytes) in pictures {
         match path.filter(|path| path != "-") {
-            Some(path) => files.push(NewContent { path: path.into(), bytes, mode: None }),
+            Some(path) => files.push(NewContent::new(path, bytes)),
             None => std::io::stdout().write_all(&bytes)?,
         }
     }
-    report::write_files(&files)
+    report::write_files(files, &[])
 }

@@ -2,11 +2,12 @@
 
 use std::io::Write as _;
 
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::Args;
 use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::FileContent;
+use dotgen_codegen::disk::{Disk as _, NewContent};
 use dotgen_syntax::encoding::{self, LineEnd};
 use dotgen_syntax::{format, parse_text};
 use dotgen_timing::scn;
@@ -16,6 +17,7 @@ use super::report;
 use super::session::{self, Session, SourceFile};
 use super::{Outcome, SpecificationOptions};
 use dotgen_lsp_server::config::style;
+use dotgen_platform::files::disk::SystemDisk;
 use dotgen_platform::files::vfs;
 
 /// Lines shown around each change.
@@ -65,14 +67,27 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
                 if arguments.check {
                     print_diff(&session::display(&file.path), &old, &new)?;
                 }
-                changed.push(report::new_content(&file.path, &new));
+                let content = report::edited(&file.path, Some(&old), &new);
+                let content = NewContent {
+                    within: session.writable().into_iter().map(Into::into).collect(),
+                    ..content
+                };
+                // A link that leads out concerns this file only; the others are formatted.
+                match content.leads_out(&SystemDisk) {
+                    Some(reason) => trouble.tell(&anyhow!(
+                        "cannot write `{}`: {reason}",
+                        session::display(&file.path)
+                    )),
+                    None => changed.push(content),
+                }
             }
         }
     }
+    let differs = !changed.is_empty();
     if !arguments.check {
-        trouble.ok_or_report(report::write_files(&changed));
+        trouble.ok_or_report(SystemDisk.write(&changed).map_err(Into::into));
     }
-    Ok(trouble.outcome(match arguments.check && !changed.is_empty() {
+    Ok(trouble.outcome(match arguments.check && differs {
         true => Outcome::Errors,
         false => Outcome::Fine,
     }))
@@ -81,8 +96,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 /// Returns the text of a file, and the formatted text.
 fn formatted(session: &Session, file: &SourceFile) -> anyhow::Result<(String, String)> {
     let path: &Utf8Path = &file.path;
+    // Edits are for the text that analysis has, which it may have read before as an included file.
+    let known = session.ask(path, |analysis| analysis.text(path))?;
     let old = match vfs::read(path) {
-        FileContent::Text(text) | FileContent::NotUtf8(text) => text,
+        FileContent::Text(text) | FileContent::NotUtf8(text) => match known {
+            Some(known) => known.to_string(),
+            None => text,
+        },
         FileContent::Unreadable(why) => bail!("cannot read `{}`: {why}", session::display(path)),
         _ => bail!("cannot read `{}`", session::display(path)),
     };
@@ -150,6 +170,7 @@ pub(super) fn print_diff(name: &str, old: &str, new: &str) -> anyhow::Result<()>
     let mut unified = diff.unified_diff();
     unified.context_radius(CONTEXT).header(name, name);
     let mut out = std::io::stdout().lock();
-    write!(out, "{}", encoding::shown(&unified.to_string()))?;
+    let unified = unified.to_string();
+    write!(out, "{}", report::patch(&unified))?;
     Ok(())
 }

@@ -15,6 +15,7 @@ use dotgen_codegen::template::{Limits, OutputSink};
 
 use dotgen_lsp_server::config::{self, Config};
 use dotgen_platform::files::disk::SystemDisk;
+use dotgen_platform::files::read_regular_to_string;
 use dotgen_platform::files::vfs::PackageConfig;
 use dotgen_platform::files::vfs::Vfs;
 use dotgen_ros2::interfaces::packages;
@@ -64,11 +65,9 @@ fn in_project(arguments: &[String]) -> ExitCode {
         file = configuration(rest);
         let config = &file.config;
         let text = |path: &Utf8PathBuf| path.to_string();
-        let templates: Vec<String> = config.template_paths.iter().map(text).collect();
         Project {
             include_paths: config.include_paths.iter().map(text).collect(),
             defines: config.defines.clone(),
-            template_paths: (!templates.is_empty()).then(|| templates.join(":")),
         }
     });
     let packages = PackageConfig { may_run: true, ..file.config.packages.clone() };
@@ -106,7 +105,7 @@ fn configuration(words: &[String]) -> ConfigFile {
         return ConfigFile::default();
     };
     let path = directory.join(config::FILE_NAME);
-    let text = std::fs::read_to_string(&path).unwrap_or_default();
+    let text = read_regular_to_string(path.as_std_path()).unwrap_or_default();
     let read = config::from_toml(&text);
     let settings = read.settings.resolved_against(&directory);
     ConfigFile {
@@ -116,6 +115,8 @@ fn configuration(words: &[String]) -> ConfigFile {
 }
 
 fn run(name: &str, arguments: &[String], packages: PackageConfig, file: &ConfigFile) -> ExitCode {
+    let templates: Vec<&str> =
+        file.config.template_paths.iter().map(|path| path.as_str()).collect();
     let mut environment = Environment {
         name,
         program: std::env::current_exe().unwrap_or_else(|_| name.into()),
@@ -131,6 +132,7 @@ fn run(name: &str, arguments: &[String], packages: PackageConfig, file: &ConfigF
         processes: dotgen_platform::process::system(),
         // The generator parses `--confined`, among its other options.
         confined: None,
+        project_templates: (!templates.is_empty()).then(|| templates.join(":")),
         failed_at: None,
         release: file.config.release.clone(),
     };

@@ -21,7 +21,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     command.build();
     let mut pages = Vec::new();
     add(&command, "dotgen", arguments, &mut pages)?;
-    report::write_files(&pages)?;
+    report::write_files(pages, &[])?;
     Ok(Outcome::Fine)
 }
 
@@ -34,11 +34,7 @@ fn add(
     let mut bytes = Vec::new();
     let own = command.clone().display_name(name.to_owned());
     Man::new(own).render(&mut bytes)?;
-    pages.push(NewContent {
-        path: arguments.directory.join(format!("{name}.1")).into(),
-        bytes,
-        mode: None,
-    });
+    pages.push(NewContent::new(arguments.directory.join(format!("{name}.1")), bytes));
     for subcommand in command.get_subcommands().filter(|subcommand| !subcommand.is_hide_set()) {
         if subcommand.get_name() != "help" {
             add(subcommand, &format!("{name}-{}", subcommand.get_name()), arguments, pages)?;

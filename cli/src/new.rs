@@ -79,8 +79,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut host = AnalysisHost::new(std::sync::Arc::new(Vfs::default()));
     let files = component::files(&mut host, &Disk, &folder, &answers);
     let files = files.map_err(anyhow::Error::msg)?;
-    let contents: Vec<_> = files.iter().map(|file| report::new_content(&file.0, &file.1)).collect();
-    report::write_files(&contents)?;
+    let contents = files.iter().map(|file| report::edited(&file.0, None, &file.1)).collect();
+    report::write_files(contents, &[])?;
     for (path, _) in &files {
         report::note(&format!("wrote `{}`", session::display(path)));
     }

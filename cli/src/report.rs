@@ -149,16 +149,36 @@ pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFi
     }
 }
 
-/// Writes the new content of files: all of them, or none.
-pub(super) fn write_files(files: &[NewContent]) -> anyhow::Result<()> {
-    Ok(SystemDisk.write(files)?)
+/// Returns a patch for standard output: safe for a terminal, and unchanged for a file or a program.
+pub(super) fn patch(text: &str) -> String {
+    use std::io::IsTerminal;
+    let shown = encoding::shown(text);
+    match std::io::stdout().is_terminal() {
+        true => terminal::text(&shown).into_owned(),
+        false => shown.into_owned(),
+    }
 }
 
-/// Returns the new content of a file that is edited as text.
-pub(super) fn new_content(path: &Utf8Path, text: &str) -> NewContent {
-    NewContent {
-        path: path.as_std_path().to_owned(),
-        bytes: encoding::encode(text).into_owned(),
-        mode: None,
+/// Writes the new content of files: all of them, or none. Links do not lead out of the folders `within`. If
+/// there are no folders, the user named the paths.
+pub(super) fn write_files(
+    mut files: Vec<NewContent>,
+    within: &[Utf8PathBuf],
+) -> anyhow::Result<()> {
+    for file in &mut files {
+        file.within = within.iter().map(Into::into).collect();
     }
+    Ok(SystemDisk.write(&files)?)
+}
+
+/// Returns the content of a file that no other program edits.
+pub(super) fn new_content(path: &Utf8Path, text: &str) -> NewContent {
+    NewContent::new(path, encoding::encode(text).into_owned())
+}
+
+/// Returns the new content of a file that is edited as text. `before` is the text that was read; `None` if
+/// there was no file.
+pub(super) fn edited(path: &Utf8Path, before: Option<&str>, text: &str) -> NewContent {
+    let before = before.map(|before| encoding::encode(before).into_owned());
+    NewContent { before: before.into(), ..new_content(path, text) }
 }

@@ -50,6 +50,9 @@ pub(super) struct SourceFile {
     pub(super) path: Utf8PathBuf,
     /// Named by the user, not found in a directory.
     pub(super) named: bool,
+    /// The folder in which commands write: the nearest one with a `dotgen.toml`, or else the folder of the
+    /// file, or the one that was searched.
+    pub(super) folder: Utf8PathBuf,
     /// The text, if it is not read from the disk but from standard input.
     pub(super) text: Option<Arc<str>>,
 }
@@ -161,9 +164,9 @@ struct NamedFiles {
 }
 
 impl NamedFiles {
-    fn push(&mut self, path: Utf8PathBuf, named: bool, text: Option<Arc<str>>) {
+    fn push(&mut self, path: Utf8PathBuf, folder: &Utf8Path, named: bool, text: Option<Arc<str>>) {
         if self.known.insert(path.clone()) {
-            self.files.push(SourceFile { path, named, text });
+            self.files.push(SourceFile { path, named, folder: workspace(folder), text });
         }
     }
 
@@ -175,7 +178,8 @@ impl NamedFiles {
     ) -> anyhow::Result<Vec<anyhow::Error>> {
         if is_standard_input(argument) {
             let path = absolute(Utf8Path::new(STANDARD_INPUT))?;
-            self.push(path, true, Some(standard_input()?.into()));
+            let folder = path.parent().unwrap_or(&path).to_owned();
+            self.push(path, &folder, true, Some(standard_input()?.into()));
             return Ok(Vec::new());
         }
         let path = absolute(argument)?;
@@ -197,17 +201,23 @@ impl NamedFiles {
                     };
                     bail!("no {all} file below `{argument}`");
                 }
-                found.into_iter().for_each(|path| self.push(path, false, None));
+                found.into_iter().for_each(|file| self.push(file, &path, false, None));
             }
             FileContent::Text(_) | FileContent::NotUtf8(_) => {
                 refuse_codels(argument)?;
-                self.push(path, true, None);
+                let folder = path.parent().unwrap_or(&path).to_owned();
+                self.push(path, &folder, true, None);
             }
             FileContent::Missing => bail!("cannot read `{argument}`: no such file or directory"),
             FileContent::Unreadable(why) => bail!("cannot read `{argument}`: {why}"),
         }
         Ok(skipped)
     }
+}
+
+/// Returns the nearest folder with a `dotgen.toml` at or around a folder, or else that folder.
+pub(super) fn workspace(folder: &Utf8Path) -> Utf8PathBuf {
+    config::nearest_directory(&folder.join("-")).unwrap_or_else(|| folder.to_owned())
 }
 
 /// Returns the error for a folder that cannot be listed.
@@ -415,6 +425,22 @@ impl Session {
             #[cfg(feature = "zenoh")]
             ros2: settings.ros2.rules(),
         }
+    }
+
+    /// Returns the folders in which the command writes, and the files that the user named, which may be
+    /// links.
+    pub(super) fn writable(&self) -> Vec<Utf8PathBuf> {
+        let folders = self.files.iter().map(|file| file.folder.clone());
+        let named = self.files.iter().filter(|file| file.named).map(|file| file.path.clone());
+        let mut all: Vec<Utf8PathBuf> = folders.chain(named).collect();
+        all.sort();
+        // A path below another one adds nothing, unless it is a link.
+        let outer = all.clone();
+        all.retain(|path| {
+            path.is_symlink() || !outer.iter().any(|other| path != other && path.starts_with(other))
+        });
+        all.dedup();
+        all
     }
 
     /// Returns the host, for commands that change texts before queries.

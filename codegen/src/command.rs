@@ -16,7 +16,7 @@ use crate::disk::NewContent;
 use crate::frontend::Frontend;
 use crate::options::{self, Mode, OptionError, Options};
 use crate::template::discover::FindError;
-use crate::template::{Confinement, Confirmation, Limits, OutputSink, Run, readable_files};
+use crate::template::{Confinement, Confirmation, Limits, OutputSink, Run};
 pub use project::Project;
 
 /// Runs the generator with command line arguments (without the program's name). Returns the exit status: 0
@@ -56,7 +56,9 @@ pub fn generate(args: &[String], env: &mut Environment<'_>) -> i32 {
             env.console.err(&usage(env.name));
             1
         }
-        Mode::Template if options.confined && env.confined.is_none() => {
+        Mode::Template
+            if env.confined.is_none() && (options.confined || is_of_project(&options, env)) =>
+        {
             confined(&options, release, env)
         }
         Mode::Template => template(&options, release, env),
@@ -88,14 +90,23 @@ fn list(options: &Options, env: &mut Environment<'_>) -> i32 {
     0
 }
 
+/// Returns true if the template is found only through the settings of a folder.
+fn is_of_project(options: &Options, env: &Environment<'_>) -> bool {
+    let Some(name) = options.rest.first() else {
+        return false;
+    };
+    env.has_project_templates(options)
+        && !Path::new(name).is_absolute()
+        && !crate::builtin::names().contains(&name.as_str())
+}
+
 /// Runs a template as a preview does, and writes its results if the template succeeds.
 fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>) -> i32 {
     let here = if env.base.as_os_str().is_empty() { Path::new(".") } else { &env.base };
-    let allowed = options.allowed.iter();
-    let allowed = allowed.map(|path| readable_files::plain(&*env.disk, &here.join(path)));
+    let allowed = env.allowed(options);
     env.confined = Some(Confinement {
         results: vec![env.disk.absolute(here)],
-        confirmed: Confirmation::Only(allowed.collect()),
+        confirmed: Confirmation::Only(allowed),
     });
     env.limits = Limits { cancel: env.limits.cancel.take(), ..Limits::preview() };
     let direct = std::mem::replace(&mut env.sink, OutputSink::preview());
@@ -120,11 +131,9 @@ fn support_dir(env: &Environment<'_>) -> Option<PathBuf> {
     let cache = env.variable("XDG_CACHE_HOME").map(PathBuf::from);
     let dir =
         cache.or_else(home)?.join("dotgen").join(concat!("templates-", env!("CARGO_PKG_VERSION")));
-    let all = crate::builtin::SUPPORT.iter().map(|(name, text)| NewContent {
-        path: dir.join(name),
-        bytes: text.as_bytes().to_vec(),
-        mode: None,
-    });
+    let all = crate::builtin::SUPPORT
+        .iter()
+        .map(|(name, text)| NewContent::new(dir.join(name), text.as_bytes().to_vec()));
     let there = |content: &NewContent| {
         env.disk.read(&content.path).is_ok_and(|there| there == content.bytes)
     };
@@ -139,6 +148,11 @@ fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
         Some((name, arguments)) => (name, arguments),
         None => return 1,
     };
+    if env.has_project_templates(options) && crate::builtin::names().contains(&name.as_str()) {
+        let mut compiler = env.compiler(options, release);
+        let status = crate::builtin::run(name, arguments, options, &mut compiler, env);
+        return status.unwrap_or(2);
+    }
     if let Some(dir) = search.find_manifest(&*env.disk, name) {
         let mut compiler = env.compiler(options, release);
         return crate::builtin::run_folder(&dir, arguments, options, &mut compiler, env);
@@ -193,6 +207,7 @@ fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
         input_path: options.directory.clone(),
         processes: Arc::clone(&env.processes),
         confined: env.confined.as_ref(),
+        allowed: env.allowed(options),
     };
     let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
     let outcome = run.execute(&mut compiler, env.console, sink);
@@ -272,7 +287,8 @@ General options:
       --confined    restrict TEMPLATE as in an editor preview: it starts no program, has no
                     network, reads only itself and its inputs, and writes only below the
                     current directory, except hidden files and executables
-      --allow PATH  with --confined, let TEMPLATE write this hidden file or executable
+      --allow PATH  let TEMPLATE write this file: in a folder such as .git, or an executable;
+                    with --confined, any hidden file
   -T, --tmpdir DIR  directory for temporary files
   -v, --verbose     print each step
   -d, --debug       keep temporary files

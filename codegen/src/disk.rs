@@ -3,7 +3,7 @@
 
 use std::fmt;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::time::SystemTime;
 
 /// All access of code generation to files, except specifications, which are read through
@@ -35,7 +35,8 @@ pub trait Disk: fmt::Debug + Send + Sync {
     fn current_dir(&self) -> PathBuf;
 
     /// Gives files new content: either all of them or none. Missing directories are created. An existing file
-    /// keeps its mode and owner, links are followed, and the file is complete at any moment.
+    /// keeps its mode and owner, links are followed, and the file is complete at any moment. A file that is
+    /// no longer as it was read, and a file outside of its folders, are errors.
     ///
     /// # Errors
     /// The first file that cannot be written, and the state of the others.
@@ -123,6 +124,50 @@ pub struct NewContent {
     pub bytes: Vec<u8>,
     /// Unix permissions; `None` for the present ones, or the system's default for a new file.
     pub mode: Option<u32>,
+    /// The content that the new one was computed from.
+    pub before: Before,
+    /// The folders of which one must contain the file, with all links followed. Empty for a path that the
+    /// user named: such a path may lead anywhere.
+    pub within: Vec<PathBuf>,
+}
+
+impl NewContent {
+    /// The new content of a file whose present content does not matter, at a path that the user named.
+    pub fn new(path: impl Into<PathBuf>, bytes: Vec<u8>) -> NewContent {
+        NewContent { path: path.into(), bytes, mode: None, before: Before::Any, within: Vec::new() }
+    }
+
+    /// Returns the reason why the file may not be written: a link leads out of its folders, or `..` does.
+    pub fn leads_out(&self, disk: &dyn Disk) -> Option<String> {
+        let name = |path: &Path| format!("`{}`", path.display());
+        if self.within.is_empty() || is_below(disk, &self.path, &self.within) {
+            return None;
+        }
+        let folders: Vec<String> = self.within.iter().map(|folder| name(folder)).collect();
+        let folders = folders.join(" and ");
+        Some(match link_out(disk, &self.path, &self.within) {
+            Some(link) => format!("the link {} leads out of {folders}", name(&link)),
+            None => format!("it is outside of {folders}"),
+        })
+    }
+}
+
+/// The content that a file had when it was read. A file with another content at the moment of writing was
+/// changed by another program, and is left as it is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Before {
+    /// Does not matter.
+    Any,
+    /// There was no file.
+    Missing,
+    /// These bytes.
+    Bytes(Vec<u8>),
+}
+
+impl From<Option<Vec<u8>>> for Before {
+    fn from(bytes: Option<Vec<u8>>) -> Before {
+        bytes.map_or(Before::Missing, Before::Bytes)
+    }
 }
 
 /// A failure to write files.
@@ -176,4 +221,57 @@ pub(crate) fn normalize(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
         }
         _ => disk.canonical(&path).ok(),
     }
+}
+
+/// Returns true if a file would be below one of the folders once written, with all links on the way resolved.
+pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
+    let Some(path) = resolve(disk, path) else {
+        return false;
+    };
+    folders.iter().any(|folder| resolve(disk, folder).is_some_and(|other| path.starts_with(other)))
+}
+
+/// The outermost link on the way to a path that leads out of all of the folders; `None` if no link does.
+pub(crate) fn link_out(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
+    let path = plain(disk, path);
+    let mut ancestors: Vec<&Path> = path.ancestors().collect();
+    ancestors.reverse();
+    let named: Vec<PathBuf> = folders.iter().map(|folder| plain(disk, folder)).collect();
+    let inside = |path: &&&Path| named.iter().any(|folder| path.starts_with(folder));
+    let mut inside = ancestors.iter().filter(inside);
+    inside.find(|at| disk.is_link(at) && !is_below(disk, at, folders)).map(|at| at.to_path_buf())
+}
+
+/// The path with links resolved; its last parts need not exist. `None` for a dangling link: a file written
+/// there would be created at the target of the link.
+pub(crate) fn resolve(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
+    let path = plain(disk, path);
+    for ancestor in path.ancestors() {
+        if let Ok(real) = disk.canonical(ancestor) {
+            let rest = path.strip_prefix(ancestor).ok()?;
+            return Some(match rest.as_os_str().is_empty() {
+                true => real,
+                false => real.join(rest),
+            });
+        }
+        if disk.is_link(ancestor) {
+            return None;
+        }
+    }
+    Some(disk.absolute(&path))
+}
+
+/// The path without `.` and `..`, absolute.
+pub(crate) fn plain(disk: &dyn Disk, path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for component in disk.absolute(path).components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                out.pop();
+            }
+            other => out.push(other),
+        }
+    }
+    out
 }

@@ -1,7 +1,7 @@
 //! The environment of the generator's command line.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use camino::Utf8PathBuf;
@@ -15,7 +15,7 @@ use crate::options::Options;
 use crate::process::Processes;
 use crate::template::console::Console;
 use crate::template::discover::{SearchPath, release_of};
-use crate::template::{Confinement, Limits, OutputSink, TemplatePlace};
+use crate::template::{Confinement, Limits, OutputSink, TemplatePlace, readable_files};
 
 /// Environment variable that sets the release of GenoM3 to emulate.
 const RELEASE_VARIABLE: &str = "DOTGEN_GENOM_RELEASE";
@@ -50,6 +50,10 @@ pub struct Environment<'a> {
     pub processes: Arc<dyn Processes>,
     /// The confinement of templates. `None` gives them the rights of the user.
     pub confined: Option<Confinement>,
+    /// Directories searched for templates if the command line names none, in the form of `-t`, from the
+    /// settings of a folder. The folder may be of another author: its templates do not replace those of
+    /// dotgen, and run confined.
+    pub project_templates: Option<String>,
     /// The place at which the template failed, if it failed and the place is known.
     pub failed_at: Option<TemplatePlace>,
 }
@@ -93,7 +97,20 @@ impl Environment<'_> {
 
     /// The search path of templates.
     pub(crate) fn search_path(&self, options: &Options) -> SearchPath {
-        search_path(options.templates.as_deref(), self.variables)
+        let given = options.templates.as_deref().or(self.project_templates.as_deref());
+        search_path(given, self.variables)
+    }
+
+    /// Returns true if templates are searched in directories that settings of a folder name.
+    pub(crate) fn has_project_templates(&self, options: &Options) -> bool {
+        options.templates.is_none() && self.project_templates.is_some()
+    }
+
+    /// The files that the user allows a template to write, absolute.
+    pub(crate) fn allowed(&self, options: &Options) -> Vec<PathBuf> {
+        let here = if self.base.as_os_str().is_empty() { Path::new(".") } else { &self.base };
+        let allowed = options.allowed.iter();
+        allowed.map(|path| readable_files::plain(&*self.disk, &here.join(path))).collect()
     }
 
     /// The current directory.

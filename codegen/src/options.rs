@@ -135,10 +135,6 @@ pub(crate) fn parse(args: &[String], here: &Path) -> Result<Options, OptionError
         }
     }
     options.rest = args.cloned().collect();
-    if !options.allowed.is_empty() && !options.confined {
-        let why = "--allow needs --confined: other templates write any file";
-        return Err(OptionError::Fatal(why.to_owned()));
-    }
     if !options.directory.is_empty() {
         let directory = absolute_text(&options.here, &options.directory);
         options.cmdline += &format!(" -C {directory}");
@@ -283,6 +279,5 @@ mod tests {
         assert!(matches!(read("-q"), Err(OptionError::Usage(_))));
         assert!(matches!(read("--t=x"), Err(OptionError::Usage(_))));
         assert!(matches!(read("-t"), Err(OptionError::Usage(_))));
-        assert!(matches!(read("--allow a x"), Err(OptionError::Fatal(_))));
     }
 }

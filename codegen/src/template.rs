@@ -116,6 +116,8 @@ pub struct Run<'a> {
     pub processes: Arc<dyn Processes>,
     /// The confinement of the template; `None` gives it all rights of its user.
     pub confined: Option<&'a Confinement>,
+    /// Files in control folders that a template may write without being confined, by absolute path.
+    pub allowed: Vec<PathBuf>,
 }
 
 /// The rights of a confined run. It starts no program, has no network, reads only its template and its
@@ -188,6 +190,7 @@ impl Run<'_> {
         let disk = Arc::clone(&self.disk);
         let mut output = Output::new(self.name(), self.base.clone(), self.debug, disk, sink);
         output.confined = self.confined.cloned();
+        output.rights = output::Rights::Tcl(self.allowed.clone());
         let mut tmpdir = tmpdir;
         if self.debug {
             tmpdir.keep();

@@ -24,6 +24,16 @@ fn run(dir: &Path, args: &[&str]) -> (i32, String, String) {
 }
 
 fn run_as(release: Release, dir: &Path, args: &[&str]) -> (i32, String, String) {
+    run_in(release, dir, None, args)
+}
+
+/// Runs with template directories from the settings of a folder.
+fn run_in(
+    release: Release,
+    dir: &Path,
+    project: Option<&str>,
+    args: &[&str],
+) -> (i32, String, String) {
     let mut console = CapturedConsole::default();
     let mut environment = Environment {
         name: "dotgen generate",
@@ -48,6 +58,7 @@ fn run_as(release: Release, dir: &Path, args: &[&str]) -> (i32, String, String) 
         processes: Arc::new(crate::processes::ShellProcesses),
         confined: None,
         failed_at: None,
+        project_templates: project.map(|paths| dir.join(paths).display().to_string()),
         release: Some(ReleaseChoice { release, origin: ReleaseOrigin::CommandLine }),
     };
     let dir = dir.display().to_string();
@@ -379,4 +390,76 @@ int main(int argc, char **argv)
     ] {
         assert_eq!(print(bad).0, Some(1), "{bad}");
     }
+}
+
+#[test]
+fn templates_of_a_clone_do_not_replace_those_of_dotgen() {
+    let dir = folder();
+    let own = dir.path().join("templates/docs");
+    std::fs::create_dir_all(&own).unwrap();
+    std::fs::write(own.join("template.tcl"), "puts owned\n").unwrap();
+    let other = dir.path().join("templates/other");
+    std::fs::create_dir_all(&other).unwrap();
+    std::fs::write(
+        other.join("template.toml"),
+        "about = \"x\"\n[[files]]\npath = \"a\"\nsource = \"t\"\n",
+    )
+    .unwrap();
+    std::fs::write(other.join("t"), "x").unwrap();
+    let project = |args: &[&str]| run_in(Release::V2_99_39, dir.path(), Some("templates"), args);
+    let (status, out, err) = project(&["docs", "-C", "DIR/out", "DIR/lamp.gen"]);
+    assert_eq!((status, err.as_str()), (0, ""));
+    assert_eq!(out, "creating DIR/out/lamp.md\n");
+    // Other templates of the folder are confined to the current directory.
+    let (status, _, err) = project(&["other", "-C", "DIR/out", "DIR/lamp.gen"]);
+    assert_eq!(status, 2);
+    assert!(err.contains("DIR/out/a is outside of"), "{err}");
+    // A directory of the command line is the user's.
+    let args = ["-t", "DIR/templates", "other", "-C", "DIR/out", "DIR/lamp.gen"];
+    let (status, _, err) = project(&args);
+    assert_eq!((status, err.as_str()), (0, ""));
+}
+
+#[cfg(unix)]
+#[test]
+fn templates_without_tcl_write_nothing_that_acts_later() {
+    let dir = folder();
+    let template = |name: &str, file: &str| {
+        let own = dir.path().join("templates").join(name);
+        std::fs::create_dir_all(&own).unwrap();
+        let manifest = format!("about = \"x\"\n[[files]]\n{file}\nsource = \"t\"\n");
+        std::fs::write(own.join("template.toml"), manifest).unwrap();
+        std::fs::write(own.join("t"), "x").unwrap();
+    };
+    template("hook", "path = \".git/hooks/post-commit\"\npermissions = \"a+x\"");
+    template("tasks", "path = \"sub/.vscode/tasks.json\"");
+    template("script", "path = \"run.sh\"\npermissions = \"a+x\"");
+    template("plain", "path = \".clang-format\"");
+    let victim = dir.path().join("victim");
+    std::fs::create_dir(&victim).unwrap();
+    std::fs::create_dir(dir.path().join("out")).unwrap();
+    std::os::unix::fs::symlink("../victim", dir.path().join("out/codels")).unwrap();
+    let run = |more: &[&str], name: &str| {
+        let args = [&["-t", "DIR/templates"], more, &[name, "-C", "DIR/out", "DIR/lamp.gen"]];
+        run(dir.path(), &args.concat())
+    };
+    for (name, file, why) in [
+        ("hook", ".git/hooks/post-commit", "in a folder that controls tools"),
+        ("tasks", "sub/.vscode/tasks.json", "in a folder that controls tools"),
+        ("script", "run.sh", "executable"),
+    ] {
+        let (status, _, err) = run(&[], name);
+        assert_eq!(status, 2, "{name}");
+        assert!(err.contains(&format!("DIR/out/{file} is {why}, and a template")), "{err}");
+        assert!(!dir.path().join("out").join(file).exists());
+        let (status, _, err) = run(&["--allow", &format!("DIR/out/{file}")], name);
+        assert_eq!((status, err.as_str()), (0, ""));
+        assert!(dir.path().join("out").join(file).exists());
+    }
+    let (status, _, err) = run(&[], "plain");
+    assert_eq!((status, err.as_str()), (0, ""));
+    let (status, _, err) = run(&[], "skeleton");
+    assert_eq!(status, 2);
+    assert!(err.contains("the link DIR/out/codels leads out of DIR/out"), "{err}");
+    assert_eq!(std::fs::read_dir(&victim).unwrap().count(), 0);
 }

@@ -98,6 +98,7 @@ fn generator() -> ExitCode {
         processes: Arc::new(processes::ShellProcesses),
         confined: None,
         failed_at: None,
+        project_templates: None,
         release: None,
     };
     let status = generate(&arguments, &mut environment);

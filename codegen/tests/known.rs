@@ -76,6 +76,7 @@ impl Place<'_> {
             processes: Arc::clone(&started) as Arc<dyn Processes>,
             confined: None,
             failed_at: None,
+            project_templates: None,
             release: Some(choice),
         };
         let mut all = vec!["-t".to_owned(), self.templates.display().to_string()];

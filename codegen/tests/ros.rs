@@ -117,6 +117,7 @@ fn a_ros_server_compiles_without_genom() {
         processes: Arc::new(crate::processes::ShellProcesses),
         confined: None,
         failed_at: None,
+        project_templates: None,
         release: Some(ReleaseChoice {
             release: Release::V2_99_39,
             origin: ReleaseOrigin::Environment,

@@ -66,6 +66,7 @@ fn run(
         input_path: String::new(),
         processes: Arc::new(crate::processes::ShellProcesses),
         confined: confined.as_ref(),
+        allowed: Vec::new(),
     };
     let mut compiler = Compiler::new(
         Arc::new(crate::files::Files),
@@ -309,6 +310,15 @@ fn a_preview_reaches_nothing_outside() {
 }
 
 #[test]
+fn templates_start_programs() {
+    let Some((outcome, console)) = run("starts", &[], OutputSink::Direct, Limits::default()) else {
+        return;
+    };
+    assert_eq!((outcome.status, console.err.as_str()), (0, ""));
+    assert_eq!(text(&console.out), "hello\n<>\nHELLO\nsame\nread\n");
+}
+
+#[test]
 fn endless_templates_are_stopped() {
     let limits = Limits { time: Some(Duration::from_millis(300)), ..Limits::default() };
     let Some((outcome, console)) = run("loops", &[], OutputSink::preview(), limits) else {
@@ -406,6 +416,7 @@ fn a_preview_shows_what_a_run_writes() {
             input_path: String::new(),
             processes: Arc::new(crate::processes::ShellProcesses),
             confined: None,
+            allowed: Vec::new(),
         };
         let mut compiler = Compiler::new(
             Arc::new(crate::files::Files),

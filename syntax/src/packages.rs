@@ -51,13 +51,24 @@ pub fn providers(name: &str) -> Providers {
         _ => None,
     };
     let debian = match &robotpkg {
-        Some(_) => format!("robotpkg-{name}"),
+        Some(_) => format!("robotpkg-{}", debian_part(name)),
         None => match DEBIAN.iter().find(|debian| debian.0 == name) {
             Some((_, package)) => (*package).to_owned(),
-            None => format!("lib{}-dev", name.strip_prefix("lib").unwrap_or(name)),
+            None => format!("lib{}-dev", debian_part(name.strip_prefix("lib").unwrap_or(name))),
         },
     };
-    Providers { robotpkg, debian: Some(debian) }
+    Providers { robotpkg, debian: Some(debian).filter(|debian| is_debian_name(debian)) }
+}
+
+/// A name as part of the name of a Debian package: `geometry-msgs` for `geometry_msgs`.
+fn debian_part(name: &str) -> String {
+    name.to_ascii_lowercase().replace('_', "-")
+}
+
+/// Returns true for a name that Debian allows.
+fn is_debian_name(name: &str) -> bool {
+    let allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "+-.".contains(c);
+    name.chars().all(allowed) && !name.contains("--") && !name.starts_with("lib-")
 }
 
 /// The installation advice for a package: `` `interfaces/a-idl` of robotpkg (Debian: `robotpkg-a-idl`) ``.
@@ -97,6 +108,10 @@ mod tests {
         assert_eq!(of("pom-genom3"), pair("pom-genom3", "robotpkg-pom-genom3"));
         assert_eq!(of("eigen3"), pair("", "libeigen3-dev"));
         assert_eq!(of("libkdtp"), pair("", "libkdtp-dev"));
+        assert_eq!(of("geometry_msgs"), pair("", "libgeometry-msgs-dev"));
+        assert_eq!(of("OGRE"), pair("", "libogre-dev"));
+        assert_eq!(of("a/b"), pair("", ""));
+        assert_eq!(of("_"), pair("", ""));
         assert_eq!(of("opencv4"), pair("", "libopencv-dev"));
     }
 }

@@ -211,10 +211,14 @@ pub(super) fn print(changed: &ChangedTexts) -> anyhow::Result<Outcome> {
 }
 
 /// Writes the new texts: all of them, or none.
-pub(super) fn write(changed: &ChangedTexts, made: &AppliedFixes) -> anyhow::Result<()> {
+pub(super) fn write(
+    changed: &ChangedTexts,
+    made: &AppliedFixes,
+    within: &[Utf8PathBuf],
+) -> anyhow::Result<()> {
     let files = changed.iter();
-    let files: Vec<_> = files.map(|(path, (_, new))| report::new_content(path, new)).collect();
-    report::write_files(&files)?;
+    let files = files.map(|(path, (old, new))| report::edited(path, Some(old), new)).collect();
+    report::write_files(files, within)?;
     for (path, titles) in made {
         let title = |(title, count): (&String, &usize)| match count {
             1 => report::text::title(title),

@@ -246,7 +246,7 @@ impl Builder<'_> {
             .with_context(|| format!("`{shown}` cannot be run with its codels"))?;
         let glue = hosted.iter().map(|shared_object| &shared_object.glue);
         let glue = glue.map(|glue| report::new_content(&glue.path, &glue.text));
-        write_changed(glue.collect())?;
+        write_changed(glue.collect(), &self.workspace())?;
         let compile =
             plan.compile.iter().chain(hosted.iter().map(|shared_object| &shared_object.compile));
         let links: Vec<&Step> = hosted.iter().map(|shared_object| &shared_object.link).collect();
@@ -283,8 +283,14 @@ impl Builder<'_> {
         let plan = plan
             .map_err(anyhow::Error::msg)
             .with_context(|| format!("`{shown}` is not compiled"))?;
-        write_headers(&plan, &beside.join(FOLDER))?;
+        write_headers(&plan, &beside.join(FOLDER), &self.workspace())?;
         Ok(FolderPlan { plan, packages, place })
+    }
+
+    /// Returns the folder in which all files are written.
+    fn workspace(&self) -> Utf8PathBuf {
+        let specification = &self.folder.specification;
+        session::workspace(specification.parent().unwrap_or(specification))
     }
 
     /// Returns the packages that are installed. Packages that only the specification requires may be missing.
@@ -392,7 +398,8 @@ impl Builder<'_> {
         // A compiler that is ended leaves its temporary files, in this folder.
         let temporary = process::System.folder(None)?;
         let (place, interrupt) = (temporary.path(), self.interrupt);
-        let work = |step: &Step| perform(step, place, interrupt);
+        let workspace = self.workspace();
+        let work = |step: &Step| perform(step, &workspace, place, interrupt);
         let results = Mutex::new(Vec::new());
         std::thread::scope(|scope| {
             for _ in 0..jobs.min(todo.len()) {
@@ -479,25 +486,31 @@ impl Builder<'_> {
 }
 
 /// Writes changed headers only: an unchanged header keeps its time.
-fn write_headers(plan: &Plan, folder: &Utf8Path) -> anyhow::Result<()> {
+fn write_headers(plan: &Plan, folder: &Utf8Path, workspace: &Utf8Path) -> anyhow::Result<()> {
     let mut files: Vec<NewContent> = (plan.headers.iter())
         .map(|header| report::new_content(&header.path, &header.text))
         .collect();
     files.push(report::new_content(&folder.join(".gitignore"), IGNORED));
-    write_changed(files)
+    write_changed(files, workspace)
 }
 
-fn write_changed(mut files: Vec<NewContent>) -> anyhow::Result<()> {
+fn write_changed(mut files: Vec<NewContent>, workspace: &Utf8Path) -> anyhow::Result<()> {
     let changed =
         |content: &NewContent| SystemDisk.read(&content.path).ok().as_ref() != Some(&content.bytes);
     files.retain(changed);
-    report::write_files(&files)
+    report::write_files(files, &[workspace.to_owned()])
 }
 
 /// Runs a step. Returns true if its output was created, and the printed text.
-fn perform(step: &Step, temporary: &Path, interrupt: &Interrupt) -> anyhow::Result<(bool, String)> {
+fn perform(
+    step: &Step,
+    workspace: &Utf8Path,
+    temporary: &Path,
+    interrupt: &Interrupt,
+) -> anyhow::Result<(bool, String)> {
+    let within = [workspace.to_owned()];
     // Until the output is complete, the record is empty.
-    report::write_files(&[report::new_content(&step.record(), "")])?;
+    report::write_files(vec![report::new_content(&step.record(), "")], &within)?;
     let before = step.before(&mut Contents::new(&SystemDisk));
     let (program, arguments) = step.command.split_first().context("a step runs a program")?;
     let arguments: Vec<OsString> = arguments.iter().map(Into::into).collect();
@@ -518,7 +531,7 @@ fn perform(step: &Step, temporary: &Path, interrupt: &Interrupt) -> anyhow::Resu
         && step.before(&mut after) == before
         && let Some(recorded) = step.recorded(&mut after)
     {
-        report::write_files(&[report::new_content(&step.record(), &recorded)])?;
+        report::write_files(vec![report::new_content(&step.record(), &recorded)], &within)?;
     }
     Ok((status.success(), printed))
 }

@@ -34,7 +34,7 @@ pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
             all.collect()
         };
         for text in parallel::map(&parts, || (), one, |(), part| one(part)) {
-            out.write_all(encoding::shown(&text).as_bytes())?;
+            out.write_all(terminal::styled(&encoding::shown(&text)).as_bytes())?;
         }
     }
     let in_part = |comparison: &&Compared| !comparison.coverage.is_complete();
@@ -63,7 +63,8 @@ pub(crate) fn print_to_stderr<'d>(
 ) -> anyhow::Result<()> {
     let mut out = anstream::AutoStream::auto(std::io::stderr().lock());
     for diagnostic in diagnostics {
-        writeln!(out, "{}\n", encoding::shown(&render(diagnostic, texts)))?;
+        let text = render(diagnostic, texts);
+        writeln!(out, "{}\n", terminal::styled(&encoding::shown(&text)))?;
     }
     Ok(())
 }
@@ -95,7 +96,7 @@ fn summary(report: &FileReports) -> String {
             1 => ("1 name".to_owned(), "waits"),
             count => (format!("{count} names"), "wait"),
         };
-        out += &format!("; {names} {wait} for {}", waiting.missing.join(", "));
+        out += &format!("; {names} {wait} for {}", terminal::text(&waiting.missing.join(", ")));
     }
     out
 }
@@ -206,7 +207,7 @@ fn add_excerpt<'d>(
             false => AnnotationKind::Context,
         };
         let annotation: Annotation<'_> = kind.span(window.span(lines, range));
-        annotation.label(*label)
+        annotation.label(label.map(terminal::text))
     });
     group.element(
         Snippet::source(window.text(lines))
@@ -227,7 +228,7 @@ pub(crate) fn title(of_fix: &str) -> String {
 fn fix_group<'d>(fix: &'d Fix, texts: &'d Texts) -> Option<Group<'d>> {
     let path = &fix.edits.first()?.path;
     let lines = texts.get(path)?;
-    let title = title(&fix.title);
+    let title = terminal::text(&title(&fix.title)).into_owned();
     if fix.edits.iter().any(|edit| edit.path != *path) {
         return Some(Group::with_title(Level::HELP.secondary_title(title)));
     }

@@ -147,8 +147,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     if !arguments.diff {
         let files = answer.changed.iter();
-        let files: Vec<_> = files.map(|(path, (_, new))| report::new_content(path, new)).collect();
-        report::write_files(&files)?;
+        let files = files.map(|(path, (old, new))| report::edited(path, Some(old), new)).collect();
+        report::write_files(files, &session.writable())?;
     }
     Ok(match answer.refused.is_empty() {
         true => Outcome::Fine,

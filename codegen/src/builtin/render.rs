@@ -25,7 +25,7 @@ use crate::frontend::Frontend;
 use crate::options::Options as General;
 use crate::process::Processes;
 use crate::template::console::Console;
-use crate::template::output::Environment as Surroundings;
+use crate::template::output::{Environment as Surroundings, Rights};
 use crate::template::{Failure, Output, OutputSink, notice_of, readable_files};
 
 /// Options of all these templates.
@@ -52,6 +52,9 @@ pub(super) fn run(
         Texts::Folder(_) => env.confined.clone(),
         _ => env.confined.clone().map(super::of_dotgen),
     };
+    if let Texts::Folder(_) = texts {
+        output.rights = Rights::MiniJinja(env.allowed(general));
+    }
     let result = write(name, &manifest, texts, args, general, compiler, env, &mut output);
     let (sink, written) = output.finish(!matches!(result, Ok(0)));
     env.sink = sink;

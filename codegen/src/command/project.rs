@@ -11,8 +11,6 @@ pub struct Project {
     pub include_paths: Vec<String>,
     /// Macros and their bodies; macros of the command line take precedence.
     pub defines: Vec<(String, String)>,
-    /// Directories searched for templates, in the form of `-t`, if the command line names none.
-    pub template_paths: Option<String>,
 }
 
 impl Project {
@@ -37,11 +35,6 @@ impl Project {
                 out.extend(["-D".to_owned(), format!("{name}={body}")]);
             }
         }
-        if given.templates.is_none()
-            && let Some(paths) = project.template_paths
-        {
-            out.extend(["-t".to_owned(), paths]);
-        }
         out.extend_from_slice(&args[at..]);
         out
     }
@@ -57,19 +50,18 @@ mod tests {
         let project = |_: &[String]| Project {
             include_paths: vec!["/p/idl".to_owned()],
             defines: vec![("A".to_owned(), "1".to_owned())],
-            template_paths: Some("/p/templates".to_owned()),
         };
         assert_eq!(Project::complete(&words, project).join(" "), expected);
     }
 
     #[test]
     fn what_is_given_comes_first_and_wins() {
-        check("skeleton -I own x.gen", "-I /p/idl -D A=1 -t /p/templates skeleton -I own x.gen");
+        check("skeleton -I own x.gen", "-I /p/idl -D A=1 skeleton -I own x.gen");
         check(
             "-I inc -DA=2 -t t -- skeleton x.gen",
             "-I inc -DA=2 -t t -I /p/idl -- skeleton x.gen",
         );
-        check("-l", "-l -I /p/idl -D A=1 -t /p/templates");
+        check("-l", "-l -I /p/idl -D A=1");
         check("--nonsense x.gen", "--nonsense x.gen");
     }
 }

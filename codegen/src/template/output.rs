@@ -42,14 +42,19 @@ fn concern(
     mode: Option<u32>,
     folders: &[PathBuf],
 ) -> Option<&'static str> {
-    let had = || disk.status(path).map_or(0, |status| status.mode);
-    let executable = mode.is_some_and(|mode| mode & EXECUTABLE & !had() != 0);
+    let executable = is_new_executable(disk, path, mode);
     match (readable_files::is_hidden(disk, path, folders), executable) {
         (true, true) => Some("hidden and executable"),
         (true, false) => Some("hidden"),
         (false, true) => Some("executable"),
         (false, false) => None,
     }
+}
+
+/// Returns true if a file becomes executable.
+fn is_new_executable(disk: &dyn Disk, path: &Path, mode: Option<u32>) -> bool {
+    let had = || disk.status(path).map_or(0, |status| status.mode);
+    mode.is_some_and(|mode| mode & EXECUTABLE & !had() != 0)
 }
 
 /// The destination of the files of a template.
@@ -179,6 +184,19 @@ pub(crate) struct Output {
     pub(crate) template: String,
     /// The folders for results, if the run is confined; a confined run starts no program.
     pub(crate) confined: Option<Confinement>,
+    /// The rights of a template that is not confined.
+    pub(crate) rights: Rights,
+}
+
+/// The results that a template may write without being confined.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Rights {
+    /// All: the template is part of dotgen.
+    All,
+    /// Also executables. In control folders only files that the user named.
+    Tcl(Vec<PathBuf>),
+    /// Executables, and files in control folders, only if the user named them.
+    MiniJinja(Vec<PathBuf>),
 }
 
 impl Output {
@@ -199,6 +217,7 @@ impl Output {
             disk,
             template,
             confined: None,
+            rights: Rights::All,
         }
     }
 
@@ -231,7 +250,7 @@ impl Output {
     /// not confirmed.
     fn check(&self, shown: &str, path: &Path, permissions: &str) -> Result<(), Failure> {
         let Some(confined) = &self.confined else {
-            return Ok(());
+            return self.check_free(shown, path, permissions);
         };
         if readable_files::is_below(&*self.disk, path, &confined.results) {
             let Confirmation::Only(confirmed) = &confined.confirmed else {
@@ -257,6 +276,57 @@ impl Output {
         Err(Failure::Error(format!(
             "{shown} is outside of {}: a preview or a confined template writes nothing there",
             folders.join(" and ")
+        )))
+    }
+
+    /// Refuses a result of a template that is not confined: one that a link leads out of the current
+    /// directory or out of the output directory, one in a control folder, and an executable of a MiniJinja
+    /// template.
+    fn check_free(&self, shown: &str, path: &Path, permissions: &str) -> Result<(), Failure> {
+        let disk = &*self.disk;
+        let named = readable_files::plain(disk, path);
+        let base = match self.base.as_os_str().is_empty() {
+            true => PathBuf::from("."),
+            false => self.base.clone(),
+        };
+        let around: Vec<PathBuf> = [base.join(&self.dir), base]
+            .into_iter()
+            .filter(|folder| named.starts_with(readable_files::plain(disk, folder)))
+            .collect();
+        for folder in &around {
+            let folder = std::slice::from_ref(folder);
+            if let Some(link) = readable_files::link_out(disk, path, folder) {
+                return Err(Failure::Error(format!(
+                    "{shown} is not written: the link {} leads out of {}; name the folder that the link \
+                     leads to",
+                    link.display(),
+                    readable_files::plain(disk, &folder[0]).display()
+                )));
+            }
+        }
+        let (allowed, may_execute) = match &self.rights {
+            Rights::All => return Ok(()),
+            Rights::Tcl(allowed) => (allowed, true),
+            Rights::MiniJinja(allowed) => (allowed, false),
+        };
+        if allowed.contains(&named) {
+            return Ok(());
+        }
+        let root = [PathBuf::from("/")];
+        let folders = if around.is_empty() { &root[..] } else { &around[..] };
+        let mode = match permissions.is_empty() {
+            true => None,
+            false => Some(self.files.mode(disk, path, permissions)?),
+        };
+        let what = match () {
+            () if readable_files::is_control(disk, path, folders) => {
+                "in a folder that controls tools"
+            }
+            () if !may_execute && is_new_executable(disk, path, mode) => "executable",
+            () => return Ok(()),
+        };
+        Err(Failure::Error(format!(
+            "{shown} is {what}, and a template writes such a file only if you name the file: --allow {shown}"
         )))
     }
 

@@ -660,6 +660,15 @@ proc ::dg::confine {} {
   }
 }
 
+# Starts programs. Without a redirection, their input is empty.
+proc ::dg::exec {args} {
+  if {[llength [lsearch -all -glob $args <*]] == 0} {
+    set last [expr {[lindex $args end] eq "&" ? "end" : "end+1"}]
+    set args [linsert $args $last < /dev/null]
+  }
+  interp invokehidden main exec {*}$args
+}
+
 proc ::dg::refuse {name args} {
   return -code error "\"$name\" is not allowed in a preview or with --confined: run the template from the\
       command line without it"
@@ -735,6 +744,9 @@ proc ::dg::run {} {
   set in [chan create read ::dg::input_channel]
   close stdout
   set out [chan create write ::dg::output_channel]
+  # Descriptors 0 and 1 are free now. A pipe to a program that a template starts would get these numbers,
+  # and the program would close it.
+  variable null [list [open /dev/null r] [open /dev/null w]]
   fconfigure $in -encoding utf-8 -buffering line
   fconfigure $out -encoding utf-8 -buffering none -buffersize 65536
   encoding system utf-8
@@ -755,6 +767,9 @@ proc ::dg::run {} {
     confine
   } else {
     interp create main
+    # Programs cannot read the input of a template, which is a question to the engine.
+    interp hide main exec
+    interp alias main exec {} ::dg::exec
   }
   interp create -safe $slave
   populate

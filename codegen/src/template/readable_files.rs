@@ -3,11 +3,12 @@
 //! The operating system confines the interpreter. The reads and writes that the engine does for it are
 //! checked here, with the same folders.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use super::Failure;
 use super::discover::SearchPath;
 use crate::disk::Disk;
+pub(crate) use crate::disk::{is_below, link_out, plain, resolve};
 use crate::process::Access;
 
 /// The readable files and folders.
@@ -61,24 +62,53 @@ impl ReadableFiles {
     }
 }
 
-/// Returns true if a file would be below one of the folders once written, with all links on the way resolved.
-pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
-    let Some(path) = resolve(disk, path) else {
-        return false;
-    };
-    folders.iter().any(|folder| resolve(disk, folder).is_some_and(|other| path.starts_with(other)))
-}
-
 /// Returns true if a path, with all links resolved, has a part that begins with a dot below all of the
 /// folders around the path. Such files configure tools, shells and editors: `.git/hooks`, `.vscode`,
 /// `.profile`.
 pub(crate) fn is_hidden(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
+    has_part(disk, path, folders, |part| part.starts_with(b"."))
+}
+
+/// Folders whose files configure tools, or are run by them.
+const CONTROL_FOLDERS: [&str; 16] = [
+    ".git",
+    ".hg",
+    ".svn",
+    ".bzr",
+    ".jj",
+    ".github",
+    ".gitlab",
+    ".circleci",
+    ".husky",
+    ".vscode",
+    ".idea",
+    ".vs",
+    ".zed",
+    ".devcontainer",
+    ".cargo",
+    ".ssh",
+];
+
+/// Returns true if a path, with all links resolved, is in a control folder below all of the folders around
+/// the path: see [`is_hidden`].
+pub(crate) fn is_control(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
+    has_part(disk, path, folders, |part| {
+        CONTROL_FOLDERS.iter().any(|name| part.eq_ignore_ascii_case(name.as_bytes()))
+    })
+}
+
+fn has_part(
+    disk: &dyn Disk,
+    path: &Path,
+    folders: &[PathBuf],
+    is_wanted: impl Fn(&[u8]) -> bool,
+) -> bool {
     let parts = |path: &Path, folders: &[PathBuf]| {
         let below = folders.iter().filter_map(|folder| path.strip_prefix(folder).ok());
         below
             .map(|rest| {
                 let mut parts = rest.components();
-                parts.any(|part| part.as_os_str().as_encoded_bytes().starts_with(b"."))
+                parts.any(|part| is_wanted(part.as_os_str().as_encoded_bytes()))
             })
             .reduce(|one, other| one && other)
     };
@@ -86,40 +116,6 @@ pub(crate) fn is_hidden(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bo
     let real: Vec<PathBuf> = folders.iter().filter_map(|folder| resolve(disk, folder)).collect();
     let by_links = resolve(disk, path).and_then(|path| parts(&path, &real));
     by_links.unwrap_or(true) || parts(&plain(disk, path), &named).unwrap_or(false)
-}
-
-/// The path with links resolved; its last parts need not exist. `None` for a dangling link: a file written
-/// there would be created at the target of the link.
-fn resolve(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
-    let path = plain(disk, path);
-    for ancestor in path.ancestors() {
-        if let Ok(real) = disk.canonical(ancestor) {
-            let rest = path.strip_prefix(ancestor).ok()?;
-            return Some(match rest.as_os_str().is_empty() {
-                true => real,
-                false => real.join(rest),
-            });
-        }
-        if disk.is_link(ancestor) {
-            return None;
-        }
-    }
-    Some(disk.absolute(&path))
-}
-
-/// The path without `.` and `..`, absolute.
-pub(crate) fn plain(disk: &dyn Disk, path: &Path) -> PathBuf {
-    let mut out = PathBuf::new();
-    for component in disk.absolute(path).components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir => {
-                out.pop();
-            }
-            other => out.push(other),
-        }
-    }
-    out
 }
 
 #[cfg(test)]
@@ -147,6 +143,10 @@ mod tests {
         {
             assert!(!below(path), "{path}");
         }
+        let link = |path: &str| link_out(&Files, &root.join(path), std::slice::from_ref(&root));
+        assert_eq!(link("out/sub/a"), Some(root.join("out")));
+        assert_eq!(link("nowhere"), Some(root.join("nowhere")));
+        assert_eq!(link("inner/a"), None);
         // A folder that does not exist yet has the place where it will be created.
         assert!(is_below(&Files, &root.join("out/new/a"), &[root.join("out/new")]));
         let hidden = |path: &str| is_hidden(&Files, &root.join(path), std::slice::from_ref(&root));
@@ -158,6 +158,14 @@ mod tests {
         }
         for path in ["a", "inner/a", ".git/../a", "sub/b.c/d"] {
             assert!(!hidden(path), "{path}");
+        }
+        let control =
+            |path: &str| is_control(&Files, &root.join(path), std::slice::from_ref(&root));
+        for path in [".git/hooks/x", "sub/.GIT/x", ".vscode/a", "plain/hooks/x"] {
+            assert!(control(path), "{path}");
+        }
+        for path in [".clang-format", ".gitignore", "inner/.d", ".link/e", "git/x"] {
+            assert!(!control(path), "{path}");
         }
         // The folder itself may be hidden.
         let folders = [root.clone(), root.join(".git")];

@@ -69,7 +69,7 @@ impl Files for Disk {
     }
 
     fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {
-        history::changed(path).map(ModificationTime::At)
+        history::changed(path, true).map(ModificationTime::At)
     }
 }
 
@@ -87,6 +87,12 @@ impl<'a> Texts<'a> {
     /// Returns true if a file is an open document.
     pub(crate) fn is_open(&self, path: &Utf8Path) -> bool {
         self.snapshot.open.contains_key(path)
+    }
+
+    /// The time at which a file on disk got its text. Without trust, no program is asked.
+    pub(crate) fn changed_on_disk(&self, path: &Utf8Path) -> Option<ModificationTime> {
+        let may_run = self.snapshot.config.packages.may_run;
+        history::changed(path, may_run).map(ModificationTime::At)
     }
 
     /// Returns the cancellation, if there was one: results are then invalid.
@@ -124,7 +130,7 @@ impl Files for Texts<'_> {
         let is_saved = || self.read(path).as_deref() == Disk.read(path).as_deref();
         match self.snapshot.open.contains_key(path) && !is_saved() {
             true => Some(ModificationTime::Unsaved),
-            false => Disk.changed(path),
+            false => self.changed_on_disk(path),
         }
     }
 }

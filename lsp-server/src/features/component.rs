@@ -287,7 +287,7 @@ impl Files for Unwritten<'_> {
     fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {
         match self.0.is_open(path) {
             true => self.0.changed(path),
-            false => Disk.changed(path),
+            false => self.0.changed_on_disk(path),
         }
     }
 }

@@ -20,7 +20,7 @@ pub struct SystemDisk;
 
 impl Disk for SystemDisk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        std::fs::read(path)
+        super::read_regular(path)
     }
 
     fn status(&self, path: &Path) -> Option<Status> {

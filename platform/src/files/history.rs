@@ -2,9 +2,10 @@
 //! stamp.
 
 use std::ffi::OsString;
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use camino::Utf8Path;
+use dotgen_codegen::process::Process;
 
 use crate::process;
 
@@ -13,15 +14,18 @@ use crate::process;
 /// In a fresh clone every file has the time stamp of the clone. A file that is as committed got its text with
 /// the last commit that changed it. The git commands only read objects. They refresh no index, run no hook
 /// and no filter, and use no network, whatever the settings of the repository are.
-pub fn changed(path: &Utf8Path) -> Option<SystemTime> {
-    committed(path).or_else(|| std::fs::metadata(path).ok()?.modified().ok())
+///
+/// Without the right to start programs, git is not asked: the workspace is not trusted.
+pub fn changed(path: &Utf8Path, may_run: bool) -> Option<SystemTime> {
+    let committed = may_run.then(|| committed(path)).flatten();
+    committed.or_else(|| std::fs::metadata(path).ok()?.modified().ok())
 }
 
 /// The time of the last commit that changed a file, in whole seconds, if the file still has that text.
 fn committed(path: &Utf8Path) -> Option<SystemTime> {
     let (folder, name) = (path.parent()?, path.file_name()?);
     let blob = git(folder, &["cat-file", "blob", &format!("HEAD:./{name}")])?;
-    if std::fs::read(path).ok()? != blob {
+    if super::read_regular(path.as_std_path()).ok()? != blob {
         return None;
     }
     let question = ["rev-list", "-1", "--timestamp", "HEAD", "--"];
@@ -32,16 +36,36 @@ fn committed(path: &Utf8Path) -> Option<SystemTime> {
     SystemTime::UNIX_EPOCH.checked_add(Duration::from_secs(seconds))
 }
 
+/// Options of git, whatever the repository sets: no folder of the work tree is taken for a repository, and
+/// missing objects of a partial clone are not fetched.
+const OPTIONS: [&str; 7] = [
+    "-c",
+    "safe.bareRepository=explicit",
+    "-c",
+    "protocol.allow=never",
+    "-c",
+    "protocol.ext.allow=never",
+    "--literal-pathspecs",
+];
+
+/// The time after which git is killed.
+const LIMIT: Duration = Duration::from_secs(10);
+
 /// The output of git in a folder; `None` if git is not installed, fails or prints nothing.
 fn git(folder: &Utf8Path, question: &[&str]) -> Option<Vec<u8>> {
     let mut words: Vec<OsString> = vec!["-C".into(), folder.into()];
-    // Without this option, git would fetch the missing objects of a partial clone.
-    words.extend(["-c", "protocol.allow=never", "--literal-pathspecs"].map(Into::into));
+    words.extend(OPTIONS.map(Into::into));
     words.extend(question.iter().map(Into::into));
     let environment =
         [("GIT_NO_LAZY_FETCH", "1".to_owned()), ("GIT_OPTIONAL_LOCKS", "0".to_owned())];
-    let process = process::ask("git", words, &environment).ok()?;
-    let (status, printed) = process.output().ok()?;
+    answer(process::ask("git", words, &environment).ok()?, LIMIT)
+}
+
+/// The output of a program; `None` if it fails. It is killed after the limit.
+fn answer(mut process: Process, limit: Duration) -> Option<Vec<u8>> {
+    let started = Instant::now();
+    let ended = process.wait_with_outputs_unless(&|| started.elapsed() > limit);
+    let (status, printed, _) = ended.ok()?;
     status.success().then_some(printed)
 }
 
@@ -71,15 +95,36 @@ mod tests {
         std::fs::write(&file, "component a {};\n").expect("written");
         let stamp =
             || std::fs::metadata(&file).and_then(|metadata| metadata.modified()).expect("a time");
-        assert_eq!(changed(&file), Some(stamp()), "no repository");
+        assert_eq!(changed(&file, true), Some(stamp()), "no repository");
         run(folder, &["init", "-q"]);
-        assert_eq!(changed(&file), Some(stamp()), "no commit");
+        assert_eq!(changed(&file, true), Some(stamp()), "no commit");
         run(folder, &["add", "a.gen"]);
         run(folder, &["commit", "-q", "-m", "a"]);
         let then = SystemTime::UNIX_EPOCH + Duration::from_secs(1_000_000);
-        assert_eq!(changed(&file), Some(then));
+        assert_eq!(changed(&file, true), Some(then));
         std::fs::write(&file, "component a { };\n").expect("written");
-        assert_eq!(changed(&file), Some(stamp()), "not committed");
-        assert_eq!(changed(&folder.join("b.gen")), None, "not there");
+        assert_eq!(changed(&file, true), Some(stamp()), "not committed");
+        assert_eq!(changed(&folder.join("b.gen"), true), None, "not there");
+    }
+
+    #[test]
+    fn nothing_is_started_without_the_right() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let folder = Utf8Path::from_path(folder.path()).expect("UTF-8");
+        run(folder, &["init", "-q"]);
+        let file = folder.join("a.gen");
+        std::fs::write(&file, "component a {};\n").expect("written");
+        run(folder, &["add", "a.gen"]);
+        run(folder, &["commit", "-q", "-m", "a"]);
+        let committed = SystemTime::UNIX_EPOCH + Duration::from_secs(1_000_000);
+        assert_eq!(changed(&file, true), Some(committed));
+        assert!(changed(&file, false) > Some(committed));
+    }
+
+    #[test]
+    fn a_program_that_does_not_end_is_killed() {
+        let process =
+            process::ask("tail", vec!["-f".into(), "/dev/null".into()], &[]).expect("started");
+        assert_eq!(answer(process, Duration::ZERO), None);
     }
 }

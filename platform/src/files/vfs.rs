@@ -212,7 +212,7 @@ pub fn read(path: &Utf8Path) -> FileContent {
         Err(error) if missing(&error) => return FileContent::Missing,
         Err(error) => return FileContent::Unreadable(super::reason(&error)),
     }
-    match std::fs::read(path) {
+    match super::read_regular(path.as_std_path()) {
         Ok(bytes) => {
             if let Some(name) = encoding::other_unicode(&bytes) {
                 return FileContent::Unreadable(format!("it is {name}; save it as UTF-8"));

@@ -53,7 +53,11 @@ impl StagedFiles {
                 // An unchanged file is not written: build tools compare modification times.
                 match file.before.as_ref() == Some(&file.after) {
                     true => modes.extend(file.mode.map(|mode| (path, mode))),
-                    false => contents.push(NewContent { path, bytes: file.after, mode: file.mode }),
+                    false => contents.push(NewContent {
+                        mode: file.mode,
+                        before: file.before.into(),
+                        ..NewContent::new(path, file.after)
+                    }),
                 }
             }
             written = disk.write(&contents);

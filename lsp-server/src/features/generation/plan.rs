@@ -15,6 +15,7 @@ use super::run::{Generated, Job};
 use crate::config::{self, Generate};
 use crate::protocol::convert::uri;
 use dotgen_platform::files::disk::SystemDisk;
+use dotgen_platform::files::read_regular_to_string;
 
 /// The results of one or several templates.
 #[derive(Default)]
@@ -116,9 +117,9 @@ impl Plan {
 /// Adds choices to the `dotgen.toml` of a folder.
 pub(crate) fn remember(folder: &Utf8Path, choices: &[Generate]) -> std::result::Result<(), String> {
     let path = folder.join(config::FILE_NAME);
-    let before = match std::fs::read_to_string(&path) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+    let (existing, before) = match read_regular_to_string(path.as_std_path()) {
+        Ok(text) => (true, text),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => (false, String::new()),
         Err(error) => return Err(format!("cannot read {path}: {error}")),
     };
     let mut text = before.clone();
@@ -129,16 +130,19 @@ pub(crate) fn remember(folder: &Utf8Path, choices: &[Generate]) -> std::result::
     if text == before {
         return Ok(());
     }
-    let file = NewContent { path: path.into(), bytes: text.into_bytes(), mode: None };
+    let file = NewContent {
+        before: existing.then(|| before.into_bytes()).into(),
+        within: vec![folder.into()],
+        ..NewContent::new(path, text.into_bytes())
+    };
     SystemDisk.write(&[file]).map_err(|error| error.to_string())
 }
 
 /// Writes the files that the client cannot write: all or none.
 pub(crate) fn write(changes: &[FileChange]) -> std::result::Result<(), String> {
     let content = |change: &FileChange| NewContent {
-        path: uri::to_path(&change.uri).into(),
-        bytes: change.after.clone().into_bytes(),
-        mode: None,
+        before: change.before.clone().map(String::into_bytes).into(),
+        ..NewContent::new(uri::to_path(&change.uri), change.after.clone().into_bytes())
     };
     let files: Vec<NewContent> = changes.iter().map(content).collect();
     SystemDisk.write(&files).map_err(|error| error.to_string())

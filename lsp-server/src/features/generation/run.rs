@@ -215,6 +215,7 @@ impl Job {
                 confirmed: Confirmation::Shown,
             }),
             failed_at: None,
+            project_templates: None,
             release: self.config.release_of(&self.file),
         };
         let status = command::generate(&arguments, &mut environment);

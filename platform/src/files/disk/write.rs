@@ -14,8 +14,9 @@ use std::fs::{File, Metadata, TryLockError};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use dotgen_codegen::disk::{NewContent, WriteError};
+use dotgen_codegen::disk::{Before, NewContent, WriteError};
 
+use super::SystemDisk;
 use crate::process::{self, CleanupGuard, Move};
 
 /// Prefix of the names of temporary files: those with new content, and second names of old files.
@@ -126,6 +127,7 @@ struct StagedFile {
     /// The final path, with links followed.
     target: PathBuf,
     content: Content,
+    before: Before,
     old: Option<PreviousFile>,
     /// True if the content is at the final path.
     replaced: bool,
@@ -156,6 +158,9 @@ impl Batch {
     }
 
     fn stage(&mut self, file: &NewContent, hook: Hook<'_>) -> io::Result<StagedFile> {
+        if let Some(reason) = file.leads_out(&SystemDisk) {
+            return Err(io::Error::new(ErrorKind::PermissionDenied, reason));
+        }
         let target = followed(&file.path)?;
         let old = match std::fs::metadata(&target) {
             Ok(metadata) if metadata.is_dir() => return Err(ErrorKind::IsADirectory.into()),
@@ -166,6 +171,7 @@ impl Batch {
         let staged = |content| StagedFile {
             target: target.clone(),
             content,
+            before: file.before.clone(),
             old: old.as_ref().map(|_| PreviousFile { second: None, lock: None }),
             replaced: false,
         };
@@ -332,7 +338,10 @@ impl StagedFile {
     fn replace(&mut self, hook: Hook<'_>) -> io::Result<()> {
         hook(Step::Replace)?;
         match &self.content {
-            Content::File(temporary, _) => std::fs::rename(temporary, &self.target)?,
+            Content::File(temporary, _) => {
+                is_as_read(&self.target, &self.before)?;
+                std::fs::rename(temporary, &self.target)?;
+            }
             Content::Stream(bytes) => {
                 let mut stream = File::options().write(true).open(&self.target)?;
                 stream.write_all(bytes)?;
@@ -415,6 +424,22 @@ fn may_write(path: &Path) -> io::Result<()> {
             Err(error)
         }
         _ => Ok(()),
+    }
+}
+
+/// Fails if a file is no longer as it was read: another program has changed it since.
+fn is_as_read(target: &Path, before: &Before) -> io::Result<()> {
+    let same = match (before, crate::files::read_regular(target)) {
+        (Before::Any, _) => true,
+        (Before::Bytes(bytes), Ok(now)) => *bytes == now,
+        (Before::Missing, Err(error)) => error.kind() == ErrorKind::NotFound,
+        _ => false,
+    };
+    match same {
+        true => Ok(()),
+        false => Err(io::Error::other(
+            "it was changed by another program meanwhile and is left as it is; run the command again",
+        )),
     }
 }
 

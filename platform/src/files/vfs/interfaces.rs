@@ -109,7 +109,8 @@ fn content() -> u64 {
 fn is_whole(folder: &Utf8Path) -> bool {
     let mut all = DEFINITIONS.iter();
     all.all(|(path, text)| {
-        std::fs::read_to_string(folder.join(path)).is_ok_and(|content| content == *text)
+        crate::files::read_regular_to_string(folder.join(path).as_std_path())
+            .is_ok_and(|content| content == *text)
     })
 }
 

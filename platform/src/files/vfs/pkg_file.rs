@@ -140,7 +140,7 @@ pub(super) fn version(path: &[Utf8PathBuf], name: &str) -> Option<String> {
 fn find(path: &[Utf8PathBuf], name: &str) -> Option<Package> {
     path.iter().find_map(|directory| {
         let file = directory.join(format!("{name}.pc"));
-        let text = std::fs::read(&file).ok()?;
+        let text = crate::files::read_regular(file.as_ref()).ok()?;
         let package = parse(&String::from_utf8_lossy(&text), directory);
         // pkg-config ignores files without these fields.
         let fields = [&package.name, &package.description, &package.version];

@@ -17,10 +17,8 @@ fn fixture() -> Fixture {
     for (name, text) in BEFORE {
         std::fs::write(directory.path().join(name), text).unwrap();
     }
-    let new = |name: &str| NewContent {
-        path: directory.path().join(name),
-        bytes: format!("new {name}\n").into_bytes(),
-        mode: None,
+    let new = |name: &str| {
+        NewContent::new(directory.path().join(name), format!("new {name}\n").into_bytes())
     };
     let files = vec![new("a.c"), new("b.c"), new("sub/c.c")];
     Fixture { directory, files }
@@ -211,11 +209,7 @@ fn kill_9_at_any_step() {
     if let (Ok(step), Ok(folder)) = (std::env::var(STEP), std::env::var(FOLDER)) {
         let mut left: usize = step.parse().unwrap();
         let files: Vec<NewContent> = (BEFORE.iter())
-            .map(|(name, _)| NewContent {
-                path: Path::new(&folder).join(name),
-                bytes: bytes(name),
-                mode: None,
-            })
+            .map(|(name, _)| NewContent::new(Path::new(&folder).join(name), bytes(name)))
             .collect();
         let _ = written(&files, &mut |_| {
             if left == 0 {
@@ -288,7 +282,7 @@ fn mode_stays_links_are_followed_and_permissions_are_given() {
     symlink("../a.c", at("links/a")).unwrap();
     symlink("links/a", at("again")).unwrap();
     symlink("nothing.c", at("dangling")).unwrap();
-    let new = |name: &str, mode| NewContent { path: at(name), bytes: b"x".to_vec(), mode };
+    let new = |name: &str, mode| NewContent { mode, ..NewContent::new(at(name), b"x".to_vec()) };
     let files = [new("again", None), new("dangling", Some(0o755)), new("b.c", Some(0o600))];
     written(&files, &mut |_| Ok(())).unwrap();
     assert_eq!(std::fs::read(at("a.c")).unwrap(), b"x");
@@ -302,14 +296,80 @@ fn mode_stays_links_are_followed_and_permissions_are_given() {
 #[test]
 fn directories_in_the_way_are_told() {
     let fixture = fixture();
-    let at = |name: &str| NewContent {
-        path: fixture.directory.path().join(name),
-        bytes: Vec::new(),
-        mode: None,
-    };
+    let at = |name: &str| NewContent::new(fixture.directory.path().join(name), Vec::new());
     std::fs::create_dir(fixture.directory.path().join("d")).unwrap();
     let refused = |name: &str| written(&[at(name)], &mut |_| Ok(())).unwrap_err().to_string();
     assert!(refused("d").ends_with("d`: is a directory"), "{}", refused("d"));
     let below = refused("a.c/x.c");
     assert!(below.contains("not a directory"), "{below}");
+}
+
+#[test]
+fn a_file_that_was_changed_meanwhile_is_left() {
+    for several in [false, true] {
+        let mut fixture = fixture();
+        let at = |name: &str| fixture.directory.path().join(name);
+        let [a, c] = [at("a.c"), at("sub/c.c")];
+        for file in &mut fixture.files {
+            file.before = std::fs::read(&file.path).ok().into();
+        }
+        for changed in [&a, &c] {
+            let mut files = fixture.files.clone();
+            if !several {
+                files.retain(|file| file.path == *changed);
+            }
+            // Another program writes the file between the read and the rename.
+            let done = written(&files, &mut |step| {
+                if step == Step::Replace {
+                    std::fs::write(changed, "other\n").unwrap();
+                }
+                Ok(())
+            });
+            let error = done.unwrap_err();
+            assert_eq!(error.path, *changed);
+            assert!(error.to_string().contains("changed by another program"), "{error}");
+            let (mut found, leftovers) = contents(fixture.directory.path());
+            let name = changed.strip_prefix(fixture.directory.path()).unwrap();
+            assert_eq!(found.remove(&*name.to_string_lossy()).as_deref(), Some("other\n"));
+            assert_eq!(leftovers, 0);
+            if several {
+                assert_eq!(found.get("b.c").map(String::as_str), Some("old b\n"));
+            }
+            match changed == &a {
+                true => std::fs::write(changed, "old a\n").unwrap(),
+                false => std::fs::remove_file(changed).unwrap(),
+            }
+        }
+        written(&fixture.files, &mut |_| Ok(())).unwrap();
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn links_do_not_lead_out_of_the_folder() {
+    let directory = tempfile::tempdir().unwrap();
+    let root = directory.path().join("root");
+    let victim = directory.path().join("victim");
+    std::fs::create_dir(&root).unwrap();
+    std::fs::create_dir(&victim).unwrap();
+    std::fs::write(victim.join("a"), "old").unwrap();
+    std::os::unix::fs::symlink("../victim", root.join("codels")).unwrap();
+    std::os::unix::fs::symlink("../victim/a", root.join("a")).unwrap();
+    let mut file = NewContent::new(root.join("codels/new/a"), b"new".to_vec());
+    file.within = vec![root.clone()];
+    for (path, link) in [("codels/new/a", "codels"), ("codels/a", "codels"), ("a", "a")] {
+        file.path = root.join(path);
+        let error = written(std::slice::from_ref(&file), &mut |_| Ok(())).unwrap_err().to_string();
+        let named = format!("the link `{}` leads out", root.join(link).display());
+        assert!(error.contains(&named), "{error}");
+    }
+    file.path = root.join("../victim/a");
+    let error = written(std::slice::from_ref(&file), &mut |_| Ok(())).unwrap_err().to_string();
+    assert!(error.contains("it is outside of"), "{error}");
+    assert_eq!(contents(&victim), (map(&[("a", "old")]), 0));
+    // A path that the user named may lead anywhere.
+    file.within.clear();
+    file.path = root.join("a");
+    written(&[file], &mut |_| Ok(())).unwrap();
+    assert_eq!(contents(&victim), (map(&[("a", "new")]), 0));
 }
