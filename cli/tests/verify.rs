@@ -353,9 +353,9 @@ fn how_far_a_system_is_from_missing_a_deadline() {
     assert_eq!(sensitivity["minimum-cores"]["cores"], 1);
     let steer = &sensitivity["wcet"][1];
     assert_eq!(steer["of"], "lift.move.start");
-    // A value that the verifier itself accepts, and a little more that it refuses.
+    // A value that the verifier itself accepts, and the next one, which it refuses.
     let most = steer["extreme"].as_f64().expect("a time");
-    for (wcet, verdict) in [(most, "proved"), (most + 0.5, "refuted")] {
+    for (wcet, verdict) in [(most, "proved"), (most + 1.0, "refuted")] {
         let directory = lift(&format!("{} us", (wcet * 1000.0).round()));
         let arguments = ["verify", "--format", "json", "--check", "schedulable *"];
         let output = directory.run(&[&arguments[..], &["scenarios/ride.scn"]].concat());

@@ -202,7 +202,7 @@ pub enum Violated {
 }
 
 /// Returns the report of one of the violations of a run that goes on.
-pub(crate) fn violation(
+pub fn violation(
     prepared: &Prepared,
     plan: &Plan,
     judge: &RunChecker<'_>,

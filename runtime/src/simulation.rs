@@ -15,7 +15,6 @@ use crate::live::Live;
 use crate::profile::Profile;
 use crate::progress::{ActivityStates, ProgressReceiver};
 use crate::real_clock::{self, Pace};
-use crate::report::{self, ViolationReport};
 use crate::tally::Tally;
 use crate::watch::{CodelViolation, PortUpdate, RunObserver};
 
@@ -62,6 +61,9 @@ pub struct SimulationResult<'p> {
     pub unfinished: Vec<String>,
 }
 
+/// Receives a violation, by its number among those of the checker.
+pub type ViolationReceiver<'v> = dyn Fn(&RunChecker<'_>, usize) + 'v;
+
 /// The execution of real codels.
 pub struct Execution<'l, 'p> {
     /// Real codels.
@@ -70,8 +72,8 @@ pub struct Execution<'l, 'p> {
     pub pace: Option<Pace>,
     /// Receiver of snapshots.
     pub follow: Option<&'l mut dyn ProgressReceiver>,
-    /// Receives the first violation of each kind when it happens.
-    pub violated: Option<&'l dyn Fn(&ViolationReport)>,
+    /// Receives the first violation of each kind when it happens: its number among those of the checker.
+    pub violated: Option<&'l ViolationReceiver<'l>>,
 }
 
 /// Records a run.
@@ -137,7 +139,6 @@ pub fn simulate_recorded<'p, W: Write>(
         recorded: plan.record.then(Run::default),
         record,
         first: true,
-        plan,
         violated,
         shown: 0,
         ended: None,
@@ -215,9 +216,8 @@ struct Observer<'o, 'r, 'f, 'p, W> {
     record: Option<&'r mut dyn Record>,
     /// The present run is the first one.
     first: bool,
-    plan: &'o Plan,
     /// Receives violations when they happen.
-    violated: Option<&'f dyn Fn(&ViolationReport)>,
+    violated: Option<&'f ViolationReceiver<'f>>,
     /// Number of violations that were passed on.
     shown: usize,
     /// Time at which the present run began to end, in base units: from then on its checks are not observed.
@@ -229,17 +229,18 @@ impl<W: Write> Observer<'_, '_, '_, '_, W> {
     fn show_violations(&mut self) {
         let Some(violated) = self.violated else { return };
         while self.shown < self.judge.violations.len() {
-            violated(&report::violation(self.prepared, self.plan, &self.judge, self.shown));
+            violated(&self.judge, self.shown);
             self.shown += 1;
         }
     }
 
     /// Handles the end of a run.
     fn end_run(&mut self, stepper: &Stepper, end: End) {
-        self.tally.end(stepper);
         if self.ended.is_none() {
+            self.tally.count_unfinished(stepper);
             self.judge.end(stepper, end);
         }
+        self.tally.busy.clear();
         if self.first {
             if let Some(run) = &mut self.recorded {
                 run.end = match run.left_out {
@@ -262,7 +263,11 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
         if let Some(profile) = &mut self.profile {
             profile.on_event(&mut self.tally, stepper, seen, self.offset);
         }
-        self.tally.on_event(self.system, stepper, seen);
+        // The jobs of an end are no jobs of the run.
+        let of_job = matches!(seen, Seen::Job { .. } | Seen::Missed { .. } | Seen::Overdue { .. });
+        if self.ended.is_none() || !of_job {
+            self.tally.on_event(self.system, stepper, seen);
+        }
         if self.ended.is_none() {
             self.judge.on_event(stepper, seen);
             self.show_violations();
@@ -298,6 +303,7 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
 
     fn on_ending(&mut self, stepper: &Stepper, end: End) {
         if self.ended.is_none() {
+            self.tally.count_unfinished(stepper);
             self.judge.end(stepper, end);
             self.ended = Some(stepper.now());
             if let Some(profile) = &mut self.profile {

@@ -146,14 +146,13 @@ impl Tally {
         }
     }
 
-    /// Ends a run. Unfinished jobs count with their time so far.
-    pub fn end(&mut self, stepper: &Stepper) {
+    /// Counts unfinished jobs with their time so far, when a run ends or begins to.
+    pub(crate) fn count_unfinished(&mut self, stepper: &Stepper) {
         for task in 0..self.tasks.len() {
             if let Some(so_far) = stepper.job(task) {
                 self.lasts(task, so_far);
             }
         }
-        self.busy.clear();
     }
 
     fn lasts(&mut self, task: usize, time: Ticks) {

@@ -4,9 +4,10 @@ use std::io::{self, Write};
 
 use camino::Utf8PathBuf;
 use dotgen_recording::log::origins;
+use dotgen_runtime::checker::RunChecker;
 use dotgen_runtime::profile::{Profile, functions};
-use dotgen_runtime::report::{RunReport, Violated, ViolationReport};
-use dotgen_runtime::simulation::{Record, SimulationResult, simulate_recorded};
+use dotgen_runtime::report::{RunReport, Violated, violation};
+use dotgen_runtime::simulation::{Record, SimulationResult, ViolationReceiver, simulate_recorded};
 use dotgen_timing::report::Event;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::{CodelId, ComponentId, Ticks, TimedSystem};
@@ -338,7 +339,8 @@ impl Context<'_, '_> {
         };
         let stops_activities = arguments.on_violation == super::OnViolation::StopActivity;
         let mut live = Live::new(system, &parts, &mut children, !real, stops_activities);
-        let violated = |violation: &ViolationReport| {
+        let violated = |judge: &RunChecker<'_>, number: usize| {
+            let violation = violation(&opened, &plan, judge, number);
             let unit = opened.report.unit;
             let what = match &violation.what {
                 Violated::Check { check } => text::check_title(&opened.checks[*check].report),
@@ -353,7 +355,7 @@ impl Context<'_, '_> {
             follow: progress_subscribers
                 .as_mut()
                 .map(|subscriber| subscriber as &mut dyn ProgressReceiver),
-            violated: real.then_some(&violated as &dyn Fn(&ViolationReport)),
+            violated: real.then_some(&violated as &ViolationReceiver<'_>),
         };
         let mut recording = self.recording(files.recording.take(), &opened, real)?;
         let mut outcome = simulate_recorded(

@@ -663,7 +663,8 @@ proc ::dg::confine {} {
 # Starts programs. Without a redirection, their input is empty.
 proc ::dg::exec {args} {
   if {[llength [lsearch -all -glob $args <*]] == 0} {
-    set last [expr {[lindex $args end] eq "&" ? "end" : "end+1"}]
+    # An `&` stays the last word.
+    set last [expr {[lindex $args end] eq "&" ? "end-1" : "end"}]
     set args [linsert $args $last < /dev/null]
   }
   interp invokehidden main exec {*}$args
