@@ -408,8 +408,9 @@ impl Hosts for Children {
         self.order(component, &HostCommand::Probe { lane, probe });
     }
 
-    fn executing(&self, component: ComponentId, lane: u32) -> Option<u32> {
-        self.children.get(component)?.executing.as_ref()?.codel(lane)
+    fn executing(&self, component: ComponentId, lane: u32) -> Option<(u32, u64)> {
+        let (codel, begun) = self.children.get(component)?.executing.as_ref()?.get(lane)?;
+        Some((codel, self.since_begin(begun)))
     }
 
     fn end(&mut self, component: ComponentId, service: u32, instance: u32) -> Option<Vec<u8>> {

@@ -1,5 +1,5 @@
-//! The codels that the threads of a host execute by themselves, in memory shared with the engine: if the host
-//! is lost, the engine names the codel.
+//! The codels that the threads of a host execute, in memory shared with the engine: if the host is lost, the
+//! engine names the codel, and it knows how long a codel has executed that has not returned.
 #![allow(
     unsafe_code,
     reason = "memory that is shared with other processes is mapped, and reached through a pointer"
@@ -8,15 +8,15 @@
 use std::fs::File;
 use std::io;
 use std::ptr::NonNull;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::memory::{SharedMemory, map};
 
 /// See the [module](self). A codel may damage the memory: a number means nothing unless it is checked.
 #[derive(Debug)]
 pub(super) struct Executing {
-    /// By lane, one more than the codel; 0: none.
-    table: NonNull<AtomicU32>,
+    /// By lane, one more than the codel (0: none), and the time of its call.
+    table: NonNull<[AtomicU64; 2]>,
     lanes: usize,
     /// In the engine: the memory, which lasts as long as this value.
     memory: Option<SharedMemory>,
@@ -63,21 +63,26 @@ impl Executing {
         self.memory.as_ref().map(SharedMemory::path).unwrap_or_default()
     }
 
-    /// Sets the codel that a thread executes.
-    pub(super) fn set(&self, lane: u32, codel: Option<u32>) {
-        if let Some(place) = self.place(lane) {
-            place.store(codel.map_or(0, |codel| codel + 1), Ordering::Relaxed);
+    /// Sets the codel that a thread executes, with the time of its call on the clock of the hosts, in
+    /// nanoseconds.
+    pub(super) fn set(&self, lane: u32, executes: Option<(u32, u64)>) {
+        let Some([codel, begun]) = self.place(lane) else { return };
+        if let Some((_, time)) = executes {
+            begun.store(time, Ordering::Relaxed);
         }
+        codel.store(executes.map_or(0, |(codel, _)| u64::from(codel) + 1), Ordering::Release);
     }
 
-    /// Returns the codel that a thread executes.
-    pub(super) fn codel(&self, lane: u32) -> Option<u32> {
-        self.place(lane)?.load(Ordering::Relaxed).checked_sub(1)
+    /// Returns the codel that a thread executes, with the time of its call.
+    pub(super) fn get(&self, lane: u32) -> Option<(u32, u64)> {
+        let [codel, begun] = self.place(lane)?;
+        let codel = codel.load(Ordering::Acquire).checked_sub(1)?;
+        Some((u32::try_from(codel).ok()?, begun.load(Ordering::Relaxed)))
     }
 
-    fn place(&self, lane: u32) -> Option<&AtomicU32> {
+    fn place(&self, lane: u32) -> Option<&[AtomicU64; 2]> {
         let lane = usize::try_from(lane).ok().filter(|&lane| lane < self.lanes)?;
-        // SAFETY: the mapping has `lanes` numbers, is aligned to a page, and lives as long as `self`.
+        // SAFETY: the mapping has `lanes` entries, is aligned to a page, and lives as long as `self`.
         Some(unsafe { self.table.add(lane).as_ref() })
     }
 }
@@ -93,7 +98,7 @@ impl Drop for Executing {
 
 /// Returns the size of the table, in bytes. No memory has size 0.
 fn length(lanes: usize) -> usize {
-    lanes.max(1) * size_of::<AtomicU32>()
+    lanes.max(1) * size_of::<[AtomicU64; 2]>()
 }
 
 #[cfg(test)]
@@ -104,14 +109,14 @@ mod tests {
     fn a_host_writes_and_the_engine_reads() {
         let engine = Executing::new(3).expect("there is memory");
         let host = Executing::open(&engine.path(), 3).expect("it is there");
-        assert_eq!(engine.codel(1), None);
-        host.set(1, Some(7));
-        host.set(3, Some(8));
-        assert_eq!(engine.codel(1), Some(7));
-        assert_eq!(engine.codel(3), None, "there are three lanes");
+        assert_eq!(engine.get(1), None);
+        host.set(1, Some((7, 70)));
+        host.set(3, Some((8, 80)));
+        assert_eq!(engine.get(1), Some((7, 70)));
+        assert_eq!(engine.get(3), None, "there are three lanes");
         host.set(1, None);
         drop(host);
-        assert_eq!(engine.codel(1), None);
+        assert_eq!(engine.get(1), None);
         assert!(Executing::open(&engine.path(), 10_000).is_err(), "it is too small");
     }
 }

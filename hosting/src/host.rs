@@ -33,7 +33,7 @@ pub(super) const COMMAND: &str = "host";
 pub(super) struct HostOptions {
     /// The component, which gives the process its name.
     pub(super) component: String,
-    /// The path of the [table](super::executing) of the codels that threads execute by themselves.
+    /// The path of the [table](super::executing) of the codels that threads execute.
     pub(super) executing: String,
     /// Number of entries of the table: the tasks of all components.
     pub(super) lanes: usize,

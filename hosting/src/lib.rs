@@ -7,7 +7,7 @@
 //! | [`library`] | the shared object, and all unsafe code that calls its functions |
 //! | [`children`] | the engine's side: starts hosts, sends commands, and reports how they ended |
 //! | [`memory`] | memory that the engine shares with hosts |
-//! | [`executing`] | the codels that threads execute by themselves, in such memory |
+//! | [`executing`] | the codels that threads execute, in such memory |
 //! | [`clock`] | the clock of the engine and the hosts |
 //! | [`shared_data`] | the data of a port, in memory that the engine shares with hosts |
 //! | [`server`] | requests from outside, as JSON over a socket |

@@ -291,8 +291,8 @@ impl<'p> RunChecker<'p> {
         }
     }
 
-    /// Records the end of a run.
-    pub fn end(&mut self, stepper: &Stepper, end: End) {
+    /// Records that a run ends, or begins to: nothing that is awaited comes any more.
+    pub fn end_checks(&mut self, stepper: &Stepper, end: End) {
         let now = Moment { run: self.run, time: stepper.now() };
         if end == End::NothingLeft {
             self.each(now, |question| matches!(question, Question::Deadlock));
@@ -310,6 +310,10 @@ impl<'p> RunChecker<'p> {
                 }
             }
         }
+    }
+
+    /// Prepares for the next run.
+    pub fn next_run(&mut self) {
         self.exceeded.fill(false);
         self.beyond.fill(false);
         self.gone.fill(false);

@@ -56,9 +56,8 @@ struct Running {
     undeclared: bool,
 }
 
-/// Time after its limit at which a codel that has not returned counts as late, in nanoseconds: the exchange
-/// of messages is no part of its execution.
-const GRACE_NANOS: u64 = 2_000_000;
+/// Time between two looks for a codel that the host has not begun, in nanoseconds.
+const LOOK_NANOS: u64 = 1_000_000;
 
 /// Returns the number of the thread that executes the codels of a task.
 fn lane(task: TaskId) -> u32 {
@@ -385,30 +384,38 @@ impl<'p> Live<'p> {
         self.overruns(executor, codel, (ran.nanos, limit));
     }
 
-    /// Reports codels that have not returned although their time is over. Returns the time of the next one,
-    /// in nanoseconds on the clock of the hosts.
+    /// Reports codels of tasks that have not returned although their time is over, by the time since the call
+    /// of their function. Returns the time of the next look, in nanoseconds on the clock of the hosts.
     pub(crate) fn note_late(&mut self) -> Option<u64> {
         let now = self.hosts.now();
         let mut next: Option<u64> = None;
         for executor in 0..self.running.len() {
             let Some(running) = &self.running[executor] else { continue };
-            let codel = running.work.codel().filter(|_| running.real && running.ran.is_none());
-            let limit = codel.and_then(|codel| Some((codel, self.parts.limit(codel)?)));
-            let Some((codel, limit)) = limit.filter(|_| !running.late) else { continue };
+            let awaited = running.real && running.ran.is_none() && !running.late;
             // The model may be behind the thread of a delegated task.
-            if self.is_delegated_executor(executor) {
+            if !awaited || self.is_delegated_executor(executor) {
                 continue;
             }
-            let due = running.since.saturating_add(limit).saturating_add(GRACE_NANOS);
-            if due > now {
-                next = Some(next.map_or(due, |next| next.min(due)));
-                continue;
+            let Work::State { codel, task, .. } = running.work else { continue };
+            let Some(limit) = self.parts.limit(codel) else { continue };
+            let mut look = running.since.saturating_add(limit);
+            if look < now {
+                let component = self.system.codels[codel].component;
+                let executing = self.hosts.executing(component, lane(task.into()));
+                look = match executing.filter(|of| Some(of.0) == self.parts.codel(codel)) {
+                    Some((_, begun)) if now.saturating_sub(begun) > limit => {
+                        self.overruns(executor, codel, (now - begun, limit));
+                        if let Some(running) = &mut self.running[executor] {
+                            running.late = true;
+                        }
+                        continue;
+                    }
+                    Some((_, begun)) => begun.saturating_add(limit).saturating_add(1),
+                    // It has not begun, or its result is under way.
+                    None => now.saturating_add(LOOK_NANOS),
+                };
             }
-            let took = now - running.since;
-            self.overruns(executor, codel, (took, limit));
-            if let Some(running) = &mut self.running[executor] {
-                running.late = true;
-            }
+            next = Some(next.map_or(look, |next| next.min(look)));
         }
         next
     }

@@ -40,7 +40,7 @@ pub struct RunReport {
     pub time: Value,
     /// End of the last run.
     pub end: End,
-    /// Codels that were still executed when the last run had to end, or else components that had not ended.
+    /// Codels that were still executed when a run had to end, or else components that had not ended.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unfinished: Vec<String>,
     /// Tasks, in order of declaration.

@@ -57,7 +57,7 @@ pub struct SimulationResult<'p> {
     /// First run, if the plan asks for it. A run with too many actions is truncated and marked as [left
     /// out](Run::left_out).
     pub recorded: Option<Run>,
-    /// Codels that were still executed when the last run had to end, or else components that had not ended.
+    /// Codels that were still executed when a run had to end, or else components that had not ended.
     pub unfinished: Vec<String>,
 }
 
@@ -238,8 +238,10 @@ impl<W: Write> Observer<'_, '_, '_, '_, W> {
     fn end_run(&mut self, stepper: &Stepper, end: End) {
         if self.ended.is_none() {
             self.tally.count_unfinished(stepper);
-            self.judge.end(stepper, end);
+            self.judge.end_checks(stepper, end);
         }
+        self.show_violations();
+        self.judge.next_run();
         self.tally.busy.clear();
         if self.first {
             if let Some(run) = &mut self.recorded {
@@ -252,7 +254,6 @@ impl<W: Write> Observer<'_, '_, '_, '_, W> {
                 record.end(stepper);
             }
         }
-        self.show_violations();
         self.first = false;
         self.offset += self.ended.take().unwrap_or(stepper.now());
     }
@@ -304,7 +305,7 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
     fn on_ending(&mut self, stepper: &Stepper, end: End) {
         if self.ended.is_none() {
             self.tally.count_unfinished(stepper);
-            self.judge.end(stepper, end);
+            self.judge.end_checks(stepper, end);
             self.ended = Some(stepper.now());
             if let Some(profile) = &mut self.profile {
                 profile.on_ending();

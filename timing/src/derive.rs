@@ -413,17 +413,20 @@ impl<'v> Variation<'v> {
         Ok(Variation { asked, settings, tasks })
     }
 
-    /// Verifies the tasks, first with durations rounded to the unit of the scenario: with intervals, what
-    /// holds with them holds.
+    /// Verifies the tasks, first with durations rounded to the unit of the scenario, if what holds with them
+    /// holds.
     fn schedulable(&self, phase: Phase) -> Verdict {
-        let intervals = self.settings.durations == Durations::Interval;
-        if self.settings.unit.is_some() && intervals && !self.settings.preempts() {
+        if self.settings.unit.is_some() && self.rounding_adds_runs() {
             let rounded = Settings { rounds: true, ..self.settings.clone() };
             if self.schedulable_with(&rounded, phase).holds() {
                 return Verdict::Proved;
             }
         }
         self.schedulable_with(&self.settings, phase)
+    }
+
+    fn rounding_adds_runs(&self) -> bool {
+        self.settings.durations == Durations::Interval && !self.settings.preempts()
     }
 
     fn schedulable_with(&self, settings: &Settings, phase: Phase) -> Verdict {
@@ -449,15 +452,18 @@ impl<'v> Variation<'v> {
         let found = asked.explore(&built.system, &watch, phase);
         let never_starts =
             |task| (found.absent.job(task)).is_some_and(|job| job.start_up.is_some());
+        let is_exact = built.rounded.is_empty();
         if found.missed.iter().any(Option::is_some) {
-            Verdict::Refuted
+            if is_exact { Verdict::Refuted } else { Verdict::Unknown }
         } else if found.stopped.is_some_and(|stop| stop != Stop::Answered) {
             Verdict::Unknown
         } else if open.iter().any(|&task| never_starts(task)) {
             // Deadlines are kept only because no job is ever released.
             Verdict::Refuted
-        } else {
+        } else if is_exact || self.rounding_adds_runs() {
             Verdict::Proved
+        } else {
+            Verdict::Unknown
         }
     }
 }

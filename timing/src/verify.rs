@@ -124,19 +124,9 @@ pub(crate) fn verify_settings(
         unit,
         ..Report::default()
     };
-    let mut whole = build(names, settings, &|_| true);
-    let rounding = Settings { rounds: true, ..settings.clone() };
-    let mut settings = settings;
-    if whole.has_errors() && settings.unit.is_some() {
-        // The exact times may be too many for whole numbers of their common unit.
-        let rounded = build(names, &rounding, &|_| true);
-        if !rounded.has_errors() {
-            (whole, settings) = (rounded, &rounding);
-        }
-    }
+    let whole = build(names, settings, &|_| true);
     report.diagnostics.clone_from(&whole.diagnostics);
     report.assumptions.clone_from(&whole.assumptions);
-    report.notes.extend(rounding::note(&whole));
     let checks = expand(names, &whole, settings, &mut report.diagnostics);
     if names.components.is_empty() {
         let message = "there is no component to verify".to_owned();
@@ -182,6 +172,7 @@ pub(crate) fn verify_settings(
         group.rest(&checks, of_group, analysed, seen, &mut report);
     }
     coarse::note_unconfirmed(&unconfirmed, &mut report);
+    coarse::leave_open(&whole, &mut report);
     mark_lower_bounds(&mut report);
     report.seconds = start.elapsed().as_secs_f64();
     report

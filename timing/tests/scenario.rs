@@ -512,6 +512,29 @@ fn what_fails_with_rounded_durations_only_is_verified_with_the_exact_ones() {
     assert_eq!((exact.checks[0].soundness, exact.notes.len()), (Soundness::Exact, 0));
 }
 
+/// A nanosecond beside half a minute is beyond the range of times: only rounded times can be explored.
+#[test]
+fn what_can_only_be_rounded_proves_what_holds_with_more_runs_and_refutes_nothing() {
+    let of = |wcet: &str, durations: &str| {
+        let specification = format!(
+            "component c {{ version \"1\"; lang \"c\"; task t {{ period 30 s; codel<start> c_t() yield pause::start \
+             wcet {wcet}; }}; }};"
+        );
+        let unit = unit(&specification).expect("a specification");
+        let text =
+            format!("scenario s {{ unit 1 ms; durations {durations}; check schedulable *; }}");
+        let parsed = parse(&text);
+        let input = SystemInput { specs: vec![&unit.spec] };
+        let report = verify(&input, &parsed.scenario, &published(), &Cancel::default());
+        assert!(!report.has_errors(), "{:?}", report.diagnostics);
+        let notes = report.notes.iter().filter(|note| note.starts_with("rounded to"));
+        (report.checks[0].verdict, notes.count())
+    };
+    assert_eq!(of("0.000001 ms", "interval"), (Verdict::Proved, 1));
+    assert_eq!(of("0.000001 ms", "fixed"), (Verdict::Unknown, 0));
+    assert_eq!(of("29999.9999999 ms", "interval").0, Verdict::Unknown);
+}
+
 #[test]
 fn periods_are_not_rounded() {
     let report = of_two("unit 4 ms; check schedulable *;");

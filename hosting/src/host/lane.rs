@@ -146,8 +146,10 @@ impl Worker {
 
     fn execute(&self, ticket: u32, codel: u32, instance: u32) -> CodelResult {
         let begun = monotonic_nanos();
+        self.note_executing(Some((codel, begun)));
         let outcome = self.host.component.run(codel, instance);
         let ended = monotonic_nanos();
+        self.note_executing(None);
         CodelResult {
             ticket,
             codel,
@@ -180,9 +182,9 @@ impl Worker {
         tell(&self.host.output, HostMessage::Recalled { ticket })
     }
 
-    fn note_executing(&self, codel: Option<u32>) {
+    fn note_executing(&self, executes: Option<(u32, u64)>) {
         if let Some(executing) = &self.host.executing {
-            executing.set(self.number, codel);
+            executing.set(self.number, executes);
         }
     }
 
@@ -196,7 +198,6 @@ impl Worker {
     fn cycle(&self, delegation: &Delegation, mut state: usize) -> io::Result<CycleEnd> {
         let call = &delegation.call;
         while let Some(entry) = delegation.states.get(state) {
-            self.note_executing(Some(entry.codel));
             let mut ran = self.execute(call.ticket, entry.codel, call.instance);
             let follows = |(event, _): &&(String, DelegatedYield)| *event == ran.name;
             let next = match ran.how {
@@ -212,10 +213,7 @@ impl Worker {
             unsent.push(ran);
             match next {
                 Some(DelegatedYield::Next(to)) => state = to,
-                Some(DelegatedYield::Pause(to)) => {
-                    self.note_executing(None);
-                    return Ok(CycleEnd::Paused(to, ended));
-                }
+                Some(DelegatedYield::Pause(to)) => return Ok(CycleEnd::Paused(to, ended)),
                 None => break,
             }
             if long {
@@ -226,7 +224,6 @@ impl Worker {
                 break;
             }
         }
-        self.note_executing(None);
         Ok(CycleEnd::Over)
     }
 }

@@ -34,7 +34,6 @@ impl Live<'_> {
     /// Refuses further requests, and recalls the threads that execute cycles by themselves.
     pub(crate) fn begin_ending(&mut self) {
         self.ending = true;
-        self.unfinished.clear();
         let components: Vec<ComponentId> = self.system.components.keys().collect();
         for component in components {
             let mut refused: Vec<u64> =
@@ -45,10 +44,16 @@ impl Live<'_> {
         self.recall_all();
     }
 
-    /// Returns true if every component has been shut down, or is lost.
+    /// Returns true if every component with executed codels has been shut down, or is lost. Simulated ones have
+    /// nothing to stop.
     pub(crate) fn has_ended(&self, stepper: &Stepper) -> bool {
-        let mut components = self.system.components.keys();
-        components.all(|component| !self.is_alive(component) || stepper.is_shut_down(component))
+        self.system.components.keys().all(|component| !self.has_to_end(component, stepper))
+    }
+
+    fn has_to_end(&self, component: ComponentId, stepper: &Stepper) -> bool {
+        self.parts.of(component).is_some()
+            && self.is_alive(component)
+            && !stepper.is_shut_down(component)
     }
 
     /// Notes the codels that are executed, or else the components that have not ended.
@@ -60,12 +65,11 @@ impl Live<'_> {
             codels.map(|codel| self.system.codels[codel].path.to_string()).collect();
         if out.is_empty() {
             let components = self.system.components.iter_enumerated();
-            let left = components.filter(|&(component, _)| {
-                self.is_alive(component) && !stepper.is_shut_down(component)
-            });
+            let left = components.filter(|pair| self.has_to_end(pair.0, stepper));
             out.extend(left.map(|(_, component)| component.name.clone()));
         }
-        out.sort_unstable();
-        self.unfinished = out;
+        self.unfinished.append(&mut out);
+        self.unfinished.sort_unstable();
+        self.unfinished.dedup();
     }
 }

@@ -421,7 +421,7 @@ impl Hosts for Simulated<'_> {
         self.send(component, true, Event::Probe((component, lane), probe));
     }
 
-    fn executing(&self, _: ComponentId, _: u32) -> Option<u32> {
+    fn executing(&self, _: ComponentId, _: u32) -> Option<(u32, u64)> {
         None
     }
 

@@ -1,9 +1,9 @@
 //! What the last job of a task in a run did, codel by codel.
 
-use super::rules::{Action, Rules, SystemRules};
+use super::rules::{Action, Rules, SystemRules, Work};
 use super::run::{Run, advance};
 use super::state::{Clocks, State, TaskStatus};
-use crate::system::{CodelId, TaskId, TimedSystem};
+use crate::system::{CodelId, TaskId, Ticks, TimedSystem};
 
 /// The last job of a task in a run, up to the end of the run.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,13 +47,15 @@ impl Run {
         let mut s = rules.initial();
         let mut works: Vec<JobWork> = Vec::new();
         let (mut now, mut begun) = (0, 0);
-        let mut open: Option<CodelId> = None;
+        let executors = rules.frame().executors();
+        let mut open: Vec<Option<CodelId>> = vec![None; executors];
         for step in self.steps.iter().map(Some).chain([None]) {
             let time = step.map_or(self.end, |&(time, _)| time);
             if time > now {
                 let passed = time - now;
-                if let Some(codel) = codel_of(&rules, &s, task) {
-                    let known = open == Some(codel);
+                for executor in 0..executors {
+                    let Some(codel) = codel_of(&rules, &s, executor, task) else { continue };
+                    let known = open[executor] == Some(codel);
                     let place = works.iter().position(|work| work.codel == codel);
                     let place = place.unwrap_or_else(|| {
                         works.push(JobWork { codel, times: 0, executed: 0, preempted: 0 });
@@ -61,13 +63,13 @@ impl Run {
                     });
                     let work = &mut works[place];
                     work.times += u32::from(!known);
-                    match rules.progresses(&s, task) {
+                    match rules.progresses(&s, executor) {
                         true => work.executed += passed,
                         false => work.preempted += passed,
                     }
-                    open = Some(codel);
+                    open[executor] = Some(codel);
                 }
-                advance(&rules, &mut s, passed as u32);
+                advance(&rules, &mut s, Ticks::try_from(passed).unwrap_or(Ticks::MAX));
                 now = time;
             }
             let Some(&(_, action)) = step else { break };
@@ -80,8 +82,8 @@ impl Run {
                 works.clear();
                 begun = now;
             }
-            if matches!(action, Action::Finish { executor, .. } if executor == task) {
-                open = None;
+            if let Action::Finish { executor, .. } = action {
+                open[executor] = None;
             }
         }
         let at_end = rules.job(&s, task) != TaskStatus::Idle;
@@ -91,7 +93,12 @@ impl Run {
     }
 }
 
-/// The codel that a task executes.
-fn codel_of<R: Rules>(rules: &R, s: &State, task: usize) -> Option<CodelId> {
-    rules.frame().is_executing(s, task).then(|| rules.work(s, task)?.codel()).flatten()
+/// The codel of a task that an executor executes. Executors are tasks, or with jobs their activities.
+fn codel_of<R: Rules>(rules: &R, s: &State, executor: usize, of: usize) -> Option<CodelId> {
+    match rules.work(s, executor)? {
+        Work::State { codel, task, .. } if task == of => {
+            rules.frame().is_executing(s, executor).then_some(codel)
+        }
+        _ => None,
+    }
 }

@@ -26,8 +26,19 @@ use crate::scn::ast;
 use crate::scn::names::Names;
 
 /// Builds the system of the components for which `include` returns true, with the clients that address these
-/// components.
+/// components. If the exact times are too many of their common unit, they are rounded to the unit of the
+/// scenario: [`Built::rounded`] names them.
 pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool) -> Built {
+    let built = build_with(names, settings, include);
+    let too_long = built.diagnostics.iter().any(|diagnostic| diagnostic.code == TOO_LONG);
+    if too_long && settings.unit.is_some() && !settings.rounds {
+        let rounding = Settings { rounds: true, ..settings.clone() };
+        return build_with(names, &rounding, include);
+    }
+    built
+}
+
+fn build_with(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool) -> Built {
     let mut builder = Builder {
         names,
         settings,
@@ -112,6 +123,9 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
     builder.conditions();
     builder.out
 }
+
+/// The code of a time that is too long for the base unit.
+const TOO_LONG: &str = "scn-time-range";
 
 struct Builder<'b> {
     names: &'b Names<'b>,

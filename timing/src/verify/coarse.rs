@@ -20,8 +20,13 @@ use crate::system::settings::Settings;
 const UNCONFIRMED: &str = "it fails with durations rounded to the unit of the scenario, and no run with the exact \
                            ones was found";
 
-/// Number of actions of an exact exploration that is tried before rounded times.
-const SMALL: u64 = 100_000;
+/// The note of a check whose answer with rounded times is none with the exact ones.
+const ROUNDED_ONLY: &str = "it was answered with durations rounded to the unit of the scenario only, which says \
+                            nothing about the exact ones; their common unit is too fine";
+
+/// The exact exploration that is tried before rounded times has at most this part of the greatest number of
+/// states as actions.
+const SMALL: usize = 200;
 
 /// Ratio of the units with rounded and with exact times from which on rounding pays.
 const COARSER: i128 = 8;
@@ -47,7 +52,7 @@ pub(super) fn answer(
     checks: &[Single],
     report: &mut Report,
 ) -> Vec<usize> {
-    if of_whole.settings.rounds || report.answered() == checks.len() {
+    if !of_whole.built.rounded.is_empty() || report.answered() == checks.len() {
         return Vec::new();
     }
     let Some(coarse) = rounded(&of_whole) else {
@@ -61,7 +66,7 @@ pub(super) fn answer(
     let mut limits = of_whole.limits;
     limits.states /= SHARE;
     let group = Group { built: &coarse, settings: &settings, limits, tell: &|_| {}, ..of_whole };
-    let mut candidates = Report { checks: report.checks.clone(), ..Report::default() };
+    let mut candidates = scratch(report);
     let parts = parted(of_whole.names, &settings, &coarse, checks);
     for part in &parts {
         let group = Group { built: &part.built, ..group };
@@ -71,9 +76,7 @@ pub(super) fn answer(
         let nothing = Seen::none(checks.len());
         group.rest(checks, &part.of_group, &analysed, &nothing, &mut candidates);
     }
-    report.states += candidates.states;
-    report.steps += candidates.steps;
-    report.memory = report.memory.max(candidates.memory);
+    add_effort(report, &mut candidates);
     let open: Vec<usize> = (0..checks.len()).filter(|&i| report.is_open(i)).collect();
     let (mut holds, mut unconfirmed) = (false, Vec::new());
     for i in open {
@@ -98,20 +101,66 @@ pub(super) fn answer(
 
 /// Answers checks whose exact exploration is short.
 fn answer_small(exact: &[Parted], of_whole: Group, checks: &[Single], report: &mut Report) {
-    let limits = Limits { steps: of_whole.limits.steps.min(SMALL), ..of_whole.limits };
+    let small = (of_whole.limits.states / SMALL) as u64;
+    let limits = Limits { steps: of_whole.limits.steps.min(small), ..of_whole.limits };
     for part in exact {
         let group = Group { built: &part.built, limits, tell: &|_| {}, ..of_whole };
-        let mut tried = Report { checks: report.checks.clone(), ..Report::default() };
+        let mut tried = scratch(report);
         let (analysed, nothing) = (ResponseBounds::new(&part.built), Seen::none(checks.len()));
         group.rest(checks, &part.of_group, &analysed, &nothing, &mut tried);
         for &i in &part.of_group {
-            if report.is_open(i) && tried.checks[i].verdict != Verdict::Unknown {
-                report.checks[i] = tried.checks[i].clone();
+            let check = &tried.checks[i];
+            // With more effort, what was given up may be exact.
+            if report.is_open(i) && check.verdict != Verdict::Unknown && check.gave_up.is_none() {
+                report.checks[i] = check.clone();
             }
         }
-        report.notes.extend(tried.notes);
-        report.states += tried.states;
-        report.steps += tried.steps;
+        std::mem::take(&mut tried.notes).into_iter().for_each(|note| report.note(note));
+        add_effort(report, &mut tried);
+    }
+}
+
+/// A report with the same answers, for answers that need not be those of the report.
+fn scratch(report: &mut Report) -> Report {
+    let reductions = std::mem::take(&mut report.reductions);
+    Report { checks: report.checks.clone(), reductions, ..Report::default() }
+}
+
+/// Adds the effort of a [`scratch`] report.
+fn add_effort(report: &mut Report, other: &mut Report) {
+    report.states += other.states;
+    report.steps += other.steps;
+    report.memory = report.memory.max(other.memory);
+    report.reductions = std::mem::take(&mut other.reductions);
+}
+
+/// Leaves checks open whose answers with rounded times say nothing about the exact ones, in a system that can
+/// only be explored with rounded times.
+pub(super) fn leave_open(whole: &Built, report: &mut Report) {
+    if whole.rounded.is_empty() {
+        return;
+    }
+    let answered = |check: &&mut CheckReport| {
+        check.rounded
+            && matches!(check.verdict, Verdict::Proved | Verdict::Conditional | Verdict::Refuted)
+    };
+    let mut holds = false;
+    for check in report.checks.iter_mut().filter(answered) {
+        if is_proof(check) {
+            holds = true;
+            continue;
+        }
+        check.verdict = Verdict::Unknown;
+        check.value = None;
+        check.note = Some(ROUNDED_ONLY.to_owned());
+    }
+    for check in &mut report.checks {
+        if check.candidate.is_some() && check.verdict == Verdict::Unknown {
+            check.note = Some(ROUNDED_ONLY.to_owned());
+        }
+    }
+    if holds {
+        report.notes.extend(rounding::note(whole));
     }
 }
 

@@ -101,25 +101,21 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Abo
     let mut out = Vec::new();
     let view = answer.view();
     for task in tasks(&entry.problem, path) {
-        let refuted = view.of_task(task.id).filter(|(_, view)| view.outcome == Outcome::Refuted);
         // A task that is late gets one diagnostic, with all that is known about the lateness.
-        let late = { refuted }.filter(|(_, view)| match view.report.kind {
-            PropertyKind::Schedulable => true,
-            PropertyKind::Response => view.report.bound.is_some(),
-            _ => false,
+        let late = view.of_task(task.id).filter(|(_, view)| {
+            let of_time = match view.report.kind {
+                PropertyKind::Schedulable => true,
+                PropertyKind::Response => view.report.bound.is_some(),
+                _ => false,
+            };
+            of_time && view.outcome == Outcome::Refuted
         });
-        let late: Vec<(usize, &CheckView)> = late.collect();
-        if let Some(&(check, first)) = late.first() {
-            let others = late[1..].iter().filter_map(|(_, view)| Some(fact(answer, view)?.1));
-            let found =
-                diagnostic(snapshot, entry, answer, first, path, &task.range, others.collect());
-            out.extend(found.map(|diagnostic| AboutCheck {
-                changes: changes(answer, first),
-                problem: entry.places().clone(),
-                diagnostic,
-                check,
-                refuting_run: has_refuting_run(first.report),
-            }));
+        let facts = late.filter_map(|(check, view)| Some((check, view, fact(answer, view)?)));
+        let mut facts = facts.filter(|(.., (code, _))| severity(snapshot, code).is_some());
+        if let Some((check, first, _)) = facts.next() {
+            let others = facts.map(|(.., (_, fact))| fact).collect();
+            let found = diagnostic(snapshot, entry, answer, first, path, &task.range, others);
+            out.extend(found.map(|found| about_check(entry, answer, (check, first), found)));
         }
         for (check, view) in view.of_task(task.id) {
             // Several checks that gave up get one diagnostic: the same change helps all of them.
@@ -132,17 +128,26 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Abo
             if given_up || vacuous {
                 let found =
                     diagnostic(snapshot, entry, answer, view, path, &task.range, Vec::new());
-                out.extend(found.map(|diagnostic| AboutCheck {
-                    changes: changes(answer, view),
-                    problem: entry.places().clone(),
-                    diagnostic,
-                    check,
-                    refuting_run: has_refuting_run(view.report),
-                }));
+                out.extend(found.map(|found| about_check(entry, answer, (check, view), found)));
             }
         }
     }
     out
+}
+
+fn about_check(
+    entry: &Entry,
+    answer: &Answer,
+    (check, view): (usize, &CheckView),
+    diagnostic: Diagnostic,
+) -> AboutCheck {
+    AboutCheck {
+        changes: changes(answer, view),
+        problem: entry.places().clone(),
+        diagnostic,
+        check,
+        refuting_run: has_refuting_run(view.report),
+    }
 }
 
 /// The results of a scenario, at its checks and names.
@@ -187,13 +192,7 @@ fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<AboutChe
             continue;
         };
         let found = diagnostic(snapshot, entry, answer, view, path, written, Vec::new());
-        out.extend(found.map(|diagnostic| AboutCheck {
-            changes: changes(answer, view),
-            problem: entry.places().clone(),
-            diagnostic,
-            check,
-            refuting_run: has_refuting_run(view.report),
-        }));
+        out.extend(found.map(|found| about_check(entry, answer, (check, view), found)));
     }
     out
 }
@@ -252,9 +251,13 @@ fn fact(answer: &Answer, view: &CheckView) -> Option<(&'static str, String)> {
                 PropertyKind::Response => format!("the response time of `{of}`"),
                 _ => format!("the time of `{of}`"),
             };
-            let message = match (check.value?, check.bound) {
-                (Value::Unbounded, _) => format!("{what} has no bound"),
-                (value, Some(bound)) => format!(
+            let message = match (check.value, check.bound) {
+                (Some(Value::Unbounded), _) => format!("{what} has no bound"),
+                // A run exceeds the limit, and the longest time was not looked for.
+                (None, Some(bound)) => {
+                    format!("{what} can be more than {}", unit.show_value(bound))
+                }
+                (Some(value), Some(bound)) => format!(
                     "{what} can be {}, more than {}",
                     unit.show_value(value),
                     unit.show_value(bound)

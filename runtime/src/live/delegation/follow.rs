@@ -201,7 +201,7 @@ impl Live<'_> {
         let own = || tasks.iter().filter(|task| task.component == component);
         let mut active = own().filter(|task| task.recall != Recall::Over);
         let culprit = active.find_map(|task| {
-            let number = self.hosts.executing(component, lane(task.task))?;
+            let (number, _) = self.hosts.executing(component, lane(task.task))?;
             let is_it = |codel: &&CodelId| self.parts.codel(**codel) == Some(number);
             let codel = *task.codels.iter().find(is_it)?;
             let path = self.system.codels[codel].path.to_string();

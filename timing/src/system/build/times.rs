@@ -248,7 +248,7 @@ impl Builder<'_> {
             "the time of {} is too long for the base unit of {} s; choose a coarser `unit`",
             of.what, self.out.system.unit
         );
-        let error = Diagnostic::error("scn-time-range", of.range.clone(), message);
+        let error = Diagnostic::error(super::TOO_LONG, of.range.clone(), message);
         self.report(error.about(of.place.clone()));
         FOREVER / 8
     }
