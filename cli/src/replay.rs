@@ -220,16 +220,16 @@ fn print_text(
     match report.difference_count {
         0 => writeln!(out, "it is a run of the model")?,
         1 if report.violation_count == 1 => {
-            writeln!(out, "\n1 violation by a codel; all else is a run of the model")?
+            writeln!(out, "\n1 violation by a codel; all other steps follow the model")?
         }
         count if report.violation_count == count => {
-            writeln!(out, "\n{count} violations by codels; all else is a run of the model")?
+            writeln!(out, "\n{count} violations by codels; all other steps follow the model")?
         }
         _ if report.followed < report.steps => writeln!(
             out,
-            "\nit is no run of the model; from the last difference on it was not followed"
+            "\nit is not a run of the model; it was not followed after the last difference"
         )?,
-        _ => writeln!(out, "\nit is no run of the model")?,
+        _ => writeln!(out, "\nit is not a run of the model")?,
     }
     Ok(())
 }

@@ -43,8 +43,8 @@ use scenario::{Ended, one};
 /// other codels are random, and the same for the same seed. The run follows the model of `dotgen verify`;
 /// deviations are reported as violations.
 ///
-/// However a run ends, its activities and tasks execute their `stop` codels. A second signal ends it without
-/// them, a third one at once.
+/// When a run ends, its activities and tasks execute their `stop` codels. After a second signal the run ends
+/// without them, after a third one at once.
 ///
 /// Exit status: 0 without violations, 1 with violations of a check, a proved bound or a codel, 2 if nothing
 /// could be run (wrong usage, a file that cannot be read or has errors, codels that do not compile), 3 if the

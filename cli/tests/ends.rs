@@ -2,11 +2,12 @@
 #![cfg(target_os = "linux")]
 
 use std::process::Stdio;
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::directory::{Directory, status, stdout};
-use crate::running::{Listening, compilers, ended, processes, soon, violation};
+use crate::directory::{Directory, status, stderr, stdout};
+use crate::running::{Listening, compilers, ended, processes, soon, violation, with_body};
 
 const DRIVE: &str = r#"
 struct speed_s { double v; };
@@ -28,7 +29,7 @@ component drive {
 };
 "#;
 
-/// What both languages share. A codel of the activity waits if its speed is more than 8.
+/// Functions for both languages. If the speed is more than 8, the codel of the activity sleeps.
 const HELPERS: &str = r#"
 #include <stdio.h>
 #include <stdlib.h>
@@ -92,7 +93,7 @@ fn begin(directory: &Directory, speed: u32, hangs: bool, options: &[&str]) -> Li
     run
 }
 
-/// What the codels have noted, in order.
+/// The notes of the codels, in order.
 fn notes(directory: &Directory) -> String {
     std::fs::read_to_string(directory.path().join("notes")).unwrap_or_default()
 }
@@ -188,4 +189,54 @@ fn a_run_on_the_virtual_clock_ends_in_order() {
     let arguments = ["run", "drive.gen", "--until", "100ms", "--bounds", "none"];
     assert!(matches!(status(&directory.run(&arguments)), 0 | 1));
     assert!(notes(&directory).ends_with("task\n"), "{}", notes(&directory));
+}
+
+#[test]
+fn a_unit_for_systemd_starts_the_same_run() {
+    let directory = Directory::new(&[("c.gen", "component c { task main { period 10 ms; }; };\n")]);
+    let output = directory.run(&["run", "c.gen", "--clock", "real", "--systemd", "--seed", "3"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    let unit = stdout(&output);
+    let command = " run c.gen --clock real --seed 3\n";
+    assert!(unit.contains("\nExecStart=/") && unit.contains(command), "{unit}");
+    assert!(unit.contains("\nLimitRTPRIO=49\n"), "{unit}");
+    // A run that ended after a violation is not started again.
+    assert!(unit.contains("\nRestartPreventExitStatus=1 2 4\n"), "{unit}");
+    assert!(unit.contains("\nTimeoutStopSec=7\n"), "{unit}");
+}
+
+#[test]
+fn a_run_that_is_ended_leaves_nothing_behind() {
+    if !compilers() {
+        return;
+    }
+    let directory = with_body("");
+    let arguments = ["run", "good/good.gen", "--clock", "real", "--socket", "s"];
+    let socket = directory.path().join("s");
+    let mut run = Listening::start(&directory, &arguments);
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        let mode = std::fs::metadata(&socket).expect("it is there").permissions();
+        assert_eq!(mode.mode() & 0o777, 0o600);
+    }
+    let taken = directory.run(&arguments);
+    assert_eq!(status(&taken), 2);
+    assert!(stderr(&taken).contains("another run listens"), "{}", stderr(&taken));
+    run.signal("-TERM");
+    let status = ended(&mut run.0);
+    // It was interrupted; on a busy machine it may have missed a deadline before.
+    assert!(matches!(status.code(), Some(1 | 3)), "{status}");
+    assert!(!socket.exists());
+    assert_eq!(processes(&directory), Vec::<String>::new());
+
+    let run = Listening::start(&directory, &arguments);
+    run.signal("-KILL");
+    let begin = Instant::now();
+    while !processes(&directory).is_empty() {
+        assert!(begin.elapsed() < Duration::from_secs(20), "a host is left");
+        std::thread::yield_now();
+    }
+    // What is left of its socket is in nobody's way.
+    assert!(socket.exists());
+    drop(Listening::start(&directory, &arguments));
 }

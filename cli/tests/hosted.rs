@@ -359,53 +359,6 @@ fn attributes_are_set_when_the_run_begins() {
 }
 
 #[test]
-fn a_unit_for_systemd_starts_the_same_run() {
-    let directory = Directory::new(&[("c.gen", "component c { task main { period 10 ms; }; };\n")]);
-    let output = directory.run(&["run", "c.gen", "--clock", "real", "--systemd", "--seed", "3"]);
-    assert_eq!(status(&output), 0, "{}", stderr(&output));
-    let unit = stdout(&output);
-    let command = " run c.gen --clock real --seed 3\n";
-    assert!(unit.contains("\nExecStart=/") && unit.contains(command), "{unit}");
-    assert!(unit.contains("\nLimitRTPRIO=49\n"), "{unit}");
-}
-
-#[test]
-fn a_run_that_is_ended_leaves_nothing_behind() {
-    if !compilers() {
-        return;
-    }
-    let directory = with_body("");
-    let arguments = ["run", "good/good.gen", "--clock", "real", "--socket", "s"];
-    let socket = directory.path().join("s");
-    let mut run = Listening::start(&directory, &arguments);
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        let mode = std::fs::metadata(&socket).expect("it is there").permissions();
-        assert_eq!(mode.mode() & 0o777, 0o600);
-    }
-    let taken = directory.run(&arguments);
-    assert_eq!(status(&taken), 2);
-    assert!(stderr(&taken).contains("another run listens"), "{}", stderr(&taken));
-    run.signal("-TERM");
-    let status = ended(&mut run.0);
-    // It was interrupted; on a busy machine it may have missed a deadline before.
-    assert!(matches!(status.code(), Some(1 | 3)), "{status}");
-    assert!(!socket.exists());
-    assert_eq!(processes(&directory), Vec::<String>::new());
-
-    let run = Listening::start(&directory, &arguments);
-    run.signal("-KILL");
-    let begin = Instant::now();
-    while !processes(&directory).is_empty() {
-        assert!(begin.elapsed() < Duration::from_secs(20), "a host is left");
-        std::thread::yield_now();
-    }
-    // What is left of its socket is in nobody's way.
-    assert!(socket.exists());
-    drop(Listening::start(&directory, &arguments));
-}
-
-#[test]
 fn what_does_not_compile_does_not_run() {
     if !compilers() {
         return;

@@ -58,7 +58,7 @@ fn what_another_model_does_not_do_is_named() {
         // A late codel is a violation, as in the run, and all else is what the model does.
         let by_codels = report["difference-count"] == report["violation-count"];
         assert_eq!(words.contains("violations by codels"), by_codels, "{words}");
-        assert_eq!(words.contains("it is no run of the model"), !by_codels, "{words}");
+        assert_eq!(words.contains("it is not a run of the model"), !by_codels, "{words}");
         report
     };
     // Longer than declared: told each time, and followed to the end.

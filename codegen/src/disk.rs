@@ -147,7 +147,9 @@ impl NewContent {
         let folders = folders.join(" and ");
         Some(match link_out(disk, &self.path, &self.within) {
             Some(link) => format!("the link {} leads out of {folders}", name(&link)),
-            None => format!("it is outside of {folders}"),
+            None => format!(
+                "it is outside of {folders}, the folder of the nearest `dotgen.toml` or of the specification"
+            ),
         })
     }
 }

@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 
 use dotgen_hosting::realtime;
 
-/// Time after which systemd ends an engine that does not report.
-const WATCHDOG: Duration = Duration::from_secs(10);
+/// Time after which systemd ends an engine that does not report. The engine waits up to 10 s for the reply of
+/// a host.
+const WATCHDOG: Duration = Duration::from_secs(15);
 
 /// Time between two reports of the engine.
 const REPORT_INTERVAL: Duration = Duration::from_secs(1);
@@ -23,15 +24,19 @@ pub(super) struct Watchdog {
 }
 
 impl Watchdog {
-    /// Connects to systemd. A socket with an abstract name is not supported by the library, and is left out.
+    /// Connects to systemd, if it has started the run. Not supported: sockets with an abstract name.
     pub(super) fn new() -> Watchdog {
-        let connected = std::env::var_os("NOTIFY_SOCKET").and_then(|path| {
+        Watchdog::connected(std::env::var_os("NOTIFY_SOCKET"))
+    }
+
+    fn connected(path: Option<OsString>) -> Watchdog {
+        let socket = path.and_then(|path| {
             let socket = UnixDatagram::unbound().ok()?;
             socket.set_nonblocking(true).ok()?;
             socket.connect(path).ok()?;
             Some(socket)
         });
-        Watchdog { socket: connected, reported: Cell::new(None) }
+        Watchdog { socket, reported: Cell::new(None) }
     }
 
     /// Reports, at most once a second. The first report says that the components run.
@@ -131,6 +136,22 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_first_report_says_ready_and_the_next_one_waits() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("notify");
+        let systemd = UnixDatagram::bind(&path).expect("a socket");
+        systemd.set_nonblocking(true).expect("a socket");
+        let watchdog = Watchdog::connected(Some(path.into()));
+        watchdog.report();
+        watchdog.report();
+        let mut bytes = [0; 64];
+        let length = systemd.recv(&mut bytes).expect("a report");
+        assert_eq!(&bytes[..length], b"READY=1\nWATCHDOG=1");
+        assert!(systemd.recv(&mut bytes).is_err(), "one report a second");
+        Watchdog::connected(None).report();
+    }
 
     #[test]
     fn words_stay_whole() {

@@ -288,7 +288,7 @@ pub(super) fn violated(what: &Violated, unit: TimeUnit) -> String {
         ),
         Violated::Undeclared { codel, function, event } => {
             let what = match event.is_empty() {
-                true => "something that is no event of its component".to_owned(),
+                true => "something that is not an event of its component".to_owned(),
                 false => format!("`{event}`, which its specification does not declare"),
             };
             format!("the transitions of {codel}: `{function}` returned {what}")

@@ -16,6 +16,7 @@ use super::merge::{self, Choice, Conflict};
 use super::{Confinement, Confirmation, Failure, readable_files};
 use crate::disk::{Disk, WriteError};
 use crate::process::{Channels, Processes, Program, Resources};
+pub(crate) use permissions::Rights;
 pub(crate) use staged::StagedFiles;
 
 /// A file written by a template in a run that writes nothing to disk.
@@ -186,17 +187,6 @@ pub(crate) struct Output {
     pub(crate) confined: Option<Confinement>,
     /// The rights of a template that is not confined.
     pub(crate) rights: Rights,
-}
-
-/// The results that a template may write without being confined.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Rights {
-    /// All: the template is part of dotgen.
-    All,
-    /// Also executables. In control folders only files that the user named.
-    Tcl(Vec<PathBuf>),
-    /// Executables, and files in control folders, only if the user named them.
-    MiniJinja(Vec<PathBuf>),
 }
 
 impl Output {

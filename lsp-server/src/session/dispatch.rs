@@ -257,9 +257,22 @@ impl Dispatcher {
         P: Send + Sync + 'static,
         R: Default + Send + 'static,
     {
+        let about = RequestScope { edits: true, ..RequestScope::default() };
+        self.without_document(about, params, handler).await
+    }
+
+    async fn without_document<P, R>(
+        &self,
+        about: RequestScope,
+        params: P,
+        handler: fn(&Snapshot, &P) -> Cancellable<R>,
+    ) -> types::Result<R>
+    where
+        P: Send + Sync + 'static,
+        R: Default + Send + 'static,
+    {
         let work =
             move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
-        let about = RequestScope { edits: true, ..RequestScope::default() };
         self.run(None, about, params, Arc::default(), work).await
     }
 
@@ -371,9 +384,7 @@ impl Dispatcher {
         P: Send + Sync + 'static,
         R: Default + Send + 'static,
     {
-        let work =
-            move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
-        self.run(None, RequestScope::default(), params, Arc::default(), work).await
+        self.without_document(RequestScope::default(), params, handler).await
     }
 
     /// A request about the whole workspace. The number of such requests at a time is limited, so that other

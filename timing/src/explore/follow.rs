@@ -2,8 +2,8 @@
 //!
 //! A run that was found with rounded times need not exist with the exact ones. [`follow`] looks for a run of
 //! the exact system with the same decisions: each thread takes the same outcomes in the same order, and each
-//! work takes as long as it did, or as long as it can. What is simultaneous with the exact times comes in the
-//! order of the guide. If that shows nothing, a few runs with other times and orders are tried.
+//! work takes as long as in the guide, or as long as possible. Simultaneous actions come in the order of the
+//! guide. If that run does not fail, a few runs with other times and orders are tried.
 
 use std::collections::VecDeque;
 use std::hash::{Hash, Hasher};

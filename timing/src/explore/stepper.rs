@@ -5,6 +5,9 @@
 //! system. The stepper reports events on the way (jobs that end, deadlines that are missed, predicates that
 //! are reached) as [`Seen`].
 
+mod seen;
+
+pub use self::seen::Seen;
 use super::observe::{self, Observer};
 use super::rules::{Action, Enabled, IdleTurn, Rules, SystemRules, Work};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
@@ -19,77 +22,6 @@ pub struct Watched {
     /// Pairs of predicates: whenever the first becomes true, the others are awaited in order. There is at
     /// least one other.
     pub within: Vec<(Predicate, Vec<Predicate>)>,
-}
-
-/// An event of a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Seen {
-    /// An executor asks for the locks of a codel, which it often gets at the same moment.
-    Asked {
-        /// The executor.
-        executor: usize,
-        /// Work that it is about to begin.
-        work: Work,
-    },
-    /// An executor begins work that takes time.
-    Begun {
-        /// The executor.
-        executor: usize,
-        /// Work.
-        work: Work,
-        /// Least and greatest duration of the work, in base units.
-        time: (Ticks, Ticks),
-    },
-    /// An executor ends its work.
-    Ended {
-        /// The executor.
-        executor: usize,
-        /// Work.
-        work: Work,
-        /// Outcome, as in [`Action::Finish`].
-        outcome: usize,
-    },
-    /// A control task has taken a request.
-    Requested {
-        /// The client that sent it.
-        client: ClientId,
-        /// The service.
-        service: ServiceId,
-    },
-    /// A control task refuses a request: for lack of a slot, by `after` or `before`, or by a codel.
-    Refused {
-        /// The service.
-        service: ServiceId,
-    },
-    /// A measured job ends.
-    Job {
-        /// Task.
-        task: usize,
-        /// Response time, in base units.
-        response: Ticks,
-    },
-    /// A tick comes before its previous job has ended.
-    Missed {
-        /// The task.
-        task: usize,
-    },
-    /// A job waits for a core for at least the period of its task.
-    Overdue {
-        /// The task.
-        task: usize,
-    },
-    /// A predicate of [`Watched::reach`] has become true.
-    Reached {
-        /// Index of the predicate.
-        predicate: usize,
-    },
-    /// The last predicate of an entry of [`Watched::within`] has followed the first.
-    Answered {
-        /// Index of the entry.
-        within: usize,
-        /// Time since the first predicate became true, in base units.
-        after: Ticks,
-    },
 }
 
 /// The possible actions in a state.

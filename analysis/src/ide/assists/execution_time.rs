@@ -13,7 +13,7 @@ const BUDGET: &str = " /* budget */";
 
 /// The edit that makes `time` (`4 ms`) the budget of the codel around a place, if the codel states a time in
 /// a clause of its own or in a pragma of the file. A clause gets the word *budget* as a comment, because the
-/// time is no longer a measured one. Times from a macro are not edited.
+/// time is no longer measured. Times from a macro are not edited.
 pub(crate) fn execution_time(
     view: &FileView<'_>,
     range: &Range<usize>,

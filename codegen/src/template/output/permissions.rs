@@ -1,4 +1,17 @@
-//! Permissions as templates write them.
+//! Permissions as templates write them, and the rights of templates.
+
+use std::path::PathBuf;
+
+/// The results that a template may write without being confined.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Rights {
+    /// All: the template is part of dotgen.
+    All,
+    /// Also executables. In control folders only files that the user named.
+    Tcl(Vec<PathBuf>),
+    /// Executables, and files in control folders, only if the user named them.
+    MiniJinja(Vec<PathBuf>),
+}
 
 /// Reads permissions in the forms of Tcl's `file attributes -permissions`: octal, `rwxr-xr-x`,
 /// or `chmod` words.

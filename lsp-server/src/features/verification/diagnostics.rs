@@ -211,7 +211,7 @@ pub(super) fn changes(answer: &Answer, view: &CheckView) -> Vec<Change> {
     out
 }
 
-/// The code and the fact of a check that does not hold, or is not settled; `None` if it is no finding.
+/// Returns the code and the fact of a check that fails or was given up; `None` if there is nothing to report.
 fn fact(answer: &Answer, view: &CheckView) -> Option<(&'static str, String)> {
     let unit = answer.unit();
     let check = view.report;

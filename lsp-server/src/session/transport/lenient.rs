@@ -23,6 +23,9 @@ use crate::protocol::types::{
 /// Maximum number of parts that are removed from one message.
 const MAX_REMOVED: usize = 256;
 
+/// Maximum number of trials to find the parts, each with a copy of the message.
+const MAX_TRIALS: usize = 1_024;
+
 /// Greatest coordinate of the protocol (`uinteger`).
 const MAX_COORDINATE: u64 = (1 << 31) - 1;
 
@@ -163,11 +166,11 @@ fn name_folders(folders: &mut Value) {
 
 /// Removes the smallest parts of a value that `T` cannot be read from. Returns a description of each.
 fn prune<T: DeserializeOwned>(value: &mut Value) -> Vec<String> {
-    let mut removed = Vec::new();
+    let (mut removed, mut trials) = (Vec::new(), MAX_TRIALS);
     while removed.len() < MAX_REMOVED {
         let Some((path, reason)) = failure::<T>(value) else { break };
         let mut path = steps(&path);
-        narrow::<T>(value, &mut path);
+        narrow::<T>(value, &mut path, &mut trials);
         if path.is_empty() {
             break;
         }
@@ -193,8 +196,8 @@ fn steps(path: &Path) -> Vec<String> {
 }
 
 /// Extends a path to the one part below it that is to blame. Types that accept several forms report the place
-/// of the whole value.
-fn narrow<T: DeserializeOwned>(value: &Value, path: &mut Vec<String>) {
+/// of the whole value. Without trials left, the whole value is.
+fn narrow<T: DeserializeOwned>(value: &Value, path: &mut Vec<String>, trials: &mut usize) {
     loop {
         let Some(part) = at(value, path) else { return };
         let children: Vec<String> = match part {
@@ -203,13 +206,17 @@ fn narrow<T: DeserializeOwned>(value: &Value, path: &mut Vec<String>) {
             _ => return,
         };
         let outer = path.clone();
-        let is_to_blame = |child: &String| {
+        let mut is_to_blame = |child: &String| {
+            if *trials == 0 {
+                return false;
+            }
+            *trials -= 1;
             let mut without = value.clone();
             let inner: Vec<String> = outer.iter().chain([child]).cloned().collect();
             remove(&mut without, &inner);
             failure::<T>(&without).is_none_or(|(path, _)| steps(&path) != outer)
         };
-        match children.into_iter().take(MAX_REMOVED).find(is_to_blame) {
+        match children.into_iter().take(MAX_REMOVED).find(&mut is_to_blame) {
             Some(child) => path.push(child),
             None => return,
         }
