@@ -1,6 +1,6 @@
 //! The orderly end of a run with executed codels: no new requests, then the shutdown of every component.
-//! Activities are interrupted and execute their `stop` codels, then permanent activities do, and the port data
-//! of these codels is published. Codels that have not ended within a bound are named.
+//! Activities are interrupted and execute their `stop` codels, then permanent activities do, and the port
+//! data of these codels is published. Codels that have not ended within a bound are named.
 
 use dotgen_timing::explore::Stepper;
 

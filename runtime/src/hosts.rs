@@ -256,8 +256,8 @@ pub trait Hosts {
     /// number of this probe.
     fn probe(&mut self, component: ComponentId, lane: u32, probe: u32);
 
-    /// Returns the codel that the thread of a task executes, or executed when its component was lost, with the
-    /// time of its call in nanoseconds since the start.
+    /// Returns the codel that the thread of a task executes, or executed when its component was lost, with
+    /// the time of its call in nanoseconds since the start.
     fn executing(&self, component: ComponentId, lane: u32) -> Option<(u32, u64)>;
 
     /// Ends a request and returns its outputs; `None` if the component is lost or does not answer.

@@ -44,8 +44,8 @@ impl Live<'_> {
         self.recall_all();
     }
 
-    /// Returns true if every component with executed codels has been shut down, or is lost. Simulated ones have
-    /// nothing to stop.
+    /// Returns true if every component with executed codels has been shut down, or is lost. Simulated ones
+    /// have nothing to stop.
     pub(crate) fn has_ended(&self, stepper: &Stepper) -> bool {
         self.system.components.keys().all(|component| !self.has_to_end(component, stepper))
     }

@@ -47,15 +47,14 @@ impl Run {
         let mut s = rules.initial();
         let mut works: Vec<JobWork> = Vec::new();
         let (mut now, mut begun) = (0, 0);
-        let executors = rules.frame().executors();
-        let mut open: Vec<Option<CodelId>> = vec![None; executors];
+        let mut open: Vec<Option<CodelId>> = vec![None; rules.frame().executors()];
         for step in self.steps.iter().map(Some).chain([None]) {
             let time = step.map_or(self.end, |&(time, _)| time);
             if time > now {
                 let passed = time - now;
-                for executor in 0..executors {
+                for (executor, open) in open.iter_mut().enumerate() {
                     let Some(codel) = codel_of(&rules, &s, executor, task) else { continue };
-                    let known = open[executor] == Some(codel);
+                    let known = *open == Some(codel);
                     let place = works.iter().position(|work| work.codel == codel);
                     let place = place.unwrap_or_else(|| {
                         works.push(JobWork { codel, times: 0, executed: 0, preempted: 0 });
@@ -67,7 +66,7 @@ impl Run {
                         true => work.executed += passed,
                         false => work.preempted += passed,
                     }
-                    open[executor] = Some(codel);
+                    *open = Some(codel);
                 }
                 advance(&rules, &mut s, Ticks::try_from(passed).unwrap_or(Ticks::MAX));
                 now = time;

