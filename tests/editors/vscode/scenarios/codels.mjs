@@ -192,7 +192,8 @@ export function checks(wb) {
       await wb.open(SOURCE);
       if (!(await write.isVisible())) await wb.command('Notifications: Show Notifications');
       await write.click();
-      await until('the headers are there', () => existsSync(join(wb.folder, '.dotgen/compile_flags.txt')));
+      const headers = ['compile_flags.txt', 'tank_c_types.h'].map((name) => `.dotgen/${name}`);
+      await until('the headers are there', () => headers.every((it) => existsSync(join(wb.folder, it)) && text(it)));
       assert.match(text('.dotgen/tank_c_types.h'), /tank_reading/);
       await wb.shot('codels-16-headers.png');
     }],
@@ -200,7 +201,8 @@ export function checks(wb) {
       const use = page.locator('.notification-list-item .monaco-button', { hasText: 'Use in clangd' }).first();
       if (!(await use.isVisible())) await wb.command('Notifications: Show Notifications');
       await use.click();
-      await until('clangd is started again', () => existsSync(join(wb.folder, '.clangd-started')));
+      // A file exists before its text does.
+      await until('clangd is started again', () => existsSync(join(wb.folder, '.clangd-started')) && text('.clangd-started'));
       const given = ['--background-index', `--compile-commands-dir=${join(wb.folder, '.dotgen')}`];
       assert.deepEqual(JSON.parse(text('.clangd-started')), given);
       assert.deepEqual(JSON.parse(text('.vscode/settings.json'))['clangd.arguments'], given);
