@@ -70,6 +70,9 @@ pub struct Spec {
     /// Types declared by a stand-in, in order: their members are invented, so any member may exist.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub open: Vec<TypeId>,
+    /// Interfaces declared by a stand-in, as indices into [`Spec::components`]: what they declare is unknown.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stand_ins: Vec<u32>,
 }
 
 /// A part of the text in the body of a component or interface.

@@ -5,9 +5,9 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use anyhow::{Context, bail};
 use camino::Utf8PathBuf;
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
-use super::Outcome;
+use super::{Outcome, report};
 use dotgen_hosting::sockets;
 
 /// Request a service of a component that runs (`dotgen run --clock real`)
@@ -197,11 +197,19 @@ fn refused(message: &Value) -> anyhow::Result<()> {
 
 pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Outcome> {
     let mut talk = RunConnection::begin(arguments.socket.as_ref())?;
+    talk.say(&json!({"id": 0, "read": arguments.port}))?;
     talk.say(&json!({"id": 1, "watch": arguments.port, "newest": !arguments.only_new}))?;
     let mut left = arguments.count;
     while left != Some(0) {
         let Some(message) = talk.hear()? else { break };
+        refused(&message)?;
         match message["event"].as_str() {
+            Some("data") if message["id"] == 0 => {
+                if message["instances"].as_object().is_some_and(Map::is_empty) {
+                    report::note(&format!("waiting: {} was never written", arguments.port));
+                }
+                continue;
+            }
             Some("data") => {}
             Some("lost") => {
                 explain_failure(message["message"].as_str().unwrap_or("the component is gone"));

@@ -11,6 +11,7 @@ mod examples;
 mod faults;
 mod fixing;
 mod flight;
+mod ground;
 mod hosted;
 mod hostile;
 mod inputs;

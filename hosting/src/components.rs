@@ -87,6 +87,7 @@ pub(super) fn describe(known: &KnownComponent) -> Value {
     json!({
         "name": component.name.as_str(),
         "doc": component.doc,
+        "executed": known.executed,
         "services": services,
         "ports": ports.collect::<Vec<_>>(),
     })

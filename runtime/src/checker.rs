@@ -16,6 +16,8 @@ pub enum Verdict {
     NotExercised,
     /// It was exercised, and no violation was seen.
     Kept,
+    /// The same, in a run in which codels were simulated: nothing is known about the program.
+    Simulated,
     /// The check was violated.
     Violated,
     /// The expected event was seen: for people, the check is kept.

@@ -10,7 +10,7 @@ mod ending;
 mod outcomes;
 mod requests;
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::time::Duration;
 
 use dotgen_timing::explore::{Action, Seen, Stepper, Work};
@@ -83,6 +83,8 @@ pub struct Live<'p> {
     fault: Option<String>,
     /// Violations to be reported.
     broken: Vec<CodelViolation>,
+    /// Output ports that were written.
+    written: BTreeSet<(ComponentId, u32)>,
     /// Port data is kept for a recording, in `published`.
     keeps_data: bool,
     published: Vec<PortUpdate>,
@@ -125,6 +127,7 @@ impl<'p> Live<'p> {
             next_instance: 1,
             fault: None,
             broken: Vec::new(),
+            written: BTreeSet::new(),
             keeps_data: false,
             published: Vec::new(),
             wanted: (0..components).map(|_| VecDeque::new()).collect(),
@@ -162,6 +165,11 @@ impl<'p> Live<'p> {
     /// Returns the reason why a component could not be started.
     pub fn fault(&self) -> Option<&str> {
         self.fault.as_deref()
+    }
+
+    /// Returns true if an output port was written.
+    pub fn has_written(&self, component: ComponentId, port: u32) -> bool {
+        self.written.contains(&(component, port))
     }
 
     /// Returns the hosts.
@@ -518,6 +526,7 @@ impl<'p> Live<'p> {
 
     fn publish(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]) {
         self.hosts.published(component, port, id, data);
+        self.written.insert((component, port));
         if self.keeps_data {
             self.published.push(PortUpdate {
                 component,

@@ -3,7 +3,7 @@
 use dotgen_analysis::model::Seconds;
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{TimeUnit, Value};
-use dotgen_timing::system::{ClientId, TaskId, Ticks};
+use dotgen_timing::system::{ClientId, CodelId, TaskId, Ticks};
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
@@ -43,6 +43,8 @@ pub struct RunReport {
     /// Codels that were still executed when a run had to end, or else components that had not ended.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unfinished: Vec<String>,
+    /// What the run says of its checks together.
+    pub verdict: Verdict,
     /// Tasks, in order of declaration.
     pub tasks: Vec<TaskCounts>,
     /// Requests that no client of the scenario sends. The verified model does not have them.
@@ -212,15 +214,19 @@ pub fn violation(
 }
 
 impl RunReport {
-    /// Creates the report of finished runs.
+    /// Creates the report of finished runs. `executes` tells codels that are executed from simulated ones.
     pub fn new(
         prepared: &Prepared,
         plan: &Plan,
         outcome: &SimulationResult,
         bounds: &[Option<Ticks>],
+        executes: &dyn Fn(CodelId) -> bool,
     ) -> RunReport {
         let make = ReportBuilder { prepared, plan };
         let system = &prepared.built.system;
+        let ran = outcome.tally.codels.iter().map(|counted| counted.runs.count > 0);
+        let simulated = system.codels.keys().zip(ran).any(|(codel, ran)| ran && !executes(codel));
+        let checks = make.checks(outcome, simulated);
         let services = system.services.keys().map(|service| {
             let counted = &outcome.tally.services[service];
             ServiceCounts {
@@ -258,7 +264,8 @@ impl RunReport {
             services: services.collect(),
             codels: codels.collect(),
             machines: machines(prepared, &outcome.tally),
-            checks: make.checks(outcome),
+            verdict: together(outcome.judge.count, &checks),
+            checks,
             violations: (0..outcome.judge.violations.len())
                 .map(|number| make.violation(&outcome.judge, number))
                 .collect(),
@@ -278,6 +285,20 @@ impl RunReport {
     /// Returns true if there was a violation.
     pub fn violated(&self) -> bool {
         self.violation_count > 0
+    }
+}
+
+/// What a run says of its checks together: never more than the least that it says of one.
+fn together(violations: u64, checks: &[CheckOutcome]) -> Verdict {
+    let has = |verdict: Verdict| checks.iter().any(|check| check.verdict == verdict);
+    if violations > 0 {
+        Verdict::Violated
+    } else if has(Verdict::Simulated) {
+        Verdict::Simulated
+    } else if has(Verdict::Kept) || has(Verdict::Seen) {
+        Verdict::Kept
+    } else {
+        Verdict::NotExercised
     }
 }
 
@@ -304,7 +325,7 @@ impl ReportBuilder<'_> {
         }
     }
 
-    fn checks(&self, outcome: &SimulationResult) -> Vec<CheckOutcome> {
+    fn checks(&self, outcome: &SimulationResult, simulated: bool) -> Vec<CheckOutcome> {
         let checks = self.prepared.checks.iter().zip(&outcome.judge.answers);
         let checks = checks.enumerate().map(|(number, (asked, answer))| {
             let greatest = answer.greatest.map(|number| self.value(number));
@@ -313,7 +334,10 @@ impl ReportBuilder<'_> {
                 name: asked.report.name.clone(),
                 check: asked.report.kind,
                 of: asked.report.of.clone(),
-                verdict: answer.verdict,
+                verdict: match answer.verdict {
+                    Verdict::Kept | Verdict::Seen if simulated => Verdict::Simulated,
+                    verdict => verdict,
+                },
                 why: outcome.judge.idle(number).map(|idle| self.why(idle)),
                 greatest,
                 limit: limit.map(|limit| Value::Time(limit.time())),

@@ -64,6 +64,12 @@ pub enum Verdict {
     Proved,
     /// The property holds if something is true that is not stated: [`CheckReport::conditions`].
     Conditional,
+    /// The property holds because its subject never occurs; [`CheckReport::note`] says why.
+    Vacuous,
+    /// The scenario states no limit, and the upper bound is at least the period; the value may be less.
+    Bounded,
+    /// The scenario states no limit, and the value is at least the period.
+    Exceeds,
     /// The property does not hold.
     Refuted,
     /// The verification was given up.
@@ -75,9 +81,53 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// True if the property holds, under conditions or not.
+    /// All verdicts, in the order of counts.
+    pub const ALL: [Verdict; 9] = [
+        Verdict::Proved,
+        Verdict::Conditional,
+        Verdict::Vacuous,
+        Verdict::Bounded,
+        Verdict::Exceeds,
+        Verdict::Refuted,
+        Verdict::Unknown,
+        Verdict::Nothing,
+        Verdict::Open,
+    ];
+
+    /// True if the property holds, whatever the proof is worth.
     pub fn holds(self) -> bool {
-        matches!(self, Verdict::Proved | Verdict::Conditional)
+        match self {
+            Verdict::Proved
+            | Verdict::Conditional
+            | Verdict::Vacuous
+            | Verdict::Bounded
+            | Verdict::Exceeds => true,
+            Verdict::Refuted | Verdict::Unknown | Verdict::Nothing | Verdict::Open => false,
+        }
+    }
+
+    /// The word in a table.
+    pub fn word(self) -> &'static str {
+        match self {
+            Verdict::Proved => "proved",
+            Verdict::Conditional => "conditional",
+            Verdict::Vacuous => "vacuous",
+            Verdict::Bounded => "bounded",
+            Verdict::Exceeds => "exceeds",
+            Verdict::Refuted => "refuted",
+            Verdict::Unknown => "gave up",
+            Verdict::Nothing => "nothing",
+            Verdict::Open => "open",
+        }
+    }
+
+    /// The word after a count: `2 nothing to verify`.
+    pub fn counted(self) -> &'static str {
+        match self {
+            Verdict::Exceeds => "beyond the period",
+            Verdict::Nothing => "nothing to verify",
+            _ => self.word(),
+        }
     }
 }
 
@@ -199,9 +249,6 @@ pub struct CheckReport {
     /// lower limit of the least bound. With [`Soundness::UpperBound`], an upper limit of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<Value>,
-    /// The property holds because the subject of the check never happens; `note` explains the reason.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub vacuous: bool,
     /// Reason, in words.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
@@ -484,10 +531,11 @@ impl Report {
     /// Sets the final answer to a check.
     pub(crate) fn answer(&mut self, check: usize, mut answer: CheckReport) {
         assert!(self.is_open(check), "an answer is final");
-        // The only place where an answer gets its ground, so that no stage can forget it.
-        if answer.verdict == Verdict::Proved && !answer.conditions.is_empty() {
-            answer.verdict = Verdict::Conditional;
-        } else {
+        // The only place where a proof gets its word, so that no stage can forget its ground.
+        if answer.verdict == Verdict::Proved {
+            answer.verdict = answer.worth();
+        }
+        if answer.verdict != Verdict::Conditional {
             answer.conditions.clear();
         }
         if answer.left_out {
@@ -562,6 +610,19 @@ impl CheckReport {
                 Some((limit.time() - value) / limit.time() * 100.0)
             }
             _ => None,
+        }
+    }
+
+    /// What a proof says about its subject.
+    fn worth(&self) -> Verdict {
+        if self.exceeds() {
+            Verdict::Exceeds
+        } else if self.slack().is_some_and(|slack| slack < 0.0) {
+            Verdict::Bounded
+        } else if !self.conditions.is_empty() {
+            Verdict::Conditional
+        } else {
+            Verdict::Proved
         }
     }
 

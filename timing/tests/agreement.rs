@@ -7,6 +7,7 @@ mod chains;
 mod expected;
 mod invariants;
 mod rounding;
+mod sensitivity;
 mod sequences;
 mod servers;
 mod systems;

@@ -159,7 +159,7 @@ export const SCENARIO = 'genom3-scenario';
 /** Sources of templates that the user calls so; others are asked for by the server. */
 export const TEMPLATE = 'genom3-template';
 
-export type VerificationState = 'stale' | 'running' | 'proved' | 'conditional' | 'refuted' | 'gave-up' | 'nothing' | 'blocked';
+export type VerificationState = 'stale' | 'running' | 'proved' | 'conditional' | 'answered' | 'refuted' | 'gave-up' | 'nothing' | 'blocked';
 
 /** Where the verification of a document stands; sent whenever it changes. */
 export interface VerificationStatus {

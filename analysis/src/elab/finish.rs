@@ -8,7 +8,7 @@ use num_rational::Ratio;
 use super::{Access, Elaborated, context::Elaborator, property::to_f64};
 use crate::finding::{Finding, names::NameProblem, values::ValueProblem};
 use crate::model::{
-    ComponentKind, Gap, Missing, Quantity, Seconds, Spec, TypeId, TypeKind, visit::TypeIds,
+    ComponentKind, Gap, Missing, Quantity, Seconds, Spec, Src, TypeId, TypeKind, visit::TypeIds,
 };
 use crate::release::Change;
 use crate::unit::is_standin;
@@ -23,23 +23,25 @@ impl Elaborator<'_> {
         result
     }
 
-    /// Records the types that stand-ins declare.
-    fn note_open_types(&mut self) {
+    /// Records the types and interfaces that stand-ins declare.
+    fn note_stand_ins(&mut self) {
         let visits = self.visits;
         let is_standin: Vec<bool> =
             visits.iter().map(|visit| is_standin(visit.path.as_ref())).collect();
         if !is_standin.contains(&true) {
             return;
         }
+        let invented = |at: Src| is_standin.get(at.visit as usize) == Some(&true);
         let ids = (0u32..).map(TypeId).zip(&self.spec.types);
-        let open = ids.filter(|(_, ty)| {
-            ty.name.is_some() && is_standin.get(ty.src.visit as usize) == Some(&true)
-        });
-        self.spec.open = open.map(|pair| pair.0).collect();
+        let open = ids.filter(|(_, ty)| ty.name.is_some() && invented(ty.src));
+        self.spec.open = open.map(|(id, _)| id).collect();
+        let components = (0u32..).zip(&self.spec.components);
+        let stand_ins = components.filter(|(_, component)| invented(component.src));
+        self.spec.stand_ins = stand_ins.map(|(index, _)| index).collect();
     }
 
     fn settle(&mut self) {
-        self.note_open_types();
+        self.note_stand_ins();
         self.check_forwards();
         self.apply_wcet_pragmas();
         for index in 0..self.spec.components.len() {

@@ -114,6 +114,26 @@ impl Spec {
         out
     }
 
+    /// Interfaces from which tasks, services and codels of a component come, although nothing is known of
+    /// what they declare: each is missing, or a stand-in takes its place.
+    pub fn unknown_interfaces(&self, component: u32) -> Vec<&Name> {
+        let missing = self.gaps_of(component).filter_map(|gap| match gap {
+            Missing::Interface { name, used: false } => Some(name),
+            _ => None,
+        });
+        let declaration = &self.components[component as usize];
+        let imported = [&declaration.provides, &declaration.extends].into_iter().flatten();
+        let stand_ins = imported.filter(|index| self.stand_ins.contains(index));
+        let stand_ins = stand_ins.map(|&index| &self.components[index as usize].name);
+        let mut out: Vec<&Name> = Vec::new();
+        for name in missing.chain(stand_ins) {
+            if !out.contains(&name) {
+                out.push(name);
+            }
+        }
+        out
+    }
+
     /// Returns true if tasks, services, codels or properties of a component may come from an unknown
     /// interface.
     pub fn lacks_declarations(&self, component: u32) -> bool {

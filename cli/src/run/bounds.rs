@@ -127,7 +127,7 @@ impl BoundVerification {
         let mut answers = Answers::default();
         for check in &report.checks {
             answers.given_up |= check.verdict == Verdict::Unknown;
-            let known = check.verdict == Verdict::Proved && check.kind == PropertyKind::Response;
+            let known = check.verdict.holds() && check.kind == PropertyKind::Response;
             let task = check.id.task.and_then(|task| self.tasks.get(&task));
             if let (true, Some(&task), Some(Value::Time(time))) = (known, task, check.value) {
                 let ticks = (time / self.tick).round() as Ticks;

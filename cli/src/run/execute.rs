@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use camino::Utf8PathBuf;
+use dotgen_analysis::model::PortDir;
 use dotgen_recording::log::origins;
 use dotgen_runtime::checker::RunChecker;
 use dotgen_runtime::profile::{Profile, functions};
@@ -145,7 +146,7 @@ impl Context<'_, '_> {
         );
         let (bounds, note) = self.final_bounds(prepared);
         outcome.judge.bound_late(&bounds);
-        let mut report = RunReport::new(prepared, &plan, &outcome, &bounds);
+        let mut report = RunReport::new(prepared, &plan, &outcome, &bounds, &|_| false);
         report.notes.extend(note);
         Ok(Run {
             lines: lines(profile),
@@ -203,6 +204,19 @@ impl Context<'_, '_> {
         let run = outcome.recorded.as_ref()?;
         let input = SystemInput { specs: self.problem.specs() };
         Some(RunEvents { events: prepared.told(&input, run), left_out: run.left_out })
+    }
+
+    /// Output ports: component, number and `component/port`.
+    #[cfg(unix)]
+    fn ports(&self, prepared: &Prepared) -> impl Iterator<Item = (ComponentId, u32, String)> {
+        prepared.built.components.iter().flat_map(|(&name, &at)| {
+            let component = self.names.components[name].component;
+            let ports = (0u32..).zip(&component.ports);
+            let ports = ports.filter(|(_, port)| port.dir == PortDir::Out);
+            ports.map(move |(number, port)| {
+                (at, number, format!("{}/{}", component.name, port.name))
+            })
+        })
     }
 
     /// Builds the executed components. Returns `None` if that fails, which is printed, or is interrupted.
@@ -377,7 +391,7 @@ impl Context<'_, '_> {
         let (bounds, note) = self.final_bounds(prepared);
         let bounds: Vec<_> = bounds.iter().map(grown).collect();
         outcome.judge.bound_late(&bounds);
-        let mut report = RunReport::new(&opened, &plan, &outcome, &bounds);
+        let mut report = RunReport::new(&opened, &plan, &outcome, &bounds, &is_executed);
         // Without a scenario, the client of the model sends any request.
         if let Some(first) = first.filter(|_| !default) {
             report.count_outside_model(&outcome.tally, first);
@@ -386,6 +400,13 @@ impl Context<'_, '_> {
         let told = self.told(&opened, &outcome);
         let (lines, messages) = (lines(profile), messages(recording));
         drop(outcome);
+        let unwritten = self
+            .ports(&opened)
+            .filter(|(at, port, _)| parts.of(*at).is_some() && !live.has_written(*at, *port));
+        let unwritten: Vec<_> = unwritten.map(|(.., path)| path).collect();
+        if !unwritten.is_empty() {
+            notes.push(format!("never written: {}", unwritten.join(", ")));
+        }
         let denied = children.denied().iter();
         notes.extend(denied.map(|text| format!("the system does not grant {text}")));
         report.notes.extend(notes);

@@ -221,7 +221,8 @@ fn transitions(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> 
 fn word(outcome: &CheckOutcome) -> &'static str {
     match outcome.verdict {
         // The word that `dotgen verify` uses.
-        Verdict::Kept if outcome.exceeded => "exceeds",
+        Verdict::Kept | Verdict::Simulated if outcome.exceeded => "exceeds",
+        Verdict::Simulated => "simulated",
         Verdict::Kept | Verdict::Seen => "kept",
         Verdict::Violated => "violated",
         Verdict::NotExercised | Verdict::NotSeen => "not exercised",

@@ -42,9 +42,6 @@ fn document(answer: &Answer) -> anyhow::Result<Json> {
         if let Some(why) = why {
             json["why"] = serde_json::to_value(why)?;
         }
-        if check.exceeds() {
-            json["exceeded"] = json!(true);
-        }
     }
     document["diagnostics"] = answer.diagnostics.clone();
     if !answer.first.is_empty() {

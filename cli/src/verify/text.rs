@@ -10,13 +10,14 @@ use dotgen_timing::report::{Event, TimeUnit};
 
 use super::{Answer, explain};
 use crate::width::wrapped;
+use dotgen_timing::report::Verdict;
 use dotgen_views::verification::advice;
 use dotgen_views::verification::blocking;
 use dotgen_views::verification::changes::{Repair, Repairs};
 use dotgen_views::verification::first::FirstAnswer;
 use dotgen_views::verification::fold_repetitions::{Part, fold_repetitions, words as again};
 use dotgen_views::verification::summary;
-use dotgen_views::verification::view::{CheckView, Outcome};
+use dotgen_views::verification::view::CheckView;
 
 const TITLE: Style = Style::new().bold();
 const FAINT: Style = Style::new().dimmed();
@@ -38,7 +39,7 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
         answer.file(),
     )?;
     // Without any execution time, the table is sufficient.
-    let is_nothing = |answer: &FirstAnswer| answer.outcome == Outcome::Nothing;
+    let is_nothing = |answer: &FirstAnswer| answer.outcome == Verdict::Nothing;
     if !answer.first.iter().all(is_nothing) {
         first_answers(out, &answer.first)?;
     }
@@ -90,8 +91,8 @@ fn shown_run(
     if events.is_empty() {
         return Ok(());
     }
-    let style = style(seen.outcome);
-    let word = seen.outcome.word();
+    let style = style(seen.verdict);
+    let word = seen.verdict.word();
     writeln!(out, "\n{style}{word}{style:#} {}", seen.title())?;
     run(out, events, check.cycle, unit, explained)?;
     let requests = events.iter().filter(|event| event.kind == MomentKind::Request);
@@ -133,8 +134,8 @@ pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
     if let Some(report) = advice::of_report(report, &answer.problem, advice::Names::Options) {
         writeln!(out, "\n{TITLE}help{TITLE:#}: {report}")?;
     }
-    let count = |outcome| view.checks.iter().filter(|check| check.outcome == outcome).count();
-    let counts: Vec<String> = Outcome::ALL
+    let count = |outcome| view.checks.iter().filter(|check| check.verdict == outcome).count();
+    let counts: Vec<String> = Verdict::ALL
         .into_iter()
         .filter(|&outcome| count(outcome) > 0)
         .map(|outcome| format!("{} {}", count(outcome), outcome.counted()))
@@ -255,8 +256,8 @@ impl Row {
         let note = check.note.as_deref();
         let remarks: Vec<&str> = note.into_iter().chain(view.worth).collect();
         Row {
-            verdict: view.outcome.word(),
-            style: style(view.outcome),
+            verdict: view.verdict.word(),
+            style: style(view.verdict),
             check: match &check.name {
                 Some(name) => format!("{name}: {}", check.kind),
                 None => check.kind.to_string(),
@@ -290,10 +291,10 @@ fn shared_remarks(rows: &mut [Row]) -> Vec<String> {
     shared
 }
 
-fn style(outcome: Outcome) -> Style {
+fn style(outcome: Verdict) -> Style {
     match outcome {
-        Outcome::Proved => AnsiColor::Green.on_default(),
-        Outcome::Refuted | Outcome::Exceeds => AnsiColor::Red.on_default().bold(),
+        Verdict::Proved => AnsiColor::Green.on_default(),
+        Verdict::Refuted | Verdict::Exceeds => AnsiColor::Red.on_default().bold(),
         _ => AnsiColor::Yellow.on_default().bold(),
     }
 }

@@ -236,7 +236,7 @@ fn said(view: View, written: &std::ops::Range<usize>) -> Option<String> {
     if let Some(limit) = &check.limit {
         text += &format!(" of {limit}");
     }
-    Some(format!("{text}, {}", check.outcome.word()))
+    Some(format!("{text}, {}", check.verdict.word()))
 }
 
 /// Sets the names in a wish to the declaration around an offset. Without a declaration there, the names are

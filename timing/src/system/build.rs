@@ -120,7 +120,7 @@ fn build_with(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> boo
     builder.loops();
     builder.blocking();
     builder.assumptions();
-    builder.conditions();
+    builder.conditions(&included);
     builder.out
 }
 

@@ -74,7 +74,6 @@ impl Group<'_> {
                 (Durations::Fixed, true) => Soundness::Neither,
             },
             value: None,
-            vacuous: false,
             note: None,
             gave_up: None,
             by: None,
@@ -191,8 +190,7 @@ impl Group<'_> {
     ) {
         let Some(measurement) = measurement else {
             out.note = Some(never.to_owned());
-            self.unless_stopped(found.stopped, (found.states, found.bytes), Verdict::Proved, out);
-            out.vacuous = out.verdict == Verdict::Proved;
+            self.unless_stopped(found.stopped, (found.states, found.bytes), Verdict::Vacuous, out);
             return;
         };
         let base = self.built.system.unit;
@@ -256,7 +254,7 @@ impl Group<'_> {
         if out.verdict == Verdict::Proved
             && let Some(never) = never
         {
-            out.vacuous = true;
+            out.verdict = Verdict::Vacuous;
             out.note = Some(never);
         }
     }

@@ -39,7 +39,7 @@ pub fn certificate(
         let mut claims: Vec<(String, Predicate)> = Vec::new();
         for check in of_group.into_iter().filter(|&check| certified(check)) {
             if let (Some(answer), Some(never)) = (answered(check), group.excluded(&checks[check])) {
-                claims.push((format!("{} ({})", words(answer), verdict(answer)), never));
+                claims.push((format!("{} ({})", words(answer), answer.verdict.word()), never));
                 claimed.push(check);
             }
         }
@@ -69,23 +69,8 @@ fn words(check: &CheckReport) -> String {
     label.collect::<String>() + words.trim_end()
 }
 
-fn verdict(check: &CheckReport) -> &'static str {
-    match check.verdict {
-        Verdict::Proved => "proved",
-        Verdict::Conditional => "conditional",
-        Verdict::Refuted => "refuted",
-        Verdict::Unknown | Verdict::Open => "unknown",
-        Verdict::Nothing => "nothing",
-    }
-}
-
 fn uncertified(check: &CheckReport) -> Uncertified {
-    let by = match check.verdict {
-        Verdict::Proved | Verdict::Conditional | Verdict::Refuted => match check.by {
-            Some(layer) => Some(layer.to_string()),
-            None => Some("exploration".to_owned()),
-        },
-        _ => None,
-    };
-    Uncertified { check: words(check), verdict: verdict(check).to_owned(), by }
+    let answered = check.verdict.holds() || check.verdict == Verdict::Refuted;
+    let by = answered.then(|| check.by.map_or("exploration".to_owned(), |layer| layer.to_string()));
+    Uncertified { check: words(check), verdict: check.verdict.word().to_owned(), by }
 }

@@ -29,8 +29,7 @@ impl Group<'_> {
         }
         let path = system.task_path(task);
         Some(CheckReport {
-            verdict: Verdict::Proved,
-            vacuous: true,
+            verdict: Verdict::Vacuous,
             limit: None,
             note: Some(format!("`{path}` has no period, so its cycles have no response time")),
             ..self.blank(check)

@@ -89,8 +89,8 @@ fn smaller(scenario: &Scenario, written: bool) -> &'static str {
         (false, true) => "write a scenario whose client sends only the requests that matter",
         (true, true) => "let the clients of the scenario send less",
         (_, false) => {
-            "explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, which rounds durations up, \
-             so that what is proved still holds and what fails may be a false alarm"
+            "explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, to which \
+             a first exploration rounds durations"
         }
     }
 }
@@ -127,8 +127,8 @@ mod tests {
         expect_test::expect![[r#"
             write a scenario whose client sends only the requests that matter, or raise `--max-states`
             raise `--max-memory`, or let the clients of the scenario send less
-            raise `verification.time-limit` in the settings, or explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, which rounds durations up, so that what is proved still holds and what fails may be a false alarm
-            raise `verification.time-limit` and `verification.max-states` in the settings, or explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, which rounds durations up, so that what is proved still holds and what fails may be a false alarm
+            raise `verification.time-limit` in the settings, or explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, to which a first exploration rounds durations
+            raise `verification.time-limit` and `verification.max-states` in the settings, or explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, to which a first exploration rounds durations
         "#]]
         .assert_eq(&all.join("\n"));
     }

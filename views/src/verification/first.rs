@@ -12,7 +12,8 @@ use dotgen_timing::verify::{Cancel, Options};
 use serde::Serialize;
 
 use super::Problem;
-use super::view::{Outcome, View};
+use super::view::View;
+use dotgen_timing::report::Verdict;
 
 /// Maximum number of states explored for one of them.
 const STATES: usize = 30_000;
@@ -24,12 +25,12 @@ pub struct FirstAnswer {
     pub assuming: String,
     /// The outcome.
     #[serde(serialize_with = "counted")]
-    pub outcome: Outcome,
+    pub outcome: Verdict,
     /// The checks that fail or are not settled.
     pub open: Vec<String>,
 }
 
-fn counted<S: serde::Serializer>(outcome: &Outcome, to: S) -> Result<S::Ok, S::Error> {
+fn counted<S: serde::Serializer>(outcome: &Verdict, to: S) -> Result<S::Ok, S::Error> {
     to.serialize_str(outcome.counted())
 }
 
@@ -63,19 +64,19 @@ pub fn answers(problem: &Problem, options: &Options, cancel: &Cancel) -> Vec<Fir
 
 fn answer(assuming: String, problem: &Problem, options: &Options, report: &Report) -> FirstAnswer {
     let view = View::new(problem, options, report, &[]);
-    let open = |outcome: &Outcome| !matches!(outcome, Outcome::Proved | Outcome::Bounded);
+    let open = |outcome: &Verdict| !matches!(outcome, Verdict::Proved | Verdict::Bounded);
     let worst = [
-        Outcome::Refuted,
-        Outcome::Exceeds,
-        Outcome::GaveUp,
-        Outcome::Open,
-        Outcome::Vacuous,
-        Outcome::Nothing,
-        Outcome::Conditional,
+        Verdict::Refuted,
+        Verdict::Exceeds,
+        Verdict::Unknown,
+        Verdict::Open,
+        Verdict::Vacuous,
+        Verdict::Nothing,
+        Verdict::Conditional,
     ];
-    let has = |outcome: &Outcome| view.checks.iter().any(|check| check.outcome == *outcome);
-    let outcome = worst.into_iter().find(has).unwrap_or(Outcome::Proved);
-    let checks = view.checks.iter().filter(|check| open(&check.outcome));
+    let has = |outcome: &Verdict| view.checks.iter().any(|check| check.verdict == *outcome);
+    let outcome = worst.into_iter().find(has).unwrap_or(Verdict::Proved);
+    let checks = view.checks.iter().filter(|check| open(&check.verdict));
     FirstAnswer { assuming, outcome, open: checks.map(|check| check.title()).collect() }
 }
 

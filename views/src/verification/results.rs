@@ -28,6 +28,8 @@ pub enum Status {
     Running,
     /// Every check holds.
     Proved,
+    /// Every check has an answer, and some hold in a weak sense only: vacuous, or beyond the period.
+    Answered,
     /// Every check holds, some of them only if something is true that is not stated.
     Conditional,
     /// A check fails.
@@ -119,14 +121,16 @@ impl Answer {
             Status::Blocked
         } else if self.report.refuted() {
             Status::Refuted
-        } else if checks.any(|check| check.verdict == Verdict::Unknown) {
+        } else if self.report.unknown() {
             Status::GaveUp
         } else if self.report.nothing() {
             Status::Nothing
         } else if self.report.conditional() {
             Status::Conditional
-        } else {
+        } else if checks.all(|check| check.verdict == Verdict::Proved) {
             Status::Proved
+        } else {
+            Status::Answered
         }
     }
 }

@@ -14,94 +14,13 @@ use super::Problem;
 use super::summary::percent;
 use super::why::FailureCause;
 
-/// The outcome of a check.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
-    /// It holds.
-    Proved,
-    /// It holds if something is true that is not stated.
-    Conditional,
-    /// It holds because its subject never occurs in a run.
-    Vacuous,
-    /// Its upper bound is greater than the period of the task; the exact value may be less.
-    Bounded,
-    /// Its bound is greater than the period of the task, and the scenario states no limit.
-    Exceeds,
-    /// It does not hold.
-    Refuted,
-    /// It is not settled.
-    GaveUp,
-    /// Execution times are missing.
-    Nothing,
-    /// There is no answer yet.
-    Open,
-}
-
-impl Outcome {
-    /// The word in the table of the command line, and in the panel.
-    pub fn word(self) -> &'static str {
-        match self {
-            Outcome::Proved => "proved",
-            Outcome::Conditional => "conditional",
-            Outcome::Vacuous => "vacuous",
-            Outcome::Bounded => "bounded",
-            Outcome::Exceeds => "exceeds",
-            Outcome::Refuted => "refuted",
-            Outcome::GaveUp => "gave up",
-            Outcome::Nothing => "nothing",
-            Outcome::Open => "open",
-        }
-    }
-
-    /// The word after a count: `2 nothing to verify`.
-    pub fn counted(self) -> &'static str {
-        match self {
-            Outcome::Exceeds => "beyond the period",
-            Outcome::Nothing => "nothing to verify",
-            _ => self.word(),
-        }
-    }
-
-    /// All outcomes, in the order of counts.
-    pub const ALL: [Outcome; 9] = [
-        Outcome::Proved,
-        Outcome::Conditional,
-        Outcome::Vacuous,
-        Outcome::Bounded,
-        Outcome::Exceeds,
-        Outcome::Refuted,
-        Outcome::GaveUp,
-        Outcome::Nothing,
-        Outcome::Open,
-    ];
-
-    fn of(report: &CheckReport) -> Outcome {
-        match report.verdict {
-            Verdict::Proved | Verdict::Conditional if report.vacuous => Outcome::Vacuous,
-            Verdict::Proved | Verdict::Conditional if report.exceeds() => Outcome::Exceeds,
-            // An upper bound greater than the period proves nothing about the deadline.
-            Verdict::Proved | Verdict::Conditional
-                if report.slack().is_some_and(|slack| slack < 0.0) =>
-            {
-                Outcome::Bounded
-            }
-            Verdict::Proved => Outcome::Proved,
-            Verdict::Conditional => Outcome::Conditional,
-            Verdict::Refuted => Outcome::Refuted,
-            Verdict::Unknown => Outcome::GaveUp,
-            Verdict::Nothing => Outcome::Nothing,
-            Verdict::Open => Outcome::Open,
-        }
-    }
-}
-
 /// A check with its result.
 #[derive(Debug, Clone)]
 pub struct CheckView<'r> {
     /// The report.
     pub report: &'r CheckReport,
-    /// The outcome.
-    pub outcome: Outcome,
+    /// The verdict.
+    pub verdict: Verdict,
     /// `≤ 5 ms`; the sign shows a bound.
     pub value: Option<String>,
     /// `10 ms`: the stated limit, or the period.
@@ -169,7 +88,6 @@ impl<'r> CheckView<'r> {
         scenario: Option<&Scenario>,
         why: Option<&'r FailureCause>,
     ) -> CheckView<'r> {
-        let outcome = Outcome::of(report);
         let bound = report.rounded || report.soundness == Soundness::UpperBound;
         let (sign, least) = match report.verdict {
             Verdict::Unknown => ("≥ ", ""),
@@ -179,7 +97,7 @@ impl<'r> CheckView<'r> {
         let written = scenario.and_then(|scenario| check_of(scenario, report));
         CheckView {
             report,
-            outcome,
+            verdict: report.verdict,
             // An infinite bound is not shown.
             value: report.value.map(|value| match value {
                 Value::Unbounded => unit.show_value(value),

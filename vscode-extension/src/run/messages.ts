@@ -54,6 +54,7 @@ export interface Report {
   seed: number;
   time: number;
   end: string;
+  verdict: string;
   tasks: OfTask[];
   'requests-outside-model'?: number;
   services: { service: string; requests: number; refused: number; ended: number }[];
@@ -128,6 +129,8 @@ export interface RunView {
   report: Report | null;
   /** While it goes on, on the real clock. */
   progress: Progress | null;
+  /** Components without sources, once known: their codels are simulated. */
+  simulated: string[];
   /** Execution times that it took and that are not in the specification. */
   times: number;
   /** The first run can be stepped through. */
@@ -144,6 +147,8 @@ export type FromPage =
   | { type: 'stop' }
   | { type: 'again' }
   | { type: 'trace' }
+  /** Shows the light bulb of a component without sources, which offers its stubs. */
+  | { type: 'stubs' }
   /** Writes what was measured into the specification. */
   | { type: 'import' }
   /** Inputs by name; those left empty are not sent. */

@@ -52,6 +52,7 @@ const BODY = `<header aria-label="Run">
 <span id="state" class="state faint" role="status" aria-live="polite">nothing runs</span>
 <span id="facts" class="faint"></span>
 <span class="gap"></span>
+<button id="stubs" hidden title="Its codels have no functions: show what writes their stubs">Write Stubs</button>
 <button id="import" hidden title="Write the execution times of this run into the specification">Import Times</button>
 <button id="trace" hidden title="Step through this run, below">Step Through</button>
 <button id="again" hidden title="Run it again">Again</button>

@@ -141,6 +141,8 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
       case 'trace':
         if (run !== undefined) await vscode.commands.executeCommand('dotgen.openTrace', vscode.Uri.file(run.trace));
         return;
+      case 'stubs':
+        return offerStubs(run?.view.simulated[0]);
       case 'import':
         await vscode.commands.executeCommand('dotgen.importTimes');
         return this.update();
@@ -162,4 +164,15 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
     this.run = undefined;
     void this.measured.ask(undefined);
   }
+}
+
+/** Shows the name of a component, and what rewrites it: its stubs are among that. */
+async function offerStubs(component: string | undefined): Promise<void> {
+  if (component === undefined) return;
+  const symbols = await vscode.commands.executeCommand<vscode.SymbolInformation[]>('vscode.executeWorkspaceSymbolProvider', component);
+  const at = symbols.find((it) => it.name === component)?.location;
+  if (at === undefined) return;
+  const selection = new vscode.Range(at.range.start, at.range.start);
+  await vscode.window.showTextDocument(at.uri, { selection, viewColumn: vscode.ViewColumn.One });
+  await vscode.commands.executeCommand('editor.action.refactor');
 }

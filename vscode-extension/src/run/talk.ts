@@ -12,6 +12,7 @@ const RETRY_MS = 150;
 
 interface Described {
   name: string;
+  executed: boolean;
   services: { name: string; kind: string; doc: string | null; inputs: Input[] }[];
   ports: { name: string; direction: string; doc: string | null }[];
 }
@@ -30,6 +31,7 @@ interface Told {
 export class Talk {
   readonly services: Service[] = [];
   readonly ports: Port[] = [];
+  readonly simulated: string[] = [];
   /** How far the run has come. */
   progress: Progress | null = null;
   private socket: Socket | undefined;
@@ -101,7 +103,8 @@ export class Talk {
   }
 
   private described(components: Described[]): void {
-    for (const { name: component, services, ports } of components) {
+    for (const { name: component, executed, services, ports } of components) {
+      if (!executed) this.simulated.push(component);
       for (const it of services) this.services.push({ ...it, name: `${component}.${it.name}`, answer: '', active: false });
       for (const { name, doc, direction } of ports) {
         if (direction !== 'out') continue;

@@ -15,7 +15,7 @@ declare function acquireVsCodeApi(): { postMessage(message: FromPage): void; get
 
 const host = acquireVsCodeApi();
 const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
-const STATES: Record<RunView['state'], string> = { starting: 'starting …', running: 'running …', stopping: 'stopping …', ended: 'kept', failed: 'could not run' };
+const STATES: Record<RunView['state'], string> = { starting: 'starting …', running: 'running …', stopping: 'stopping …', ended: 'ended', failed: 'could not run' };
 const ENDS: Record<string, string> = { done: '', 'nothing-left': 'nothing was left to happen', standstill: 'time stood still', stopped: 'stopped at a violation', interrupted: 'stopped' };
 
 function node<K extends keyof HTMLElementTagNameMap>(tag: K, content: (Node | string)[] | string = '', className = ''): HTMLElementTagNameMap[K] {
@@ -71,16 +71,19 @@ function violation(it: Violation, { unit: written, checks }: Report): string {
   }
 }
 
-function showHead({ name, clock, debug, state, report, progress, hasTrace, times }: RunView): void {
-  element('title').textContent = `${clock === 'real' || debug ? 'Run' : 'Simulation'} of ${name}`;
+function showHead({ name, clock, debug, state, report, progress, simulated, hasTrace, times }: RunView): void {
+  const title = clock === 'virtual' && !debug ? 'Simulation' : simulated.length > 0 ? 'Simulated run' : 'Run';
+  element('title').textContent = `${title} of ${name}`;
+  element('stubs').hidden = simulated.length === 0;
   const badge = element('state');
   const violated = ((report ?? progress)?.['violation-count'] ?? 0) > 0;
-  const word = violated ? 'violated' : STATES[state];
+  const word = violated ? 'violated' : state === 'ended' && report !== null ? said(report.verdict) : STATES[state];
   // Screen readers tell every change of a live region, also to the same.
   if (badge.textContent !== word) badge.textContent = word;
-  badge.className = `state ${violated || state === 'failed' ? 'violated' : state === 'ended' ? 'kept' : 'faint'}`;
+  badge.className = `state ${violated || state === 'failed' ? 'violated' : word === 'kept' ? 'kept' : 'faint'}`;
+  const without = simulated.length === 0 || report !== null ? [] : [`without sources: ${simulated.join(', ')}`];
   const facts = report === null ? (progress === null ? [] : [`${number(progress.time)} ${shownUnit(progress.unit)}`]) : [`${number(report.time)} ${shownUnit(report.unit)}`, ENDS[report.end] ?? report.end, `seed ${report.seed}`];
-  element('facts').textContent = facts.filter((it) => it !== '').join(' · ');
+  element('facts').textContent = [...without, ...facts].filter((it) => it !== '').join(' · ');
   const over = state === 'ended' || state === 'failed';
   element('stop').hidden = over;
   element('again').hidden = !over;
@@ -90,9 +93,12 @@ function showHead({ name, clock, debug, state, report, progress, hasTrace, times
   take.textContent = times === 1 ? 'Import 1 Time' : `Import ${times} Times`;
 }
 
+/** A verdict in the words of `dotgen run`. */
+const said = (it: string) => ({ seen: 'kept', 'not-seen': 'not exercised', 'not-exercised': 'not exercised' })[it] ?? it;
+
 /** The verdict of a check in the words of `dotgen run`, with the reason why the run shows nothing about it. */
 function verdict(it: Report['checks'][number]): HTMLElement {
-  const word = { seen: 'kept', 'not-seen': 'not exercised', 'not-exercised': 'not exercised' }[it.verdict] ?? it.verdict;
+  const word = said(it.verdict);
   return node('span', it.why === undefined ? word : `${word}: ${it.why}`, it.verdict === 'violated' ? 'violated' : '');
 }
 
@@ -213,7 +219,7 @@ function showLog(lines: string[]): void {
   if (atEnd) log.scrollTop = log.scrollHeight;
 }
 
-for (const type of ['stop', 'again', 'trace', 'import'] as const) element(type).addEventListener('click', () => host.postMessage({ type }));
+for (const type of ['stop', 'again', 'trace', 'stubs', 'import'] as const) element(type).addEventListener('click', () => host.postMessage({ type }));
 window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
   const { view } = data;
   showHead(view);

@@ -12,6 +12,7 @@ const STATES: Record<VerificationAnswer['status'], string> = {
   running: 'verifying …',
   proved: 'proved',
   conditional: 'conditional',
+  answered: 'answered',
   refuted: 'refuted',
   'gave-up': 'gave up',
   nothing: 'nothing to verify',

@@ -489,7 +489,7 @@ fn shown_check(
         name: check.name.clone(),
         check: check.kind.word().to_owned(),
         of: check.of.clone(),
-        verdict: view.outcome.word().to_owned(),
+        verdict: view.verdict.word().to_owned(),
         worth: view.worth.map(str::to_owned),
         value: view.value.clone(),
         limit: view.limit.clone(),

@@ -19,11 +19,12 @@ use super::{has_refuting_run, place, tasks};
 use crate::config::Level;
 use crate::protocol::types::Uri;
 use crate::workspace::snapshot::Snapshot;
+use dotgen_timing::report::Verdict;
 use dotgen_views::verification::Problem;
 use dotgen_views::verification::advice::{self, Names};
 use dotgen_views::verification::problem;
 use dotgen_views::verification::results::{Answer, Entry};
-use dotgen_views::verification::view::{CheckView, Outcome};
+use dotgen_views::verification::view::CheckView;
 
 const MISS: &str = "timing/deadline-miss";
 const EXCEEDED: &str = "timing/response-exceeded";
@@ -108,7 +109,7 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Abo
                 PropertyKind::Response => view.report.bound.is_some(),
                 _ => false,
             };
-            of_time && view.outcome == Outcome::Refuted
+            of_time && view.verdict == Verdict::Refuted
         });
         let facts = late.filter_map(|(check, view)| Some((check, view, fact(answer, view)?)));
         let mut facts = facts.filter(|(.., (code, _))| severity(snapshot, code).is_some());
@@ -119,12 +120,12 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Abo
         }
         for (check, view) in view.of_task(task.id) {
             // Several checks that gave up get one diagnostic: the same change helps all of them.
-            let given_up = view.outcome == Outcome::GaveUp
+            let given_up = view.verdict == Verdict::Unknown
                 && view.report.kind == PropertyKind::Schedulable
                 && !entry.problem.is_written()
                 && !out.iter().any(|check: &AboutCheck| check.diagnostic.code == GAVE_UP);
             let vacuous =
-                view.outcome == Outcome::Vacuous && view.report.kind == PropertyKind::Schedulable;
+                view.verdict == Verdict::Vacuous && view.report.kind == PropertyKind::Schedulable;
             if given_up || vacuous {
                 let found =
                     diagnostic(snapshot, entry, answer, view, path, &task.range, Vec::new());
@@ -216,15 +217,15 @@ fn fact(answer: &Answer, view: &CheckView) -> Option<(&'static str, String)> {
     let unit = answer.unit();
     let check = view.report;
     let of = &check.of;
-    Some(match (view.outcome, check.kind) {
-        (Outcome::Proved | Outcome::Bounded | Outcome::Exceeds | Outcome::Open, _) => return None,
+    Some(match (view.verdict, check.kind) {
+        (Verdict::Proved | Verdict::Bounded | Verdict::Exceeds | Verdict::Open, _) => return None,
         // Missing items are reported at their own place.
-        (Outcome::Nothing | Outcome::Conditional, _) => return None,
-        (Outcome::Vacuous, kind) => {
+        (Verdict::Nothing | Verdict::Conditional, _) => return None,
+        (Verdict::Vacuous, kind) => {
             let why = check.note.as_deref().unwrap_or_default();
             (VACUOUS, format!("`{kind} {of}` says nothing: {why}"))
         }
-        (Outcome::GaveUp, kind) => (GAVE_UP, {
+        (Verdict::Unknown, kind) => (GAVE_UP, {
             let reason = check.gave_up.map(|gave_up| gave_up.reason);
             let advice = advice::of(reason, &answer.problem, Names::Settings);
             let advice = advice.map_or(String::new(), |advice| format!("; {advice}"));
@@ -290,7 +291,7 @@ fn diagnostic(
     } else if let Some(why) = view.reason.last() {
         message += &format!("; {why}");
     }
-    if !language::is_scenario(path) && view.outcome != Outcome::GaveUp {
+    if !language::is_scenario(path) && view.verdict != Verdict::Unknown {
         message += &match entry.problem.is_written() {
             true => format!(" (scenario `{}`)", answer.report.scenario),
             false => " (no scenario: any client, at any time)".to_owned(),

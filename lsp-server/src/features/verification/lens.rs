@@ -7,7 +7,6 @@ use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::markdown;
 use dotgen_timing::explore::Stop;
 use dotgen_timing::property::PropertyKind;
-use dotgen_timing::report::Verdict;
 use dotgen_timing::system::indexed::DeclaredTask;
 use dotgen_timing::verify::settings;
 use serde_json::Value;
@@ -18,10 +17,11 @@ use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::{CodeLens, CodeLensParams, Command};
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_timing::report::TimeUnit;
+use dotgen_timing::report::Verdict;
 use dotgen_timing::system::ground;
 use dotgen_views::verification::advice;
 use dotgen_views::verification::results::{Answer, Entry, Status};
-use dotgen_views::verification::view::{CheckView, Outcome};
+use dotgen_views::verification::view::CheckView;
 
 /// Shown until there is an answer.
 const VERIFYING: &str = "verifying …";
@@ -169,7 +169,7 @@ fn refutes(entry: &Entry, check: usize) -> bool {
 /// The check to show for a task: a refuted one, else its response time.
 fn shown(entry: &Entry, task: DeclaredTask) -> Option<usize> {
     let view = entry.known()?.view();
-    let of_task = || view.of_task(task).filter(|task| task.1.outcome != Outcome::Open);
+    let of_task = || view.of_task(task).filter(|task| task.1.verdict != Verdict::Open);
     let refuted = of_task().find(|task| task.1.report.verdict == Verdict::Refuted);
     let response = || of_task().find(|task| task.1.report.kind == PropertyKind::Response);
     refuted.or_else(response).or_else(|| of_task().next()).map(|task| task.0)
@@ -179,7 +179,8 @@ fn shown(entry: &Entry, task: DeclaredTask) -> Option<usize> {
 fn whole(entry: &Entry) -> String {
     let text = match entry.status {
         Status::Stale | Status::Running => VERIFYING.to_owned(),
-        Status::Proved => proved(entry).to_owned(),
+        Status::Proved => "proved".to_owned(),
+        Status::Answered => "answered".to_owned(),
         Status::Conditional => "conditional".to_owned(),
         Status::Refuted => "refuted".to_owned(),
         Status::Nothing => "nothing to verify".to_owned(),
@@ -192,17 +193,6 @@ fn whole(entry: &Entry) -> String {
         }
         (None, Some(answer)) => format!("{text} · {}", answer.report.how_far()),
         (None, None) => text,
-    }
-}
-
-/// The summary of a verification without failures. It is not a proof if a response time without a limit
-/// exceeds the period of its task, or if a check is vacuous.
-fn proved(entry: &Entry) -> &'static str {
-    let weak = |check: &CheckView| matches!(check.outcome, Outcome::Exceeds | Outcome::Vacuous);
-    let answer = entry.known();
-    match answer.is_some_and(|answer| answer.view().checks.iter().any(weak)) {
-        true => "answered",
-        false => "proved",
     }
 }
 
@@ -241,8 +231,8 @@ fn verdict(entry: &Entry, task: DeclaredTask) -> Option<(Mark, String)> {
     };
     let view = answer.view();
     let all: Vec<&CheckView> = view.of_task(task).map(|task| task.1).collect();
-    let first = |outcome| all.iter().copied().find(|task| task.outcome == outcome);
-    if all.is_empty() || first(Outcome::Nothing).is_some() {
+    let first = |outcome| all.iter().copied().find(|task| task.verdict == outcome);
+    if all.is_empty() || first(Verdict::Nothing).is_some() {
         return None;
     }
     let response = all.iter().find(|task| task.report.kind == PropertyKind::Response);
@@ -251,7 +241,7 @@ fn verdict(entry: &Entry, task: DeclaredTask) -> Option<(Mark, String)> {
         Some(share) => format!("{text}: {share}"),
         None => text.to_owned(),
     };
-    if let Some(refuted) = first(Outcome::Refuted) {
+    if let Some(refuted) = first(Verdict::Refuted) {
         let late = matches!(
             refuted.report.kind,
             PropertyKind::Schedulable | PropertyKind::Response | PropertyKind::NoOverdue
@@ -264,22 +254,22 @@ fn verdict(entry: &Entry, task: DeclaredTask) -> Option<(Mark, String)> {
             (false, _) => say(Mark::Fails, &format!("{} fails", refuted.report.kind)),
         };
     }
-    if first(Outcome::Exceeds).is_some() {
+    if first(Verdict::Exceeds).is_some() {
         return say(Mark::Fails, &and_measured("later than its period"));
     }
-    if let Some(open) = first(Outcome::GaveUp) {
+    if let Some(open) = first(Verdict::Unknown) {
         return say(Mark::Unsettled, &and_measured(&undecided_causes(answer, open)));
     }
-    if first(Outcome::Open).is_some() {
+    if first(Verdict::Open).is_some() {
         return say(Mark::Open, "verifying");
     }
-    if first(Outcome::Vacuous).is_some() {
+    if first(Verdict::Vacuous).is_some() {
         return say(Mark::Unsettled, NEVER);
     }
-    if first(Outcome::Bounded).is_some() {
+    if first(Verdict::Bounded).is_some() {
         return say(Mark::Unsettled, &and_measured("perhaps late"));
     }
-    if let Some(check) = first(Outcome::Conditional) {
+    if let Some(check) = first(Verdict::Conditional) {
         return say(Mark::Unsettled, &and_measured(&ground::short(&check.report.conditions)));
     }
     say(Mark::Holds, measured.as_deref().unwrap_or("holds"))
@@ -345,37 +335,39 @@ fn of_task(entry: &Entry, task: DeclaredTask) -> Option<String> {
     if all.is_empty() {
         return None;
     }
-    let has = |outcome| all.iter().any(|task| task.outcome == outcome);
-    let open = has(Outcome::Open);
-    if has(Outcome::Nothing) {
+    let has = |outcome| all.iter().any(|task| task.verdict == outcome);
+    let open = has(Verdict::Open);
+    if has(Verdict::Nothing) {
         return Some("nothing to verify: no execution times".to_owned());
     }
     let mut parts = Vec::new();
-    match of_kind(PropertyKind::Schedulable).map(|kind| kind.outcome) {
-        Some(Outcome::Refuted) => parts.push("deadline missed".to_owned()),
-        Some(Outcome::Proved) if open => parts.push("deadline met".to_owned()),
+    match of_kind(PropertyKind::Schedulable).map(|kind| kind.verdict) {
+        Some(Verdict::Refuted) => parts.push("deadline missed".to_owned()),
+        Some(Verdict::Proved) if open => parts.push("deadline met".to_owned()),
         _ => {}
     }
-    match response.filter(|response| response.outcome != Outcome::Open) {
+    match response.filter(|response| response.verdict != Verdict::Open) {
         Some(response) => parts.extend(measured(response)),
         None => parts.extend(bound.filter(|_| open)),
     }
     if open {
-        if has(Outcome::Refuted) {
+        if has(Verdict::Refuted) {
             parts.push("refuted".to_owned());
         }
         parts.push(VERIFYING.to_owned());
         return Some(parts.join(" · "));
     }
-    let mut word = if has(Outcome::Refuted) {
+    let mut word = if has(Verdict::Refuted) {
         "refuted".to_owned()
-    } else if let Some(task) = all.iter().find(|task| task.outcome == Outcome::GaveUp) {
+    } else if let Some(task) = all.iter().find(|task| task.verdict == Verdict::Unknown) {
         outcome(task)
-    } else if has(Outcome::Exceeds) {
+    } else if has(Verdict::Exceeds) {
         "later than its period".to_owned()
-    } else if has(Outcome::Vacuous) {
+    } else if has(Verdict::Bounded) {
+        "perhaps later than its period".to_owned()
+    } else if has(Verdict::Vacuous) {
         NEVER.to_owned()
-    } else if let Some(check) = all.iter().find(|task| task.outcome == Outcome::Conditional) {
+    } else if let Some(check) = all.iter().find(|task| task.verdict == Verdict::Conditional) {
         format!("conditional: {}", ground::short(&check.report.conditions))
     } else {
         "proved".to_owned()
@@ -395,7 +387,7 @@ fn of_task(entry: &Entry, task: DeclaredTask) -> Option<String> {
 /// `R 7 ms of 10 ms`, `slack 30 %`
 fn measured(check: &CheckView) -> Vec<String> {
     let value = check.value.as_ref();
-    let Some(value) = value.filter(|_| check.outcome != Outcome::GaveUp) else {
+    let Some(value) = value.filter(|_| check.verdict != Verdict::Unknown) else {
         return Vec::new();
     };
     match (&check.limit, &check.slack) {
@@ -411,9 +403,9 @@ fn unit_of(entry: &Entry) -> TimeUnit {
 }
 
 fn outcome(check: &CheckView) -> String {
-    match (check.outcome, check.report.gave_up) {
-        (Outcome::GaveUp, Some(why)) => why.to_string(),
-        (Outcome::Open, _) => VERIFYING.to_owned(),
+    match (check.verdict, check.report.gave_up) {
+        (Verdict::Unknown, Some(why)) => why.to_string(),
+        (Verdict::Open, _) => VERIFYING.to_owned(),
         (outcome, _) => outcome.counted().to_owned(),
     }
 }

@@ -79,7 +79,7 @@ export function checks(wb) {
       await lens('✓').waitFor();
       await command('simulate', 'dotgen: Simulate');
       const frame = await wb.pageWith('#tasks');
-      await frame.locator('#state', { hasText: 'kept' }).waitFor();
+      await frame.locator('#state', { hasText: 'simulated' }).waitFor();
       await wb.shot('keys-5-simulated.png');
       console.log(`    ${presses} presses`);
       assert.ok(presses <= MOST_PRESSES, `${presses} presses`);

@@ -32,7 +32,7 @@ export function checks(wb) {
       await wb.open('pump.scn');
       await wb.statusItem.locator('.codicon-check').waitFor();
       await wb.command('dotgen: Simulate');
-      await state('kept').waitFor();
+      await state('simulated').waitFor();
       const tasks = frame.locator('#tasks tbody tr');
       assert.deepEqual((await tasks.locator('td:first-child').allInnerTexts()), ['pump.control', 'pump.report']);
       const [greatest, bound] = (await tasks.first().locator('td.number').allInnerTexts()).slice(2, 4).map(Number);
@@ -69,6 +69,9 @@ export function checks(wb) {
       await wb.command('dotgen: Run');
       const form = frame.getByRole('form', { name: 'pump.fill' });
       await form.waitFor();
+      // What has no sources is simulated: that is said from the start.
+      assert.equal(await frame.locator('#title').innerText(), 'Simulated run of pump.scn');
+      assert.match(await frame.locator('#facts').innerText(), /^without sources: pump/);
       // The form is made from its type: with its default, its unit and its doc text.
       const height = form.getByLabel('height');
       assert.equal(await height.inputValue(), '1');
@@ -93,6 +96,12 @@ export function checks(wb) {
       await frame.locator('#stop').click();
       await frame.locator('#facts', { hasText: 'stopped' }).waitFor();
       await wb.shot('93-stopped.png');
+    }],
+    ['a simulated run offers the stubs of its component', async () => {
+      await frame.locator('#stubs').click();
+      await page.locator('.action-widget', { hasText: 'missing stubs of component `pump`' }).waitFor();
+      await wb.shot('97-stubs.png');
+      await page.keyboard.press('Escape');
     }],
     ['a codel that takes longer than it states: the run names the assumption that it breaks', async () => {
       await wb.command('View: Focus First Editor Group');

@@ -2,16 +2,28 @@
 
 use super::Builder;
 use crate::scn::ast::{self, Durations};
+use crate::scn::names::Member;
 use crate::scn::semantics::LockRule;
 use crate::system::ground::Condition;
 
 impl Builder<'_> {
-    /// The conditions: codels without a time that can execute in this scenario.
-    pub(super) fn conditions(&mut self) {
+    /// The conditions: codels without a time that can execute in this scenario, and unknown interfaces.
+    pub(super) fn conditions(&mut self, included: &[usize]) {
         let executed = self.out.system.executed();
         let executed = self.untimed.iter().filter(|id| executed[**id]);
         let codels = executed.map(|id| self.out.system.codels[*id].path.clone());
         self.out.conditions = codels.map(|codel| Condition::Wcet { codel }).collect();
+        for &index in included {
+            let Member { spec, component, .. } = self.names.components[index];
+            let Some(at) = spec.components.iter().position(|it| it.name == component.name) else {
+                continue;
+            };
+            let unknown = spec.unknown_interfaces(at as u32).into_iter();
+            self.out.conditions.extend(unknown.map(|interface| Condition::Interface {
+                interface: interface.to_string(),
+                component: component.name.to_string(),
+            }));
+        }
     }
 
     pub(super) fn assumptions(&mut self) {
