@@ -121,6 +121,7 @@ fn lacks_open(p: &Parser<'_>, fragment: Fragment) -> bool {
                 || (p.at(IDENT) || p.at_ts(COMMON)) && p.has_spare_brace()
         }
         Fragment::Members if p.at_ts(TYPES) => p.has_spare_brace(),
+        Fragment::Members if p.starts_line() && spec::at_item(p) => false,
         Fragment::Members if p.at(IDENT) || p.at(COLON2) => {
             types::at_member(p) || p.at(COLON2) && p.has_spare_brace()
         }
@@ -216,7 +217,8 @@ pub(super) fn is_left(p: &Parser<'_>, body: Body<'_>) -> bool {
         SEMICOLON => here.is_none() || here <= outer,
         IDENT if body.fragment == Fragment::Members && p.nth_at_ts(1, AFTER_DECLARATOR) => true,
         kind if kind == R_CURLY || may_follow(p, body.fragment) => {
-            let inner = p.input.indent(body.first);
+            let is_first = body.first == p.position();
+            let inner = if is_first { None } else { p.input.indent(body.first) };
             let is_inside = |here| here > outer || here == outer && kind == R_CURLY;
             outer.is_some()
                 && (inner.is_none() || inner > outer)

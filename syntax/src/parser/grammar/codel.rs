@@ -28,7 +28,9 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
     let m = p.start();
     // `codel start f()`
     let lacks_angles = p.at(IDENT) && p.nth(1) == IDENT && p.nth(2) == L_PAREN;
-    let has_triggers = p.at(L_ANGLE) || (lacks_angles && form == Form::Any);
+    let has_triggers = p.at(L_ANGLE)
+        || p.at(L_BRACK) && p.nth(1) == IDENT
+        || (lacks_angles && form == Form::Any);
     if has_triggers {
         if form == Form::Simple {
             p.error_here(Parsing::ValidateWithStates);
@@ -82,6 +84,19 @@ pub(super) fn at_codel(p: &Parser<'_>) -> bool {
 
 fn triggers(p: &mut Parser<'_>) {
     let m = p.start();
+    if p.at(L_BRACK) {
+        let at = p.position();
+        p.bump(L_BRACK);
+        comma_list(p, state);
+        if p.error_at(at, Parsing::ForeignSign { found: "`[`".into(), sign: "<" }) && p.at(R_BRACK) {
+            let end = p.position();
+            let text = format!("<{}>", p.source(at + 1..end));
+            p.replace(at..end + 1, &text, true);
+            p.bump(R_BRACK);
+        }
+        m.complete(p, TRIGGERS);
+        return;
+    }
     if !p.eat(L_ANGLE) {
         let (state, name) = (p.current_text().into(), p.nth_text(1).into());
         if p.error_here(Parsing::StatesWithoutAngles { state, name }) {
@@ -138,6 +153,10 @@ fn state(p: &mut Parser<'_>) -> bool {
         return false;
     }
     let m = p.start();
+    const PAUSE: TokenSet = TokenSet::new(&[PAUSE_KW]);
+    if !p.at(PAUSE_KW) && p.nth(1) == COLON2 {
+        p.respell(PAUSE, |p| p.nth(2) == IDENT);
+    }
     if p.at(PAUSE_KW) && p.nth(1) == COLON2 {
         p.bump(PAUSE_KW);
         p.bump(COLON2);

@@ -61,13 +61,42 @@ fn ids(p: &mut Parser<'_>) {
 fn port(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(PORT_KW);
+    const MULTIPLE: TokenSet = TokenSet::new(&[MULTIPLE_KW]);
+    const DIRECTION: TokenSet = TokenSet::new(&[IN_KW, OUT_KW]);
+    if !p.at_ts(DIRECTION) {
+        p.respell(MULTIPLE, |p| p.nth_at_ts(1, DIRECTION));
+    }
     p.eat(MULTIPLE_KW);
+    match p.current_text().as_str() {
+        "input" => p.read_foreign(1, IN_KW),
+        "output" => p.read_foreign(1, OUT_KW),
+        _ if p.at_ts(DIRECTION) => {}
+        _ => {
+            p.respell(DIRECTION, |p| p.nth_at_ts(1, types::TYPE_FIRST) && !spec::at_item(p));
+        }
+    }
     if !p.eat(IN_KW) && !p.eat(OUT_KW) {
         p.expected("the direction of the port, `in` or `out`");
-    } else if types::type_spec(p, types::AllowedTypes::Constructed) {
-        types::declared_name(p);
+    } else {
+        extra_word(p);
+        if types::type_spec(p, types::AllowedTypes::Constructed) {
+            types::declared_name(p);
+        }
     }
     property::properties(p, "this port");
     semicolon(p, "this port");
     m.complete(p, PORT);
+}
+
+/// Skips a word before the type and the name of a port: `port in puts t p;`.
+fn extra_word(p: &mut Parser<'_>) {
+    const END: TokenSet = TokenSet::new(&[SEMICOLON, L_CURLY]);
+    let words = (0..3).all(|n| p.nth(n) == IDENT && !p.nth_starts_line(n));
+    if !words || !p.nth_at_ts(3, END) || p.is_reported() {
+        return;
+    }
+    let (at, word) = (p.position(), p.current_text().into());
+    p.push_error(at, Parsing::ExtraWord { word });
+    p.replace(at..at + 1, "", false);
+    p.skip_tokens(1);
 }

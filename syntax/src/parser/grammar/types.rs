@@ -13,6 +13,18 @@ pub(super) fn const_decl(p: &mut Parser<'_>) {
         TokenSet::new(&[ANY_KW, SEQUENCE_KW, OPTIONAL_KW, FIXED_KW, STRUCT_KW, UNION_KW, ENUM_KW]);
     if p.at_ts(UNFIT) {
         unfit_type(p, Parsing::UnfitConstant);
+    } else if p.at(IDENT) && p.nth(1) == EQ {
+        p.expected_because("the type of the constant", "write `const TYPE NAME = VALUE;`");
+        let ty = match p.nth(2) {
+            INT => "long ",
+            FLOAT => "double ",
+            STRING => "string ",
+            TRUE_KW | FALSE_KW => "boolean ",
+            _ => "",
+        };
+        if !ty.is_empty() {
+            p.insert_before(ty, false);
+        }
     } else {
         type_spec(p, AllowedTypes::Simple);
     }
@@ -32,7 +44,9 @@ pub(super) fn const_decl(p: &mut Parser<'_>) {
 // typedef struct s { long x; } w;
 pub(super) fn typedef_decl(p: &mut Parser<'_>) {
     let m = p.start();
+    let typedef = p.position();
     p.bump(TYPEDEF_KW);
+    anonymous(p, typedef);
     if type_spec(p, AllowedTypes::Constructed) {
         comma_list(p, declarator);
     }
@@ -117,6 +131,11 @@ pub(super) fn member(p: &mut Parser<'_>) -> bool {
 // test case
 // union u switch (e) { case A: case m::B: long x; default: sequence<long> y[2]; };
 pub(super) fn case(p: &mut Parser<'_>) -> bool {
+    const LABELS: TokenSet = TokenSet::new(&[CASE_KW, DEFAULT_KW]);
+    p.respell(LABELS, |p| match p.at(DEFAULT_KW) {
+        true => p.nth(1) == COLON,
+        false => p.nth(2) == COLON,
+    });
     if !p.at(CASE_KW) && !p.at(DEFAULT_KW) {
         return false;
     }
@@ -178,7 +197,8 @@ pub(super) fn declared_name(p: &mut Parser<'_>) -> bool {
 /// Returns true if the next declaration begins here, in the place of a type. A type and a name are not a
 /// declaration.
 pub(super) fn at_next(p: &Parser<'_>) -> bool {
-    spec::at_item(p) && !(p.nth_at(1, IDENT) && p.nth_at_ts(2, AFTER_NAME))
+    let continues = p.starts_line() && p.position() != p.item;
+    spec::at_item(p) && (continues || !(p.nth_at(1, IDENT) && p.nth_at_ts(2, AFTER_NAME)))
 }
 
 /// Returns true at a type and a name in the place of one name: a declaration of its own.
@@ -243,8 +263,13 @@ pub(super) const TYPE_FIRST: TokenSet = TokenSet::new(&[
 pub(super) fn type_spec(p: &mut Parser<'_>, allow: AllowedTypes) -> bool {
     const TEMPLATES: TokenSet = TokenSet::new(&[SEQUENCE_KW, OPTIONAL_KW, STRING_KW]);
     const BLOCKS: TokenSet = TokenSet::new(&[STRUCT_KW, ENUM_KW]);
+    const SIGNED: TokenSet = TokenSet::new(&[UNSIGNED_KW]);
+    const INTEGERS: TokenSet = TokenSet::new(&[SHORT_KW, LONG_KW]);
+    type_of_cpp(p);
     if p.at(IDENT) && p.nth(1) == L_ANGLE {
         p.respell(TEMPLATES, |_| true);
+    } else if p.at(IDENT) && p.nth_at_ts(1, INTEGERS) {
+        p.respell(SIGNED, |_| true);
     } else if p.at(IDENT) && p.nth(1) == IDENT && p.nth(2) == L_CURLY {
         p.respell(BLOCKS, |_| allow == AllowedTypes::Constructed);
     }
@@ -283,6 +308,49 @@ pub(super) fn type_spec(p: &mut Parser<'_>, allow: AllowedTypes) -> bool {
         }
     }
     true
+}
+
+/// Reads a type of the standard library of C++ as the type of the language that it stands for.
+fn type_of_cpp(p: &mut Parser<'_>) {
+    if !p.at(IDENT) || p.is_reported() {
+        return;
+    }
+    let qualified = p.nth(1) == COLON2 && p.current_text() == "std";
+    let last = if qualified { 2 } else { 0 };
+    let kind = match p.nth_text(last).as_str() {
+        "string" => STRING_KW,
+        "optional" if p.nth(last + 1) == L_ANGLE => OPTIONAL_KW,
+        "vector" | "array" | "list" | "deque" if p.nth(last + 1) == L_ANGLE => SEQUENCE_KW,
+        _ => return,
+    };
+    p.read_foreign(last + 1, kind);
+}
+
+/// Reports `typedef struct { … } NAME;`, whose name belongs behind `struct`.
+fn anonymous(p: &mut Parser<'_>, typedef: usize) {
+    const WORDS: TokenSet = TokenSet::new(&[STRUCT_KW, ENUM_KW]);
+    if !p.at_ts(WORDS) || p.nth(1) != L_CURLY || p.is_reported() {
+        return;
+    }
+    let (mut open, start) = (0u32, p.position() + 1);
+    let close = (start..).find(|token| {
+        match p.input.kind(*token) {
+            L_CURLY => open += 1,
+            R_CURLY => open -= 1,
+            EOF => open = 0,
+            _ => {}
+        }
+        open == 0
+    });
+    let name = close.map_or(start, |close| close + 1);
+    if p.input.kind(name) == IDENT && p.input.kind(name + 1) == SEMICOLON {
+        let (word, name_text) = (p.current_text(), p.nth_text_at(name));
+        let text = format!("{word} {name_text} {}", p.source(start..name));
+        let (word, name_text) = (word.into(), name_text.into());
+        p.push_error(start, Parsing::Anonymous { word, name: name_text });
+        p.replace(typedef..name + 1, &text, true);
+        p.nameless = Some(start);
+    }
 }
 
 /// A type that is not allowed here: parsed, reported and hidden from the tree's users.
@@ -374,7 +442,10 @@ fn template_type(p: &mut Parser<'_>) -> bool {
     let m = p.start();
     let kind = if p.at(SEQUENCE_KW) { SEQUENCE_TYPE } else { OPTIONAL_TYPE };
     p.bump_any();
-    if p.expect(L_ANGLE) && type_spec(p, AllowedTypes::Simple) {
+    let opened = p.expect(L_ANGLE);
+    if opened && p.starts_line() && at_member(p) {
+        p.expected("a type");
+    } else if opened && type_spec(p, AllowedTypes::Simple) {
         if kind == SEQUENCE_TYPE && p.eat(COMMA) {
             expr::in_angles(p);
         }
@@ -440,6 +511,8 @@ fn union_type(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(UNION_KW);
     if type_name(p) {
+        const SWITCH: TokenSet = TokenSet::new(&[SWITCH_KW]);
+        p.respell(SWITCH, |p| p.nth(1) == L_PAREN);
         if !p.eat(SWITCH_KW) {
             p.expected_because("`switch`", "write `union NAME switch (TYPE) { … }`");
             p.skip_construct();
@@ -536,6 +609,9 @@ fn enumerators(p: &mut Parser<'_>) {
 
 /// The name of a struct, union or enum; anonymous ones do not exist.
 fn type_name(p: &mut Parser<'_>) -> bool {
+    if p.at(L_CURLY) && p.nameless == Some(p.position()) {
+        return true;
+    }
     if p.at(L_CURLY) {
         p.expected_because("a name", "structs, unions and enums cannot be anonymous");
         p.skip_construct();
