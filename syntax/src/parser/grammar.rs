@@ -14,6 +14,7 @@ mod braces;
 mod codel;
 mod component;
 mod expr;
+mod foreign;
 mod initializer;
 mod param;
 mod property;
@@ -160,7 +161,7 @@ fn comma_list(p: &mut Parser<'_>, mut one: impl FnMut(&mut Parser<'_>) -> bool) 
 /// Returns true if another name is at the place of a comma. The missing comma is reported and assumed.
 fn lacks_comma(p: &mut Parser<'_>) -> bool {
     const AFTER: TokenSet = TokenSet::new(&[COMMA, SEMICOLON]);
-    if joined_by_word(p) {
+    if foreign::joined_by_word(p) {
         return true;
     }
     let is_word = p.current_contextual() == IDENT;
@@ -175,21 +176,6 @@ fn lacks_comma(p: &mut Parser<'_>) -> bool {
     true
 }
 
-/// Reads `and` or `or` between two names of a line as a comma.
-fn joined_by_word(p: &mut Parser<'_>) -> bool {
-    let is_word = p.at(IDENT) && p.nth(1) == IDENT && !p.starts_line() && !p.nth_starts_line(1);
-    let word = p.current_text();
-    if !is_word || !matches!(word.as_str(), "and" | "or") || p.is_reported() {
-        return false;
-    }
-    let at = p.position();
-    let text = format!("{},", p.nth_text_at(at - 1));
-    p.push_error(at, Parsing::ForeignSign { found: format!("`{word}`").into(), sign: "," });
-    p.replace(at - 1..at + 1, &text, true);
-    p.skip_tokens(1);
-    true
-}
-
 /// Adjacent strings.
 fn strings(p: &mut Parser<'_>) -> bool {
     if !p.at(STRING) && !p.at(OPEN_STRING) {
@@ -201,7 +187,7 @@ fn strings(p: &mut Parser<'_>) -> bool {
             return false;
         };
         let (at, found) = (p.position(), p.describe_current().into());
-        let text = format!("\"{}\"", p.source(at..at + count));
+        let text = format!("\"{}\"", p.source(at..at + count).trim_matches('\''));
         if p.error_here(Parsing::NoQuotes { found }) && !text.trim_matches('"').contains('"') {
             p.replace(at..at + count, &text, true);
             p.skip_tokens(count);

@@ -119,12 +119,16 @@ impl Parser<'_> {
         self.input.source(tokens)
     }
 
-    /// Number of tokens from the current one up to the next `;`, if that `;` is on the same line.
+    /// Number of tokens from the current one up to the `;` on the same line, if there is one within some
+    /// dozens.
     pub(crate) fn rest_of_line(&self) -> Option<usize> {
-        let ends = |token: &usize| matches!(self.input.kind(*token), SEMICOLON | EOF);
-        let end = (self.pos..).find(ends)?;
-        let one_line = (self.pos + 1..=end).all(|token| !self.input.line_ends_before(token));
-        (one_line && self.input.kind(end) == SEMICOLON).then_some(end - self.pos)
+        const MOST: usize = 64;
+        let end = (self.pos..self.pos + MOST).find(|token| {
+            let next_line = *token > self.pos && self.input.line_ends_before(*token);
+            next_line || matches!(self.input.kind(*token), SEMICOLON | EOF)
+        })?;
+        let same_line = end == self.pos || !self.input.line_ends_before(end);
+        (same_line && self.input.kind(end) == SEMICOLON).then_some(end - self.pos)
     }
 
     /// Moves the last error to the place right behind the token before it.

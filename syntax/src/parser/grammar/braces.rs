@@ -7,7 +7,7 @@
 use super::*;
 
 /// Maximum number of tokens searched for the end of a body without `{`; no body is longer.
-const LOOK_AHEAD: usize = 4096;
+pub(super) const LOOK_AHEAD: usize = 4096;
 
 /// The tokens that begin items inside and outside of components.
 const COMMON: TokenSet = TokenSet::new(&[

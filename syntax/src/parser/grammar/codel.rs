@@ -28,9 +28,8 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
     let m = p.start();
     // `codel start f()`
     let lacks_angles = p.at(IDENT) && p.nth(1) == IDENT && p.nth(2) == L_PAREN;
-    let has_triggers = p.at(L_ANGLE)
-        || p.at(L_BRACK) && p.nth(1) == IDENT
-        || (lacks_angles && form == Form::Any);
+    let has_triggers =
+        p.at(L_ANGLE) || p.at(L_BRACK) && p.nth(1) == IDENT || (lacks_angles && form == Form::Any);
     if has_triggers {
         if form == Form::Simple {
             p.error_here(Parsing::ValidateWithStates);
@@ -88,7 +87,8 @@ fn triggers(p: &mut Parser<'_>) {
         let at = p.position();
         p.bump(L_BRACK);
         comma_list(p, state);
-        if p.error_at(at, Parsing::ForeignSign { found: "`[`".into(), sign: "<" }) && p.at(R_BRACK) {
+        if p.error_at(at, Parsing::ForeignSign { found: "`[`".into(), sign: "<" }) && p.at(R_BRACK)
+        {
             let end = p.position();
             let text = format!("<{}>", p.source(at + 1..end));
             p.replace(at..end + 1, &text, true);

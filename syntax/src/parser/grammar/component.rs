@@ -78,7 +78,7 @@ fn port(p: &mut Parser<'_>) {
     if !p.eat(IN_KW) && !p.eat(OUT_KW) {
         p.expected("the direction of the port, `in` or `out`");
     } else {
-        extra_word(p);
+        foreign::extra_word(p);
         if types::type_spec(p, types::AllowedTypes::Constructed) {
             types::declared_name(p);
         }
@@ -86,17 +86,4 @@ fn port(p: &mut Parser<'_>) {
     property::properties(p, "this port");
     semicolon(p, "this port");
     m.complete(p, PORT);
-}
-
-/// Skips a word before the type and the name of a port: `port in puts t p;`.
-fn extra_word(p: &mut Parser<'_>) {
-    const END: TokenSet = TokenSet::new(&[SEMICOLON, L_CURLY]);
-    let words = (0..3).all(|n| p.nth(n) == IDENT && !p.nth_starts_line(n));
-    if !words || !p.nth_at_ts(3, END) || p.is_reported() {
-        return;
-    }
-    let (at, word) = (p.position(), p.current_text().into());
-    p.push_error(at, Parsing::ExtraWord { word });
-    p.replace(at..at + 1, "", false);
-    p.skip_tokens(1);
 }

@@ -187,7 +187,7 @@ fn param_path(p: &mut Parser<'_>) {
     first.complete(p, MEMBER_STEP);
     loop {
         let step = p.start();
-        if p.eat(DOT) || arrow(p) {
+        if p.eat(DOT) || foreign::arrow(p) {
             name_ref(p);
             step.complete(p, MEMBER_STEP);
         } else if p.eat(L_BRACK) {
@@ -200,18 +200,6 @@ fn param_path(p: &mut Parser<'_>) {
         }
     }
     m.complete(p, PARAM_PATH);
-}
-
-/// Reads `->` before a name as `.`.
-fn arrow(p: &mut Parser<'_>) -> bool {
-    let found = p.at(MINUS) && p.nth(1) == R_ANGLE && p.nth(2) == IDENT && !p.is_reported();
-    if found {
-        let at = p.position();
-        p.push_error(at, Parsing::ForeignSign { found: "`->`".into(), sign: "." });
-        p.replace(at..at + 2, ".", true);
-        p.skip_tokens(2);
-    }
-    found
 }
 
 fn default_value(p: &mut Parser<'_>) {

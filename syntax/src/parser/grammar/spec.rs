@@ -196,7 +196,7 @@ fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
         m.complete(p, ERROR);
         return;
     }
-    if foreign_line(p) {
+    if foreign::line(p) {
         m.complete(p, ERROR);
         return;
     }
@@ -244,31 +244,6 @@ fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
         skip_tokens(p);
     }
     m.complete(p, ERROR);
-}
-
-/// A line as in another language: a comment after `--`, or `import` with the name of a file.
-fn foreign_line(p: &mut Parser<'_>) -> bool {
-    let at = p.position();
-    if p.at(MINUS) && p.nth(1) == MINUS && p.is_glued() {
-        p.error_here(Parsing::ForeignComment);
-        p.replace(at..at + 2, "//", true);
-        p.bump_any();
-        while !p.at(EOF) && !p.starts_line() {
-            p.bump_any();
-        }
-        return true;
-    }
-    let word = p.current_text();
-    let end = if p.nth(2) == SEMICOLON { 3 } else { 2 };
-    let alone = (at == 0 || p.starts_line()) && (p.nth(end) == EOF || p.nth_starts_line(end));
-    if !matches!(word.as_str(), "import" | "include") || p.nth(1) != STRING || !alone {
-        return false;
-    }
-    let text = format!("#include {}", p.nth_text(1));
-    p.error_here(Parsing::ForeignInclude { word: word.into() });
-    p.replace(at..at + end, &text, true);
-    (0..end).for_each(|_| p.bump_any());
-    true
 }
 
 /// The properties of a task or service whose first line is missing, with their `}`.

@@ -46,7 +46,7 @@ pub(super) fn typedef_decl(p: &mut Parser<'_>) {
     let m = p.start();
     let typedef = p.position();
     p.bump(TYPEDEF_KW);
-    anonymous(p, typedef);
+    foreign::anonymous(p, typedef);
     if type_spec(p, AllowedTypes::Constructed) {
         comma_list(p, declarator);
     }
@@ -265,7 +265,7 @@ pub(super) fn type_spec(p: &mut Parser<'_>, allow: AllowedTypes) -> bool {
     const BLOCKS: TokenSet = TokenSet::new(&[STRUCT_KW, ENUM_KW]);
     const SIGNED: TokenSet = TokenSet::new(&[UNSIGNED_KW]);
     const INTEGERS: TokenSet = TokenSet::new(&[SHORT_KW, LONG_KW]);
-    type_of_cpp(p);
+    foreign::type_of_cpp(p);
     if p.at(IDENT) && p.nth(1) == L_ANGLE {
         p.respell(TEMPLATES, |_| true);
     } else if p.at(IDENT) && p.nth_at_ts(1, INTEGERS) {
@@ -308,49 +308,6 @@ pub(super) fn type_spec(p: &mut Parser<'_>, allow: AllowedTypes) -> bool {
         }
     }
     true
-}
-
-/// Reads a type of the standard library of C++ as the type of the language that it stands for.
-fn type_of_cpp(p: &mut Parser<'_>) {
-    if !p.at(IDENT) || p.is_reported() {
-        return;
-    }
-    let qualified = p.nth(1) == COLON2 && p.current_text() == "std";
-    let last = if qualified { 2 } else { 0 };
-    let kind = match p.nth_text(last).as_str() {
-        "string" => STRING_KW,
-        "optional" if p.nth(last + 1) == L_ANGLE => OPTIONAL_KW,
-        "vector" | "array" | "list" | "deque" if p.nth(last + 1) == L_ANGLE => SEQUENCE_KW,
-        _ => return,
-    };
-    p.read_foreign(last + 1, kind);
-}
-
-/// Reports `typedef struct { … } NAME;`, whose name belongs behind `struct`.
-fn anonymous(p: &mut Parser<'_>, typedef: usize) {
-    const WORDS: TokenSet = TokenSet::new(&[STRUCT_KW, ENUM_KW]);
-    if !p.at_ts(WORDS) || p.nth(1) != L_CURLY || p.is_reported() {
-        return;
-    }
-    let (mut open, start) = (0u32, p.position() + 1);
-    let close = (start..).find(|token| {
-        match p.input.kind(*token) {
-            L_CURLY => open += 1,
-            R_CURLY => open -= 1,
-            EOF => open = 0,
-            _ => {}
-        }
-        open == 0
-    });
-    let name = close.map_or(start, |close| close + 1);
-    if p.input.kind(name) == IDENT && p.input.kind(name + 1) == SEMICOLON {
-        let (word, name_text) = (p.current_text(), p.nth_text_at(name));
-        let text = format!("{word} {name_text} {}", p.source(start..name));
-        let (word, name_text) = (word.into(), name_text.into());
-        p.push_error(start, Parsing::Anonymous { word, name: name_text });
-        p.replace(typedef..name + 1, &text, true);
-        p.nameless = Some(start);
-    }
 }
 
 /// A type that is not allowed here: parsed, reported and hidden from the tree's users.
