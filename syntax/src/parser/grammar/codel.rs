@@ -163,7 +163,7 @@ fn state(p: &mut Parser<'_>) -> bool {
     } else if p.at(PAUSE_KW) && matches!(p.nth(1), DOT | COLON) && p.nth(2) == IDENT {
         p.bump(PAUSE_KW);
         let _ = joined_by_other(p, DOT) || joined_by_other(p, COLON);
-    } else if p.nth(1) == COLON2 && p.nth(2) == IDENT {
+    } else if !foreign::pause_and_state(p) && p.nth(1) == COLON2 && p.nth(2) == IDENT {
         let word = p.current_text().into();
         p.error_here(Parsing::QualifiedState { word });
         let bad = p.start();

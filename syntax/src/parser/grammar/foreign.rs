@@ -109,3 +109,17 @@ pub(super) fn joined_by_word(p: &mut Parser<'_>) -> bool {
     p.skip_tokens(1);
     true
 }
+
+/// Reads `pause` and a state without the `::` between them.
+pub(super) fn pause_and_state(p: &mut Parser<'_>) -> bool {
+    const AFTER: TokenSet = TokenSet::new(&[COMMA, SEMICOLON]);
+    let apart = p.at(PAUSE_KW) && p.nth(1) == IDENT && p.nth_at_ts(2, AFTER);
+    if !apart || p.nth_starts_line(1) || p.is_reported() {
+        return false;
+    }
+    p.bump(PAUSE_KW);
+    let found = p.describe_current().into();
+    p.push_error(p.position(), Parsing::SingleColon { found });
+    p.insert_behind("::", true);
+    true
+}
