@@ -24,6 +24,8 @@ findings! {
             => "expected `{sign}`, found {found}", "did you mean `{sign}`?";
         "syntax" Anonymous { word: SmolStr, name: SmolStr }
             => "a type needs its name behind `{word}`", "write `{word} {name} {{ … }};`";
+        "syntax" NoNewName
+            => "this `typedef` gives its type no other name", "leave `typedef` out";
         "syntax" NoQuotes { found: SmolStr }
             => "expected a string, found {found}", "write the text between double quotes";
         "syntax" LeadingDigit { word: SmolStr }

@@ -58,6 +58,9 @@ pub(super) fn open<'a>(p: &mut Parser<'_>, fragment: Fragment, owner: &'a str) -
     if !found && !p.is_reported() {
         p.expected_because(&format!("`{{` to open the body of {owner}"), "add `{` before it");
         p.add_missing_brace("{");
+        if p.starts_line() {
+            p.show_behind();
+        }
     }
     p.open += 1;
     Body { fragment, owner, brace: found.then_some(brace), item: p.item, first: p.position() }

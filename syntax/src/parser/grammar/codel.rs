@@ -59,10 +59,11 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
         others = yields(p);
     } else if has_triggers && form == Form::Any && !p.is_reported() {
         let found = p.describe_current().into();
-        p.push_error(name_at, Parsing::NoYield { found });
+        let lists = p.at(IDENT) && p.nth_at_ts(1, AFTER_STATE) && !spec::at_item(p);
+        p.push_error(if lists { p.position() } else { name_at }, Parsing::NoYield { found });
         if p.at(SEMICOLON) {
             p.insert_behind(" yield ether", false);
-        } else if p.at(IDENT) && p.nth_at_ts(1, AFTER_STATE) && !spec::at_item(p) {
+        } else if lists {
             p.insert_before("yield ", false);
         }
         if !p.at(SEMICOLON) {
@@ -70,6 +71,9 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
         }
     }
     bare_wcet(p);
+    if p.at(WCET_KW) {
+        others = "";
+    }
     wcet(p);
     m.complete(p, CODEL);
     others

@@ -47,7 +47,12 @@ pub(super) fn typedef_decl(p: &mut Parser<'_>) {
     let typedef = p.position();
     p.bump(TYPEDEF_KW);
     foreign::anonymous(p, typedef);
-    if type_spec(p, AllowedTypes::Constructed) {
+    let block = p.at_ts(BLOCKS);
+    let found = type_spec(p, AllowedTypes::Constructed);
+    if found && block && p.at(SEMICOLON) && !p.is_reported() {
+        p.push_error(typedef, Parsing::NoNewName);
+        p.replace(typedef..typedef + 1, "", true);
+    } else if found {
         comma_list(p, declarator);
     }
     semicolon(p, "this typedef");
@@ -228,6 +233,9 @@ pub(super) enum AllowedTypes {
     Constructed,
 }
 
+/// The types that are declared with a body.
+const BLOCKS: TokenSet = TokenSet::new(&[STRUCT_KW, UNION_KW, ENUM_KW]);
+
 /// The tokens that begin a type.
 pub(super) const TYPE_FIRST: TokenSet = TokenSet::new(&[
     IDENT,
@@ -262,7 +270,7 @@ pub(super) const TYPE_FIRST: TokenSet = TokenSet::new(&[
 // typedef sequence<long> q; typedef sequence<optional<a::b>, 2 * 3> r; typedef ::a s;
 pub(super) fn type_spec(p: &mut Parser<'_>, allow: AllowedTypes) -> bool {
     const TEMPLATES: TokenSet = TokenSet::new(&[SEQUENCE_KW, OPTIONAL_KW, STRING_KW]);
-    const BLOCKS: TokenSet = TokenSet::new(&[STRUCT_KW, ENUM_KW]);
+    const MISSPELT_BLOCKS: TokenSet = TokenSet::new(&[STRUCT_KW, ENUM_KW]);
     const SIGNED: TokenSet = TokenSet::new(&[UNSIGNED_KW]);
     const INTEGERS: TokenSet = TokenSet::new(&[SHORT_KW, LONG_KW]);
     foreign::type_of_cpp(p);
@@ -271,7 +279,7 @@ pub(super) fn type_spec(p: &mut Parser<'_>, allow: AllowedTypes) -> bool {
     } else if p.at(IDENT) && p.nth_at_ts(1, INTEGERS) {
         p.respell(SIGNED, |_| true);
     } else if p.at(IDENT) && p.nth(1) == IDENT && p.nth(2) == L_CURLY {
-        p.respell(BLOCKS, |_| allow == AllowedTypes::Constructed);
+        p.respell(MISSPELT_BLOCKS, |_| allow == AllowedTypes::Constructed);
     }
     match p.current() {
         UNSIGNED_KW | SHORT_KW | LONG_KW | FLOAT_KW | DOUBLE_KW | CHAR_KW | BOOLEAN_KW
