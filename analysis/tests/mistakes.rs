@@ -6,6 +6,7 @@
 
 mod complete;
 mod mutate;
+mod prefix;
 mod seed;
 
 use std::{

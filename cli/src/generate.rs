@@ -13,7 +13,7 @@ use dotgen_codegen::command::{Environment, MakeRos2Packages, Project, generate};
 use dotgen_codegen::template::console::StdConsole;
 use dotgen_codegen::template::{Limits, OutputSink};
 
-use dotgen_lsp_server::config::{self, Config};
+use dotgen_lsp_server::config::{self, Config, Settings};
 use dotgen_platform::files::disk::SystemDisk;
 use dotgen_platform::files::read_regular_to_string;
 use dotgen_platform::files::vfs::PackageConfig;
@@ -102,7 +102,8 @@ fn configuration(words: &[String]) -> ConfigFile {
     let file = files.find(|file| file.is_file());
     let file = dotgen_platform::files::vfs::normalize(&file.unwrap_or_else(|| here.join("-")));
     let Some(directory) = config::nearest_directory(&file) else {
-        return ConfigFile::default();
+        let config = Config::new(&Settings::default(), &here, true);
+        return ConfigFile { config, source: None };
     };
     let path = directory.join(config::FILE_NAME);
     let text = read_regular_to_string(path.as_std_path()).unwrap_or_default();

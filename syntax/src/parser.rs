@@ -213,6 +213,8 @@ pub(crate) struct Parser<'i> {
     in_angles: bool,
     /// A misspelt word that is read as a keyword: its token and the keyword.
     respelt: Option<(usize, SyntaxKind)>,
+    /// The `{` of a struct or enum whose missing name is reported.
+    nameless: Option<usize>,
     /// Look-aheads since the last token was consumed.
     fuel: Cell<u32>,
 }
@@ -233,6 +235,7 @@ impl<'i> Parser<'i> {
             item: 0,
             in_angles: false,
             respelt: None,
+            nameless: None,
             fuel: Cell::new(0),
         }
     }

@@ -3,13 +3,37 @@
 /// The candidate nearest to `name`, if one is near enough. Of equally near candidates, the alphabetically
 /// first is returned, so that the result does not depend on their order.
 pub fn nearest<'n>(name: &str, candidates: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
-    let limit = (name.chars().count() / 3).clamp(1, 3);
+    // A name of one or two letters is near to everything.
+    let length = name.chars().count();
+    let limit = if length < 3 { 0 } else { (length / 3).clamp(1, 3) };
+    nearest_within(limit, name, candidates)
+}
+
+/// The keyword that a word stands for where only a few may stand: two edits away, or one edit if the word has
+/// fewer than four letters.
+pub fn nearest_keyword<'n>(
+    word: &str,
+    keywords: impl IntoIterator<Item = &'n str>,
+) -> Option<&'n str> {
+    let limit = match word.chars().count() {
+        0 | 1 => 0,
+        2 | 3 => 1,
+        _ => 2,
+    };
+    nearest_within(limit, word, keywords)
+}
+
+fn nearest_within<'n>(
+    limit: usize,
+    name: &str,
+    candidates: impl IntoIterator<Item = &'n str>,
+) -> Option<&'n str> {
     candidates
         .into_iter()
         .filter(|candidate| *candidate != name && !candidate.is_empty())
         .filter_map(|candidate| Some((distance(name, candidate, limit)?, candidate)))
         .min()
-        .map(|(_, distance)| distance)
+        .map(|(_, candidate)| candidate)
 }
 
 /// What to write instead of a name that is not among some: the nearest of them, or all.
@@ -31,10 +55,6 @@ fn distance(a: &str, b: &str, limit: usize) -> Option<usize> {
     }
     if a.eq_ignore_ascii_case(b) {
         return Some(1);
-    }
-    // A name of one or two letters is near to everything.
-    if a.chars().count() < 3 {
-        return None;
     }
     let total = strsim::osa_distance(a, b);
     (total <= limit).then_some(total)

@@ -236,9 +236,18 @@ impl<'a> Elaborator<'a> {
         name: &str,
         candidates: impl IntoIterator<Item = &'n str>,
     ) -> Option<Near> {
+        self.hint(at, || dotgen_syntax::suggestion::nearest(name, candidates))
+    }
+
+    /// The declared name that a search finds. `None` if there were many searches already.
+    pub(super) fn hint<'n>(
+        &self,
+        at: Src,
+        search: impl FnOnce() -> Option<&'n str>,
+    ) -> Option<Near> {
         let left = self.hints.get().checked_sub(1)?;
         self.hints.set(left);
-        dotgen_syntax::suggestion::nearest(name, candidates).map(|near| Near::new(at, near))
+        search().map(|near| Near::new(at, near))
     }
 
     /// Reports a problem that has only one place.

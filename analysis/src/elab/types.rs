@@ -1,6 +1,7 @@
 //! Types where they are used, and the relations between types (language reference, section 6).
 
 use crate::finding::role::Role;
+use dotgen_syntax::suggestion::nearest_keyword;
 use rustc_hash::FxHashSet;
 
 use super::{context::Elaborator, foreign, words};
@@ -210,9 +211,13 @@ impl<'a> Elaborator<'a> {
         let basic: &[&str] = if types { &foreign::TYPES } else { &[] };
         match foreign {
             Some(name) => Some(Near { plain: true, ..Near::new(at, name) }),
-            None => {
+            None if types => {
                 let candidates = candidates.chain(basic.iter().copied());
                 self.near(at, &last.text, candidates)
+            }
+            // Constants are few, so that a name two edits away is meant.
+            None => {
+                self.hint(at, || nearest_keyword(&last.text, candidates))
             }
         }
     }

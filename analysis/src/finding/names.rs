@@ -148,6 +148,7 @@ impl NameProblem {
             NameProblem::Unknown { noun: Noun::Type, name } => {
                 here.declare_type(name).into_iter().collect()
             }
+            NameProblem::Unknown { noun: Noun::Constant, name } => here.near_macro(name),
             _ => Vec::new(),
         }
     }

@@ -12,6 +12,7 @@ use dotgen_syntax::{
     lexer::{RawTokens, lex},
     parse,
     preproc::{MacroEnv, NoIncludes, PpError, preprocess},
+    suggestion::nearest_keyword,
 };
 
 use rustc_hash::FxHashSet;
@@ -173,7 +174,8 @@ fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<CandidateFix>) {
         };
         for last in first..(first + 3).min(window.tokens.len()) {
             let range = window.range(first).start..window.range(last).end;
-            if window.text[range.clone()].contains('\n') {
+            let of_item = last > first && [";", "{", "}"].contains(&window.token(last));
+            if of_item || window.text[range.clone()].contains('\n') {
                 break;
             }
             remove(range, base + 6 * (last - first) as u32 + window.distance(first));
@@ -181,8 +183,9 @@ fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<CandidateFix>) {
     }
 }
 
-/// Replacements of one mark by another, one kind of quotes by the other, or comment marks.
+/// Replacements of a word by the keyword near it, of one mark by another, one kind of quotes by the other, or comment marks.
 fn replacements(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
+    let words = SyntaxKind::spellings().iter().map(|spelling| spelling.1);
     for number in window.around() {
         let (range, token) = (window.range(number), window.token(number));
         let mut replace = |with: &str, cost: u32| {
@@ -204,6 +207,11 @@ fn replacements(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 // A directive begins a line.
                 if before.is_some_and(|part| !part.trim().is_empty()) {
                     replace("//", 2);
+                }
+            }
+            SyntaxKind::IDENT => {
+                if let Some(word) = nearest_keyword(token, words.clone()) {
+                    replace(word, 1);
                 }
             }
             _ if window.is_mark(number) => {
@@ -258,7 +266,9 @@ fn exchanges(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
         if !between.trim().is_empty() {
             continue;
         }
-        let words = !window.is_mark(first) && !window.is_mark(second);
+        let is_word =
+            |token: &str| token.starts_with(|character: char| character.is_ascii_alphabetic());
+        let words = is_word(one) && is_word(other);
         if words {
             out.push(CandidateFix {
                 title: format!("Write `{other} {one}`"),
@@ -266,7 +276,13 @@ fn exchanges(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
                 cost: 10 + window.distance(first),
             });
         }
-        if !between.is_empty() {
+        // Two words are one only if that one exists.
+        let joined = format!("{one}{other}");
+        let exists = || {
+            let is_same = |token: &usize| window.text[window.raw.range(*token)] == joined;
+            is_spelling(&joined) || window.tokens.iter().any(is_same)
+        };
+        if !between.is_empty() && (!words || exists()) {
             out.push(CandidateFix {
                 title: format!("Write `{one}{other}`"),
                 edits: vec![(a.start..b.end, format!("{one}{other}"))],
@@ -348,6 +364,11 @@ fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
             });
         }
     }
+}
+
+/// Returns true for the spelling of a keyword.
+fn is_spelling(word: &str) -> bool {
+    SyntaxKind::spellings().iter().any(|spelling| spelling.1 == word)
 }
 
 /// A range with the blank behind it, or before it at the end of a line.

@@ -1,6 +1,8 @@
 //! Typing mistakes: the intention is clear, and a word or a character away.
 
-use dotgen_syntax::{SyntaxNode, TextRange, TextSize, ast, ast::AstNode, parser::Repair};
+use dotgen_syntax::{
+    SyntaxNode, TextRange, TextSize, ast, ast::AstNode, parser::Repair, suggestion::nearest,
+};
 
 use crate::diagnostic::FixKind;
 
@@ -64,6 +66,15 @@ impl FixSite<'_> {
             title: format!("Change to `{text}`"),
             edits: vec![(self.range, text.to_owned())],
         }
+    }
+
+    /// Replaces the name of a constant by the nearest macro of the file.
+    pub(crate) fn near_macro(&self, name: &str) -> Vec<TextFix> {
+        let macros = self.source.lines().filter_map(|line| {
+            let line = line.trim_start().strip_prefix('#')?.trim_start();
+            line.strip_prefix("define")?.split_whitespace().next()
+        });
+        nearest(name, macros).map(|near| self.replace(near)).into_iter().collect()
     }
 
     /// Removes the text.

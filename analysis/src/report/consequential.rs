@@ -1,6 +1,6 @@
 //! Consequences of other errors, which are left out: one cause, one diagnostic.
 
-use dotgen_syntax::{Fragment, SyntaxKind, SyntaxNode, TextRange};
+use dotgen_syntax::{Fragment, SyntaxKind, SyntaxNode, TextRange, finding::parsing::Parsing};
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 
@@ -129,8 +129,10 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
             let behind = !ended
                 && error.range.start() >= range.end()
                 && text.get(bytes(between)).is_some_and(|text| text.trim().is_empty());
-            match error.code() {
-                "missing-semicolon" => behind && !whole,
+            match (&error.kind, error.code()) {
+                // More states may follow.
+                (Parsing::NoSemicolon { others, .. }, _) if others.contains("state") => inside,
+                (_, "missing-semicolon") => behind && !whole,
                 _ => inside || behind,
             }
         })

@@ -20,6 +20,22 @@ findings! {
             => "`{word}` is no unit", "a rate is written as the time between two: `10 ms` for 100 Hz";
         "syntax" ForeignType { word: SmolStr, ty: &'static str }
             => "`{word}` is no type here", "did you mean `{ty}`?";
+        "syntax" ForeignSign { found: SmolStr, sign: &'static str }
+            => "expected `{sign}`, found {found}", "did you mean `{sign}`?";
+        "syntax" Anonymous { word: SmolStr, name: SmolStr }
+            => "a type needs its name behind `{word}`", "write `{word} {name} {{ … }};`";
+        "syntax" NoNewName
+            => "this `typedef` gives its type no other name", "leave `typedef` out";
+        "syntax" NoQuotes { found: SmolStr }
+            => "expected a string, found {found}", "write the text between double quotes";
+        "syntax" LeadingDigit { word: SmolStr }
+            => "`{word}` is not a name", "names begin with a letter";
+        "syntax" ExtraWord { word: SmolStr }
+            => "expected a type and a name, found `{word}` before them", "remove it";
+        "syntax" ForeignComment
+            => "`--` does not begin a comment here", "write `//`";
+        "syntax" ForeignInclude { word: SmolStr }
+            => "`{word}` does not include a file here", "write `#include`";
         "missing-semicolon" NoSemicolonAtEnd { after: SmolStr, others: &'static str }
             => "missing `;` after {after}{others}: the file ends here", "add `;`";
         "missing-semicolon" NoSemicolon { after: SmolStr, others: &'static str, found: SmolStr }

@@ -14,6 +14,7 @@ mod braces;
 mod codel;
 mod component;
 mod expr;
+mod foreign;
 mod initializer;
 mod param;
 mod property;
@@ -60,7 +61,20 @@ fn name_ref(p: &mut Parser<'_>) -> bool {
 }
 
 fn identifier(p: &mut Parser<'_>, kind: SyntaxKind, what: &str) -> bool {
-    if p.at(IDENT) {
+    if p.at(IDENT) && !begins_line_and_item(p) {
+        let m = p.start();
+        p.bump(IDENT);
+        m.complete(p, kind);
+        return true;
+    }
+    const NUMBER: TokenSet = TokenSet::new(&[INT, FLOAT]);
+    if p.at_ts(NUMBER) && p.nth(1) == IDENT && p.is_glued() && !p.is_reported() {
+        let at = p.position();
+        let word = p.source(at..at + 2).to_owned();
+        let name = word.trim_start_matches(|character: char| !character.is_ascii_alphabetic());
+        p.error_here(Parsing::LeadingDigit { word: word.as_str().into() });
+        p.replace(at..at + 2, name, false);
+        p.skip_tokens(1);
         let m = p.start();
         p.bump(IDENT);
         m.complete(p, kind);
@@ -72,6 +86,13 @@ fn identifier(p: &mut Parser<'_>, kind: SyntaxKind, what: &str) -> bool {
         p.expected(what);
     }
     false
+}
+
+/// Returns true at a word on a new line that begins the next item: the item before is not finished. `ids {`
+/// with properties is a task or port of that name.
+fn begins_line_and_item(p: &Parser<'_>) -> bool {
+    let is_body = p.at(IDS_KW) && property::at_body(p, 2);
+    p.starts_line() && !is_body && spec::at_item(p)
 }
 
 /// `[::]a::b::c`
@@ -140,6 +161,9 @@ fn comma_list(p: &mut Parser<'_>, mut one: impl FnMut(&mut Parser<'_>) -> bool) 
 /// Returns true if another name is at the place of a comma. The missing comma is reported and assumed.
 fn lacks_comma(p: &mut Parser<'_>) -> bool {
     const AFTER: TokenSet = TokenSet::new(&[COMMA, SEMICOLON]);
+    if foreign::joined_by_word(p) {
+        return true;
+    }
     let is_word = p.current_contextual() == IDENT;
     let names = is_word && p.nth_at_ts(1, AFTER);
     if !names || p.is_reported() {
@@ -155,10 +179,18 @@ fn lacks_comma(p: &mut Parser<'_>) -> bool {
 /// Adjacent strings.
 fn strings(p: &mut Parser<'_>) -> bool {
     if !p.at(STRING) && !p.at(OPEN_STRING) {
-        if p.at(IDENT) {
-            p.expected_because("a string", "write the text between double quotes");
-        } else {
+        const SIGNS: TokenSet = TokenSet::new(&[L_CURLY, R_CURLY]);
+        let may_be_text = !p.starts_line() && !p.at_ts(SIGNS) && !spec::at_item(p);
+        let unquoted = p.rest_of_line().filter(|count| *count > 0 && may_be_text);
+        let Some(count) = unquoted else {
             p.expected("a string");
+            return false;
+        };
+        let (at, found) = (p.position(), p.describe_current().into());
+        let text = format!("\"{}\"", p.source(at..at + count).trim_matches('\''));
+        if p.error_here(Parsing::NoQuotes { found }) && !text.trim_matches('"').contains('"') {
+            p.replace(at..at + count, &text, true);
+            p.skip_tokens(count);
         }
         return false;
     }

@@ -178,6 +178,12 @@ impl<'a> Input<'a> {
         }
     }
 
+    /// The text of the file from the first of some tokens to the last.
+    pub(crate) fn source(&self, tokens: std::ops::Range<usize>) -> &'a str {
+        let range = self.range(tokens.start).cover(self.range(tokens.end - 1));
+        self.text.get(std::ops::Range::from(range)).unwrap_or_default()
+    }
+
     /// Returns true if a line ends between token `i` and the one before.
     pub(crate) fn line_ends_before(&self, i: usize) -> bool {
         let (Some(end), start) = (self.end_before(i), self.range(i).start()) else {

@@ -7,7 +7,7 @@ use crate::{
     TextRange,
     finding::parsing::Parsing,
     kind::SyntaxKind::{self, *},
-    suggestion::nearest,
+    suggestion::nearest_keyword,
 };
 
 /// A change of the text that makes it fit the grammar.
@@ -74,7 +74,7 @@ impl Parser<'_> {
         let word = self.current_text();
         let all = SyntaxKind::spellings();
         let candidates = all.iter().filter(|spelling| keywords.contains(spelling.0));
-        let Some(spelling) = nearest(&word, candidates.map(|candidate| candidate.1)) else {
+        let Some(spelling) = nearest_keyword(&word, candidates.map(|candidate| candidate.1)) else {
             return false;
         };
         let Some(kind) =
@@ -91,6 +91,44 @@ impl Parser<'_> {
         self.push_error(self.pos, Parsing::Misspelt { word, keyword });
         self.replace(self.pos..self.pos + 1, spelling, true);
         true
+    }
+
+    /// Reports the next `count` tokens as a spelling of another language and reads the last of them as a
+    /// keyword.
+    pub(crate) fn read_foreign(&mut self, count: usize, kind: SyntaxKind) {
+        let (first, last) = (self.pos, self.pos + count - 1);
+        let ty = kind.spelling().unwrap_or_default();
+        let word = self.source(first..last + 1).into();
+        self.push_error(first, Parsing::ForeignType { word, ty });
+        self.replace(first..last + 1, ty, true);
+        if first < last {
+            self.skip_tokens(count - 1);
+        }
+        self.respelt = Some((last, kind));
+    }
+
+    /// Consumes tokens into an `ERROR` node.
+    pub(crate) fn skip_tokens(&mut self, count: usize) {
+        let bad = self.start();
+        (0..count).for_each(|_| self.bump_any());
+        bad.complete(self, ERROR);
+    }
+
+    /// The text from the first of some tokens to the last.
+    pub(crate) fn source(&self, tokens: std::ops::Range<usize>) -> &str {
+        self.input.source(tokens)
+    }
+
+    /// Number of tokens from the current one up to the `;` on the same line, if there is one within some
+    /// dozens.
+    pub(crate) fn rest_of_line(&self) -> Option<usize> {
+        const MOST: usize = 64;
+        let end = (self.pos..self.pos + MOST).find(|token| {
+            let next_line = *token > self.pos && self.input.line_ends_before(*token);
+            next_line || matches!(self.input.kind(*token), SEMICOLON | EOF)
+        })?;
+        let same_line = end == self.pos || !self.input.line_ends_before(end);
+        (same_line && self.input.kind(end) == SEMICOLON).then_some(end - self.pos)
     }
 
     /// Moves the last error to the place right behind the token before it.
@@ -126,6 +164,16 @@ impl Parser<'_> {
 
     /// Returns true if a line ends between the token before and the current one.
     pub(crate) fn starts_line(&self) -> bool {
-        self.pos > 0 && self.input.line_ends_before(self.pos)
+        self.nth_starts_line(0)
+    }
+
+    /// Returns true if a line ends between the token `n` further on and the one before.
+    pub(crate) fn nth_starts_line(&self, n: usize) -> bool {
+        self.pos + n > 0 && self.input.line_ends_before(self.pos + n)
+    }
+
+    /// Returns true if nothing is between the current token and the next one.
+    pub(crate) fn is_glued(&self) -> bool {
+        self.input.range(self.pos).end() == self.input.range(self.pos + 1).start()
     }
 }

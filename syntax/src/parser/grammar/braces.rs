@@ -7,7 +7,7 @@
 use super::*;
 
 /// Maximum number of tokens searched for the end of a body without `{`; no body is longer.
-const LOOK_AHEAD: usize = 4096;
+pub(super) const LOOK_AHEAD: usize = 4096;
 
 /// The tokens that begin items inside and outside of components.
 const COMMON: TokenSet = TokenSet::new(&[
@@ -58,6 +58,9 @@ pub(super) fn open<'a>(p: &mut Parser<'_>, fragment: Fragment, owner: &'a str) -
     if !found && !p.is_reported() {
         p.expected_because(&format!("`{{` to open the body of {owner}"), "add `{` before it");
         p.add_missing_brace("{");
+        if p.starts_line() {
+            p.show_behind();
+        }
     }
     p.open += 1;
     Body { fragment, owner, brace: found.then_some(brace), item: p.item, first: p.position() }
@@ -121,6 +124,7 @@ fn lacks_open(p: &Parser<'_>, fragment: Fragment) -> bool {
                 || (p.at(IDENT) || p.at_ts(COMMON)) && p.has_spare_brace()
         }
         Fragment::Members if p.at_ts(TYPES) => p.has_spare_brace(),
+        Fragment::Members if p.starts_line() && spec::at_item(p) => false,
         Fragment::Members if p.at(IDENT) || p.at(COLON2) => {
             types::at_member(p) || p.at(COLON2) && p.has_spare_brace()
         }
@@ -216,7 +220,8 @@ pub(super) fn is_left(p: &Parser<'_>, body: Body<'_>) -> bool {
         SEMICOLON => here.is_none() || here <= outer,
         IDENT if body.fragment == Fragment::Members && p.nth_at_ts(1, AFTER_DECLARATOR) => true,
         kind if kind == R_CURLY || may_follow(p, body.fragment) => {
-            let inner = p.input.indent(body.first);
+            let is_first = body.first == p.position();
+            let inner = if is_first { None } else { p.input.indent(body.first) };
             let is_inside = |here| here > outer || here == outer && kind == R_CURLY;
             outer.is_some()
                 && (inner.is_none() || inner > outer)

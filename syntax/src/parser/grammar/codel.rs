@@ -28,7 +28,8 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
     let m = p.start();
     // `codel start f()`
     let lacks_angles = p.at(IDENT) && p.nth(1) == IDENT && p.nth(2) == L_PAREN;
-    let has_triggers = p.at(L_ANGLE) || (lacks_angles && form == Form::Any);
+    let has_triggers =
+        p.at(L_ANGLE) || p.at(L_BRACK) && p.nth(1) == IDENT || (lacks_angles && form == Form::Any);
     if has_triggers {
         if form == Form::Simple {
             p.error_here(Parsing::ValidateWithStates);
@@ -58,10 +59,11 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
         others = yields(p);
     } else if has_triggers && form == Form::Any && !p.is_reported() {
         let found = p.describe_current().into();
-        p.push_error(name_at, Parsing::NoYield { found });
+        let lists = p.at(IDENT) && p.nth_at_ts(1, AFTER_STATE) && !spec::at_item(p);
+        p.push_error(if lists { p.position() } else { name_at }, Parsing::NoYield { found });
         if p.at(SEMICOLON) {
             p.insert_behind(" yield ether", false);
-        } else if p.at(IDENT) && p.nth_at_ts(1, AFTER_STATE) && !spec::at_item(p) {
+        } else if lists {
             p.insert_before("yield ", false);
         }
         if !p.at(SEMICOLON) {
@@ -69,6 +71,9 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
         }
     }
     bare_wcet(p);
+    if p.at(WCET_KW) {
+        others = "";
+    }
     wcet(p);
     m.complete(p, CODEL);
     others
@@ -82,6 +87,20 @@ pub(super) fn at_codel(p: &Parser<'_>) -> bool {
 
 fn triggers(p: &mut Parser<'_>) {
     let m = p.start();
+    if p.at(L_BRACK) {
+        let at = p.position();
+        p.bump(L_BRACK);
+        comma_list(p, state);
+        if p.error_at(at, Parsing::ForeignSign { found: "`[`".into(), sign: "<" }) && p.at(R_BRACK)
+        {
+            let end = p.position();
+            let text = format!("<{}>", p.source(at + 1..end));
+            p.replace(at..end + 1, &text, true);
+            p.bump(R_BRACK);
+        }
+        m.complete(p, TRIGGERS);
+        return;
+    }
     if !p.eat(L_ANGLE) {
         let (state, name) = (p.current_text().into(), p.nth_text(1).into());
         if p.error_here(Parsing::StatesWithoutAngles { state, name }) {
@@ -138,13 +157,17 @@ fn state(p: &mut Parser<'_>) -> bool {
         return false;
     }
     let m = p.start();
+    const PAUSE: TokenSet = TokenSet::new(&[PAUSE_KW]);
+    if !p.at(PAUSE_KW) && p.nth(1) == COLON2 {
+        p.respell(PAUSE, |p| p.nth(2) == IDENT);
+    }
     if p.at(PAUSE_KW) && p.nth(1) == COLON2 {
         p.bump(PAUSE_KW);
         p.bump(COLON2);
     } else if p.at(PAUSE_KW) && matches!(p.nth(1), DOT | COLON) && p.nth(2) == IDENT {
         p.bump(PAUSE_KW);
         let _ = joined_by_other(p, DOT) || joined_by_other(p, COLON);
-    } else if p.nth(1) == COLON2 && p.nth(2) == IDENT {
+    } else if !foreign::pause_and_state(p) && p.nth(1) == COLON2 && p.nth(2) == IDENT {
         let word = p.current_text().into();
         p.error_here(Parsing::QualifiedState { word });
         let bad = p.start();

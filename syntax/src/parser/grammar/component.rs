@@ -61,11 +61,27 @@ fn ids(p: &mut Parser<'_>) {
 fn port(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(PORT_KW);
+    const MULTIPLE: TokenSet = TokenSet::new(&[MULTIPLE_KW]);
+    const DIRECTION: TokenSet = TokenSet::new(&[IN_KW, OUT_KW]);
+    if !p.at_ts(DIRECTION) {
+        p.respell(MULTIPLE, |p| p.nth_at_ts(1, DIRECTION));
+    }
     p.eat(MULTIPLE_KW);
+    match p.current_text().as_str() {
+        "input" => p.read_foreign(1, IN_KW),
+        "output" => p.read_foreign(1, OUT_KW),
+        _ if p.at_ts(DIRECTION) => {}
+        _ => {
+            p.respell(DIRECTION, |p| p.nth_at_ts(1, types::TYPE_FIRST) && !spec::at_item(p));
+        }
+    }
     if !p.eat(IN_KW) && !p.eat(OUT_KW) {
         p.expected("the direction of the port, `in` or `out`");
-    } else if types::type_spec(p, types::AllowedTypes::Constructed) {
-        types::declared_name(p);
+    } else {
+        foreign::extra_word(p);
+        if types::type_spec(p, types::AllowedTypes::Constructed) {
+            types::declared_name(p);
+        }
     }
     property::properties(p, "this port");
     semicolon(p, "this port");

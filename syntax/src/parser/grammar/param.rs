@@ -13,7 +13,7 @@ pub(super) enum Params {
     Codel,
 }
 
-const DIRECTION: TokenSet = TokenSet::new(&[IN_KW, OUT_KW, INOUT_KW]);
+pub(super) const DIRECTION: TokenSet = TokenSet::new(&[IN_KW, OUT_KW, INOUT_KW]);
 const SOURCE: TokenSet = TokenSet::new(&[IDS_KW, LOCAL_KW, PORT_KW, REMOTE_KW]);
 
 /// The tokens that end a list of parameters without its `)`.
@@ -187,7 +187,7 @@ fn param_path(p: &mut Parser<'_>) {
     first.complete(p, MEMBER_STEP);
     loop {
         let step = p.start();
-        if p.eat(DOT) {
+        if p.eat(DOT) || foreign::arrow(p) {
             name_ref(p);
             step.complete(p, MEMBER_STEP);
         } else if p.eat(L_BRACK) {

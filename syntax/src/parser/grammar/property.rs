@@ -46,11 +46,18 @@ pub(super) fn at_certain_property(p: &Parser<'_>) -> bool {
     const TEXT: TokenSet = TokenSet::new(&[STRING, OPEN_STRING]);
     const NUMBER: TokenSet = TokenSet::new(&[INT, FLOAT]);
     const LIST: TokenSet = TokenSet::new(&[COMMA, SEMICOLON]);
+    const DECLARATOR: TokenSet = TokenSet::new(&[COMMA, SEMICOLON, L_BRACK]);
     match p.current_contextual() {
         CODEL_KW => codel::at_codel(p),
         ASYNC_KW => p.nth_at(1, CODEL_KW),
         VALIDATE_KW => p.nth_at_ts(1, NAME) && p.nth_at(2, L_PAREN),
         SCHEDULING_KW => p.nth_at(1, REAL_TIME_KW),
+        // `local in x` is a parameter of a codel.
+        LOCAL_KW if p.nth_at_ts(1, param::DIRECTION) => false,
+        LOCAL_KW if p.nth(1) == IDENT => {
+            p.nth(2) == COLON2 || p.nth(2) == IDENT && p.nth_at_ts(3, DECLARATOR)
+        }
+        LOCAL_KW => p.nth_at_ts(1, types::TYPE_FIRST) && p.nth(1) != COLON2,
         DOC_KW | VERSION_KW | LANG_KW | EMAIL_KW | REQUIRES_KW | CODELS_REQUIRES_KW => {
             p.nth_at_ts(1, TEXT)
         }
@@ -191,6 +198,8 @@ pub(super) fn property(p: &mut Parser<'_>) -> bool {
 fn async_codel(p: &mut Parser<'_>, m: Marker) {
     p.bump(ASYNC_KW);
     let mut others = "";
+    const CODEL: TokenSet = TokenSet::new(&[CODEL_KW]);
+    p.respell(CODEL, codel::at_codel);
     if p.eat(CODEL_KW) {
         others = codel::codel(p, codel::Form::Any);
     } else {

@@ -86,7 +86,11 @@ fn respell_first(p: &mut Parser<'_>, fragment: Fragment) {
         return;
     }
     p.respell(keywords, |p| {
-        at_item(p) || p.at_ts(RESERVED_STARTS) || p.at(CODEL_KW) && p.nth(1) == L_ANGLE
+        let local = p.at(LOCAL_KW) && fragment == Fragment::Properties;
+        at_item(p)
+            || p.at_ts(RESERVED_STARTS)
+            || p.at(CODEL_KW) && p.nth(1) == L_ANGLE
+            || local && p.nth_at_ts(1, types::TYPE_FIRST)
     });
 }
 
@@ -189,6 +193,10 @@ fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
         p.error_here(Parsing::ExtraSemicolon);
         p.replace(at..at + 1, "", true);
         p.bump(SEMICOLON);
+        m.complete(p, ERROR);
+        return;
+    }
+    if foreign::line(p) {
         m.complete(p, ERROR);
         return;
     }

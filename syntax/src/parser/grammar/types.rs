@@ -13,6 +13,18 @@ pub(super) fn const_decl(p: &mut Parser<'_>) {
         TokenSet::new(&[ANY_KW, SEQUENCE_KW, OPTIONAL_KW, FIXED_KW, STRUCT_KW, UNION_KW, ENUM_KW]);
     if p.at_ts(UNFIT) {
         unfit_type(p, Parsing::UnfitConstant);
+    } else if p.at(IDENT) && p.nth(1) == EQ {
+        p.expected_because("the type of the constant", "write `const TYPE NAME = VALUE;`");
+        let ty = match p.nth(2) {
+            INT => "long ",
+            FLOAT => "double ",
+            STRING => "string ",
+            TRUE_KW | FALSE_KW => "boolean ",
+            _ => "",
+        };
+        if !ty.is_empty() {
+            p.insert_before(ty, false);
+        }
     } else {
         type_spec(p, AllowedTypes::Simple);
     }
@@ -32,8 +44,15 @@ pub(super) fn const_decl(p: &mut Parser<'_>) {
 // typedef struct s { long x; } w;
 pub(super) fn typedef_decl(p: &mut Parser<'_>) {
     let m = p.start();
+    let typedef = p.position();
     p.bump(TYPEDEF_KW);
-    if type_spec(p, AllowedTypes::Constructed) {
+    foreign::anonymous(p, typedef);
+    let block = p.at_ts(BLOCKS);
+    let found = type_spec(p, AllowedTypes::Constructed);
+    if found && block && p.at(SEMICOLON) && !p.is_reported() {
+        p.push_error(typedef, Parsing::NoNewName);
+        p.replace(typedef..typedef + 1, "", true);
+    } else if found {
         comma_list(p, declarator);
     }
     semicolon(p, "this typedef");
@@ -117,6 +136,11 @@ pub(super) fn member(p: &mut Parser<'_>) -> bool {
 // test case
 // union u switch (e) { case A: case m::B: long x; default: sequence<long> y[2]; };
 pub(super) fn case(p: &mut Parser<'_>) -> bool {
+    const LABELS: TokenSet = TokenSet::new(&[CASE_KW, DEFAULT_KW]);
+    p.respell(LABELS, |p| match p.at(DEFAULT_KW) {
+        true => p.nth(1) == COLON,
+        false => p.nth(2) == COLON,
+    });
     if !p.at(CASE_KW) && !p.at(DEFAULT_KW) {
         return false;
     }
@@ -178,7 +202,8 @@ pub(super) fn declared_name(p: &mut Parser<'_>) -> bool {
 /// Returns true if the next declaration begins here, in the place of a type. A type and a name are not a
 /// declaration.
 pub(super) fn at_next(p: &Parser<'_>) -> bool {
-    spec::at_item(p) && !(p.nth_at(1, IDENT) && p.nth_at_ts(2, AFTER_NAME))
+    let continues = p.starts_line() && p.position() != p.item;
+    spec::at_item(p) && (continues || !(p.nth_at(1, IDENT) && p.nth_at_ts(2, AFTER_NAME)))
 }
 
 /// Returns true at a type and a name in the place of one name: a declaration of its own.
@@ -207,6 +232,9 @@ pub(super) enum AllowedTypes {
     /// All.
     Constructed,
 }
+
+/// The types that are declared with a body.
+const BLOCKS: TokenSet = TokenSet::new(&[STRUCT_KW, UNION_KW, ENUM_KW]);
 
 /// The tokens that begin a type.
 pub(super) const TYPE_FIRST: TokenSet = TokenSet::new(&[
@@ -242,11 +270,16 @@ pub(super) const TYPE_FIRST: TokenSet = TokenSet::new(&[
 // typedef sequence<long> q; typedef sequence<optional<a::b>, 2 * 3> r; typedef ::a s;
 pub(super) fn type_spec(p: &mut Parser<'_>, allow: AllowedTypes) -> bool {
     const TEMPLATES: TokenSet = TokenSet::new(&[SEQUENCE_KW, OPTIONAL_KW, STRING_KW]);
-    const BLOCKS: TokenSet = TokenSet::new(&[STRUCT_KW, ENUM_KW]);
+    const MISSPELT_BLOCKS: TokenSet = TokenSet::new(&[STRUCT_KW, ENUM_KW]);
+    const SIGNED: TokenSet = TokenSet::new(&[UNSIGNED_KW]);
+    const INTEGERS: TokenSet = TokenSet::new(&[SHORT_KW, LONG_KW]);
+    foreign::type_of_cpp(p);
     if p.at(IDENT) && p.nth(1) == L_ANGLE {
         p.respell(TEMPLATES, |_| true);
+    } else if p.at(IDENT) && p.nth_at_ts(1, INTEGERS) {
+        p.respell(SIGNED, |_| true);
     } else if p.at(IDENT) && p.nth(1) == IDENT && p.nth(2) == L_CURLY {
-        p.respell(BLOCKS, |_| allow == AllowedTypes::Constructed);
+        p.respell(MISSPELT_BLOCKS, |_| allow == AllowedTypes::Constructed);
     }
     match p.current() {
         UNSIGNED_KW | SHORT_KW | LONG_KW | FLOAT_KW | DOUBLE_KW | CHAR_KW | BOOLEAN_KW
@@ -374,7 +407,10 @@ fn template_type(p: &mut Parser<'_>) -> bool {
     let m = p.start();
     let kind = if p.at(SEQUENCE_KW) { SEQUENCE_TYPE } else { OPTIONAL_TYPE };
     p.bump_any();
-    if p.expect(L_ANGLE) && type_spec(p, AllowedTypes::Simple) {
+    let opened = p.expect(L_ANGLE);
+    if opened && p.starts_line() && at_member(p) {
+        p.expected("a type");
+    } else if opened && type_spec(p, AllowedTypes::Simple) {
         if kind == SEQUENCE_TYPE && p.eat(COMMA) {
             expr::in_angles(p);
         }
@@ -440,6 +476,8 @@ fn union_type(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(UNION_KW);
     if type_name(p) {
+        const SWITCH: TokenSet = TokenSet::new(&[SWITCH_KW]);
+        p.respell(SWITCH, |p| p.nth(1) == L_PAREN);
         if !p.eat(SWITCH_KW) {
             p.expected_because("`switch`", "write `union NAME switch (TYPE) { … }`");
             p.skip_construct();
@@ -536,6 +574,9 @@ fn enumerators(p: &mut Parser<'_>) {
 
 /// The name of a struct, union or enum; anonymous ones do not exist.
 fn type_name(p: &mut Parser<'_>) -> bool {
+    if p.at(L_CURLY) && p.nameless == Some(p.position()) {
+        return true;
+    }
     if p.at(L_CURLY) {
         p.expected_because("a name", "structs, unions and enums cannot be anonymous");
         p.skip_construct();
