@@ -75,7 +75,18 @@ fn drive(language: &str) -> Directory {
 
 /// Starts a run on the real clock, with the activity under way.
 fn begin(directory: &Directory, speed: u32, hangs: bool, options: &[&str]) -> Listening {
-    let mut arguments = vec!["run", "drive.gen", "--clock", "real", "--socket", "s"];
+    begin_with(directory, "drive.gen", speed, hangs, options)
+}
+
+/// The same, of a file.
+fn begin_with(
+    directory: &Directory,
+    file: &str,
+    speed: u32,
+    hangs: bool,
+    options: &[&str],
+) -> Listening {
+    let mut arguments = vec!["run", file, "--clock", "real", "--socket", "s"];
     arguments.extend(["--bounds", "none", "--format", "json", "--record", "run.mcap"]);
     arguments.extend(options);
     let report = std::fs::File::create(directory.path().join("report.json")).expect("a file");
@@ -158,6 +169,28 @@ fn a_late_codel_ends_its_activity_or_the_run_in_order() {
         let report = report(&directory);
         assert_eq!(violation(&report, "overrun")["function"], "drive_go", "{report:#}");
     }
+}
+
+/// A measure interrupts the activity whose codel is late, and ends the run.
+#[test]
+fn a_measure_of_the_scenario_is_taken() {
+    if !compilers() {
+        return;
+    }
+    let directory = drive("c");
+    directory.write(
+        "drive.scn",
+        b"scenario drive { use \"drive.gen\"; on late drive.go.start { abort drive.go; stop; } }\n",
+    );
+    let mut run = begin_with(&directory, "drive.scn", 9, false, &[]);
+    assert_eq!(ended(&mut run.0).code(), Some(1));
+    assert_eq!(notes(&directory), IN_ORDER);
+    let report = report(&directory);
+    assert_eq!(report["end"], "measure", "{report:#}");
+    assert_eq!(report["checks"][0]["of"], "on late drive.go.start", "{report:#}");
+    let replayed = directory.run(&["replay", "run.mcap", "drive.scn"]);
+    let said = stdout(&replayed);
+    assert!(said.contains("drive.go.start") && !said.contains("no run of"), "{said}");
 }
 
 #[test]

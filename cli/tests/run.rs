@@ -79,7 +79,7 @@ fn a_response_time_beyond_the_period_exceeds_it() {
     let output = directory.run(&[&run[..], &["--format", "json"]].concat());
     let report: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     let check = &report["checks"][0];
-    assert_eq!(check["verdict"], "kept");
+    assert_eq!(check["verdict"], "simulated");
     assert_eq!((&check["limit"], &check["exceeded"]), (&10.into(), &true.into()));
 }
 
@@ -420,17 +420,19 @@ fn what_nothing_exercised_is_not_kept() {
             |check: &Value| format!("{} {}", check["check"], check["verdict"]).replace('"', "");
         let verdicts: Vec<String> = checks.iter().map(of).collect();
         let expected = [
-            "schedulable kept",
+            "schedulable simulated",
             "schedulable not-exercised",
-            "response kept",
+            "response simulated",
             "response not-exercised",
             "reachable not-seen",
             "leadsto not-exercised",
-            "always kept",
+            "always simulated",
         ];
         assert_eq!(verdicts, expected, "{report:#}");
         assert!(
-            checks.iter().all(|check| check["why"].is_string() != (check["verdict"] == "kept"))
+            checks
+                .iter()
+                .all(|check| check["why"].is_string() != (check["verdict"] == "simulated"))
         );
         // The task does not stop by chance: it is busy in each of its cycles.
         let codels = report["codels"].as_array().expect("a list");

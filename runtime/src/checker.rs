@@ -323,6 +323,11 @@ impl<'p> RunChecker<'p> {
         self.run += 1;
     }
 
+    /// Returns the name of a check, if it has one.
+    pub fn name_of(&self, check: usize) -> Option<&str> {
+        self.prepared.checks[check].report.name.as_deref()
+    }
+
     /// Returns true if there was a violation.
     pub fn has_violations(&self) -> bool {
         self.count > 0

@@ -15,8 +15,10 @@ pub enum End {
     NothingLeft,
     /// Time does not pass, because too many actions take no time.
     Standstill,
-    /// The observer ended the run.
+    /// The run was to end at the first violation.
     Stopped,
+    /// A measure of the scenario has ended the run.
+    Measure,
     /// The run was interrupted.
     Interrupted,
     /// A component could not be started.

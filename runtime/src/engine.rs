@@ -27,7 +27,7 @@ pub fn run(
     interrupted: &dyn Fn() -> bool,
 ) -> End {
     let mut possible = Possible::default();
-    let mut outcomes = Vec::new();
+    let (mut outcomes, mut kept) = (Vec::new(), Vec::new());
     let mut seen = Vec::new();
     let mut works: Vec<Option<Work>> = Vec::new();
     let (mut steps, mut at_once) = (0u64, 0u64);
@@ -45,7 +45,9 @@ pub fn run(
         for observation in &seen {
             if let Seen::Begun { executor, work, time: (least, greatest) } = *observation {
                 note(&mut works, executor, work);
-                stepper.decide(executor, decide.time(&work, least, greatest));
+                if watch.measure(&work).is_none() {
+                    stepper.decide(executor, decide.time(&work, least, greatest));
+                }
             }
             watch.on_event(stepper, observation);
         }
@@ -61,18 +63,18 @@ pub fn run(
         steps += 1;
         // A step that executes a codel may take long.
         let polls = live.is_some() || steps.is_multiple_of(STEPS_PER_POLL);
-        let mut reason = match watch.is_over() {
-            true => Some(End::Stopped),
-            false => (polls && interrupted()).then_some(End::Interrupted),
-        };
+        let interrupt = || (polls && interrupted()).then_some(End::Interrupted);
+        let mut reason = watch.is_over(stepper).or_else(interrupt);
         stepper.possible(&mut possible);
-        let actions = possible.actions();
-        let waits = possible.may_wait() && (actions.is_empty() || decide.waits());
+        let measure = |executor: usize| measure(&works, executor, watch);
+        let (actions, begins) = allowed(possible.actions(), &measure, &mut kept);
+        let waits = possible.may_wait() && !begins && (actions.is_empty() || decide.waits());
         let left = match &ending {
             Some(ending) => ending.left(stepper),
             None => until.saturating_sub(stepper.now()),
         };
-        let next = stepper.next_moment().filter(|_| waits);
+        let open = |executor: usize| measure(executor) == Some(false);
+        let next = stepper.next_moment_but(&open).filter(|_| waits);
         if waits && reason.is_none() {
             reason = match next {
                 _ if left == 0 => Some(End::Done),
@@ -109,6 +111,34 @@ pub(crate) fn note(works: &mut Vec<Option<Work>>, executor: usize, work: Work) {
         works.resize(executor + 1, None);
     }
     works[executor] = Some(work);
+}
+
+/// Returns whether the event of a measure has come, if an executor waits for one.
+pub(crate) fn measure(
+    works: &[Option<Work>],
+    executor: usize,
+    watch: &dyn RunObserver,
+) -> Option<bool> {
+    watch.measure(works.get(executor)?.as_ref()?)
+}
+
+/// Returns the actions without those of measures whose events have not come, and whether some measure begins
+/// now. `kept` is a buffer.
+fn allowed<'a>(
+    actions: &'a [Action],
+    measure: &dyn Fn(usize) -> Option<bool>,
+    kept: &'a mut Vec<Action>,
+) -> (&'a [Action], bool) {
+    let of = |action: &Action| match *action {
+        Action::Finish { executor, .. } => measure(executor),
+        _ => None,
+    };
+    if !actions.iter().any(|action| of(action).is_some()) {
+        return (actions, false);
+    }
+    kept.clear();
+    kept.extend(actions.iter().filter(|action| of(action) != Some(false)));
+    (&kept[..], actions.iter().any(|action| of(action) == Some(true)))
 }
 
 /// Passes violations by codels and new port data to the observer.

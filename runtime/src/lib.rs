@@ -18,6 +18,7 @@ mod ending;
 pub mod engine;
 pub mod hosts;
 pub mod live;
+mod measures;
 pub mod model_time;
 pub mod profile;
 pub mod progress;

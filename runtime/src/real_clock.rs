@@ -59,7 +59,7 @@ pub fn run(
     loop {
         live.step(stepper, &seen);
         for observation in &seen {
-            note_begun(stepper, observation, &mut works, decide, live);
+            note_begun(stepper, observation, &mut works, decide, live, watch);
             watch.on_event(stepper, observation);
         }
         seen.clear();
@@ -69,10 +69,8 @@ pub fn run(
         let late = live.note_late();
         engine::forward_violations(stepper, live, watch);
         // A run that is always late must end as well.
-        let reason = match watch.is_over() {
-            true => Some(End::Stopped),
-            false => interrupted().then_some(End::Interrupted),
-        };
+        let interrupt = || interrupted().then_some(End::Interrupted);
+        let reason = watch.is_over(stepper).or_else(interrupt);
         if let (None, Some(reason)) = (&ending, reason) {
             ending = Some(Ending::request(reason, stepper, live));
         }
@@ -82,7 +80,7 @@ pub fn run(
         stepper.possible(&mut possible);
         allowed.clear();
         let actions = possible.actions().iter().copied();
-        allowed.extend(actions.filter(|action| may_happen(action, &works, live)));
+        allowed.extend(actions.filter(|action| may_happen(action, &works, live, watch)));
         put_ticks_before_ends(&mut allowed, live);
         let drawn = possible.may_wait() && only_preemptions(&allowed);
         if !(allowed.is_empty() || drawn && decide.waits()) {
@@ -104,7 +102,7 @@ pub fn run(
             continue;
         }
         live.delegate(stepper);
-        let passed = clock.wait(stepper, live, &works, (left, late));
+        let passed = clock.wait(stepper, live, &works, watch, (left, late));
         if passed > 0 {
             at_once = 0;
             stepper.pass(passed, &mut seen);
@@ -147,6 +145,7 @@ impl Clock {
         stepper: &Stepper,
         live: &mut Live<'_>,
         works: &[Option<Work>],
+        watch: &dyn RunObserver,
         (left, late): (u64, Option<u64>),
     ) -> Ticks {
         for _ in 0..MAX_MESSAGES_AT_ONCE {
@@ -157,7 +156,10 @@ impl Clock {
         }
         let open = |executor: usize| {
             let work = works.get(executor).copied().flatten();
-            live.is_running(executor) || work.is_some_and(|work| live.is_outside(&work))
+            live.is_running(executor)
+                || work.is_some_and(|work| {
+                    live.is_outside(&work) || watch.measure(&work) == Some(false)
+                })
         };
         let is_delegated = |task: usize| live.is_delegated(task.into());
         let next = stepper.next_moment_but(&open);
@@ -218,13 +220,15 @@ fn note_begun(
     works: &mut Vec<Option<Work>>,
     decide: &mut dyn Decide,
     live: &Live<'_>,
+    watch: &dyn RunObserver,
 ) {
     let Seen::Begun { executor, work, time: (least, greatest) } = *observation else {
         return;
     };
     engine::note(works, executor, work);
     // The end of real work, and requests from outside, come from the hosts.
-    if !live.is_running(executor) && !live.is_outside(&work) {
+    let waits_for_event = live.is_outside(&work) || watch.measure(&work).is_some();
+    if !live.is_running(executor) && !waits_for_event {
         stepper.decide(executor, decide.time(&work, least, greatest));
     }
 }
@@ -248,7 +252,12 @@ fn only_preemptions(actions: &[Action]) -> bool {
 
 /// Returns true if the host has reported the event of a possible action: the end of real work, or a request
 /// from outside.
-fn may_happen(action: &Action, works: &[Option<Work>], live: &Live<'_>) -> bool {
+fn may_happen(
+    action: &Action,
+    works: &[Option<Work>],
+    live: &Live<'_>,
+    watch: &dyn RunObserver,
+) -> bool {
     let Action::Finish { executor, outcome } = *action else {
         return true;
     };
@@ -256,7 +265,9 @@ fn may_happen(action: &Action, works: &[Option<Work>], live: &Live<'_>) -> bool 
         return false;
     }
     match works.get(executor).copied().flatten() {
-        Some(Work::Delay { client }) => live.may_proceed(client, outcome),
+        Some(work @ Work::Delay { client }) => {
+            watch.measure(&work).unwrap_or_else(|| live.may_proceed(client, outcome))
+        }
         _ => true,
     }
 }

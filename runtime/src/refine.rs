@@ -113,6 +113,7 @@ pub fn add_outside(prepared: &mut Prepared) -> ClientId {
             first: vec![0],
             steps,
             trackers: 0,
+            awaits_event: None,
         });
     }
     first

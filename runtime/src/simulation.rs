@@ -3,7 +3,7 @@
 
 use std::io::Write;
 
-use dotgen_timing::explore::{Action, Run, Seen, Stepper};
+use dotgen_timing::explore::{Action, Run, Seen, Stepper, Work};
 use dotgen_timing::system::{ServiceId, Ticks, TimedSystem};
 use dotgen_timing::verify::Prepared;
 use num_rational::Ratio;
@@ -12,6 +12,7 @@ use crate::checker::RunChecker;
 use crate::decide::{Durations, RandomDecisions};
 use crate::engine::{self, End};
 use crate::live::Live;
+use crate::measures::Measures;
 use crate::profile::Profile;
 use crate::progress::{ActivityStates, ProgressReceiver};
 use crate::real_clock::{self, Pace};
@@ -141,6 +142,7 @@ pub fn simulate_recorded<'p, W: Write>(
         first: true,
         violated,
         shown: 0,
+        measures: Measures::new(&prepared.built),
         ended: None,
     };
     if let (Some(execution), Some(_)) = (&mut execution, &observer.record) {
@@ -163,7 +165,10 @@ pub fn simulate_recorded<'p, W: Write>(
         runs += 1;
         let violated = plan.stop_at_violation && observer.judge.has_violations();
         if violated
-            || matches!(end, End::Stopped | End::Interrupted | End::Standstill | End::NotStarted)
+            || matches!(
+                end,
+                End::Stopped | End::Measure | End::Interrupted | End::Standstill | End::NotStarted
+            )
         {
             break;
         }
@@ -220,6 +225,7 @@ struct Observer<'o, 'r, 'f, 'p, W> {
     violated: Option<&'f ViolationReceiver<'f>>,
     /// Number of violations that were passed on.
     shown: usize,
+    measures: Measures<'p>,
     /// Time at which the present run began to end, in base units: from then on its checks are not observed.
     ended: Option<u64>,
 }
@@ -227,6 +233,7 @@ struct Observer<'o, 'r, 'f, 'p, W> {
 impl<W: Write> Observer<'_, '_, '_, '_, W> {
     /// Passes on new violations.
     fn show_violations(&mut self) {
+        self.measures.on_checked(&self.judge);
         let Some(violated) = self.violated else { return };
         while self.shown < self.judge.violations.len() {
             violated(&self.judge, self.shown);
@@ -242,6 +249,7 @@ impl<W: Write> Observer<'_, '_, '_, '_, W> {
         }
         self.show_violations();
         self.judge.next_run();
+        self.measures.next_run();
         self.tally.busy.clear();
         if self.first {
             if let Some(run) = &mut self.recorded {
@@ -270,6 +278,7 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
             self.tally.on_event(self.system, stepper, seen);
         }
         if self.ended.is_none() {
+            self.measures.on_event(seen);
             self.judge.on_event(stepper, seen);
             self.show_violations();
         }
@@ -341,11 +350,22 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
     }
 
     fn on_violation(&mut self, stepper: &Stepper, broken: CodelViolation) {
+        self.measures.on_violation(&broken);
         self.judge.on_violation(stepper, broken);
         self.show_violations();
     }
 
-    fn is_over(&self) -> bool {
-        self.stop_at_violation && self.judge.has_violations() && self.ended.is_none()
+    fn is_over(&self, stepper: &Stepper) -> Option<End> {
+        if self.ended.is_some() {
+            None
+        } else if self.stop_at_violation && self.judge.has_violations() {
+            Some(End::Stopped)
+        } else {
+            self.measures.stop(stepper).then_some(End::Measure)
+        }
+    }
+
+    fn measure(&self, work: &Work) -> Option<bool> {
+        self.measures.begun(work)
     }
 }

@@ -1,6 +1,6 @@
 //! The interface for observers of a run.
 
-use dotgen_timing::explore::{Action, Seen, Stepper};
+use dotgen_timing::explore::{Action, Seen, Stepper, Work};
 use dotgen_timing::system::ComponentId;
 
 use crate::end::End;
@@ -31,8 +31,14 @@ pub trait RunObserver {
     /// Receives a violation by a codel.
     fn on_violation(&mut self, stepper: &Stepper, broken: CodelViolation);
 
-    /// Returns true if the run must end.
-    fn is_over(&self) -> bool;
+    /// Returns why the run must end, if it must.
+    fn is_over(&self, stepper: &Stepper) -> Option<End>;
+
+    /// Returns whether the event of a measure has come, if the work is its wait for it; `None` for other
+    /// work.
+    fn measure(&self, _work: &Work) -> Option<bool> {
+        None
+    }
 }
 
 /// A violation by a codel.

@@ -1,5 +1,7 @@
 //! On random systems with all features of the servers, runs show only what verification allows.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use dotgen_runtime::checker::Verdict as Held;
 use dotgen_runtime::decide::Durations;
 use dotgen_runtime::engine::End;
@@ -11,9 +13,24 @@ use dotgen_timing::verify::{Cancel, Options, Question, SystemInput, prepare, ver
 
 use crate::random_systems::{load, random, systems};
 
+/// Adds a measure that interrupts an activity after a violated check, and the check. `None` if there is no
+/// activity.
+fn with_measure(texts: &mut random::Texts) -> Option<()> {
+    let activity = texts.specifications[0].split("activity ").nth(1)?.split('(').next()?;
+    let items = format!(
+        "check slow: response c.t0 <= 1 ms; on m: violation of slow {{ abort c.{activity}; }}"
+    );
+    let (before, end) = texts.scenario.rsplit_once('}')?;
+    texts.scenario = format!("{before}{items}\n}}{end}");
+    Some(())
+}
+
 /// Returns the number of checks compared; `None` if the system is invalid or too large.
-fn compare(seed: u64) -> Option<usize> {
-    let texts = random::texts(&mut systems::Dice::new(seed));
+fn compare(seed: u64, measured: bool) -> Option<usize> {
+    let mut texts = random::texts(&mut systems::Dice::new(seed));
+    if measured {
+        with_measure(&mut texts)?;
+    }
     let units = load(&texts.specifications)?;
     let input = SystemInput { specs: units.iter().map(|unit| &*unit.spec).collect() };
     let shown = || format!("seed {seed}\n{}\n{}", texts.specifications.join("\n"), texts.scenario);
@@ -53,6 +70,7 @@ fn compare(seed: u64) -> Option<usize> {
                 Question::Response(..) | Question::Within(..) => {
                     if let (Some(seen), Some(Value::Time(most))) = (answer.greatest, check.value) {
                         assert!(prepared.time(u64::from(seen)) <= most, "{}", about());
+                        TAKEN.fetch_add(u64::from(check.of.starts_with("on ")), Ordering::Relaxed);
                     }
                 }
                 _ => {
@@ -71,16 +89,28 @@ fn systems_to_compare() -> u64 {
     dotgen_loaders::times(20)
 }
 
-#[test]
-fn nothing_is_seen_that_verification_excludes() {
-    let systems = systems_to_compare();
+/// Number of measures that runs have taken.
+static TAKEN: AtomicU64 = AtomicU64::new(0);
+
+fn compare_all(systems: u64, measured: bool) {
     let mut compared = 0;
     let mut seed = 0;
     while compared < systems {
-        compared += u64::from(compare(seed).is_some_and(|index| index > 0));
+        compared += u64::from(compare(seed, measured).is_some_and(|index| index > 0));
         seed += 1;
-        assert!(seed < 20 * systems + 100, "few systems are legal and small");
+        assert!(seed < 40 * systems + 100, "few systems are legal and small");
     }
+}
+
+#[test]
+fn nothing_is_seen_that_verification_excludes() {
+    compare_all(systems_to_compare(), false);
+}
+
+#[test]
+fn no_measure_takes_longer_than_verified() {
+    compare_all(systems_to_compare() / 2, true);
+    assert!(TAKEN.load(Ordering::Relaxed) > 0, "no measure was taken");
 }
 
 #[test]

@@ -304,13 +304,15 @@ pub enum Builtin {
     Connect,
     /// Ends the component.
     Kill,
+    /// Interrupts all instances of an activity, for a measure: [`Service::interrupts`] has it.
+    Interrupt,
 }
 
 impl Builtin {
     /// Returns its name in GenoM3.
     pub fn name(self) -> &'static str {
         match self {
-            Builtin::Abort => "abort_activity",
+            Builtin::Abort | Builtin::Interrupt => "abort_activity",
             Builtin::Connect => "connect_port",
             Builtin::Kill => "kill",
         }
@@ -328,6 +330,8 @@ pub struct Client {
     pub first: Vec<usize>,
     /// Number of requests whose end some step awaits.
     pub trackers: usize,
+    /// The step of a measure that waits for its event.
+    pub awaits_event: Option<usize>,
 }
 
 impl Client {
@@ -340,6 +344,19 @@ impl Client {
     pub(crate) fn asks_outcome(&self, tracker: usize) -> bool {
         let mut steps = self.steps.iter();
         steps.any(|step| matches!(step.action, ClientAction::AwaitOutcome(t, _) if t == tracker))
+    }
+
+    /// Returns the steps that can follow a step with a label, [`Self::done`] included.
+    pub(crate) fn after(&self, label: &str) -> Vec<usize> {
+        let labelled = self.steps.iter().filter(|step| step.label.as_deref() == Some(label));
+        let mut stack: Vec<usize> = labelled.flat_map(|step| step.next.iter().copied()).collect();
+        let mut reached = vec![false; self.steps.len() + 1];
+        while let Some(at) = stack.pop() {
+            if !std::mem::replace(&mut reached[at], true) {
+                stack.extend(self.steps.get(at).iter().flat_map(|step| &step.next));
+            }
+        }
+        (0..reached.len()).filter(|&at| reached[at]).collect()
     }
 
     /// Returns true if the client can reach a step more than once.

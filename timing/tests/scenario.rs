@@ -9,6 +9,7 @@ mod findings;
 mod invariants;
 mod json;
 mod language;
+mod measures;
 mod quick;
 mod requests;
 mod simulate;

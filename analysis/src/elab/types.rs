@@ -216,9 +216,7 @@ impl<'a> Elaborator<'a> {
                 self.near(at, &last.text, candidates)
             }
             // Constants are few, so that a name two edits away is meant.
-            None => {
-                self.hint(at, || nearest_keyword(&last.text, candidates))
-            }
+            None => self.hint(at, || nearest_keyword(&last.text, candidates)),
         }
     }
 

@@ -183,7 +183,8 @@ fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<CandidateFix>) {
     }
 }
 
-/// Replacements of a word by the keyword near it, of one mark by another, one kind of quotes by the other, or comment marks.
+/// Replacements of a word by the keyword near it, of one mark by another, one kind of quotes by the other, or
+/// comment marks.
 fn replacements(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
     let words = SyntaxKind::spellings().iter().map(|spelling| spelling.1);
     for number in window.around() {

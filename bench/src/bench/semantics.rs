@@ -37,7 +37,7 @@ pub(crate) fn semantics(dotgen: &Path) -> Result<()> {
         ("Quadcopter hovering, fifo", "corpus/quadcopter/hover.scn", "fifo"),
         ("examples/pump, fifo", "examples/pump/pump.scn", "fifo"),
         ("examples/outdoor, fifo", "examples/outdoor/outdoor.scn", "fifo"),
-        ("examples/maneuver, fifo", "examples/maneuver/maneuver.scn", "fifo"),
+        ("examples/maneuver, fifo", "examples/maneuver/published.scn", "fifo"),
     ];
     for (name, path, policy) in systems {
         step(name);

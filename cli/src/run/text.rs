@@ -140,6 +140,7 @@ fn ended(end: End) -> Option<&'static str> {
              state their `wcet`",
         ),
         End::Stopped => Some("stopped at the first one, as was asked for"),
+        End::Measure => Some("ended by a measure of the scenario"),
         End::Interrupted => Some("interrupted"),
         End::NotStarted => Some("a component could not be started"),
     }

@@ -30,7 +30,7 @@ const CHECKS = [
   'reachable',
   'deadlock',
 ];
-const STEPS = ['send', 'await', 'delay', 'repeat', 'choice', 'abort', 'kill', 'connect'];
+const STEPS = ['send', 'await', 'delay', 'repeat', 'choice', 'abort', 'kill', 'connect', 'stop'];
 
 module.exports = grammar({
   name: 'genom3_scenario',
@@ -59,6 +59,7 @@ module.exports = grammar({
         $.connection,
         $.slots,
         $.client,
+        $.measure,
         $.check,
       ),
 
@@ -89,8 +90,17 @@ module.exports = grammar({
     // ---- Clients --------------------------------------------------------------------------------------------------
 
     client: ($) => seq('client', field('name', $.identifier), field('body', $.steps)),
+    measure: ($) =>
+      seq(
+        'on',
+        optional(seq(field('name', alias($._check_name, $.label)), ':')),
+        field('event', choice('late', 'lost', seq('violation', 'of'))),
+        comma(field('of', $.path)),
+        optional($.bound),
+        field('body', $.steps),
+      ),
     steps: ($) => seq('{', repeat(choice($._step, ';')), '}'),
-    _step: ($) => choice($.send, $.await, $.delay, $.repeat, $.choice, $.abort, $.kill, $.connect),
+    _step: ($) => choice($.send, $.await, $.delay, $.repeat, $.choice, $.abort, $.kill, $.connect, $.stop),
 
     _label: ($) => seq(field('label', $.label), ':'),
     label: ($) => choice($.identifier, ...STEPS.map((word) => alias(word, $.identifier))),
@@ -119,6 +129,7 @@ module.exports = grammar({
       ),
     abort: ($) => seq(optional($._label), 'abort', field('target', $.path), ';'),
     kill: ($) => seq(optional($._label), 'kill', field('component', $.path), ';'),
+    stop: ($) => seq(optional($._label), 'stop', ';'),
     connect: ($) => seq(optional($._label), 'connect', field('component', $.path), ';'),
 
     // ---- Checks ---------------------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ use dotgen_analysis::ide::{DocumentSymbol, FilePosition, SymbolKind};
 use dotgen_diagram::system::Chain;
 use dotgen_diagram::theme::Theme;
 use dotgen_syntax::codes;
-use dotgen_timing::scn::ast::{CheckKind, Item};
+use dotgen_timing::scn::ast::CheckKind;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -201,11 +201,7 @@ fn chains(snapshot: &Snapshot, units: &[UnitResult]) -> Vec<Chain> {
         if !used.any(of_system) {
             continue;
         }
-        let checks = problem.scenario.items.iter().filter_map(|item| match item {
-            Item::Check(check) => Some(check),
-            _ => None,
-        });
-        for check in checks {
+        for check in problem.scenario.checks() {
             let CheckKind::Chain(_, path, _) = &check.kind else {
                 continue;
             };

@@ -84,7 +84,7 @@ async fn completion_knows_the_place() {
         (
             "scenario a {\n $0",
             "use unit semantics cores policy affinity durations duration loop idle ticks turns locks ports \
-                pause exceptions order async aperiodic connect slots client check",
+                pause exceptions order async aperiodic connect slots client on check",
         ),
         ("scenario a { policy $0", "fifo edf any priority fair"),
         ("scenario a { policy f$0", "fifo edf any priority fair"),
@@ -113,7 +113,7 @@ async fn completion_knows_the_place() {
         ("scenario a { use \"pump.gen\"; connect pump.inflow to $0", "none pump.outflow"),
         (
             "scenario a { use \"pump.gen\"; client c { $0",
-            "send await delay repeat choice abort kill connect",
+            "send await delay repeat choice abort kill connect stop",
         ),
         (
             "scenario a { use \"pump.gen\"; client c { again: send $0 } }",
@@ -121,7 +121,7 @@ async fn completion_knows_the_place() {
         ),
         (
             "scenario a { use \"pump.gen\"; client c { choice { } $0",
-            "or send await delay repeat choice abort kill connect",
+            "or send await delay repeat choice abort kill connect stop",
         ),
         (
             "scenario a { use \"pump.gen\"; client c { x: send pump.drain; } check always $0",

@@ -79,7 +79,8 @@ impl Live<'_> {
             Some(request) => request.inputs.as_slice(),
             None => self.parts.inputs[service].as_slice(),
         };
-        if self.alive[component] && self.parts.of(component).is_some() {
+        let declared = self.system.services[service].builtin.is_none();
+        if declared && self.alive[component] && self.parts.of(component).is_some() {
             self.hosts.make(component, index, number, inputs);
         }
         self.pending[component] = Some(Instance {
@@ -98,7 +99,9 @@ impl Live<'_> {
         let service = &self.system.services[instance.service];
         let component = service.component;
         let (_, index) = self.parts.services[instance.service];
-        let hosted = self.alive[component] && self.parts.of(component).is_some();
+        let hosted = service.builtin.is_none()
+            && self.alive[component]
+            && self.parts.of(component).is_some();
         let well =
             !instance.refused && instance.failed.is_none() && (!service.activity || instance.ended);
         let mut outputs = Some(Vec::new());

@@ -4,7 +4,7 @@ use dotgen_analysis::model::{CodelRef, Owner, ServiceKind};
 
 use super::{Atom, Predicate, SlotStatus, StatePhase, TaskState};
 use crate::diagnostic::Diagnostic;
-use crate::scn::ast::{Path, Pred};
+use crate::scn::ast::{Path, Pred, Trigger};
 use crate::scn::names::{Names, STATUSES, Target};
 use crate::system::indexed::Built;
 use crate::system::indexed::DeclaredTask;
@@ -168,6 +168,15 @@ fn client(built: &Built, path: &Path) -> Result<Option<Atom>, Diagnostic> {
     };
     let steps: Vec<usize> = match path.names.get(1) {
         None => vec![clients[k].done()],
+        Some(label) if label.value == Trigger::BEGUN && clients[k].awaits_event.is_some() => {
+            (0..=clients[k].done()).filter(|&step| Some(step) != clients[k].awaits_event).collect()
+        }
+        Some(label)
+            if let Some(of) = label.value.strip_prefix(Trigger::AFTER)
+                && clients[k].awaits_event.is_some() =>
+        {
+            clients[k].after(of)
+        }
         Some(label) => (0..clients[k].steps.len())
             .filter(|&step| clients[k].steps[step].label.as_ref() == Some(&label.value))
             .collect(),

@@ -36,6 +36,17 @@ pub struct Scenario {
     pub items: Vec<Item>,
 }
 
+impl Scenario {
+    /// Returns the checks in order, with those of measures.
+    pub fn checks(&self) -> impl Iterator<Item = &Check> {
+        self.items.iter().filter_map(|item| match item {
+            Item::Check(check) => Some(check),
+            Item::Client(client) => client.trigger.as_ref().map(|trigger| &trigger.check),
+            _ => None,
+        })
+    }
+}
+
 /// `a.b.c`
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Path {
@@ -217,7 +228,7 @@ pub enum Item {
     Connect(Path, Option<Path>),
     /// `slots PATH INT;`
     Slots(Path, u32),
-    /// `client ID { … }`
+    /// `client ID { … }` or `on late PATH { … }`
     Client(Client),
     /// `check [ID:] …;`
     Check(Check),
@@ -226,10 +237,47 @@ pub enum Item {
 /// A client.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Client {
-    /// Name.
+    /// Name. That of a measure may be made from its trigger; its range is then that of `on`.
     pub name: Spanned<String>,
     /// Steps.
     pub steps: Vec<Step>,
+    /// What the client waits for before its first step, if it is a measure: `on late PATH { … }`.
+    pub trigger: Option<Trigger>,
+}
+
+/// What a measure waits for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Trigger {
+    /// Kind of event.
+    pub kind: TriggerKind,
+    /// Codels and tasks, components, or names of checks; any of them.
+    pub of: Vec<Path>,
+    /// The time from the event to the end of the measure.
+    pub check: Check,
+}
+
+/// The kind of event that a measure waits for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TriggerKind {
+    /// `on late`: a codel takes longer than its time, or a task misses a deadline.
+    Late,
+    /// `on violation of`: a check is violated.
+    Violation,
+    /// `on lost`: the process of a component has ended.
+    Lost,
+}
+
+impl Trigger {
+    /// The label of all steps of a measure after its event.
+    pub const BEGUN: &str = "begun";
+
+    /// What begins the label of all steps of a measure after a step with a label.
+    pub const AFTER: &str = "after_";
+
+    /// Returns the label of the step that interrupts an activity.
+    pub fn abort_label(activity: &Path) -> String {
+        format!("abort_{}", activity.text().replace('.', "_"))
+    }
 }
 
 /// A step of a client, with its label if it has one.
@@ -275,6 +323,8 @@ pub enum StepKind {
     Repeat(Option<u32>, Vec<Step>),
     /// `choice { … } or { … }`
     Choice(Vec<Vec<Step>>),
+    /// `stop;`: the run ends. The last step of a measure.
+    Stop,
 }
 
 /// `check [ID:] …;`
@@ -282,6 +332,8 @@ pub enum StepKind {
 pub struct Check {
     /// Name.
     pub name: Option<Spanned<String>>,
+    /// What the check of a measure is about, in words; `None` for a check that is written.
+    pub subject: Option<String>,
     /// Kind of check.
     pub kind: CheckKind,
     /// Range of the check.

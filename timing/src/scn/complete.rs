@@ -5,10 +5,10 @@ mod paths;
 
 use std::ops::Range;
 
-use super::ast::{Policy, Scenario};
+use super::ast::{Item, Policy, Scenario};
 use super::lexer::{Kind, Token, lex};
 use super::names::{Names, Target};
-use super::parser::{CHECKS, ITEMS, STEPS};
+use super::parser::{CHECKS, ITEMS, STEPS, TRIGGERS};
 use super::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, TurnRule};
 use super::words;
 
@@ -244,6 +244,43 @@ impl<'f> Finder<'f> {
                 }
             }
             "check" => self.check(rest),
+            "on" => self.measure(rest),
+            _ => {}
+        }
+    }
+
+    fn components(&mut self) {
+        for (label, target) in self.names.after(None) {
+            self.push(label, &target);
+        }
+    }
+
+    fn measure(&mut self, mut rest: &[&Token]) {
+        if rest.get(1).is_some_and(|token| token.kind == Kind::Colon) {
+            rest = &rest[2..];
+        }
+        let Some((first, rest)) = rest.split_first() else {
+            return self.rules(TRIGGERS);
+        };
+        let last = rest.iter().rposition(|token| token.kind == Kind::Comma);
+        let path = &rest[last.map_or(0, |comma| comma + 1)..];
+        match word(self.text, Some(first)) {
+            "late" => {
+                let _ = self.path(PathKind::Codel, path) || self.unit(rest);
+            }
+            "lost" if path.is_empty() => self.components(),
+            "violation" if rest.is_empty() => self.words(&["of"]),
+            "violation" => {
+                let checks = self.scenario.items.iter().filter_map(|item| match item {
+                    Item::Check(check) => check.name.as_ref(),
+                    _ => None,
+                });
+                self.items.extend(checks.map(|name| Completion {
+                    label: name.value.clone(),
+                    kind: CompletionKind::Word,
+                    detail: "check".to_owned(),
+                }));
+            }
             _ => {}
         }
     }
@@ -302,11 +339,7 @@ impl<'f> Finder<'f> {
                 }
                 self.path(PathKind::Activity, rest);
             }
-            "kill" | "connect" if rest.is_empty() => {
-                for (label, target) in self.names.after(None) {
-                    self.push(label, &target);
-                }
-            }
+            "kill" | "connect" if rest.is_empty() => self.components(),
             "delay" => {
                 self.unit(rest);
             }

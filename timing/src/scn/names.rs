@@ -5,7 +5,7 @@ use std::ops::Range;
 use dotgen_analysis::model::{CodelKind, Component, ComponentKind, Owner, ServiceKind, Spec};
 use dotgen_syntax::suggestion::nearest;
 
-use super::ast::{CheckKind, Item, Path, Pred, Scenario, Spanned, Step, StepKind};
+use super::ast::{CheckKind, Item, Path, Pred, Scenario, Spanned, Step, StepKind, TriggerKind};
 use crate::diagnostic::Diagnostic;
 
 /// The components of a scenario.
@@ -332,7 +332,12 @@ pub fn for_each_path<'s>(scenario: &'s Scenario, each: &mut impl FnMut(&'s Path)
                 each(from);
                 to.iter().for_each(&mut *each);
             }
-            Item::Client(client) => steps(&client.steps, each),
+            Item::Client(client) => {
+                steps(&client.steps, each);
+                let components = client.trigger.iter();
+                let components = components.filter(|it| it.kind != TriggerKind::Violation);
+                components.flat_map(|trigger| &trigger.of).for_each(&mut *each);
+            }
             Item::Check(check) => {
                 check.kind.task().into_iter().for_each(&mut *each);
                 if let CheckKind::Chain(_, chain, _) = &check.kind {
@@ -357,7 +362,7 @@ fn steps<'s>(list: &'s [Step], each: &mut impl FnMut(&'s Path)) {
             StepKind::AwaitAccepted(path) | StepKind::AwaitEnded(_, path) => {
                 path.iter().for_each(&mut *each);
             }
-            StepKind::Delay(..) => {}
+            StepKind::Delay(..) | StepKind::Stop => {}
             StepKind::Repeat(_, body) => steps(body, each),
             StepKind::Choice(branches) => branches.iter().for_each(|branch| steps(branch, each)),
         }

@@ -3,6 +3,7 @@
 
 mod checks;
 mod items;
+mod measures;
 mod steps;
 mod tokens;
 mod values;
@@ -13,6 +14,7 @@ use crate::diagnostic::Diagnostic;
 
 pub(super) use checks::CHECKS;
 pub(super) use items::ITEMS;
+pub(super) use measures::TRIGGERS;
 pub(super) use steps::STEPS;
 
 /// A parsed scenario.

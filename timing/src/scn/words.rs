@@ -141,6 +141,21 @@ const WORDS: &[Word] = &[
         "client NAME { … }",
         "A client that sends requests. Without a client nothing is requested.",
     ),
+    word(
+        "on",
+        "on [NAME:] late PATH, … { … }  on lost COMPONENT <= 50 ms { … }",
+        "A measure: steps that follow an event of a run. `late`: a codel takes longer than its time, or a task \
+         misses a deadline. `violation of CHECK`: a check is violated. `lost`: the process of a component has \
+         ended. Each measure is taken once. The model takes it at any time, and a check gives the longest \
+         time from the event to its end.",
+    ),
+    word(
+        "late",
+        "on late component.task.state, component.task { … }",
+        "A codel takes longer than its time, or a task misses a deadline.",
+    ),
+    word("violation", "on violation of CHECK { … }", "A check of the scenario is violated."),
+    word("lost", "on lost component { … }", "The process of the component has ended."),
     word("check", "check [NAME:] …;", "A property to verify."),
     word(
         "schedulable",
@@ -216,7 +231,8 @@ const WORDS: &[Word] = &[
         "abort",
         "abort component.activity;  abort LABEL;",
         "Asks the component to interrupt one instance: the last accepted one of this activity and this \
-         client, or the last one sent at the step with the label.",
+         client, or the last one sent at the step with the label. In a measure: interrupts all instances of \
+         the activity.",
     ),
     word(
         "kill",
@@ -243,6 +259,11 @@ const WORDS: &[Word] = &[
     word("exec", "STATE.exec", "The codel executes."),
     word("lock", "STATE.lock", "The codel waits for its locks."),
     word("run", "ACTIVITY.run", "An instance of the activity runs."),
-    word("stop", "ACTIVITY.stop", "An instance of the activity is being interrupted."),
+    word(
+        "stop",
+        "ACTIVITY.stop  stop;",
+        "An instance of the activity is being interrupted. As the last step of a measure: the run ends, and \
+         everything executes its `stop` codels.",
+    ),
     word("void", "ACTIVITY.void", "There is no instance of the activity."),
 ];

@@ -78,6 +78,7 @@ fn build_with(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> boo
             machines: HashMap::new(),
             components: HashMap::new(),
             unrequested: Vec::new(),
+            measures: Vec::new(),
             diagnostics: Vec::new(),
             assumptions: Vec::new(),
             conditions: Vec::new(),

@@ -9,7 +9,7 @@ use super::{Automaton, TimedSystem};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::scn::ast::Path;
 use crate::system::ground::Condition;
-use crate::system::{ComponentId, MachineId, ServiceId, TaskId};
+use crate::system::{ClientId, ComponentId, MachineId, ServiceId, TaskId};
 
 /// A task of a specification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -35,6 +35,8 @@ pub struct Built {
     pub components: HashMap<usize, ComponentId>,
     /// Activities that no client requests, and that have no slots therefore.
     pub unrequested: Vec<Unrequested>,
+    /// Measures.
+    pub measures: Vec<Measure>,
     /// Problems found. Without errors, verification goes on.
     pub diagnostics: Vec<Diagnostic>,
     /// Assumptions on which the result depends, in words.
@@ -48,6 +50,30 @@ pub struct Built {
     pub exact_unit: Option<Seconds>,
     /// The system as the runs of its checks keep it, once one does.
     pub(crate) shared: OnceLock<Arc<TimedSystem>>,
+}
+
+/// A client that waits for an event of a run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Measure {
+    /// The client.
+    pub client: ClientId,
+    /// Events, any of which begins it.
+    pub events: Vec<MeasureEvent>,
+    /// The run ends after its last step.
+    pub stops: bool,
+}
+
+/// An event that begins a measure.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum MeasureEvent {
+    /// A codel takes longer than its time: `component.owner.state`.
+    LateCodel(String),
+    /// A codel of the task takes longer than its time, or the task misses a deadline: `component.task`.
+    LateTask(String),
+    /// A check is violated: its name.
+    Violation(String),
+    /// The process of a component has ended.
+    Lost(String),
 }
 
 /// An activity that no client requests, with what its slots would be.

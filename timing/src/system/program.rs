@@ -2,7 +2,7 @@
 
 use super::{Builtin, Client, ClientAction, ClientStep, FOREVER, Ticks};
 use crate::diagnostic::Diagnostic;
-use crate::scn::ast::{self, Ending, Interval, Path, Step, StepKind, Unit};
+use crate::scn::ast::{self, Ending, Interval, Path, Step, StepKind, Trigger, Unit};
 use crate::system::ServiceId;
 
 /// Upper limit on the number of steps.
@@ -42,15 +42,27 @@ pub(crate) fn compile(
 ) -> Result<Client, Diagnostic> {
     let mut labels = Vec::new();
     labelled(&client.steps, &mut labels);
-    let mut program =
-        Program { steps: Vec::new(), trackers: Vec::new(), labels, resolve, ticks, loops: 0 };
+    let mut program = Program {
+        steps: Vec::new(),
+        trackers: Vec::new(),
+        labels,
+        resolve,
+        ticks,
+        loops: 0,
+        is_measure: client.trigger.is_some(),
+    };
     program.followed(&client.steps)?;
-    let first = program.sequence(&client.steps, vec![DONE])?;
+    let mut first = program.sequence(&client.steps, vec![DONE])?;
+    let mut awaits_event = None;
+    if program.is_measure {
+        let event = program.push(ClientAction::Delay(0, FOREVER), first, None);
+        awaits_event = Some(event);
+        first = vec![event];
+    }
     let done = program.steps.len();
     for step in &mut program.steps {
         finish_list(&mut step.next, done);
     }
-    let mut first = first;
     finish_list(&mut first, done);
     if done > STEPS {
         let message = format!("this client has more than {STEPS} steps; repeat less often");
@@ -61,6 +73,7 @@ pub(crate) fn compile(
         steps: program.steps,
         first,
         trackers: program.trackers.len(),
+        awaits_event,
     })
 }
 
@@ -100,6 +113,8 @@ struct Program<'p> {
     ticks: &'p dyn Fn(u64, Unit) -> Ticks,
     /// Number of loops so far. Each has a number below [`DONE`] as a placeholder for its beginning.
     loops: usize,
+    /// Its aborts interrupt all instances.
+    is_measure: bool,
 }
 
 impl Program<'_> {
@@ -108,7 +123,7 @@ impl Program<'_> {
         for step in steps {
             let request = match &step.kind {
                 StepKind::AwaitEnded(_, path) => self.awaited(path.as_ref())?,
-                StepKind::Abort(path) => self.aborted(path)?,
+                StepKind::Abort(path) if !self.interrupts(path) => self.aborted(path)?,
                 StepKind::Repeat(_, body) => {
                     self.followed(body)?;
                     continue;
@@ -126,6 +141,11 @@ impl Program<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Returns true if an abort of this path interrupts all instances.
+    fn interrupts(&self, path: &Path) -> bool {
+        self.is_measure && path.names.len() > 1
     }
 
     fn awaited(&self, path: Option<&Path>) -> Result<TrackedRequest, Diagnostic> {
@@ -203,6 +223,12 @@ impl Program<'_> {
                 let name = path.names.last().map(|name| name.value.clone());
                 let action = self.request(service, label.as_deref(), None);
                 return Ok(vec![self.push(action, next, label.or(name))]);
+            }
+            StepKind::Stop => return Ok(next),
+            StepKind::Abort(path) if self.interrupts(path) => {
+                let service = self.resolve.builtin(path, Builtin::Interrupt)?;
+                let action = self.request(service, None, None);
+                return Ok(vec![self.push(action, next, Some(Trigger::abort_label(path)))]);
             }
             StepKind::Abort(path) => {
                 let aborted = self.aborted(path)?;

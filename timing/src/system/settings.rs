@@ -84,7 +84,7 @@ impl Settings {
             connect: Vec::new(),
             slots: Vec::new(),
             clients: Vec::new(),
-            checks: Vec::new(),
+            checks: scenario.checks().cloned().collect(),
             upper_bound: None,
             period: None,
             delay: None,
@@ -114,7 +114,7 @@ impl Settings {
                 Item::Connect(from, to) => out.connect.push((from, to)),
                 Item::Slots(path, count) => out.slots.push((path, count)),
                 Item::Client(client) => out.clients.push(client),
-                Item::Check(check) => out.checks.push(check),
+                Item::Check(_) => {}
             }
         }
         // A specific rule overrides a general one, whatever their order in the scenario.

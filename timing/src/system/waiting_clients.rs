@@ -97,6 +97,7 @@ mod tests {
             steps: vec![stay, send(0), send(1)],
             first: vec![0],
             trackers: 0,
+            awaits_event: None,
         }
     }
 

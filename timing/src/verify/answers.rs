@@ -21,7 +21,7 @@ const NEVER_TRUE: &str = "the first predicate never becomes true";
 impl Group<'_> {
     pub(super) fn blank(&self, check: &Single) -> CheckReport {
         let arrow = |p: &Pred, q: &[Pred]| format!("{} => {}", p.text(), sequence(q));
-        let of = match &check.what {
+        let of = || match &check.what {
             What::Schedulable(pair) | What::NoOverdue(pair) | What::Response(pair, _) => {
                 self.task_name(*pair).to_string()
             }
@@ -31,6 +31,7 @@ impl Group<'_> {
             What::Eventually(p) | What::Always(p) | What::Reachable(p) => p.text(),
             What::Deadlock => String::new(),
         };
+        let of = check.check.subject.clone().unwrap_or_else(of);
         let live = matches!(check.what, What::LeadsTo(..) | What::Eventually(_));
         let bound = match check.what {
             What::Response(_, bound) | What::Within(_, _, bound) => bound,

@@ -8,7 +8,7 @@ use dotgen_timing::abstraction::{Budget, abstract_bounds};
 use dotgen_timing::analytic::{meets_deadlines, response_bounds};
 use dotgen_timing::explore::{Kind, Kinds, Limits};
 use dotgen_timing::report::{CheckReport, Report, Soundness, Value, Verdict};
-use dotgen_timing::scn::ast::{CheckKind, Item, Path};
+use dotgen_timing::scn::ast::{CheckKind, Path};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
 use dotgen_timing::system::build::build;
@@ -36,7 +36,7 @@ fn answer(report: &CheckReport) -> Json {
     };
     // For response times the value is compared.
     let verdict = match report.verdict {
-        Verdict::Proved => "proved",
+        verdict if verdict.holds() => "proved",
         Verdict::Refuted => "refuted",
         other => return json!(format!("{other:?}: {:?}", report.note)),
     };
@@ -353,10 +353,7 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
     let input = SystemInput { specs: units.iter().map(|unit| &*unit.spec).collect() };
     let quick = verify(&input, &parsed.scenario, &none, &Cancel::default());
     let interpreter = Interpreter::new(&system, &[], &[]);
-    let checks = parsed.scenario.items.iter().filter_map(|item| match item {
-        Item::Check(check) => Some(&check.kind),
-        _ => None,
-    });
+    let checks = parsed.scenario.checks().map(|check| &check.kind);
     for (check, found) in checks.zip(&report.checks) {
         let CheckKind::Chain(kind, path, _) = check else {
             continue;

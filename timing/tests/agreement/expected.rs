@@ -49,11 +49,7 @@ pub(crate) fn answers(
     scenario: &Scenario,
     limit: usize,
 ) -> Option<Vec<(String, Json)>> {
-    let checks = scenario.items.iter().filter_map(|item| match item {
-        Item::Check(check) => Some(check),
-        _ => None,
-    });
-    let checks: Vec<&Check> = checks.collect();
+    let checks: Vec<&Check> = scenario.checks().collect();
     let (mut within, mut reach): (Vec<Sequence>, Vec<Predicate>) = Default::default();
     for check in &checks {
         match &check.kind {

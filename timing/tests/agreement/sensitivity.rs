@@ -41,8 +41,8 @@ fn with<T>(texts: &Texts, scenario: &str, ask: impl FnOnce(&SystemInput, &str) -
 /// Whether all deadlines are met if the codel takes up to this time; `None` if that is not known.
 fn holds(texts: &Texts, scenario: &str, codel: &str, time: u32) -> Option<bool> {
     let (items, end) = scenario.rsplit_once('}').expect("a scenario ends");
-    let time = f64::from(time) / f64::from(PARTS);
-    let scenario = format!("{items}duration {codel} {time} ms;\n}}{end}");
+    let time = time * (1000 / PARTS);
+    let scenario = format!("{items}duration {codel} {time} us;\n}}{end}");
     with(texts, &scenario, |input, scenario| {
         let parsed = parse(scenario);
         assert!(parsed.errors.is_empty(), "{:?}\n{scenario}", parsed.errors);

@@ -450,7 +450,7 @@ fn client(system: &TimedSystem, dice: &mut Dice, k: u32) -> Client {
             ClientStep { action, next, label: None }
         })
         .collect();
-    Client { name: format!("k{k}"), steps, first: vec![0], trackers }
+    Client { name: format!("k{k}"), steps, first: vec![0], trackers, awaits_event: None }
 }
 
 pub(crate) fn predicate(system: &TimedSystem, dice: &mut Dice) -> Predicate {

@@ -114,6 +114,7 @@ fn with_repeated_request(problem: &Problem, activity: Option<&str>) -> Problem {
         items.push(Item::Client(Client {
             name: Spanned { value: "alone".to_owned(), range: 0..0 },
             steps: vec![step(StepKind::Repeat(None, body))],
+            trigger: None,
         }));
     }
     out

@@ -26,9 +26,9 @@ pub enum Status {
     Stale,
     /// The present text is being verified.
     Running,
-    /// Every check holds.
+    /// Every check holds; some may be vacuous, as the response time of a task without period.
     Proved,
-    /// Every check has an answer, and some hold in a weak sense only: vacuous, or beyond the period.
+    /// Every check has an answer: all are vacuous, or some are beyond the period.
     Answered,
     /// Every check holds, some of them only if something is true that is not stated.
     Conditional,
@@ -127,7 +127,9 @@ impl Answer {
             Status::Nothing
         } else if self.report.conditional() {
             Status::Conditional
-        } else if checks.all(|check| check.verdict == Verdict::Proved) {
+        } else if checks.clone().any(|check| check.verdict == Verdict::Proved)
+            && checks.all(|check| matches!(check.verdict, Verdict::Proved | Verdict::Vacuous))
+        {
             Status::Proved
         } else {
             Status::Answered

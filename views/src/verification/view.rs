@@ -5,7 +5,7 @@ use std::ops::Range;
 use dotgen_timing::report::{
     Awaited, CheckReport, Delay, Report, Soundness, TimeUnit, Value, Verdict,
 };
-use dotgen_timing::scn::ast::{Check, CheckKind, Item, Scenario};
+use dotgen_timing::scn::ast::{Check, CheckKind, Scenario};
 use dotgen_timing::system::ground;
 use dotgen_timing::system::indexed::DeclaredTask;
 use dotgen_timing::verify::{Options, settings};
@@ -143,11 +143,7 @@ impl<'r> CheckView<'r> {
 
 /// The check of a scenario that a report answers.
 fn check_of<'s>(scenario: &'s Scenario, report: &CheckReport) -> Option<&'s Check> {
-    let checks = scenario.items.iter().filter_map(|item| match item {
-        Item::Check(check) => Some(check),
-        _ => None,
-    });
-    checks.into_iter().nth(report.id.written)
+    scenario.checks().nth(report.id.written)
 }
 
 fn is_of_all(check: &Check) -> bool {

@@ -11,6 +11,7 @@
 "*" @constant.builtin
 
 ["scenario" "client"] @keyword.type
+(measure "on" @keyword.type)
 "use" @keyword.import
 [
   "unit" "cores" "affinity" "duration" "loop" "connect" "slots" "semantics" "policy" "durations" "ticks" "turns" "locks"
@@ -18,11 +19,12 @@
 ] @keyword
 (setting key: "pause" @keyword)
 ["send" "await" "delay" "abort" "kill"] @keyword.coroutine
+(stop "stop" @keyword.coroutine)
 "repeat" @keyword.repeat
 "choice" @keyword.conditional
 (choice "or" @keyword.conditional)
 (or "or" @keyword.operator)
-["and" "not" "leave" "then" "via" "to"] @keyword.operator
+["and" "not" "leave" "then" "via" "to" "late" "lost" "violation" "of"] @keyword.operator
 [
   "schedulable" "no-overdue" "response" "within" "reaction" "age" "leadsto" "eventually" "always" "reachable" "deadlock"
 ] @function.builtin

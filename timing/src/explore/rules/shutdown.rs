@@ -32,7 +32,8 @@ impl SystemRules<'_> {
     pub(super) fn do_builtin(&self, s: &mut State, component: ComponentId, which: Builtin) -> bool {
         match which {
             Builtin::Abort => self.abort(s, component),
-            Builtin::Connect => true,
+            // The reply interrupts.
+            Builtin::Connect | Builtin::Interrupt => true,
             Builtin::Kill => {
                 self.kill(s, component);
                 true

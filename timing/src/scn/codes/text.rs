@@ -76,6 +76,14 @@ pub(super) const CODES: &[Code] = &[
         "scenario s {\n  use \"robot.gen\";\n  loop once;\n  check schedulable *;\n}\n",
     ),
     error(
+        "scn-stop",
+        "`stop;` ends a run where that has no meaning.",
+        "Only a measure may end the run, after all of its other steps.",
+        "Write `stop;` as the last step of `on … { … }`, or leave it out.",
+        "scenario s {\n  use \"robot.gen\";\n  client c { stop; }\n  check schedulable *;\n}\n",
+        "scenario s {\n  use \"robot.gen\";\n  on lost sensor { stop; }\n  check schedulable *;\n}\n",
+    ),
+    error(
         "scn-slots",
         "The number of slots is not between 1 and 32.",
         "Without a slot, a task or activity never runs. Each further slot multiplies the states to \

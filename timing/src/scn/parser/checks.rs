@@ -58,7 +58,7 @@ impl Parser<'_> {
             "deadlock" => CheckKind::Deadlock,
             _ => CheckKind::Reachable(self.pred()?),
         };
-        Some(Check { name, kind, range: start..self.end() })
+        Some(Check { name, subject: None, kind, range: start..self.end() })
     }
 
     fn chain(&mut self) -> Option<ChainPath> {
@@ -81,7 +81,7 @@ impl Parser<'_> {
         Some((p, self.pred()?))
     }
 
-    fn bound(&mut self) -> Option<Bound> {
+    pub(super) fn bound(&mut self) -> Option<Bound> {
         if !self.eat(Kind::AtMost) {
             return Some(None);
         }

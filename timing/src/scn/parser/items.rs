@@ -30,6 +30,7 @@ pub(in crate::scn) const ITEMS: &[&str] = &[
     "connect",
     "slots",
     "client",
+    "on",
     "check",
 ];
 
@@ -200,8 +201,11 @@ impl Parser<'_> {
             }
             "client" => {
                 let name = self.name("the name of the client")?;
-                return Some(Item::Client(Client { name, steps: self.steps()? }));
+                let steps = self.steps()?;
+                self.refuse_stops(&steps);
+                return Some(Item::Client(Client { name, steps, trigger: None }));
             }
+            "on" => return self.measure(start).map(Item::Client),
             _ => {
                 let check = self.check_body(start)?;
                 self.expect(Kind::Semicolon, "`;`")?;

@@ -7,7 +7,7 @@ use crate::scn::lexer::Kind;
 
 /// Words that begin a step of a client.
 pub(in crate::scn) const STEPS: &[&str] =
-    &["send", "await", "delay", "repeat", "choice", "abort", "kill", "connect"];
+    &["send", "await", "delay", "repeat", "choice", "abort", "kill", "connect", "stop"];
 
 /// Greatest number of repetitions that are unrolled.
 const REPEAT: u64 = 1000;
@@ -81,6 +81,7 @@ impl Parser<'_> {
                 }
             }
             "abort" => StepKind::Abort(self.path()?),
+            "stop" => StepKind::Stop,
             "kill" => StepKind::Kill(self.path()?),
             "connect" => StepKind::Connect(self.path()?),
             "delay" => {

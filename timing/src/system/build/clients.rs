@@ -6,12 +6,12 @@ use typed_index_collections::{TiSlice, ti_vec};
 use super::Builder;
 use crate::diagnostic::Diagnostic;
 use crate::diagnostic::remark::Remark;
-use crate::scn::ast::{self, Ending, Path, StepKind, Unit};
+use crate::scn::ast::{self, Ending, Path, StepKind, TriggerKind, Unit};
 use crate::scn::names::Target;
-use crate::system::indexed::not_a;
+use crate::system::indexed::{Measure, MeasureEvent, not_a};
 use crate::system::{
-    Builtin, Client, Codel, CodelId, CodelName, ComponentId, FOREVER, Service, ServiceId, program,
-    units,
+    Builtin, Client, ClientId, Codel, CodelId, CodelName, ComponentId, FOREVER, Service, ServiceId,
+    program, units,
 };
 
 impl Builder<'_> {
@@ -62,24 +62,30 @@ impl Builder<'_> {
 
     /// Adds services for the requests that all components accept, if a client makes such requests.
     fn builtins(&mut self) {
-        let mut found: Vec<(ComponentId, Builtin)> = Vec::new();
+        let mut found: Vec<(ComponentId, Builtin, Vec<ServiceId>)> = Vec::new();
         for client in &self.settings.clients {
             builtins(client, &client.steps, &mut |path, which| {
                 // A path that names no component is reported when the client is compiled.
-                if let Some(c) = self.component_of(path)
-                    && let Some(&number) = self.out.components.get(&c)
-                    && !found.contains(&(number, which))
-                {
-                    found.push((number, which));
+                let Some(c) = self.component_of(path) else { return };
+                let Some(&number) = self.out.components.get(&c) else { return };
+                let interrupts = match which {
+                    Builtin::Interrupt => {
+                        program::Resolve::activity(self, path).into_iter().collect()
+                    }
+                    _ => Vec::new(),
+                };
+                let new = (number, which, interrupts);
+                if !found.contains(&new) {
+                    found.push(new);
                 }
             });
         }
-        for (number, which) in found {
-            self.builtin(number, which);
+        for (number, which, interrupts) in found {
+            self.builtin(number, which, interrupts);
         }
     }
 
-    fn builtin(&mut self, number: ComponentId, which: Builtin) {
+    fn builtin(&mut self, number: ComponentId, which: Builtin, interrupts: Vec<ServiceId>) {
         let system = &mut self.out.system;
         let component = system.components[number].name.clone();
         let mut simple = Vec::new();
@@ -116,7 +122,7 @@ impl Builder<'_> {
             simple,
             slots: Vec::new(),
             activity: false,
-            interrupts: Vec::new(),
+            interrupts,
             after: Vec::new(),
             before: Vec::new(),
             builtin: Some(which),
@@ -153,11 +159,52 @@ impl Builder<'_> {
             }
             let compiled: Result<Client, Diagnostic> = program::compile(client, &*self, &ticks);
             match compiled {
-                Ok(client) => self.out.system.clients.push(client),
+                Ok(compiled) => {
+                    let id = self.out.system.clients.push_and_get_key(compiled);
+                    let trigger =
+                        client.trigger.as_ref().map(|trigger| self.measure(id, client, trigger));
+                    match trigger.transpose() {
+                        Ok(measure) => self.out.measures.extend(measure),
+                        Err(error) => self.report(error),
+                    }
+                }
                 Err(error) => self.report(error),
             }
         }
         self.only_refused();
+    }
+
+    /// Returns what a run needs to take a measure.
+    fn measure(
+        &self,
+        id: ClientId,
+        client: &ast::Client,
+        trigger: &ast::Trigger,
+    ) -> Result<Measure, Diagnostic> {
+        let events = trigger.of.iter().map(|path| match trigger.kind {
+            TriggerKind::Violation => {
+                let name = path.text();
+                let mut checks = self.settings.checks.iter().flat_map(|check| &check.name);
+                match checks.any(|check| check.value == name) {
+                    true => Ok(MeasureEvent::Violation(name)),
+                    false => Err(not_a("named check", path)),
+                }
+            }
+            TriggerKind::Late => match self.names.resolve(path)? {
+                Target::Task(..) => Ok(MeasureEvent::LateTask(path.text())),
+                Target::State(..) | Target::Codel(..) => Ok(MeasureEvent::LateCodel(path.text())),
+                _ => Err(not_a("codel or task", path)),
+            },
+            TriggerKind::Lost => match self.names.resolve(path)? {
+                Target::Component(_) => Ok(MeasureEvent::Lost(path.text())),
+                _ => Err(not_a("component", path)),
+            },
+        });
+        Ok(Measure {
+            client: id,
+            events: events.collect::<Result<_, _>>()?,
+            stops: client.steps.last().is_some_and(|step| step.kind == StepKind::Stop),
+        })
     }
 
     /// Reports requests that are always refused (section 18): those of services whose `after` services cannot
@@ -226,13 +273,20 @@ impl program::Resolve for Builder<'_> {
 
     fn builtin(&self, path: &Path, which: Builtin) -> Result<ServiceId, Diagnostic> {
         // An abort names an activity of the component; the other requests name the component alone.
-        let alone = which == Builtin::Abort || path.names.len() == 1;
+        let of_activity = matches!(which, Builtin::Abort | Builtin::Interrupt);
+        let alone = of_activity || path.names.len() == 1;
+        let interrupts = match which {
+            Builtin::Interrupt => Some(program::Resolve::activity(self, path)?),
+            _ => None,
+        };
         let number = (self.component_of(path).filter(|_| alone))
             .and_then(|component| self.out.components.get(&component));
         let mut services = self.out.system.services.iter_enumerated();
         services
             .find(|(_, service)| {
-                Some(&service.component) == number && service.builtin == Some(which)
+                Some(&service.component) == number
+                    && service.builtin == Some(which)
+                    && service.interrupts.first() == interrupts.as_ref()
             })
             .map(|service| service.0)
             .ok_or_else(|| not_a("component", path))
@@ -255,6 +309,7 @@ fn builtins<'s>(
                     let requests = labels.iter().filter(|other| other.0 == label.value);
                     requests.for_each(|request| each(request.1, Builtin::Abort));
                 }
+                _ if client.trigger.is_some() => each(path, Builtin::Interrupt),
                 _ => each(path, Builtin::Abort),
             },
             StepKind::Kill(path) => each(path, Builtin::Kill),

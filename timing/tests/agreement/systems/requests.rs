@@ -98,6 +98,7 @@ fn any(system: &TimedSystem, dice: &mut Dice, k: u32) -> Client {
     };
     let wait = ClientStep { action: ClientAction::AwaitEnded(0), next: vec![back], label: None };
     Client {
+        awaits_event: None,
         name: format!("k{k}"),
         steps: std::iter::once(delay)
             .chain((0..services).map(send))

@@ -154,6 +154,7 @@ impl Client {
                 self.nodes[node].aborts = Some(aborted);
                 return node;
             }
+            StepKind::Stop => return then,
             StepKind::Kill(path) => builtin(&path.names[0].value, Builtin::Kill),
             StepKind::Connect(path) => builtin(&path.names[0].value, Builtin::Connect),
             StepKind::Delay(interval, unit) => {
