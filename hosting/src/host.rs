@@ -5,6 +5,7 @@
 //! is empty.
 
 mod lane;
+mod signals;
 
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::c_int;
@@ -115,6 +116,7 @@ struct Host {
 
 fn serve(library: &Path, options: HostOptions) -> io::Result<()> {
     realtime::name_process(&options.component);
+    signals::crash_as_usual();
     if options.raised {
         // This thread passes on what the engine commands.
         realtime::raise_priority(realtime::ENGINE_PRIORITY);
