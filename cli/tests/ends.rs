@@ -173,9 +173,9 @@ fn violations_are_told_while_they_happen() {
     let mut run = begin(&directory, 9, false, &[]);
     let mut client = UnixStream::connect(directory.path().join("s")).expect("it listens");
     client.write_all(b"{\"id\": 9, \"violations\": null}\n").expect("it reads");
-    let mut events = BufReader::new(&client).lines().map(|line| -> Value {
-        serde_json::from_str(&line.expect("a line")).expect("JSON")
-    });
+    let mut events = BufReader::new(&client)
+        .lines()
+        .map(|line| -> Value { serde_json::from_str(&line.expect("a line")).expect("JSON") });
     let first = events.next().expect("an answer");
     assert_eq!((&first["id"], &first["event"]), (&json!(9), &json!("following")));
     let mut overruns = events.filter(|event| event["violation"]["kind"] == "overrun");
@@ -214,6 +214,48 @@ fn a_stop_codel_that_does_not_return_is_named() {
         assert_eq!(report(&directory)["unfinished"], json!(["drive.go.stop"]));
         assert_eq!(processes(&directory), Vec::<String>::new());
     }
+}
+
+#[test]
+fn nobody_drives_alone() {
+    if !compilers() {
+        return;
+    }
+    for language in ["c", "c++"] {
+        let directory = drive(language);
+        for (signal, why) in [
+            ("-KILL", "its channel to the engine has ended"),
+            ("-STOP", "the engine gave no sign of life for 500ms"),
+        ] {
+            directory.write("notes", b"");
+            let mut run = begin(&directory, 5, false, &["--engine-within", "500ms"]);
+            run.signal(signal);
+            soon("the end of the host", || processes(&directory).is_empty().then_some(()));
+            assert_eq!(notes(&directory), IN_ORDER, "{language} {signal}");
+            let told = format!("`drive` is left alone: {why}; stopped: drive.go, drive.main");
+            run.told(&told);
+            if signal == "-STOP" {
+                run.signal("-CONT");
+                run.told("violated that components run: `drive` had no engine");
+                run.signal("-INT");
+                assert_eq!(ended(&mut run.0).code(), Some(1));
+                assert_eq!(notes(&directory), IN_ORDER);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_host_that_is_left_alone_does_not_wait_for_ever() {
+    if !compilers() {
+        return;
+    }
+    let directory = drive("c");
+    let run = begin(&directory, 5, true, &["--stop-within", "1s"]);
+    run.signal("-KILL");
+    run.told("stopped: drive.main; not stopped in time: drive.go");
+    soon("the end of the host", || processes(&directory).is_empty().then_some(()));
+    assert_eq!(notes(&directory), IN_ORDER);
 }
 
 #[test]

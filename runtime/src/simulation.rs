@@ -61,8 +61,8 @@ pub struct SimulationResult<'p> {
     pub unfinished: Vec<String>,
 }
 
-/// Receives a violation, by its number among those of the checker: how often it has come since it was passed on
-/// last.
+/// Receives a violation, by its number among those of the checker: how often it has come since it was passed
+/// on last.
 pub type ViolationReceiver<'v> = dyn Fn(&RunChecker<'_>, usize, u64) + 'v;
 
 /// The execution of real codels.

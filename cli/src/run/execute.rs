@@ -263,6 +263,7 @@ impl Context<'_, '_> {
         let (components, tasks) = (components.collect(), tasks.collect());
         let interrupt = (self.interrupt.clone(), arguments.stop_within);
         let mut children = Children::new(libraries, components, tasks, real, interrupt);
+        children.watch_engine_within(arguments.engine_within);
         if arguments.debug {
             children.debug(arguments.waiting());
         }
@@ -371,6 +372,7 @@ impl Context<'_, '_> {
             });
         };
         live.set_stop_within(arguments.stop_within);
+        live.set_host_within(arguments.host_within);
         let execution = Execution {
             live: &mut live,
             pace,
