@@ -225,7 +225,7 @@ fn nobody_drives_alone() {
         let directory = drive(language);
         for (signal, why) in [
             ("-KILL", "its channel to the engine has ended"),
-            ("-STOP", "the engine gave no sign of life for 500ms"),
+            ("-STOP", "the engine gave no sign of life for 0.5 s"),
         ] {
             directory.write("notes", b"");
             let mut run = begin(&directory, 5, false, &["--engine-within", "500ms"]);

@@ -194,7 +194,8 @@ pub(super) fn watch(host: &Arc<Host>) {
             quiet = if beats == last { quiet + 1 } else { 0 };
             last = beats;
         }
-        stop(&host, &format!("the engine gave no sign of life for {within:?}"));
+        let seconds = within.as_secs_f64();
+        stop(&host, &format!("the engine gave no sign of life for {seconds} s"));
     };
     // Without the thread, the end of the channel is still seen.
     let _ = std::thread::Builder::new().name(WATCH.to_owned()).spawn(work);

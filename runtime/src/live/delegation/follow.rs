@@ -181,7 +181,7 @@ impl Live<'_> {
         }
         unknown.into_iter().for_each(|executor| self.probe(executor));
         for component in silent {
-            let why = format!("did not answer within {:?}", self.host_within);
+            let why = format!("did not answer within {} s", self.host_within.as_secs_f64());
             self.end_component(component, &why);
         }
         most
