@@ -76,7 +76,7 @@ enum Command {
     Model(model::Arguments),
     Release(release::Arguments),
     Verify(verify::Arguments),
-    Run(run::Arguments),
+    Run(Box<run::Arguments>),
     #[cfg(unix)]
     Call(call::Call),
     #[cfg(unix)]

@@ -385,6 +385,7 @@ fn run_self(
         channels: Channels::Pipes,
         resources: Resources::default(),
         access: None,
+        outlives: Duration::ZERO,
     };
     let mut child = process::System.start(&program)?;
     let started = Instant::now();

@@ -158,6 +158,16 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "TIME", value_parser = stop_within, default_value = "2s")]
     stop_within: std::time::Duration,
 
+    /// Time in which the processes of components expect a sign of the engine, with --clock real; without one
+    /// they execute their `stop` codels by themselves and end
+    #[arg(long, value_name = "TIME", value_parser = watched_within, default_value = "1s")]
+    engine_within: std::time::Duration,
+
+    /// Time in which the process of a component must answer the engine, with --clock real; one that does not
+    /// is ended
+    #[arg(long, value_name = "TIME", value_parser = watched_within, default_value = "2s")]
+    host_within: std::time::Duration,
+
     /// Write all executions of codels to FILE, in the format of GenoM3's profiler
     #[arg(long, value_name = "FILE")]
     profile: Option<Utf8PathBuf>,
@@ -239,6 +249,9 @@ enum Format {
 /// The longest bound on the end of a run.
 const MAX_STOP: std::time::Duration = std::time::Duration::from_secs(600);
 
+/// The least time for a sign of life: the engine waits for events up to 50 ms.
+const MIN_WATCHED: std::time::Duration = std::time::Duration::from_millis(200);
+
 /// A file, and the number of items in it.
 type WrittenFile = (Utf8PathBuf, u64, Contents);
 
@@ -289,6 +302,15 @@ fn stop_within(text: &str) -> Result<std::time::Duration, String> {
             Ok(std::time::Duration::from_nanos(nanos))
         }
         _ => Err(format!("give at most {} s", MAX_STOP.as_secs())),
+    }
+}
+
+/// Parses the time in which the engine and a host expect a sign of each other.
+fn watched_within(text: &str) -> Result<std::time::Duration, String> {
+    let within = stop_within(text)?;
+    match within >= MIN_WATCHED {
+        true => Ok(within),
+        false => Err(format!("give at least {} ms", MIN_WATCHED.as_millis())),
     }
 }
 

@@ -109,8 +109,9 @@ fn processes_and_threads_have_the_names_of_components_and_tasks() {
         found.sort();
         found
     };
-    let is =
-        |component: &str| (component.to_owned(), vec![component.to_owned(), "main".to_owned()]);
+    let is = |component: &str| {
+        (component.to_owned(), [component, "main", "watch"].map(str::to_owned).to_vec())
+    };
     let wanted = [is("bad"), is("good")];
     soon("their names", || (names() == wanted).then_some(()));
 }

@@ -1,13 +1,17 @@
 //! Every end of a run is orderly: activities, then tasks execute their `stop` codels.
 #![cfg(target_os = "linux")]
 
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::os::unix::net::UnixStream;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
 use crate::directory::{Directory, status, stderr, stdout};
-use crate::running::{Listening, compilers, ended, processes, soon, violation, with_body};
+use crate::running::{
+    Listening, compilers, ended, installed, processes, soon, talk, violation, with_body,
+};
 
 const DRIVE: &str = r#"
 struct speed_s { double v; };
@@ -194,6 +198,38 @@ fn a_measure_of_the_scenario_is_taken() {
 }
 
 #[test]
+fn violations_are_told_while_they_happen() {
+    if !installed(&["python3"]) || !compilers() {
+        return;
+    }
+    let directory = drive("c");
+    let mut run = begin(&directory, 9, false, &[]);
+    let mut client = UnixStream::connect(directory.path().join("s")).expect("it listens");
+    client.write_all(b"{\"id\": 9, \"violations\": null}\n").expect("it reads");
+    let mut events = BufReader::new(&client)
+        .lines()
+        .map(|line| -> Value { serde_json::from_str(&line.expect("a line")).expect("JSON") });
+    let first = events.next().expect("an answer");
+    assert_eq!((&first["id"], &first["event"]), (&json!(9), &json!("following")));
+    let mut overruns = events.filter(|event| event["violation"]["kind"] == "overrun");
+    let first = overruns.next().expect("the run goes on");
+    assert_eq!(first["event"], "violation");
+    assert_eq!(first["violation"]["function"], "drive_go", "{first:#}");
+    let again = overruns.next().expect("the run goes on");
+    assert_eq!(first["number"], again["number"]);
+    assert!(again["violation"]["times"].as_u64() > first["violation"]["times"].as_u64());
+    talk(&directory, "violations.py");
+    run.told("again, ");
+    run.signal("-INT");
+    assert_eq!(ended(&mut run.0).code(), Some(1));
+    let report = report(&directory);
+    let number = first["number"].as_u64().and_then(|number| usize::try_from(number).ok());
+    let reported = &report["violations"][number.expect("a number")];
+    assert_eq!(reported["at"], first["violation"]["at"], "{report:#}");
+    assert!(reported["times"].as_u64() >= again["violation"]["times"].as_u64(), "{report:#}");
+}
+
+#[test]
 fn a_stop_codel_that_does_not_return_is_named() {
     if !compilers() {
         return;
@@ -211,6 +247,48 @@ fn a_stop_codel_that_does_not_return_is_named() {
         assert_eq!(report(&directory)["unfinished"], json!(["drive.go.stop"]));
         assert_eq!(processes(&directory), Vec::<String>::new());
     }
+}
+
+#[test]
+fn nobody_drives_alone() {
+    if !compilers() {
+        return;
+    }
+    for language in ["c", "c++"] {
+        let directory = drive(language);
+        for (signal, why) in [
+            ("-KILL", "its channel to the engine has ended"),
+            ("-STOP", "the engine gave no sign of life for 0.5 s"),
+        ] {
+            directory.write("notes", b"");
+            let mut run = begin(&directory, 5, false, &["--engine-within", "500ms"]);
+            run.signal(signal);
+            soon("the end of the host", || processes(&directory).is_empty().then_some(()));
+            assert_eq!(notes(&directory), IN_ORDER, "{language} {signal}");
+            let told = format!("`drive` is left alone: {why}; stopped: drive.go, drive.main");
+            run.told(&told);
+            if signal == "-STOP" {
+                run.signal("-CONT");
+                run.told("violated that components run: `drive` had no engine");
+                run.signal("-INT");
+                assert_eq!(ended(&mut run.0).code(), Some(1));
+                assert_eq!(notes(&directory), IN_ORDER);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_host_that_is_left_alone_does_not_wait_for_ever() {
+    if !compilers() {
+        return;
+    }
+    let directory = drive("c");
+    let run = begin(&directory, 5, true, &["--stop-within", "1s"]);
+    run.signal("-KILL");
+    run.told("stopped: drive.main; not stopped in time: drive.go");
+    soon("the end of the host", || processes(&directory).is_empty().then_some(()));
+    assert_eq!(notes(&directory), IN_ORDER);
 }
 
 #[test]

@@ -308,6 +308,8 @@ fn what_codels_do_to_their_process_ends_their_component_alone() {
         ("exit(7);".to_owned(), "exit status 7"),
         ("_exit(0);".to_owned(), "exit status 0"),
         ("*(volatile int *)8 = 1;".to_owned(), "SIGSEGV"),
+        ("raise(11);".to_owned(), "SIGSEGV"),
+        ("raise(7);".to_owned(), "SIGBUS"),
         ("volatile char all[1 << 28]; all[0] = 1; all[1 << 27] = 1;".to_owned(), "SIG"),
         ("kill(getpid(), 9);".to_owned(), "SIGKILL"),
         // It may come to its own end, or be ended.
@@ -316,7 +318,7 @@ fn what_codels_do_to_their_process_ends_their_component_alone() {
         (nonsense.to_owned() + for_ever, "written into it"),
         ("if (fork() == 0) for (;;) pause(); abort();".to_owned(), "SIGABRT"),
     ] {
-        let body = format!("extern int kill(int, int); {body}");
+        let body = format!("extern int kill(int, int), raise(int); {body}");
         let said = lost(&body, "virtual");
         assert!(said.contains(why), "{body}: {said}");
     }

@@ -57,6 +57,8 @@ for each in echo.each:
 reader: Reader = dotgen.connect().load(\"reader\")
 reader.trail.write([{\"x\": 1, \"y\": 2}])
 reader.each.write(3, instance=\"a\")
+for violation in dotgen.connect().violations():
+    name = violation[\"what\"]
 ";
 
 #[test]

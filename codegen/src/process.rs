@@ -29,6 +29,8 @@ pub struct Program {
     pub resources: Resources,
     /// The files it may access; `None` for the rights of its user.
     pub access: Option<Access>,
+    /// Time that it may take to end by itself after this process has ended. Usually zero.
+    pub outlives: Duration,
 }
 
 /// The standard channels of a program.
@@ -88,7 +90,8 @@ impl fmt::Display for Gap {
 
 /// Starts programs.
 pub trait Processes: Send + Sync {
-    /// Starts a program. It ends with this process, however that ends, and so do its children.
+    /// Starts a program. It ends with this process, however that ends, and so do its children. One that
+    /// [outlives](Program::outlives) it gets this time if it asks the system not to end it at once.
     ///
     /// # Errors
     /// The errors of the system.

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use camino::Utf8PathBuf;
 use dotgen_codegen::process::Process;
 use dotgen_runtime::hosts::{
-    Call, Delegation, Hosts, Message, Reader, ReplyError, RequestReply, Source,
+    Call, Delegation, HostMachine, Hosts, Message, Reader, ReplyError, RequestReply, Source,
 };
 use dotgen_timing::verify::Interrupt;
 use rustix::process::Pid;
@@ -94,6 +94,8 @@ pub struct Children {
     interrupt: Interrupt,
     /// Time that an orderly end may take after an interruption.
     stop_within: Duration,
+    /// Time in which hosts expect a sign of the engine; zero: any time.
+    engine_within: Duration,
     /// All hosts have begun: an interruption is a request for an orderly end.
     running: bool,
     /// Number of starts. Messages of hosts of an earlier start are ignored.
@@ -139,6 +141,7 @@ impl Children {
             debug: None,
             interrupt,
             stop_within,
+            engine_within: Duration::ZERO,
             running: false,
             started: 0,
             begin: monotonic_nanos(),
@@ -161,6 +164,11 @@ impl Children {
     /// Gives threads of hosts real-time priority: the system has granted that of the engine, the highest one.
     pub fn raise_priorities(&mut self) {
         self.raised = true;
+    }
+
+    /// Sets the time in which hosts expect a sign of the engine. Without one they stop by themselves.
+    pub fn watch_engine_within(&mut self, within: Duration) {
+        self.engine_within = within;
     }
 
     /// Makes hosts wait for a debugger before they begin.
@@ -247,6 +255,10 @@ impl Children {
     /// Returns the next event of this start, or `None` at the time `until` or after an interruption.
     fn next_unless_interrupted(&mut self, until: Instant) -> Option<EngineEvent> {
         loop {
+            self.children
+                .iter()
+                .filter_map(|child| child.executing.as_ref())
+                .for_each(Executing::beat);
             if let Some(exited) = self.exited() {
                 return Some(exited);
             }
@@ -382,6 +394,10 @@ impl Hosts for Children {
         self.begin = monotonic_nanos();
         self.running = true;
         Ok(())
+    }
+
+    fn watch_engine(&mut self, component: ComponentId, machines: Vec<HostMachine>) {
+        self.order(component, &HostCommand::WatchEngine(machines));
     }
 
     fn make(&mut self, component: ComponentId, service: u32, instance: u32, inputs: &[u8]) {

@@ -15,7 +15,8 @@ use super::memory::{SharedMemory, map};
 /// See the [module](self). A codel may damage the memory: a number means nothing unless it is checked.
 #[derive(Debug)]
 pub(super) struct Executing {
-    /// By lane, one more than the codel (0: none), and the time of its call.
+    /// By lane, one more than the codel (0: none), and the time of its call. The last entry has the heartbeat
+    /// of the engine.
     table: NonNull<[AtomicU64; 2]>,
     lanes: usize,
     /// In the engine: the memory, which lasts as long as this value.
@@ -80,10 +81,26 @@ impl Executing {
         Some((u32::try_from(codel).ok()?, begun.load(Ordering::Relaxed)))
     }
 
+    /// A heartbeat of the engine.
+    pub(super) fn beat(&self) {
+        self.entry(self.lanes)[0].fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Returns the number of heartbeats of the engine.
+    pub(super) fn beats(&self) -> u64 {
+        self.entry(self.lanes)[0].load(Ordering::Relaxed)
+    }
+
     fn place(&self, lane: u32) -> Option<&[AtomicU64; 2]> {
         let lane = usize::try_from(lane).ok().filter(|&lane| lane < self.lanes)?;
-        // SAFETY: the mapping has `lanes` entries, is aligned to a page, and lives as long as `self`.
-        Some(unsafe { self.table.add(lane).as_ref() })
+        Some(self.entry(lane))
+    }
+
+    /// `number` is at most the number of lanes.
+    fn entry(&self, number: usize) -> &[AtomicU64; 2] {
+        // SAFETY: the mapping has one entry more than lanes, is aligned to a page, and lives as long as
+        // `self`.
+        unsafe { self.table.add(number.min(self.lanes)).as_ref() }
     }
 }
 
@@ -96,9 +113,9 @@ impl Drop for Executing {
     }
 }
 
-/// Returns the size of the table, in bytes. No memory has size 0.
+/// Returns the size of the table, in bytes.
 fn length(lanes: usize) -> usize {
-    lanes.max(1) * size_of::<[AtomicU64; 2]>()
+    (lanes + 1) * size_of::<[AtomicU64; 2]>()
 }
 
 #[cfg(test)]
@@ -114,6 +131,8 @@ mod tests {
         host.set(3, Some((8, 80)));
         assert_eq!(engine.get(1), Some((7, 70)));
         assert_eq!(engine.get(3), None, "there are three lanes");
+        engine.beat();
+        assert_eq!(host.beats(), 1);
         host.set(1, None);
         drop(host);
         assert_eq!(engine.get(1), None);

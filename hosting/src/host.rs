@@ -4,7 +4,9 @@
 //! standard output. Codels get another output and input: their output goes to standard error, and their input
 //! is empty.
 
+mod alone;
 mod lane;
+mod signals;
 
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::c_int;
@@ -15,6 +17,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +26,7 @@ use super::executing::Executing;
 use super::library::{Component, REMOTE_CALL, RemoteCall};
 use super::realtime;
 use super::wire::{HostCommand, HostMessage};
+pub(super) use alone::STATUS as ALONE;
 use lane::Lane;
 
 /// The subcommand.
@@ -47,6 +51,10 @@ pub(super) struct HostOptions {
     pub(super) raised: bool,
     /// True if the host waits for a debugger before it begins.
     pub(super) debug: bool,
+    /// Time in which the host expects a sign of the engine; zero: any time.
+    pub(super) engine_within: Duration,
+    /// Time that the `stop` codels may take without the engine.
+    pub(super) stop_within: Duration,
 }
 
 /// A thread that executes the codels of a task.
@@ -76,6 +84,9 @@ pub fn intercept() -> Option<ExitCode> {
         Err(_) => ExitCode::from(2),
     })
 }
+
+/// Why a host is alone whose channel to the engine has ended.
+const ENGINE_ENDED: &str = "its channel to the engine has ended";
 
 /// The name of the thread that validates requests and copies attributes.
 const CONTROL: &str = "control";
@@ -111,10 +122,13 @@ struct Host {
     component: Component,
     output: Output,
     executing: Option<Executing>,
+    waiting: Arc<Mutex<Waiting>>,
+    activities: alone::Activities,
 }
 
 fn serve(library: &Path, options: HostOptions) -> io::Result<()> {
     realtime::name_process(&options.component);
+    signals::crash_as_usual();
     if options.raised {
         // This thread passes on what the engine commands.
         realtime::raise_priority(realtime::ENGINE_PRIORITY);
@@ -138,14 +152,15 @@ fn serve(library: &Path, options: HostOptions) -> io::Result<()> {
     // The value is set once: a process has one component.
     let _ = REMOTE_CALL.set(remote_call(output.clone(), waiting.clone()));
     tell(&output, HostMessage::Ready)?;
-    let host = Host { options, component, output, executing };
-    follow(&Arc::new(host), input, &waiting)?;
-    // Threads may still execute a codel. The process does not wait for them.
-    std::process::exit(0);
+    let activities = alone::Activities::default();
+    let host = Arc::new(Host { options, component, output, executing, waiting, activities });
+    // An error is one of a channel to the engine.
+    let _ = follow(&host, input);
+    alone::stop(&host, ENGINE_ENDED);
 }
 
 /// Executes commands until the end of the input.
-fn follow(host: &Arc<Host>, mut input: impl Read, waiting: &Mutex<Waiting>) -> io::Result<()> {
+fn follow(host: &Arc<Host>, mut input: impl Read) -> io::Result<()> {
     let mut lanes: HashMap<u32, Lane> = HashMap::new();
     while let Some(command) = HostCommand::receive(&mut input)? {
         match command {
@@ -153,7 +168,7 @@ fn follow(host: &Arc<Host>, mut input: impl Read, waiting: &Mutex<Waiting>) -> i
                 host.component.make(service, instance, &inputs)
             }
             HostCommand::Answered { ask, error, outputs } => {
-                let mut waiting = waiting.lock().unwrap_or_else(|error| error.into_inner());
+                let mut waiting = host.waiting.lock().unwrap_or_else(|error| error.into_inner());
                 let result = match error {
                     0 => Ok(outputs),
                     error => Err(c_int::try_from(error).unwrap_or(libc::EIO)),
@@ -165,7 +180,13 @@ fn follow(host: &Arc<Host>, mut input: impl Read, waiting: &Mutex<Waiting>) -> i
             HostCommand::Share { port, id, path } => host.component.share(port, &id, &path)?,
             HostCommand::End { service, instance } => {
                 let outputs = host.component.end(service, instance);
+                host.activities.forget(instance);
                 tell(&host.output, HostMessage::Ended(outputs))?;
+            }
+            HostCommand::WatchEngine(machines) => {
+                host.activities.set_machines(machines);
+                realtime::outlive_parent();
+                alone::watch(host);
             }
             HostCommand::Run(call) => {
                 let lane = lanes.entry(call.lane);

@@ -38,6 +38,12 @@ pub(crate) fn name_process(name: &str) {
     let _ = name;
 }
 
+/// Lets this process live on when its parent has ended, for an end of its own.
+pub(crate) fn outlive_parent() {
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::set_parent_process_death_signal(None);
+}
+
 /// Locks pages of this process in memory. Returns false if the system refuses.
 pub fn lock_memory(pages: Pages) -> bool {
     #[cfg(target_os = "linux")]

@@ -31,7 +31,7 @@ use super::stream::Stream;
 use dotgen_platform::files::disk::TemporaryFile;
 use dotgen_timing::system::ComponentId;
 use find::{component, output};
-use subscribers::{ProfileSubscribers, ProgressSubscribers};
+use subscribers::{ProfileSubscribers, ProgressSubscribers, ViolationSubscribers};
 use token::Token;
 
 /// Maximum time in which a client of a TCP port sends a part of the token. Without a limit, other users of
@@ -97,6 +97,11 @@ impl Server {
     pub fn followers(&self) -> ProfileSubscribers {
         ProfileSubscribers(self.shared.clone())
     }
+
+    /// Returns the subscribers of violations.
+    pub fn violation_subscribers(&self) -> ViolationSubscribers {
+        ViolationSubscribers(self.shared.clone())
+    }
 }
 
 /// The state that the threads of clients share with the engine.
@@ -125,6 +130,10 @@ struct State {
     followers: Vec<(Client, Value)>,
     /// Subscribers of the progress of the run, with the `id` of their request.
     progress_subscribers: Vec<(Client, Value)>,
+    /// Subscribers of violations, with the `id` of their request.
+    violation_subscribers: Vec<(Client, Value)>,
+    /// The first violations, as the last event of each.
+    violations: Vec<Value>,
     /// The newest data of output ports.
     data: HashMap<(ComponentId, u32, String), Vec<u8>>,
     /// Input ports that clients have connected: the component, output port and instance of each source.
@@ -234,6 +243,7 @@ fn serve(shared: &Shared, stream: Stream, number: u64, token: Option<&Token>) {
     state.watchers.retain(|watcher| watcher.client.number != number);
     state.followers.retain(|follower| follower.0.number != number);
     state.progress_subscribers.retain(|subscriber| subscriber.0.number != number);
+    state.violation_subscribers.retain(|subscriber| subscriber.0.number != number);
     // The requests go on, without a receiver of their results.
     state.requests.retain(|_, request| request.client.number != number);
     drop(state);
@@ -307,6 +317,7 @@ fn admit(state: &State, client: &Client, id: &Value) -> Result<(), String> {
     let requests = state.requests.values().map(|request| (&request.client, &request.id));
     let watchers = state.watchers.iter().map(|watcher| (&watcher.client, &watcher.id));
     let others = state.followers.iter().chain(&state.progress_subscribers);
+    let others = others.chain(&state.violation_subscribers);
     let all = requests.chain(watchers).chain(others.map(|follower| (&follower.0, &follower.1)));
     let mut waiting = 0;
     for (_, other) in all.filter(|(other, _)| other.number == client.number) {
@@ -350,7 +361,10 @@ fn answer(
         return inputs::write(shared, path, request).map(Some);
     }
     if let Some(of) = request.get("abort") {
-        let state = shared.state();
+        let mut state = shared.state();
+        if state.unsubscribe_violations(client, of) {
+            return Ok(Some(json!({"event": "aborting"})));
+        }
         let mut all = state.requests.iter();
         let found =
             all.find(|(_, request)| request.client.number == client.number && request.id == *of);
@@ -376,12 +390,20 @@ fn answer(
         state.progress_subscribers.push((client.clone(), id.clone()));
         return Ok(None);
     }
+    if request.get("violations").is_some() {
+        let mut state = shared.state();
+        admit(&state, client, id)?;
+        client.say(json!({"event": "following"}), id);
+        state.violations.iter().for_each(|event| client.say(event.clone(), id));
+        state.violation_subscribers.push((client.clone(), id.clone()));
+        return Ok(None);
+    }
     if request.get("describe").is_some() {
         let all: Vec<Value> = shared.known.values().map(describe).collect();
         return Ok(Some(json!({"event": "description", "components": all})));
     }
-    let known = "`call`, `abort`, `watch`, `read`, `write`, `profile`, `progress` or `describe`";
-    Err(format!("a request has {known}"))
+    let known = "`call`, `abort`, `watch`, `read`, `write`, `profile`, `progress`, `violations` or";
+    Err(format!("a request has {known} `describe`"))
 }
 
 /// Adds a watcher of an output port. Returns the answer if the component has ended.

@@ -3,7 +3,7 @@
 use std::io::{self, Read, Write};
 
 use dotgen_runtime::hosts::{
-    Call, CodelEnd, CodelResult, DelegatedState, DelegatedYield, Delegation, PortWrite,
+    Call, CodelEnd, CodelResult, DelegatedState, DelegatedYield, Delegation, HostMachine, PortWrite,
 };
 use dotgen_timing::system::ComponentId;
 
@@ -12,6 +12,9 @@ const MAX_FRAME_BYTES: usize = 1 << 30;
 
 /// The value for the absence of a core.
 const NO_CORE: u32 = u32::MAX;
+
+/// The value for the absence of a state.
+const NO_STATE: u32 = u32::MAX;
 
 /// A command of the engine to a host.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,6 +25,8 @@ pub(super) enum HostCommand {
     Run(Call),
     /// Lets a thread execute cycles by itself.
     Delegate(Delegation),
+    /// Lets the host stop by itself, by these machines, if the engine is gone.
+    WatchEngine(Vec<HostMachine>),
     /// Ends the cycles of a thread.
     Recall { lane: u32 },
     /// Asks for the results of the cycles of a thread.
@@ -69,6 +74,11 @@ impl HostCommand {
             HostCommand::Delegate(delegation) => out.byte(5).delegation(delegation),
             HostCommand::Recall { lane } => out.byte(6).number(*lane),
             HostCommand::Probe { lane, probe } => out.byte(7).number(*lane).number(*probe),
+            HostCommand::WatchEngine(machines) => {
+                out.byte(8).index(machines.len());
+                machines.iter().for_each(|machine| out.machine(machine));
+                &mut out
+            }
             HostCommand::End { service, instance } => {
                 out.byte(2).number(*service).number(*instance)
             }
@@ -108,6 +118,11 @@ impl HostCommand {
             },
             5 => HostCommand::Delegate(reader.delegation()?),
             6 => HostCommand::Recall { lane: reader.number()? },
+            8 => {
+                let count = reader.index()?;
+                let machines = (0..count).map(|_| reader.machine());
+                HostCommand::WatchEngine(machines.collect::<io::Result<_>>()?)
+            }
             7 => HostCommand::Probe { lane: reader.number()?, probe: reader.number()? },
             _ => return Err(nonsense()),
         };
@@ -254,8 +269,20 @@ impl Frame {
             .long(delegation.first_tick)
             .long(delegation.period)
             .index(delegation.state)
-            .index(delegation.states.len());
-        for state in &delegation.states {
+            .states(&delegation.states)
+    }
+
+    fn machine(&mut self, machine: &HostMachine) {
+        self.bytes(machine.name.as_bytes())
+            .number(machine.lane)
+            .long(machine.period)
+            .number(machine.stop.and_then(|stop| u32::try_from(stop).ok()).unwrap_or(NO_STATE))
+            .states(&machine.states);
+    }
+
+    fn states(&mut self, states: &[DelegatedState]) -> &mut Self {
+        self.index(states.len());
+        for state in states {
             self.number(state.codel).index(state.next.len());
             for (event, next) in &state.next {
                 self.bytes(event.as_bytes());
@@ -344,15 +371,23 @@ impl<'b> ByteReader<'b> {
     fn delegation(&mut self) -> io::Result<Delegation> {
         let call = self.call()?;
         let (first_tick, period) = (self.long()?, self.long()?);
-        let (state, count) = (self.index()?, self.index()?);
-        let states = (0..count).map(|_| self.delegated_state());
-        Ok(Delegation {
-            call,
-            first_tick,
-            period,
-            state,
-            states: states.collect::<io::Result<_>>()?,
+        let (state, states) = (self.index()?, self.delegated_states()?);
+        Ok(Delegation { call, first_tick, period, state, states })
+    }
+
+    fn machine(&mut self) -> io::Result<HostMachine> {
+        Ok(HostMachine {
+            name: self.text()?,
+            lane: self.number()?,
+            period: self.long()?,
+            stop: Some(self.number()?).filter(|stop| *stop != NO_STATE).map(|stop| stop as usize),
+            states: self.delegated_states()?,
         })
+    }
+
+    fn delegated_states(&mut self) -> io::Result<Vec<DelegatedState>> {
+        let count = self.index()?;
+        (0..count).map(|_| self.delegated_state()).collect()
     }
 
     fn delegated_state(&mut self) -> io::Result<DelegatedState> {
@@ -407,6 +442,17 @@ mod tests {
                 DelegatedState { codel: 9, next: Vec::new() },
             ],
         };
+        let machine = |stop| HostMachine {
+            name: "a.b".to_owned(),
+            lane: 4,
+            period: 1 << 33,
+            states: delegation.states.clone(),
+            stop,
+        };
+        let machines = HostCommand::WatchEngine(vec![machine(Some(1)), machine(None)]);
+        let bytes = machines.bytes().expect("it is short");
+        let received = HostCommand::receive(&mut bytes.as_slice());
+        assert_eq!(received.expect("it is whole"), Some(machines));
         let command = HostCommand::Delegate(delegation);
         let bytes = command.bytes().expect("it is short");
         let received = HostCommand::receive(&mut bytes.as_slice());

@@ -1,4 +1,5 @@
-//! Every program that dotgen starts, and every temporary folder it creates. None of them outlives dotgen.
+//! Every program that dotgen starts, and every temporary folder it creates. None of them outlives dotgen, but
+//! the hosts of components, which get some time for an end in order.
 //!
 //! A killed process cannot clean up. Three mechanisms do so for its children:
 //! - The program `dotgen` starts itself again (`dotgen confined`, [`launch`]). That process ends with its
@@ -24,6 +25,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, LazyLock, OnceLock};
+use std::time::Duration;
 
 use dotgen_codegen::process::{
     Channels, Folder, Gap, Group, Meter, Process, Processes, Program, Resources,
@@ -62,13 +64,13 @@ pub fn system() -> Arc<dyn Processes> {
 
 impl Processes for System {
     fn start(&self, program: &Program) -> io::Result<Process> {
-        run(command(program)?, program.channels)
+        run(command(program)?, program.channels, program.outlives)
     }
 
     fn renderer(&self, resources: Resources) -> Option<io::Result<Process>> {
         let mut command = again(OWN_PATH.get()?);
         command.args(launch::renderer_arguments(resources));
-        Some(run(command, Channels::Pipes))
+        Some(run(command, Channels::Pipes, Duration::ZERO))
     }
 
     fn folder(&self, parent: Option<&Path>) -> io::Result<Box<dyn Folder>> {
@@ -115,10 +117,11 @@ pub fn ask(
         channels: Channels::Pipes,
         resources: Resources::default(),
         access: None,
+        outlives: Duration::ZERO,
     };
     let mut command = command(&program)?;
     command.envs(environment);
-    let mut process = run(command, Channels::Pipes)?;
+    let mut process = run(command, Channels::Pipes, Duration::ZERO)?;
     drop(process.child.stdin.take());
     Ok(process)
 }
@@ -208,7 +211,7 @@ fn pipes(command: &mut Command, channels: Channels) {
     });
 }
 
-fn run(mut command: Command, channels: Channels) -> io::Result<Process> {
+fn run(mut command: Command, channels: Channels, outlives: Duration) -> io::Result<Process> {
     pipes(&mut command, channels);
     let own_group = channels != Channels::Shared;
     #[cfg(unix)]
@@ -220,7 +223,7 @@ fn run(mut command: Command, channels: Channels) -> io::Result<Process> {
     // The helper is started first, so that it runs before the program does.
     let watcher = Watcher::get().filter(|_| own_group);
     let child = start(command)?;
-    let group = watcher.map(|watcher| watcher.group(child.id()));
+    let group = watcher.map(|watcher| watcher.group(child.id(), outlives));
     let group = ProcessGroup { own_group, _watched: group };
     Ok(Process { child, group: Box::new(group) })
 }

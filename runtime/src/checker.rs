@@ -97,6 +97,8 @@ pub struct RunChecker<'p> {
     pub answers: Vec<CheckResult>,
     /// The first violation of each kind, with its moment.
     pub violations: Vec<(Moment, Violation)>,
+    /// How often each of them has come.
+    pub times: Vec<u64>,
     /// Misbehaviour of codels, without repetition; for overruns, the greatest one.
     pub broken: Vec<CodelViolation>,
     /// Number of all violations.
@@ -132,6 +134,7 @@ impl<'p> RunChecker<'p> {
             beyond: vec![false; bounds.len()],
             reached: vec![false; prepared.checks.len()],
             violations: Vec::new(),
+            times: Vec::new(),
             broken: Vec::new(),
             gone: vec![false; bounds.len()],
             longest: vec![None; bounds.len()],
@@ -420,8 +423,12 @@ impl<'p> RunChecker<'p> {
             }
             (a, b) => a == b,
         };
-        if !self.violations.iter().any(|violation| same(&violation.1)) {
-            self.violations.push((now, violation));
+        match self.violations.iter().position(|violation| same(&violation.1)) {
+            Some(place) => self.times[place] += 1,
+            None => {
+                self.violations.push((now, violation));
+                self.times.push(1);
+            }
         }
     }
 }

@@ -5,6 +5,9 @@ use std::time::Duration;
 /// Longest end of a run, unless another one is given.
 pub(crate) const STOP_WITHIN: Duration = Duration::from_secs(2);
 
+/// Time in which a host must answer, unless another one is given.
+pub(crate) const HOST_WITHIN: Duration = Duration::from_secs(2);
+
 /// The reason for the end of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]

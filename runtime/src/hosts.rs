@@ -47,6 +47,34 @@ pub struct DelegatedState {
     pub next: Vec<(String, DelegatedYield)>,
 }
 
+impl DelegatedState {
+    /// Returns what follows an event of the codel; `None` if nothing of the machine does.
+    pub fn next_of(&self, event: &str) -> Option<DelegatedYield> {
+        let next = self.next.iter().find(|(name, _)| name == event);
+        next.map(|&(_, next)| next)
+    }
+}
+
+/// The machine of an activity, by which a host without an engine executes its `stop` codels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct HostMachine {
+    /// `component.task` or `component.service`.
+    pub name: String,
+    /// Thread of its task.
+    pub lane: u32,
+    /// Period of its task, in nanoseconds; 0 without one.
+    pub period: u64,
+    /// States. The codel of one that no host executes is [`HostMachine::SIMULATED`].
+    pub states: Vec<DelegatedState>,
+    /// State after an interruption.
+    pub stop: Option<usize>,
+}
+
+impl HostMachine {
+    /// The codel of a state that no host executes.
+    pub const SIMULATED: u32 = u32::MAX;
+}
+
 /// The successor of a codel in a [`Delegation`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DelegatedYield {
@@ -238,6 +266,10 @@ pub trait Hosts {
     ///
     /// A message that names a component that cannot be started.
     fn start(&mut self) -> Result<(), String>;
+
+    /// Lets a component that has been started watch the engine: if the engine is gone, the component executes
+    /// the `stop` codels of these machines by itself.
+    fn watch_engine(&mut self, _component: ComponentId, _machines: Vec<HostMachine>) {}
 
     /// Begins a request, with its inputs.
     fn make(&mut self, component: ComponentId, service: u32, instance: u32, inputs: &[u8]);

@@ -7,6 +7,7 @@
 mod components;
 mod delegation;
 mod ending;
+mod machines;
 mod outcomes;
 mod requests;
 
@@ -17,7 +18,7 @@ use dotgen_timing::explore::{Action, Seen, Stepper, Work};
 use dotgen_timing::system::{CodelId, ComponentId, ServiceId, TaskId, TimedSystem, Yield};
 use typed_index_collections::{TiVec, ti_vec};
 
-use crate::end::STOP_WITHIN;
+use crate::end::{HOST_WITHIN, STOP_WITHIN};
 use crate::hosts::{
     Call, CodelEnd, CodelResult, Connection, Hosts, Message, OutsideRequest, Reader, Source,
 };
@@ -101,6 +102,8 @@ pub struct Live<'p> {
     delegations: Delegations,
     /// Longest end of a run.
     stop_within: Duration,
+    /// Time in which a host must answer.
+    host_within: Duration,
     /// The run is ending: there are no new requests.
     ending: bool,
     /// What has not ended within the bound, in words.
@@ -137,6 +140,7 @@ impl<'p> Live<'p> {
             next_ask: 0,
             delegations: Delegations::new(components),
             stop_within: STOP_WITHIN,
+            host_within: HOST_WITHIN,
             ending: false,
             unfinished: Vec::new(),
             overrun: Vec::new(),
@@ -159,6 +163,10 @@ impl<'p> Live<'p> {
         self.ending = false;
         self.overrun.clear();
         self.fault = self.hosts.start().err();
+        let components = self.system.components.keys();
+        for component in components.filter(|&component| self.parts.of(component).is_some()) {
+            self.hosts.watch_engine(component, self.parts.machines(self.system, component));
+        }
         self.fault.is_none()
     }
 

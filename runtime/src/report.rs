@@ -143,8 +143,10 @@ pub struct RunMoment {
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct ViolationReport {
-    /// Moment.
+    /// First moment.
     pub at: RunMoment,
+    /// How often it has come.
+    pub times: u64,
     /// Kind and details.
     #[serde(flatten)]
     pub what: Violated,
@@ -366,6 +368,7 @@ impl ReportBuilder<'_> {
         let (at, violation) = judge.violations[number];
         ViolationReport {
             at: self.at(at),
+            times: judge.times[number],
             what: match violation {
                 Violation::Check(check) => Violated::Check { check },
                 Violation::BeyondBound { task, response, bound } => Violated::BeyondBound {

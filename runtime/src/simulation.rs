@@ -62,8 +62,9 @@ pub struct SimulationResult<'p> {
     pub unfinished: Vec<String>,
 }
 
-/// Receives a violation, by its number among those of the checker.
-pub type ViolationReceiver<'v> = dyn Fn(&RunChecker<'_>, usize) + 'v;
+/// Receives a violation, by its number among those of the checker: how often it has come since it was passed
+/// on last.
+pub type ViolationReceiver<'v> = dyn Fn(&RunChecker<'_>, usize, u64) + 'v;
 
 /// The execution of real codels.
 pub struct Execution<'l, 'p> {
@@ -73,7 +74,7 @@ pub struct Execution<'l, 'p> {
     pub pace: Option<Pace>,
     /// Receiver of snapshots.
     pub follow: Option<&'l mut dyn ProgressReceiver>,
-    /// Receives the first violation of each kind when it happens: its number among those of the checker.
+    /// Receives the first violation of each kind when it happens, and repetitions at most once a second.
     pub violated: Option<&'l ViolationReceiver<'l>>,
 }
 
@@ -125,6 +126,8 @@ pub fn simulate_recorded<'p, W: Write>(
     let system = &prepared.built.system;
     let (watched, places) = prepared.watched();
     let mut stepper = Stepper::new(system, &watched);
+    let second = system.unit.recip().to_integer();
+    let second = u64::try_from(second).unwrap_or(u64::MAX).max(1);
     let follow = execution.as_mut().and_then(|execution| execution.follow.take());
     let violated = execution.as_ref().and_then(|execution| execution.violated);
     let mut observer = Observer {
@@ -141,8 +144,10 @@ pub fn simulate_recorded<'p, W: Write>(
         record,
         first: true,
         violated,
-        shown: 0,
         measures: Measures::new(&prepared.built),
+        shown: Vec::new(),
+        repetitions_from: second,
+        second,
         ended: None,
     };
     if let (Some(execution), Some(_)) = (&mut execution, &observer.record) {
@@ -223,9 +228,13 @@ struct Observer<'o, 'r, 'f, 'p, W> {
     first: bool,
     /// Receives violations when they happen.
     violated: Option<&'f ViolationReceiver<'f>>,
-    /// Number of violations that were passed on.
-    shown: usize,
     measures: Measures<'p>,
+    /// How often each violation had come when it was passed on.
+    shown: Vec<u64>,
+    /// Time of all runs from which repetitions are passed on, in base units.
+    repetitions_from: u64,
+    /// A second, in base units.
+    second: u64,
     /// Time at which the present run began to end, in base units: from then on its checks are not observed.
     ended: Option<u64>,
 }
@@ -235,9 +244,21 @@ impl<W: Write> Observer<'_, '_, '_, '_, W> {
     fn show_violations(&mut self) {
         self.measures.on_checked(&self.judge);
         let Some(violated) = self.violated else { return };
-        while self.shown < self.judge.violations.len() {
-            violated(&self.judge, self.shown);
-            self.shown += 1;
+        for number in self.shown.len()..self.judge.violations.len() {
+            self.shown.push(self.judge.times[number]);
+            violated(&self.judge, number, self.judge.times[number]);
+        }
+    }
+
+    /// Passes on repetitions of violations.
+    fn show_repetitions(&mut self) {
+        let Some(violated) = self.violated else { return };
+        for (number, shown) in self.shown.iter_mut().enumerate() {
+            let times = self.judge.times[number];
+            let more = times - std::mem::replace(shown, times);
+            if more > 0 {
+                violated(&self.judge, number, more);
+            }
         }
     }
 
@@ -248,6 +269,7 @@ impl<W: Write> Observer<'_, '_, '_, '_, W> {
             self.judge.end_checks(stepper, end);
         }
         self.show_violations();
+        self.show_repetitions();
         self.judge.next_run();
         self.measures.next_run();
         self.tally.busy.clear();
@@ -335,6 +357,11 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
         if self.ended.is_none() {
             self.judge.moment(stepper);
             self.show_violations();
+            let now = self.offset + stepper.now();
+            if now >= self.repetitions_from {
+                self.show_repetitions();
+                self.repetitions_from = now.saturating_add(self.second);
+            }
         }
         if let Some(record) = self.record.as_mut().filter(|_| self.first) {
             record.moment();

@@ -263,6 +263,7 @@ impl Context<'_, '_> {
         let (components, tasks) = (components.collect(), tasks.collect());
         let interrupt = (self.interrupt.clone(), arguments.stop_within);
         let mut children = Children::new(libraries, components, tasks, real, interrupt);
+        children.watch_engine_within(arguments.engine_within);
         if arguments.debug {
             children.debug(arguments.waiting());
         }
@@ -353,16 +354,25 @@ impl Context<'_, '_> {
         };
         let stops_activities = arguments.on_violation == super::OnViolation::StopActivity;
         let mut live = Live::new(system, &parts, &mut children, !real, stops_activities);
-        let violated = |judge: &RunChecker<'_>, number: usize| {
+        let violation_subscribers = server.map(Server::violation_subscribers);
+        let violated = |judge: &RunChecker<'_>, number: usize, more: u64| {
             let violation = violation(&opened, &plan, judge, number);
             let unit = opened.report.unit;
             let what = match &violation.what {
                 Violated::Check { check } => text::check_title(&opened.checks[*check].report),
                 other => text::violated(other, unit),
             };
-            report::note(&format!("at {}: violated {what}", unit.show_value(violation.at.time)));
+            if let Some(subscribers) = &violation_subscribers {
+                subscribers.receive(number, &violation, unit, &what);
+            }
+            report::note(&match (violation.times == more, more) {
+                (true, _) => format!("at {}: violated {what}", unit.show_value(violation.at.time)),
+                (false, 1) => format!("again: violated {what}"),
+                (false, _) => format!("again, {more} times: violated {what}"),
+            });
         };
         live.set_stop_within(arguments.stop_within);
+        live.set_host_within(arguments.host_within);
         let execution = Execution {
             live: &mut live,
             pace,

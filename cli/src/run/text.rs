@@ -267,13 +267,11 @@ fn titled(name: Option<&str>, kind: PropertyKind, of: &str) -> String {
 fn violations(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::Result<()> {
     for violation in &report.violations {
         let at = moment(&violation.at, report, unit);
-        let (what, more) = match &violation.what {
-            Violated::Check { check } => {
-                let check = &report.checks[*check];
-                (title(check), times(check.violations))
-            }
-            other => (violated(other, unit), String::new()),
+        let what = match &violation.what {
+            Violated::Check { check } => title(&report.checks[*check]),
+            other => violated(other, unit),
         };
+        let more = times(violation.times);
         writeln!(out, "\n{BAD}violated{BAD:#} {what}, {at}{more}")?;
     }
     Ok(())

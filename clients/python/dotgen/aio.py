@@ -6,6 +6,7 @@
         filling = await pump.fill(height=5, ack=True)  # an activity that is accepted
         async for status in filling: ...             # running, then done or failed
         async for level in pump.level: ...           # each value of an output port
+        async for violation in robot.violations(): ...  # each when it happens
         await pump.flow.write(1.5)                   # to an input port
 
 A connection belongs to the event loop in which it was made. If a task is cancelled while it awaits the call of
@@ -41,6 +42,7 @@ from .protocol import (
     sockets,
     tcp_port,
     token,
+    violated,
 )
 
 __all__ = [
@@ -282,6 +284,24 @@ class Connection:
     def load(self, name: str) -> Component:
         """Returns a component of the run."""
         return Component(self, known(self._components, name))
+
+    async def violations(self) -> AsyncIterator[dict[str, Any]]:
+        """Yields the violations so far, then each one when it happens: see docs/socket.md.
+
+        A repeated one comes again, at most once a second, with greater `times`. Raises `Lost` at the end of
+        the run.
+        """
+        exchange = _Exchange()
+        number, line = self._requests.open({"violations": None}, exchange.put)
+        self._write(line)
+        try:
+            while True:
+                answer = await exchange.wait(exchange.answers.take)
+                if answer["event"] == "violation":
+                    yield violated(answer)
+        finally:
+            self._requests.close(number)
+            self._interrupt(number)
 
     def components(self) -> list[str]:
         """Returns the names of the components."""

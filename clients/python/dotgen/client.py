@@ -34,6 +34,7 @@ from .protocol import (
     sockets,
     tcp_port,
     token,
+    violated,
 )
 
 __all__ = [
@@ -381,6 +382,32 @@ class Connection:
     def load(self, name: str, **_: Any) -> Any:
         """Returns a `Component` of the run. `dotgen generate python` writes its type."""
         return Component(self, known(self._components, name))
+
+    def violations(self) -> Iterator[dict[str, Any]]:
+        """Yields the violations so far, then each one when it happens: see docs/socket.md.
+
+        A repeated one comes again, at most once a second, with greater `times`. Raises `Lost` at the end of
+        the run.
+        """
+        exchange = _Exchange()
+        with self._lock:
+            number, line = self._requests.open({"violations": None}, exchange.put)
+            self._write(line)
+        try:
+            while True:
+                answer = exchange.wait(exchange.answers.take)
+                if answer["event"] == "violation":
+                    yield violated(answer)
+        finally:
+            self._unsubscribe(number)
+
+    def _unsubscribe(self, number: int) -> None:
+        with self._lock:
+            self._requests.close(number)
+            try:
+                self._write(self._requests.open({"abort": number}, lambda _: None)[1])
+            except Lost:
+                pass
 
     def components(self) -> list[str]:
         """Returns the names of the components."""

@@ -19,7 +19,7 @@ from typing import Any, Optional
 Answer = Optional["dict[str, Any]"]
 Receive = Callable[[Answer], None]
 
-# Values of a port that a reader may lag behind. Beyond them, the oldest value is dropped.
+# Values of a port, or violations, that a reader may lag behind. Beyond them, the oldest one is dropped.
 _BEHIND = 10_000
 
 # Names that mean this machine.
@@ -61,7 +61,7 @@ class Answers:
         if answer is None:
             self._over = True
             return
-        if answer["event"] == "data" and len(self._all) > _BEHIND:
+        if answer["event"] in ("data", "violation") and len(self._all) > _BEHIND:
             self._all.popleft()
         self._all.append(answer)
 
@@ -338,6 +338,11 @@ def outputs(answer: dict[str, Any]) -> Any:
     if isinstance(found, dict) and len(found) == 1:
         return next(iter(found.values()))
     return found or None
+
+
+def violated(answer: dict[str, Any]) -> dict[str, Any]:
+    """Returns a violation as in the report of a run, with `what` in words, and the `unit` of its times."""
+    return {"what": answer["what"], "unit": answer["unit"], **answer["violation"]}
 
 
 def known(components: list[dict[str, Any]], name: str) -> dict[str, Any]:

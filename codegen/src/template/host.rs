@@ -124,6 +124,7 @@ impl Host {
                 },
                 resources: limits.resources(),
                 access,
+                outlives: std::time::Duration::ZERO,
             })
             .map_err(|error| format!("cannot start {}: {error}", tclsh.display()))?;
         let child = &mut process.child;

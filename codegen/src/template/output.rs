@@ -476,6 +476,7 @@ impl Output {
             channels,
             resources: Resources::default(),
             access: None,
+            outlives: std::time::Duration::ZERO,
         });
         let status = process.and_then(|mut process| process.wait_with_output());
         let merged = self.disk.read(&old).map_err(failed);

@@ -7,6 +7,7 @@ use std::time::Instant;
 use rustix::event::{PollFd, PollFlags};
 
 use super::REPLY_TIMEOUT;
+use crate::host::ALONE;
 
 /// Writes to a host. The host reads all the time, and gets [`REPLY_TIMEOUT`] to do so.
 pub(super) fn send(input: &mut ChildStdin, mut bytes: &[u8]) -> io::Result<()> {
@@ -48,6 +49,7 @@ pub(super) fn in_words(status: ExitStatus) -> String {
     };
     match (status.signal(), status.code()) {
         (Some(signal), _) => format!("was ended by signal {signal}{}", name(signal)),
+        (None, Some(ALONE)) => "had no engine, and has ended by itself".to_owned(),
         (None, Some(code)) => format!("ended its process with exit status {code}"),
         (None, None) => "ended".to_owned(),
     }

@@ -2,6 +2,7 @@
 
 use std::io::BufReader;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use dotgen_codegen::process::{Channels, Processes as _, Program, Resources};
 use dotgen_platform::process::System;
@@ -14,6 +15,9 @@ use crate::executing::Executing;
 use crate::host::{COMMAND, HostOptions, HostThread};
 use crate::realtime;
 use crate::wire::HostMessage;
+
+/// Time between the last `stop` codel of a host without an engine and the end of the process.
+const END_MARGIN: Duration = Duration::from_secs(1);
 
 impl Children {
     /// Starts the host of a component, if it has a shared object.
@@ -41,6 +45,12 @@ impl Children {
             real_time: self.real,
             raised: self.raised,
             debug: self.debug.is_some(),
+            // Under a debugger, or without a clock, the engine may stand still for any time.
+            engine_within: match self.real && self.debug.is_none() {
+                true => self.engine_within,
+                false => Duration::ZERO,
+            },
+            stop_within: self.stop_within,
         };
         let manner = serde_json::to_string(&manner).map_err(|error| wrong(error.into()))?;
         let program = Program {
@@ -50,6 +60,7 @@ impl Children {
             channels: Channels::PipesBut,
             resources: Resources::default(),
             access: None,
+            outlives: self.stop_within + END_MARGIN,
         };
         let mut process = System.start(&program).map_err(wrong)?;
         let output = process.child.stdout.take();

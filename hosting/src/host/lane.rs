@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use dotgen_runtime::hosts::{Call, CodelEnd, CodelResult, DelegatedYield, Delegation};
 
-use super::{CONTROL, Host, tell, tell_all};
+use super::{CONTROL, ENGINE_ENDED, Host, alone, tell, tell_all};
 use crate::clock::monotonic_nanos;
 use crate::realtime;
 use crate::wire::HostMessage;
@@ -138,18 +138,20 @@ impl Worker {
                 Job::Recall => Ok(()),
             };
             if sent.is_err() {
-                // The engine has ended: results have no receiver.
-                std::process::exit(2);
+                // Results have no receiver.
+                alone::stop(&self.host, ENGINE_ENDED);
             }
         }
     }
 
     fn execute(&self, ticket: u32, codel: u32, instance: u32) -> CodelResult {
+        self.host.activities.begin(codel, instance);
         let begun = monotonic_nanos();
         self.note_executing(Some((codel, begun)));
         let outcome = self.host.component.run(codel, instance);
         let ended = monotonic_nanos();
         self.note_executing(None);
+        self.host.activities.end(codel, instance, &outcome);
         CodelResult {
             ticket,
             codel,
@@ -199,12 +201,10 @@ impl Worker {
         let call = &delegation.call;
         while let Some(entry) = delegation.states.get(state) {
             let mut ran = self.execute(call.ticket, entry.codel, call.instance);
-            let follows = |(event, _): &&(String, DelegatedYield)| *event == ran.name;
             let next = match ran.how {
-                CodelEnd::Event => entry.next.iter().find(follows),
+                CodelEnd::Event => entry.next_of(&ran.name),
                 _ => None,
             };
-            let next = next.map(|&(_, next)| next);
             let long = ran.nanos >= LONG_CODEL_NANOS;
             let mut unsent = self.reports.lock();
             // A probe that has not sent this result has an earlier time.

@@ -1,13 +1,18 @@
-//! Clients that subscribe to the progress of a run, or to the lines of its profile.
+//! Clients that subscribe to the progress of a run, to its violations, or to the lines of its profile.
 
 use std::io::{self, Write};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use dotgen_runtime::progress::{Progress, ProgressReceiver};
-use serde_json::json;
+use dotgen_runtime::report::ViolationReport;
+use dotgen_timing::report::TimeUnit;
+use serde_json::{Value, json};
 
-use super::Shared;
+use super::{Client, Shared, State};
+
+/// Violations that are kept for clients that subscribe later: fewer than lines that a client may be behind.
+const MAX_VIOLATIONS: usize = 512;
 
 /// Minimum time between two reports of progress.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(100);
@@ -42,6 +47,41 @@ impl ProgressReceiver for ProgressSubscribers {
             // A missed report is contained in the next one.
             client.offer(told.clone(), id);
         }
+    }
+}
+
+/// Sends violations to clients.
+pub struct ViolationSubscribers(pub(super) Arc<Shared>);
+
+impl ViolationSubscribers {
+    /// Sends a violation: its place in the report, and what is violated, in words. A repeated one comes again.
+    pub fn receive(&self, number: usize, violation: &ViolationReport, unit: TimeUnit, what: &str) {
+        let event = json!({
+            "event": "violation",
+            "number": number,
+            "unit": unit,
+            "what": what,
+            "violation": violation,
+        });
+        let mut state = self.0.state();
+        for (client, id) in &state.violation_subscribers {
+            client.say(event.clone(), id);
+        }
+        match state.violations.get_mut(number) {
+            Some(last) => *last = event,
+            None if number < MAX_VIOLATIONS => state.violations.push(event),
+            None => {}
+        }
+    }
+}
+
+impl State {
+    /// Ends a subscription of a client. Returns false if it has none with this `id`.
+    pub(super) fn unsubscribe_violations(&mut self, client: &Client, id: &Value) -> bool {
+        let all = &mut self.violation_subscribers;
+        let before = all.len();
+        all.retain(|(other, other_id)| other.number != client.number || other_id != id);
+        all.len() < before
     }
 }
 

@@ -210,6 +210,7 @@ mod tests {
                 file: None,
             },
             access: Some(Access { read: vec!["/a".into(), "-b".into()], write: vec!["/c".into()] }),
+            outlives: Duration::ZERO,
         };
         let words = arguments(&program);
         assert_eq!(words[0], COMMAND);

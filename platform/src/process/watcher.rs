@@ -8,11 +8,15 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{ChildStdin, Stdio};
 use std::sync::{LazyLock, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use super::{COMMAND, OWN_PATH};
 
 /// The arguments that start the helper.
 pub(super) const WORDS: [&str; 2] = [COMMAND, "watch"];
+
+/// Maximum delay until the end of a process is noticed.
+const GROUP_POLL_INTERVAL: Duration = Duration::from_millis(10);
 
 /// The helper of this process.
 pub(super) struct Watcher {
@@ -50,9 +54,9 @@ impl Watcher {
         WATCHER.as_ref()
     }
 
-    /// Registers a process group, which will be killed.
-    pub(super) fn group(&self, id: u32) -> CleanupGuard {
-        self.tell(format!("g{id}").into_bytes())
+    /// Registers a process group, which will be killed: its first process has some time to end by itself.
+    pub(super) fn group(&self, id: u32, outlives: Duration) -> CleanupGuard {
+        self.tell(format!("g{id}:{}", outlives.as_millis()).into_bytes())
     }
 
     /// Registers a folder, which will be removed.
@@ -103,13 +107,17 @@ pub(super) fn serve(mut pipe: impl Read) {
             _ => {}
         }
     }
+    let mut groups: Vec<(Duration, i32)> = Vec::new();
     for item in &items {
         match item.split_first() {
-            Some((b'g', id)) => end_group(id),
+            Some((b'g', group)) => groups.extend(group_of(group)),
             Some((b'm', moves)) => carry_out(&unpack(moves)),
             _ => {}
         }
     }
+    groups.sort_unstable();
+    let since = Instant::now();
+    groups.into_iter().for_each(|(outlives, id)| end_group(id, since + outlives));
     // Folders come last, when no process writes in them.
     for item in &items {
         if let Some((b'f', path)) = item.split_first() {
@@ -162,16 +170,25 @@ fn first_path(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     bytes[colon + 1..].split_at_checked(length)
 }
 
-fn end_group(id: &[u8]) {
+/// `ID:MILLISECONDS`
+fn group_of(text: &[u8]) -> Option<(Duration, i32)> {
+    let (id, outlives) = str::from_utf8(text).ok()?.split_once(':')?;
+    Some((Duration::from_millis(outlives.parse().ok()?), id.parse().ok()?))
+}
+
+/// Kills a group when its first process has ended, or at a time.
+fn end_group(id: i32, until: Instant) {
     #[cfg(unix)]
     {
-        let id = str::from_utf8(id).ok().and_then(|text| text.parse().ok());
-        if let Some(group) = id.and_then(rustix::process::Pid::from_raw) {
+        if let Some(group) = rustix::process::Pid::from_raw(id) {
+            while Instant::now() < until && rustix::process::test_kill_process(group).is_ok() {
+                std::thread::sleep(GROUP_POLL_INTERVAL);
+            }
             let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
         }
     }
     #[cfg(not(unix))]
-    let _ = id;
+    let _ = (id, until);
 }
 
 #[cfg(unix)]

@@ -42,9 +42,6 @@ const MIN_NOTICE_NANOS: u64 = 50_000;
 /// Number of periods for which a task is not delegated after a codel excluded one of its codels.
 const PAUSE_PERIODS: u64 = 50;
 
-/// Time within which a host must answer a probe, in nanoseconds. Meanwhile the model may stand still.
-const PROBE_TIMEOUT_NANOS: u64 = 2_000_000_000;
-
 /// Number of results that may wait for the model.
 const MAX_RESULTS: usize = 10_000;
 
@@ -274,7 +271,7 @@ impl Live<'_> {
         let states = machine.states.iter().map(|state| {
             let codel = self.parts.codel(state.codel).filter(|_| !state.is_async)?;
             let follows = |event: &String| {
-                let transition = self.yield_of(state.codel, machine, event)?;
+                let transition = self.parts.yield_of(state.codel, machine, event)?;
                 let next = match transition {
                     Yield::Next(to) => DelegatedYield::Next(to),
                     Yield::Pause(to) => DelegatedYield::Pause(to),

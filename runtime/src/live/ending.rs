@@ -14,6 +14,11 @@ impl Live<'_> {
         self.stop_within = within;
     }
 
+    /// Sets the time in which a host must answer. One that does not is ended.
+    pub fn set_host_within(&mut self, within: Duration) {
+        self.host_within = within;
+    }
+
     /// Returns the longest end of a run.
     pub(crate) fn stop_within(&self) -> Duration {
         self.stop_within

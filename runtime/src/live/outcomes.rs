@@ -1,7 +1,7 @@
 //! The outcomes in the model that results of codels stand for.
 
 use dotgen_timing::explore::Work;
-use dotgen_timing::system::{CodelId, Machine, Yield};
+use dotgen_timing::system::Yield;
 
 use super::Live;
 use crate::hosts::{CodelEnd, CodelResult};
@@ -60,26 +60,10 @@ impl Live<'_> {
                 if how == CodelEnd::Exception {
                     return Some(yields.len());
                 }
-                let wanted = self.yield_of(codel, machine, &ran.name)?;
+                let wanted = self.parts.yield_of(codel, machine, &ran.name)?;
                 yields.iter().position(|transition| *transition == wanted)
             }
             (Work::Delay { .. }, _) => None,
         }
-    }
-
-    /// Returns the yield that an event stands for; `None` if the codel does not declare the event.
-    pub(super) fn yield_of(&self, codel: CodelId, machine: &Machine, event: &str) -> Option<Yield> {
-        if !self.parts.declares(codel, event) {
-            return None;
-        }
-        let mut words = event.rsplit("::");
-        let name = words.next()?;
-        let paused = words.next() == Some("pause");
-        let to = machine.states.iter().position(|state| state.name == name);
-        Some(match to {
-            Some(to) if paused => Yield::Pause(to),
-            Some(to) => Yield::Next(to),
-            None => Yield::End,
-        })
     }
 }

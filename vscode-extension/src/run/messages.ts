@@ -69,6 +69,7 @@ export interface Report {
 /** The members depend on the kind. */
 export interface Violation {
   at: { time: number };
+  times?: number;
   kind: string;
   check?: number;
   task?: string;
@@ -80,6 +81,15 @@ export interface Violation {
   limit?: number;
   component?: string;
   why?: string;
+}
+
+/** A violation of a run that goes on (docs/socket.md). */
+export interface ViolationEvent {
+  /** Of times. */
+  unit: string;
+  /** In words. */
+  what: string;
+  violation: Violation;
 }
 
 export interface Input {
@@ -129,6 +139,8 @@ export interface RunView {
   report: Report | null;
   /** While it goes on, on the real clock. */
   progress: Progress | null;
+  /** The same. */
+  violations: ViolationEvent[];
   /** Components without sources, once known: their codels are simulated. */
   simulated: string[];
   /** Execution times that it took and that are not in the specification. */

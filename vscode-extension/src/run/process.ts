@@ -96,6 +96,7 @@ export class Run {
       state: this.state,
       report: this.report,
       progress: talk?.progress ?? null,
+      violations: talk?.violations ?? [],
       simulated: talk?.simulated ?? [],
       times: 0,
       hasTrace: this.isOver && existsSync(this.trace),

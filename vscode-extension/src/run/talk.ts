@@ -1,7 +1,7 @@
 // A run, talked to at its socket: docs/socket.md has the protocol.
 import { createConnection, type Socket } from 'node:net';
 import { createInterface } from 'node:readline';
-import type { Input, Port, Progress, Service } from './messages';
+import type { Input, Port, Progress, Service, ViolationEvent } from './messages';
 import { numbers, value } from './values';
 
 /** Values of a series that are kept. */
@@ -26,6 +26,7 @@ interface Told {
   exception?: string;
   detail?: unknown;
   message?: string;
+  number?: number;
 }
 
 export class Talk {
@@ -34,6 +35,8 @@ export class Talk {
   readonly simulated: string[] = [];
   /** How far the run has come. */
   progress: Progress | null = null;
+  /** By number: a repeated one comes again. */
+  readonly violations: ViolationEvent[] = [];
   private socket: Socket | undefined;
   private retry: NodeJS.Timeout | undefined;
   private ended = false;
@@ -79,6 +82,7 @@ export class Talk {
     socket.on('connect', () => {
       this.say({ id: 'describe', describe: null });
       this.say({ id: 'progress', progress: null });
+      this.say({ id: 'violations', violations: null });
     });
     socket.on('error', () => {
       if (!this.ended) this.retry = setTimeout(() => this.connect(), RETRY_MS);
@@ -98,6 +102,7 @@ export class Talk {
     if (told.id === 'describe') this.described(told.components ?? []);
     else if (told.event === 'data') this.data(told);
     else if (told.event === 'progress') this.progress = told as unknown as Progress;
+    else if (told.event === 'violation') this.violations[told.number ?? 0] = told as unknown as ViolationEvent;
     else this.answered(told);
     this.changed();
   }

@@ -1,5 +1,5 @@
 // The page of a run: draws what it is sent, and tells what is done to it.
-import type { FromPage, Port, Progress, Report, RunView, Service, ToPage, Violation } from '../run/messages';
+import type { FromPage, Port, Report, RunView, Service, ToPage, Violation, ViolationEvent } from '../run/messages';
 import { field } from './form';
 import { shownUnit } from './unit';
 import { update } from './update';
@@ -50,14 +50,19 @@ function list(id: string, lines: string[]): void {
   update(section.querySelector('ul') as Element, lines.map((it) => node('li', it)));
 }
 
-function violation(it: Violation, { unit: written, checks }: Report): string {
+/** What violates a check, in words: in the report, or told at the socket. */
+function checked(it: Violation, { checks }: Report): string {
+  const check = checks[it.check ?? -1];
+  return check === undefined ? 'a check' : `${check.check} ${check.of}`;
+}
+
+function violation(it: Violation, written: string, what: string): string {
   const unit = shownUnit(written);
-  const at = `${number(it.at.time)} ${unit}: `;
+  const times = (it.times ?? 1) > 1 ? `, ${it.times} times` : '';
+  const at = `${number(it.at.time)} ${unit}${times}: `;
   switch (it.kind) {
-    case 'check': {
-      const check = checks[it.check ?? -1];
-      return at + (check === undefined ? 'a check is violated' : `${check.check} ${check.of} is violated`);
-    }
+    case 'check':
+      return `${at}${what} is violated`;
     case 'beyond-bound':
       return `${at}${it.task} took ${number(it.response)} ${unit}, and its proved bound is ${number(it.bound)} ${unit}`;
     case 'overrun':
@@ -102,10 +107,11 @@ function verdict(it: Report['checks'][number]): HTMLElement {
   return node('span', it.why === undefined ? word : `${word}: ${it.why}`, it.verdict === 'violated' ? 'violated' : '');
 }
 
-function showReport(report: Report | null, progress: Progress | null): void {
+function showReport({ report, progress, violations }: RunView): void {
   const known = report ?? progress;
   const unit = shownUnit(known?.unit ?? '');
-  list('violations', (report?.violations ?? []).map((it) => violation(it, report as Report)));
+  const told = (it: ViolationEvent) => violation(it.violation, it.unit, it.what);
+  list('violations', report === null ? violations.filter((it) => it !== undefined).map(told) : report.violations.map((it) => violation(it, report.unit, checked(it, report))));
   // The unit once, over all of its columns.
   for (const [id, title] of [['tasks', 'Tasks'], ['checks', 'Checks']] as const) (element(id).querySelector('h2') as Element).textContent = `${title}, times in ${unit}`;
   table('tasks', ['task', '#load', '#jobs', '#mean', '#greatest', '#bound', '#period', '#missed'], (known?.tasks ?? []).map((it) => {
@@ -223,7 +229,7 @@ for (const type of ['stop', 'again', 'trace', 'stubs', 'import'] as const) eleme
 window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
   const { view } = data;
   showHead(view);
-  showReport(view.report, view.progress);
+  showReport(view);
   showServices(view.name, view.services, view.state === 'ended' || view.state === 'failed');
   showPorts(view.ports);
   showLog(view.log);

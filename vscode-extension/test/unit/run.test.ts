@@ -18,8 +18,9 @@ require('node:net').createServer((it) => {
   const say = (told) => it.write(JSON.stringify(told) + '\\n');
   it.write('{"id": "half\\n');
   require('node:readline').createInterface({ input: it }).on('line', (line) => {
-    const { id, describe, progress, watch, call, input } = JSON.parse(line);
+    const { id, describe, progress, violations, watch, call, input } = JSON.parse(line);
     if (progress === null) say({ id, event: 'progress', time: 5, unit: 'ms', tasks: [], machines: [], activities: [], 'violation-count': 0 });
+    if (violations === null) for (const times of [1, 3]) say({ id, event: 'violation', number: 0, unit: 'ms', what: 'response pump.main', violation: { at: { time: 4 }, times, kind: 'check', check: 0 } });
     if (describe === null) say({ id, event: 'description', components: [{ name: 'pump', services: [{ name: 'fill', kind: 'activity', doc: 'Pumps.', inputs: [{ name: 'height', default: 1, schema: { type: ['number', 'null'] } }], outputs: [] }], ports: [{ name: 'level', direction: 'out', doc: null }, { name: 'flow', direction: 'in', doc: null }] }] });
     if (watch) for (const z of [1, 2]) say({ id, event: 'data', value: { z, name: 'a' } });
     if (call) say({ id, event: 'accepted' }), say({ id, event: 'done', output: input });
@@ -84,6 +85,9 @@ test('a run on the real clock is seen, asked and stopped', { skip: process.platf
   assert.deepEqual(run.view.log, ['note: it begins']);
   assert.equal(run.view.state, 'running');
   await shown(it, () => run.view.progress?.time === 5);
+  // A repeated violation comes again.
+  await shown(it, () => run.view.violations[0]?.violation.times === 3);
+  assert.deepEqual(run.view.violations.map((it) => it.what), ['response pump.main']);
   run.call('pump.fill', { height: 2.5 });
   await shown(it, () => run.view.services[0]?.answer.startsWith('done') === true);
   assert.equal(run.view.services[0]?.answer, 'done: {"height":2.5}');

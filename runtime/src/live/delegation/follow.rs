@@ -3,7 +3,7 @@
 use dotgen_timing::explore::Stepper;
 use dotgen_timing::system::{CodelId, ComponentId, Ticks};
 
-use super::{Live, MAX_RESULTS, PROBE_TIMEOUT_NANOS, Recall, lane};
+use super::{Live, MAX_RESULTS, Recall, lane};
 use crate::hosts::CodelResult;
 
 impl Live<'_> {
@@ -153,13 +153,15 @@ impl Live<'_> {
     /// of the hosts, in nanoseconds. A component whose host does not answer is ended.
     pub fn hold(&mut self, stepper: &Stepper, now: u64) -> Option<Ticks> {
         let time = self.delegations.time?;
+        // Meanwhile the model may stand still.
+        let within = u64::try_from(self.host_within.as_nanos()).unwrap_or(u64::MAX);
         let mut most = None;
         let (mut silent, mut unknown) = (Vec::new(), Vec::new());
         for task in &self.delegations.tasks {
             if task.recall == Recall::Over || task.lost {
                 continue;
             }
-            let overdue = |(_, since): (u32, u64)| now.saturating_sub(since) >= PROBE_TIMEOUT_NANOS;
+            let overdue = |(_, since): (u32, u64)| now.saturating_sub(since) >= within;
             if task.probed.is_some_and(overdue) {
                 silent.push(task.component);
                 continue;
@@ -179,7 +181,8 @@ impl Live<'_> {
         }
         unknown.into_iter().for_each(|executor| self.probe(executor));
         for component in silent {
-            self.end_component(component, "did not answer within 2 s");
+            let why = format!("did not answer within {} s", self.host_within.as_secs_f64());
+            self.end_component(component, &why);
         }
         most
     }
