@@ -44,6 +44,8 @@ pub enum Cause {
     NamelessDeclaration,
     /// The text of a task or service cannot be parsed, so that codels may be missing.
     BrokenMachine,
+    /// The list of yields of a codel of the task or service is not finished.
+    OpenMachine,
 }
 
 /// The causes of which a finding with a code can be a mere consequence.

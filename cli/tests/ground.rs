@@ -252,6 +252,9 @@ fn a_run_names_the_ports_that_nothing_wrote() {
     std::fs::write(&source, written).expect("a file");
     let ran = directory.run(&["run", "c.gen", "--until", "100ms", "--format", "json"]);
     let report: Value = serde_json::from_str(&stdout(&ran)).expect("JSON");
-    let notes = report["notes"].to_string();
-    assert!(notes.contains("never written: c/level\""), "{report:#}");
+    let [level, ok] = [0, 1].map(|port| &report["ports"][port]);
+    assert_eq!((&level["port"], &level["writes"]), (&"c/level".into(), &0.into()), "{report:#}");
+    assert!(level["greatest-age"].is_null() && ok["writes"].as_u64() > Some(8), "{report:#}");
+    let age = ok["greatest-age"].as_f64();
+    assert!(age.is_some_and(|age| (9.0..=11.0).contains(&age)), "{report:#}");
 }

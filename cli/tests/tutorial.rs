@@ -89,6 +89,23 @@ struct Shell {
 }
 
 impl Shell {
+    fn new() -> Shell {
+        Shell { folder: Directory::new(&[]), own: Directory::new(&[]), groups: Vec::new() }
+    }
+
+    /// Runs the commands of a page, each of which must print what the page says.
+    fn follow(&mut self, page: &str, steps: &[Step]) {
+        for Step { command, expected } in steps {
+            let output = self.run(command);
+            let lines: Vec<&str> = output.lines().collect();
+            assert!(
+                lines_fit(expected, &lines),
+                "{page}: $ {command}\n\nexpected:\n{}\n\nactual:\n{output}",
+                expected.join("\n")
+            );
+        }
+    }
+
     /// Runs a command, and returns its standard output and errors, in order.
     fn run(&mut self, command: &str) -> String {
         let path = self.own.path().join("output");
@@ -153,17 +170,23 @@ fn each_command_of_the_tutorial_prints_what_the_page_says() {
     }
     let steps = steps(PAGE);
     assert!(steps.len() > 20, "the commands are found");
-    let mut shell =
-        Shell { folder: Directory::new(&[]), own: Directory::new(&[]), groups: Vec::new() };
-    for Step { command, expected } in steps {
-        let output = shell.run(&command);
-        let lines: Vec<&str> = output.lines().collect();
-        assert!(
-            lines_fit(&expected, &lines),
-            "docs/ten-minutes.md: $ {command}\n\nexpected:\n{}\n\nactual:\n{output}",
-            expected.join("\n")
-        );
+    Shell::new().follow("docs/ten-minutes.md", &steps);
+}
+
+/// Flights take too long here: `flight.rs` has a shorter one.
+#[test]
+fn each_command_about_the_robot_prints_what_the_page_says() {
+    if !installed(&["bash"]) {
+        return;
     }
+    let mut steps = steps(include_str!("../../docs/robot.md"));
+    steps.retain(|step| !["fly.py", "flight."].iter().any(|it| step.command.contains(it)));
+    assert!(steps.len() > 4, "the commands are found");
+    let mut shell = Shell::new();
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    let here = shell.folder.path().join("examples");
+    std::os::unix::fs::symlink(examples, here).expect("a link");
+    shell.follow("docs/robot.md", &steps);
 }
 
 #[test]

@@ -35,6 +35,20 @@ pub struct TaskCounts {
     pub load: Option<f64>,
 }
 
+/// The counts of an output port.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct PortCounts {
+    /// `component/port`
+    pub port: String,
+    /// Number of writes.
+    pub writes: u64,
+    /// Greatest age of its data: the longest time without a write after the first one, in the unit of the
+    /// report. `None` if it was never written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub greatest_age: Option<Value>,
+}
+
 /// The counts of a state machine.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]

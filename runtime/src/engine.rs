@@ -147,6 +147,9 @@ pub(crate) fn forward_violations(
     live: &mut Live<'_>,
     watch: &mut dyn RunObserver,
 ) {
+    for (component, port) in live.take_written() {
+        watch.on_port_write(stepper, component, port);
+    }
     for update in live.take_published() {
         watch.on_port_update(stepper, &update);
     }

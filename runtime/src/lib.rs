@@ -20,6 +20,7 @@ pub mod hosts;
 pub mod live;
 mod measures;
 pub mod model_time;
+pub mod port_writes;
 pub mod profile;
 pub mod progress;
 pub mod real_clock;

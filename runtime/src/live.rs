@@ -11,7 +11,7 @@ mod machines;
 mod outcomes;
 mod requests;
 
-use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::collections::{HashMap, VecDeque};
 use std::time::Duration;
 
 use dotgen_timing::explore::{Action, Seen, Stepper, Work};
@@ -84,8 +84,8 @@ pub struct Live<'p> {
     fault: Option<String>,
     /// Violations to be reported.
     broken: Vec<CodelViolation>,
-    /// Output ports that were written.
-    written: BTreeSet<(ComponentId, u32)>,
+    /// Output ports that were written since the engine asked.
+    written: Vec<(ComponentId, u32)>,
     /// Port data is kept for a recording, in `published`.
     keeps_data: bool,
     published: Vec<PortUpdate>,
@@ -130,7 +130,7 @@ impl<'p> Live<'p> {
             next_instance: 1,
             fault: None,
             broken: Vec::new(),
-            written: BTreeSet::new(),
+            written: Vec::new(),
             keeps_data: false,
             published: Vec::new(),
             wanted: (0..components).map(|_| VecDeque::new()).collect(),
@@ -175,11 +175,6 @@ impl<'p> Live<'p> {
         self.fault.as_deref()
     }
 
-    /// Returns true if an output port was written.
-    pub fn has_written(&self, component: ComponentId, port: u32) -> bool {
-        self.written.contains(&(component, port))
-    }
-
     /// Returns the hosts.
     pub fn hosts(&mut self) -> &mut dyn Hosts {
         self.hosts
@@ -198,6 +193,11 @@ impl<'p> Live<'p> {
     /// Returns the port data since the last call, if it is [kept](Self::keep_data).
     pub fn take_published(&mut self) -> Vec<PortUpdate> {
         std::mem::take(&mut self.published)
+    }
+
+    /// Returns the output ports that were written since the last call.
+    pub fn take_written(&mut self) -> Vec<(ComponentId, u32)> {
+        std::mem::take(&mut self.written)
     }
 
     /// Returns true if a component is not lost.
@@ -534,7 +534,7 @@ impl<'p> Live<'p> {
 
     fn publish(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]) {
         self.hosts.published(component, port, id, data);
-        self.written.insert((component, port));
+        self.written.push((component, port));
         if self.keeps_data {
             self.published.push(PortUpdate {
                 component,

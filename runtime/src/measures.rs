@@ -5,6 +5,7 @@ use dotgen_timing::system::TimedSystem;
 use dotgen_timing::system::indexed::{Built, Measure, MeasureEvent};
 
 use crate::checker::{RunChecker, Violation};
+use crate::port_writes::PortWrites;
 use crate::watch::CodelViolation;
 
 /// The measures of a run.
@@ -78,6 +79,19 @@ impl<'p> Measures<'p> {
                 self.begin(&|event| matches!(event, MeasureEvent::Violation(of) if of == name));
             }
         }
+    }
+
+    /// Looks for ports that were not written for too long. `now` is the time of all runs, in base units.
+    pub(crate) fn on_moment(&mut self, now: u64, ports: &PortWrites) {
+        let unit = self.system.unit;
+        self.begin(&|event| match *event {
+            MeasureEvent::Stale { component, port, after } => {
+                let units = (after / unit).ceil().to_integer();
+                let age = ports.age(now, (component, port));
+                age.is_some_and(|age| i128::from(age) > units)
+            }
+            _ => false,
+        });
     }
 
     fn begin(&mut self, by: &dyn Fn(&MeasureEvent) -> bool) {

@@ -8,9 +8,10 @@ use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
 use crate::checker::{Idle, Moment, RunChecker, Verdict, Violation};
-use crate::counts::{MachineCounts, TaskCounts, machines, tasks};
+use crate::counts::{MachineCounts, PortCounts, TaskCounts, machines, tasks};
 use crate::decide::Durations;
 use crate::engine::End;
+use crate::port_writes::Port;
 use crate::simulation::{Plan, SimulationResult};
 use crate::tally::Tally;
 use crate::watch::CodelViolation;
@@ -49,6 +50,8 @@ pub struct RunReport {
     pub tasks: Vec<TaskCounts>,
     /// Requests that no client of the scenario sends. The verified model does not have them.
     pub requests_outside_model: u64,
+    /// Output ports of the components that were executed.
+    pub ports: Vec<PortCounts>,
     /// Services, in order of declaration.
     pub services: Vec<ServiceCounts>,
     /// Codels, in order of declaration.
@@ -263,6 +266,7 @@ impl RunReport {
             unfinished: outcome.unfinished.clone(),
             tasks: tasks(prepared, &outcome.tally, bounds, outcome.time),
             requests_outside_model: 0,
+            ports: Vec::new(),
             services: services.collect(),
             codels: codels.collect(),
             machines: machines(prepared, &outcome.tally),
@@ -275,6 +279,23 @@ impl RunReport {
             assumptions: prepared.report.assumptions.clone(),
             notes,
         }
+    }
+
+    /// Counts the writes of output ports, each with its name `component/port`.
+    pub fn count_writes(
+        &mut self,
+        prepared: &Prepared,
+        outcome: &SimulationResult,
+        ports: impl Iterator<Item = (Port, String)>,
+    ) {
+        let age = |ticks: u64| Value::Time(prepared.time(ticks));
+        self.ports = ports
+            .map(|(port, name)| PortCounts {
+                port: name,
+                writes: outcome.ports.count(port),
+                greatest_age: outcome.ports.greatest_age(outcome.time, port).map(age),
+            })
+            .collect();
     }
 
     /// Counts the requests of clients that are not of the scenario, from `first` on.

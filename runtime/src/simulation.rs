@@ -4,7 +4,7 @@
 use std::io::Write;
 
 use dotgen_timing::explore::{Action, Run, Seen, Stepper, Work};
-use dotgen_timing::system::{ServiceId, Ticks, TimedSystem};
+use dotgen_timing::system::{ComponentId, ServiceId, Ticks, TimedSystem};
 use dotgen_timing::verify::Prepared;
 use num_rational::Ratio;
 
@@ -13,6 +13,7 @@ use crate::decide::{Durations, RandomDecisions};
 use crate::engine::{self, End};
 use crate::live::Live;
 use crate::measures::Measures;
+use crate::port_writes::PortWrites;
 use crate::profile::Profile;
 use crate::progress::{ActivityStates, ProgressReceiver};
 use crate::real_clock::{self, Pace};
@@ -45,6 +46,8 @@ const MAX_RECORDED_ACTIONS: usize = 1_000_000;
 pub struct SimulationResult<'p> {
     /// Counts of all runs.
     pub tally: Tally,
+    /// Writes of the output ports of hosted components.
+    pub ports: PortWrites,
     /// Results of the checks.
     pub judge: RunChecker<'p>,
     /// End of the last run.
@@ -145,6 +148,7 @@ pub fn simulate_recorded<'p, W: Write>(
         first: true,
         violated,
         measures: Measures::new(&prepared.built),
+        ports: PortWrites::default(),
         shown: Vec::new(),
         repetitions_from: second,
         second,
@@ -179,6 +183,7 @@ pub fn simulate_recorded<'p, W: Write>(
         }
     }
     SimulationResult {
+        ports: observer.ports,
         tally: observer.tally,
         judge: observer.judge,
         time: observer.offset,
@@ -229,6 +234,7 @@ struct Observer<'o, 'r, 'f, 'p, W> {
     /// Receives violations when they happen.
     violated: Option<&'f ViolationReceiver<'f>>,
     measures: Measures<'p>,
+    ports: PortWrites,
     /// How often each violation had come when it was passed on.
     shown: Vec<u64>,
     /// Time of all runs from which repetitions are passed on, in base units.
@@ -347,6 +353,10 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
         }
     }
 
+    fn on_port_write(&mut self, stepper: &Stepper, component: ComponentId, port: u32) {
+        self.ports.on_write(self.offset + stepper.now(), (component, port));
+    }
+
     fn on_port_update(&mut self, stepper: &Stepper, written: &PortUpdate) {
         if let Some(record) = self.record.as_mut().filter(|_| self.first) {
             record.on_port_update(stepper, written);
@@ -355,6 +365,7 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
 
     fn moment(&mut self, stepper: &Stepper) {
         if self.ended.is_none() {
+            self.measures.on_moment(self.offset + stepper.now(), &self.ports);
             self.judge.moment(stepper);
             self.show_violations();
             let now = self.offset + stepper.now();

@@ -25,6 +25,9 @@ pub trait RunObserver {
     /// Is called after time has passed.
     fn moment(&mut self, stepper: &Stepper);
 
+    /// Receives a write of an output port.
+    fn on_port_write(&mut self, _stepper: &Stepper, _component: ComponentId, _port: u32) {}
+
     /// Receives new data of an output port.
     fn on_port_update(&mut self, stepper: &Stepper, written: &PortUpdate);
 

@@ -74,7 +74,8 @@ r.items = {
     statement(re`\b(connect)\b`, ['keyword.other.setting'], [token('keyword.operator.word', re`\bto\b`), token('constant.language', re`\bnone\b`), ...include('path')]),
     match(re`\b(client)\b(?:\s+(${ID}))?`, 'storage.type.client', 'entity.name.function.client'),
     ...include('steps-block'),
-    statement(re`\b(on)\b(?:\s+(${ID})\s*(:))?\s*(late|lost|violation\s+of)\b`, ['storage.type.measure', 'entity.name.label', 'punctuation.separator.label', 'keyword.operator.word'], [
+    statement(re`\b(on)\b(?:\s+(${ID})\s*(:))?\s*(late|lost|stale|violation\s+of)\b`, ['storage.type.measure', 'entity.name.label', 'punctuation.separator.label', 'keyword.operator.word'], [
+      token('keyword.operator.word', re`\bafter\b(?!\s*\.)`),
       token('keyword.operator', '<='),
       ...include('numbers', 'path'),
     ]),

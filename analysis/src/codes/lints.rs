@@ -63,7 +63,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
-        follows: &[Cause::BrokenMachine],
+        follows: &[Cause::BrokenMachine, Cause::OpenMachine],
         meaning: "An activity can neither end nor pause.",
         why: "No path leads to `ether` and some cycle has no `pause::`: once started, the activity can keep its task \
               for ever, and no other activity of the task gets its turn.",

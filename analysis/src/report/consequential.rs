@@ -1,6 +1,6 @@
 //! Consequences of other errors, which are left out: one cause, one diagnostic.
 
-use dotgen_syntax::{Fragment, SyntaxKind, SyntaxNode, TextRange, finding::parsing::Parsing};
+use dotgen_syntax::{Fragment, SyntaxKind, SyntaxNode, TextRange};
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 
@@ -49,6 +49,7 @@ impl UnreadParts {
             || finding.kind == ValueProblem::DelayRange.into() && has_error_on_line(db, key, range)
             || codes::follows(finding.code()).iter().any(|cause| match cause {
                 Cause::NamelessDeclaration => self.nameless,
+                Cause::OpenMachine => open_machines(db, key).iter().any(around),
                 Cause::BrokenMachine => broken_machines(db, key).iter().any(around),
                 Cause::UnreadText => self.incomplete || self.names_lost_word(db, key, range),
             })
@@ -129,10 +130,8 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
             let behind = !ended
                 && error.range.start() >= range.end()
                 && text.get(bytes(between)).is_some_and(|text| text.trim().is_empty());
-            match (&error.kind, error.code()) {
-                // More states may follow.
-                (Parsing::NoSemicolon { others, .. }, _) if others.contains("state") => inside,
-                (_, "missing-semicolon") => behind && !whole,
+            match error.code() {
+                "missing-semicolon" => behind && !whole,
                 _ => inside || behind,
             }
         })
@@ -141,6 +140,28 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
     nodes
         .filter(|node| matches!(node.kind(), SyntaxKind::TASK | SyntaxKind::SERVICE))
         .filter(is_lost)
+        .map(|node| node.text_range())
+        .collect()
+}
+
+/// Tasks and services with a codel whose list of yields may go on: the codel lacks its `;` and the clause that
+/// follows the list.
+#[salsa::tracked]
+fn open_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
+    let parse = parsed(db, key);
+    if parse.errors.is_empty() {
+        return Vec::new();
+    }
+    let goes_on = |codel: &SyntaxNode| {
+        let last = codel.last_token().map(|token| token.kind());
+        codel.kind() == SyntaxKind::CODEL
+            && last != Some(SyntaxKind::SEMICOLON)
+            && codel.children().all(|child| child.kind() != SyntaxKind::WCET)
+    };
+    let nodes = parse.syntax().descendants();
+    nodes
+        .filter(|node| matches!(node.kind(), SyntaxKind::TASK | SyntaxKind::SERVICE))
+        .filter(|node| node.descendants().any(|codel| goes_on(&codel)))
         .map(|node| node.text_range())
         .collect()
 }

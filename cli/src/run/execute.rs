@@ -6,6 +6,7 @@ use camino::Utf8PathBuf;
 use dotgen_analysis::model::PortDir;
 use dotgen_recording::log::origins;
 use dotgen_runtime::checker::RunChecker;
+use dotgen_runtime::port_writes::Port;
 use dotgen_runtime::profile::{Profile, functions};
 use dotgen_runtime::report::{RunReport, Violated, violation};
 use dotgen_runtime::simulation::{Record, SimulationResult, ViolationReceiver, simulate_recorded};
@@ -206,17 +207,20 @@ impl Context<'_, '_> {
         Some(RunEvents { events: prepared.told(&input, run), left_out: run.left_out })
     }
 
-    /// Output ports: component, number and `component/port`.
+    /// Output ports with their names, in order of these: `component/port`.
     #[cfg(unix)]
-    fn ports(&self, prepared: &Prepared) -> impl Iterator<Item = (ComponentId, u32, String)> {
-        prepared.built.components.iter().flat_map(|(&name, &at)| {
+    fn ports(&self, prepared: &Prepared) -> Vec<(Port, String)> {
+        let components = prepared.built.components.iter().flat_map(|(&name, &at)| {
             let component = self.names.components[name].component;
             let ports = (0u32..).zip(&component.ports);
             let ports = ports.filter(|(_, port)| port.dir == PortDir::Out);
             ports.map(move |(number, port)| {
-                (at, number, format!("{}/{}", component.name, port.name))
+                ((at, number), format!("{}/{}", component.name, port.name))
             })
-        })
+        });
+        let mut out: Vec<_> = components.collect();
+        out.sort_by(|one, other| one.1.cmp(&other.1));
+        out
     }
 
     /// Builds the executed components. Returns `None` if that fails, which is printed, or is interrupted.
@@ -407,16 +411,11 @@ impl Context<'_, '_> {
             report.count_outside_model(&outcome.tally, first);
         }
         notes.extend(note);
+        let ports = self.ports(&opened).into_iter().filter(|((at, _), _)| parts.of(*at).is_some());
+        report.count_writes(&opened, &outcome, ports);
         let told = self.told(&opened, &outcome);
         let (lines, messages) = (lines(profile), messages(recording));
         drop(outcome);
-        let unwritten = self
-            .ports(&opened)
-            .filter(|(at, port, _)| parts.of(*at).is_some() && !live.has_written(*at, *port));
-        let unwritten: Vec<_> = unwritten.map(|(.., path)| path).collect();
-        if !unwritten.is_empty() {
-            notes.push(format!("never written: {}", unwritten.join(", ")));
-        }
         let denied = children.denied().iter();
         notes.extend(denied.map(|text| format!("the system does not grant {text}")));
         report.notes.extend(notes);

@@ -62,6 +62,7 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
         report.seed,
     )?;
     tasks(out, report, unit)?;
+    ports(out, report, unit)?;
     services(out, report)?;
     transitions(out, report)?;
     checks(out, report, unit)?;
@@ -165,6 +166,14 @@ fn tasks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::R
     });
     let head = ["task", "period", "jobs", "mean", "greatest", "bound", "missed"];
     table(out, &head, &rows.collect::<Vec<_>>())
+}
+
+fn ports(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::Result<()> {
+    let rows = report.ports.iter().map(|row| {
+        let age = row.greatest_age.map_or("never written".to_owned(), |age| unit.show_value(age));
+        vec![row.port.clone(), row.writes.to_string(), age]
+    });
+    table(out, &["port", "writes", "greatest age"], &rows.collect::<Vec<_>>())
 }
 
 fn services(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {

@@ -94,8 +94,9 @@ module.exports = grammar({
       seq(
         'on',
         optional(seq(field('name', alias($._check_name, $.label)), ':')),
-        field('event', choice('late', 'lost', seq('violation', 'of'))),
+        field('event', choice('late', 'lost', 'stale', seq('violation', 'of'))),
         comma(field('of', $.path)),
+        optional(seq('after', field('age', $.number), field('unit', $.unit))),
         optional($.bound),
         field('body', $.steps),
       ),

@@ -54,7 +54,8 @@ impl ProgressReceiver for ProgressSubscribers {
 pub struct ViolationSubscribers(pub(super) Arc<Shared>);
 
 impl ViolationSubscribers {
-    /// Sends a violation: its place in the report, and what is violated, in words. A repeated one comes again.
+    /// Sends a violation: its place in the report, and what is violated, in words. A repeated one comes
+    /// again.
     pub fn receive(&self, number: usize, violation: &ViolationReport, unit: TimeUnit, what: &str) {
         let event = json!({
             "event": "violation",

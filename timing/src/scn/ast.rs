@@ -250,8 +250,10 @@ pub struct Client {
 pub struct Trigger {
     /// Kind of event.
     pub kind: TriggerKind,
-    /// Codels and tasks, components, or names of checks; any of them.
+    /// Codels and tasks, components, names of checks, or ports; any of them.
     pub of: Vec<Path>,
+    /// Age of the data of a port that is stale.
+    pub after: Option<(u64, Unit)>,
     /// The time from the event to the end of the measure.
     pub check: Check,
 }
@@ -265,6 +267,8 @@ pub enum TriggerKind {
     Violation,
     /// `on lost`: the process of a component has ended.
     Lost,
+    /// `on stale … after`: a port was not written for some time, since it was written once.
+    Stale,
 }
 
 impl Trigger {

@@ -269,6 +269,19 @@ impl<'f> Finder<'f> {
                 let _ = self.path(PathKind::Codel, path) || self.unit(rest);
             }
             "lost" if path.is_empty() => self.components(),
+            "stale" => {
+                let after = rest.iter().position(|token| word(self.text, Some(token)) == "after");
+                match after {
+                    Some(after) => {
+                        self.unit(&rest[after + 1..]);
+                    }
+                    None => {
+                        if !self.path(PathKind::Output, path) {
+                            self.words(&["after"]);
+                        }
+                    }
+                }
+            }
             "violation" if rest.is_empty() => self.words(&["of"]),
             "violation" => {
                 let checks = self.scenario.items.iter().filter_map(|item| match item {

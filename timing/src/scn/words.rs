@@ -146,7 +146,7 @@ const WORDS: &[Word] = &[
         "on [NAME:] late PATH, … { … }  on lost COMPONENT <= 50 ms { … }",
         "A measure: steps that follow an event of a run. `late`: a codel takes longer than its time, or a task \
          misses a deadline. `violation of CHECK`: a check is violated. `lost`: the process of a component has \
-         ended. Each measure is taken once. The model takes it at any time, and a check gives the longest \
+         ended. `stale PORT after TIME`: the port was not written for that long. Each measure is taken once. The model takes it at any time, and a check gives the longest \
          time from the event to its end.",
     ),
     word(
@@ -155,6 +155,11 @@ const WORDS: &[Word] = &[
         "A codel takes longer than its time, or a task misses a deadline.",
     ),
     word("violation", "on violation of CHECK { … }", "A check of the scenario is violated."),
+    word(
+        "stale",
+        "on stale component.port after 200 ms { … }",
+        "The output port was written once, and then not for this long.",
+    ),
     word("lost", "on lost component { … }", "The process of the component has ended."),
     word("check", "check [NAME:] …;", "A property to verify."),
     word(

@@ -74,6 +74,15 @@ pub enum MeasureEvent {
     Violation(String),
     /// The process of a component has ended.
     Lost(String),
+    /// An output port was written once, and then not for some time.
+    Stale {
+        /// Component.
+        component: ComponentId,
+        /// Port, by number.
+        port: u32,
+        /// That time, in seconds.
+        after: Seconds,
+    },
 }
 
 /// An activity that no client requests, with what its slots would be.

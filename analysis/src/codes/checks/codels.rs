@@ -1,6 +1,6 @@
 //! Codes about codels, their parameters and their state machines.
 
-use crate::codes::Cause::{BrokenMachine, NamelessDeclaration, UnreadText};
+use crate::codes::Cause::{BrokenMachine, NamelessDeclaration, OpenMachine, UnreadText};
 
 use super::{Code, error};
 
@@ -176,14 +176,14 @@ pub(super) const CODES: &[Code] = &[
         "A state can be reached neither from `start` nor from `stop`.",
         "Its codel never runs. Usually a `yields` list lacks the state.",
         "Add the state to the `yields` list of the codel that should lead to it, or remove the codel.",
-    ).follows(&[UnreadText, BrokenMachine]),
+    ).follows(&[UnreadText, BrokenMachine, OpenMachine]),
     error(
         "fsm/stop-without-ether",
         "No path leads from `stop` to `ether`.",
         "An interrupted activity runs its `stop` codel and has to end. Otherwise the interruption \
          never completes.",
         "Let the `stop` codel, or a state that it leads to, yield `ether`.",
-    ).follows(&[UnreadText, BrokenMachine]),
+    ).follows(&[UnreadText, BrokenMachine, OpenMachine]),
     error(
         "async/shared-resource",
         "An `async` codel shares data with a codel that may run at the same time.",

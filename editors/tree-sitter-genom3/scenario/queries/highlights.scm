@@ -24,7 +24,7 @@
 "choice" @keyword.conditional
 (choice "or" @keyword.conditional)
 (or "or" @keyword.operator)
-["and" "not" "leave" "then" "via" "to" "late" "lost" "violation" "of"] @keyword.operator
+["and" "not" "leave" "then" "via" "to" "late" "lost" "stale" "violation" "of" "after"] @keyword.operator
 [
   "schedulable" "no-overdue" "response" "within" "reaction" "age" "leadsto" "eventually" "always" "reachable" "deadlock"
 ] @function.builtin

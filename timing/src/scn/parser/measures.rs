@@ -12,6 +12,7 @@ pub(in crate::scn) const TRIGGERS: &[(&str, TriggerKind)] = &[
     ("late", TriggerKind::Late),
     ("violation", TriggerKind::Violation),
     ("lost", TriggerKind::Lost),
+    ("stale", TriggerKind::Stale),
 ];
 
 impl Parser<'_> {
@@ -33,6 +34,14 @@ impl Parser<'_> {
         while self.eat(Kind::Comma) {
             of.push(self.path()?);
         }
+        let mut after = None;
+        if kind == TriggerKind::Stale {
+            if !self.eat_word("after") {
+                self.expected("`after` and a time");
+                return None;
+            }
+            after = Some((self.number()?, self.unit()?));
+        }
         let bound = self.bound()?;
         let range = start..self.end();
         let steps = self.steps()?;
@@ -44,13 +53,15 @@ impl Parser<'_> {
         let name = name.unwrap_or(Spanned { value: made, range: on });
         let of_words = if kind == TriggerKind::Violation { "of " } else { "" };
         let paths: Vec<String> = of.iter().map(Path::text).collect();
+        let age =
+            after.map_or(String::new(), |(count, unit)| format!(" after {count} {}", unit.name()));
         let check = Check {
             name: None,
-            subject: Some(format!("on {word} {of_words}{}", paths.join(", "))),
+            subject: Some(format!("on {word} {of_words}{}{age}", paths.join(", "))),
             kind: duration(&name.value, &steps, bound),
             range,
         };
-        Some(Client { name, steps, trigger: Some(Trigger { kind, of, check }) })
+        Some(Client { name, steps, trigger: Some(Trigger { kind, of, after, check }) })
     }
 
     /// Reports steps that end a run where they may not stand.

@@ -1,5 +1,6 @@
 //! Clients, and the services that they request.
 
+use dotgen_analysis::model::PortDir;
 use num_rational::Ratio;
 use typed_index_collections::{TiSlice, ti_vec};
 
@@ -198,6 +199,19 @@ impl Builder<'_> {
             TriggerKind::Lost => match self.names.resolve(path)? {
                 Target::Component(_) => Ok(MeasureEvent::Lost(path.text())),
                 _ => Err(not_a("component", path)),
+            },
+            TriggerKind::Stale => match self.names.resolve(path)? {
+                Target::Port(c, port) => {
+                    let component = self.out.components.get(&c).copied();
+                    let (count, unit) = trigger.after.unwrap_or((0, Unit::Seconds));
+                    let after = unit.seconds() * Ratio::from_integer(i128::from(count));
+                    let is_output =
+                        self.names.components[c].component.ports[port as usize].dir == PortDir::Out;
+                    (component.filter(|_| is_output))
+                        .map(|component| MeasureEvent::Stale { component, port, after })
+                        .ok_or_else(|| not_a("output port", path))
+                }
+                _ => Err(not_a("output port", path)),
             },
         });
         Ok(Measure {
