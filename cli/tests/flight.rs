@@ -132,3 +132,29 @@ fn the_quadcopter_flies_to_three_points_and_its_run_is_one_of_the_model() {
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     assert_eq!(json_of(&output)["deviation-count"], 0);
 }
+
+/// A check that is violated in the air makes the robot land: the run ends on the ground.
+#[test]
+fn a_measure_lands_the_quadcopter() {
+    if !compilers() {
+        return;
+    }
+    let directory = Directory::new(&[]);
+    copy(&directory, "quadcopter");
+    copy(&directory, "maneuver/idl");
+    let measure = "check calm: within maneuver.goto.run => maneuver.goto.void <= 200 ms;
+  on violation of calm { send maneuver.land; await ended; send mikrokopter.stop; await ended; stop; }
+  check physics";
+    let scenario = directory.read(SCENARIO).replace("check physics", measure);
+    directory.write(SCENARIO, scenario.as_bytes());
+    let run = ["run", SCENARIO, "--until", "9s", "--bounds", "none", "--record", "flight.mcap"];
+    let output = directory.run(&[&run[..], &["--format", "json"]].concat());
+    let report = json_of(&output);
+    assert_eq!((status(&output), &report["end"]), (1, &"measure".into()), "{report:#}");
+    let recording = std::fs::read(directory.path().join("flight.mcap")).expect("a recording");
+    let (_, body) = positions(&recording);
+    let heights = body.iter().map(|body| body.position[2]);
+    let highest = heights.clone().fold(0.0, f64::max);
+    let last = heights.last().expect("a position");
+    assert!(highest > 0.01 && last < highest / 2.0, "{last} of {highest} m");
+}

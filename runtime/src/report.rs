@@ -230,7 +230,11 @@ impl RunReport {
         let make = ReportBuilder { prepared, plan };
         let system = &prepared.built.system;
         let ran = outcome.tally.codels.iter().map(|counted| counted.runs.count > 0);
-        let simulated = system.codels.keys().zip(ran).any(|(codel, ran)| ran && !executes(codel));
+        // What every component does by itself, as to interrupt an activity, is not simulated.
+        let declared = system.codels.iter_enumerated().zip(ran);
+        let simulated = declared
+            .into_iter()
+            .any(|((id, codel), ran)| ran && codel.site.is_some() && !executes(id));
         let checks = make.checks(outcome, simulated);
         let services = system.services.keys().map(|service| {
             let counted = &outcome.tally.services[service];

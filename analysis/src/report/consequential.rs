@@ -144,8 +144,8 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
         .collect()
 }
 
-/// Tasks and services with a codel whose list of yields may go on: the codel lacks its `;` and the clause that
-/// follows the list.
+/// Tasks and services with a codel whose list of yields may go on: the codel lacks its `;` and the clause
+/// that follows the list.
 #[salsa::tracked]
 fn open_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
     let parse = parsed(db, key);

@@ -521,7 +521,7 @@ fn clean(directory: &Path) {
         if !ours || !entry.file_type().is_ok_and(|file_type| file_type.is_file()) {
             continue;
         }
-        // Opened without blocking or changing anything. A live writer holds the lock. The lock is kept until the
+        // Opened without blocking or changing anything. A live writer holds the lock. It is kept until the
         // file is removed: a writer that has just made it takes another one.
         if let Ok(file) = File::open(entry.path())
             && file.try_lock().is_ok()
