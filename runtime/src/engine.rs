@@ -43,12 +43,7 @@ pub fn run(
             live.step(stepper, &seen);
         }
         for observation in &seen {
-            if let Seen::Begun { executor, work, time: (least, greatest) } = *observation {
-                note(&mut works, executor, work);
-                if watch.measure(&work).is_none() {
-                    stepper.decide(executor, decide.time(&work, least, greatest));
-                }
-            }
+            note_begun(stepper, observation, &mut works, decide, watch);
             watch.on_event(stepper, observation);
         }
         if let Some(live) = live.as_deref_mut() {
@@ -102,6 +97,23 @@ pub fn run(
         let action = choose(actions, &works, decide, live.as_deref_mut(), &mut outcomes);
         watch.on_action(stepper, action, None);
         stepper.perform(action, &mut seen);
+    }
+}
+
+/// Notes work that has begun, and draws its end unless it waits for an event.
+fn note_begun(
+    stepper: &mut Stepper,
+    observation: &Seen,
+    works: &mut Vec<Option<Work>>,
+    decide: &mut dyn Decide,
+    watch: &dyn RunObserver,
+) {
+    let Seen::Begun { executor, work, time: (least, greatest) } = *observation else {
+        return;
+    };
+    note(works, executor, work);
+    if watch.measure(&work).is_none() {
+        stepper.decide(executor, decide.time(&work, least, greatest));
     }
 }
 
