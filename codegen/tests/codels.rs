@@ -14,3 +14,4 @@ mod repair;
 mod skeletons;
 mod support;
 mod sync;
+mod typing;

@@ -336,11 +336,14 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
                 if !uses.any(|at| expected.has_stub(*at)) {
                     continue;
                 }
-                if let Some(orphan) = orphan::renamed(&orphans, function, expected, sources) {
-                    renamed.insert(orphan.place());
-                    out.push(check.renamed(orphan));
-                } else {
-                    out.extend(check.missing());
+                match orphan::renamed(&orphans, function, expected, sources) {
+                    // The other name may be declared in text that does not parse.
+                    Some(_) if options.trust.lacks_text => {}
+                    Some(orphan) => {
+                        renamed.insert(orphan.place());
+                        out.push(check.renamed(orphan));
+                    }
+                    None => out.extend(check.missing()),
                 }
                 continue;
             }

@@ -1,14 +1,15 @@
 //! The reliable part of a specification with errors, for the comparison with its codels.
 //!
-//! An error excludes its subject from the comparison: the codel whose declaration contains it, or the
-//! exceptions of the task or service in which text was skipped. Packages and files that are missing on this
-//! machine are not errors of the text: see [`dotgen_analysis::model::gaps`].
+//! An error excludes the codel whose declaration contains it. After a syntax error, declarations may be
+//! missing: what is found because the specification lacks a name, an exception or a member waits until the
+//! text parses. Packages and files that are missing on this machine are not errors of the text: see
+//! [`dotgen_analysis::model::gaps`].
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::codes::is_environment;
 use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::UnitResult;
-use dotgen_analysis::model::{CodelRef, Name, Owner};
+use dotgen_analysis::model::{CodelRef, Name};
 use dotgen_analysis::source_map::{Location, Locations};
 use dotgen_syntax::codes as syntax;
 use rustc_hash::FxHashSet;
@@ -21,14 +22,11 @@ use super::expected::{Expected, ExpectedFunction};
 pub struct Reliability {
     /// True if files or packages are missing on this machine.
     pub lacks_files: bool,
-    /// True if a file ends inside a declaration: more text may follow.
-    pub is_cut: bool,
+    /// True if the text has syntax errors, or ends inside a declaration: names may be declared that are not in
+    /// the specification yet.
+    pub lacks_text: bool,
     /// Codels with errors in their declaration, by component.
     faulty: FxHashSet<(u32, CodelRef)>,
-    /// Tasks and services with text that could not be parsed, by component.
-    broken: FxHashSet<(u32, Owner)>,
-    /// True if text that could not be parsed may belong to any component.
-    all_broken: bool,
     /// Words in the text that could not be parsed, which may be names.
     words: Arc<FxHashSet<Name>>,
 }
@@ -67,9 +65,9 @@ impl Reliability {
             return trust;
         }
         trust.words = unit.words.clone();
-        trust.is_cut =
+        let is_cut =
             unit.is_cut || (unit.diagnostics.iter()).any(|error| syntax::is_cut(error.code));
-        trust.all_broken = trust.is_cut;
+        trust.lacks_text = is_cut || unit.has_syntax_errors();
         let codels: Vec<(u32, CodelRef, Location)> = (0u32..)
             .zip(&unit.spec.components)
             .flat_map(|(index, component)| {
@@ -77,25 +75,13 @@ impl Reliability {
             })
             .filter_map(|(index, at, node)| Some((index, at, unit.locations.locate(node)?)))
             .collect();
-        let bodies = unit.spec.owner_bodies.iter();
-        let bodies: Vec<(u32, Owner, Location)> = bodies
-            .filter_map(|body| {
-                Some((body.component, body.owner, unit.locations.locate(body.node)?))
-            })
-            .collect();
         for fault in &faults {
             let hit = codels.iter().filter(|codel| fault.touches(&codel.2));
+            // At the beginning of a codel, the declaration before it ends too early.
+            let inside_codel = hit.clone().any(|codel| codel.2.range.start < fault.start);
             let hit: Vec<_> = hit.map(|hit| (hit.0, hit.1)).collect();
-            let inside_codel = !hit.is_empty();
             trust.faulty.extend(hit);
-            if !fault.loses_text {
-                continue;
-            }
-            let around = bodies.iter().filter(|body| fault.touches(&body.2));
-            let around: Vec<_> = around.map(|body| (body.0, body.1)).collect();
-            trust.all_broken |= around.is_empty() && !inside_codel;
-            trust.broken.extend(around);
-            if !inside_codel {
+            if fault.loses_text && !inside_codel {
                 // The declaration before the error may be incomplete.
                 let before = codels.iter().filter(|codel| codel.2.path == *fault.path);
                 let before = before.filter(|codel| codel.2.range.end <= fault.start);
@@ -124,18 +110,6 @@ impl Reliability {
     pub fn is_faulty(&self, expected: &Expected<'_>, function: &ExpectedFunction) -> bool {
         let mut uses = function.uses.iter();
         uses.any(|&at| self.faulty.contains(&(expected.component, at)))
-    }
-
-    /// True if a task or service of a codel, or its component, has text that could not be parsed.
-    pub fn is_broken(&self, expected: &Expected<'_>, function: &ExpectedFunction) -> bool {
-        let mut uses = function.uses.iter();
-        self.all_broken
-            || uses.any(|usage| self.broken.contains(&(expected.component, usage.owner)))
-    }
-
-    /// True if a member may be declared in text that could not be parsed, or in text that is still missing.
-    pub fn may_have_member(&self, name: &str) -> bool {
-        self.is_cut || self.may_declare(name)
     }
 
     /// True if a name may be declared in text that could not be parsed.

@@ -380,7 +380,7 @@ impl Flow<'_> {
     fn may_throw(&self, exception: TypeId) -> bool {
         let check = self.check;
         let trust = &check.options.trust;
-        let broken = trust.is_broken(check.expected, check.function);
+        let broken = trust.lacks_text;
         let scope = check.expected.spec.ty(exception).scope.first();
         let own = scope.is_some_and(|scope| scope.name == check.expected.component().name);
         broken || check.function.may_throw_more && !(own && trust.lacks_files)
@@ -406,7 +406,7 @@ impl Flow<'_> {
     fn is_undeclared_raise(&self, call: &Call) -> bool {
         let expected = self.expected();
         let trust = &self.check.options.trust;
-        if trust.is_broken(expected, self.check.function) || trust.may_declare(&call.name) {
+        if trust.lacks_text || trust.may_declare(&call.name) {
             return false;
         }
         let prefix = format!("{}_e_", expected.component().name);

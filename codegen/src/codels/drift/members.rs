@@ -137,7 +137,7 @@ impl<'a> Members<'a, '_> {
                     .is_some_and(|member| member.contains_key(&name))
                 {
                     self.used.insert((structure, name));
-                } else if !self.options.trust.may_have_member(&name) {
+                } else if !self.options.trust.lacks_text {
                     let uses = self.unknown.entry((structure, name)).or_default();
                     uses.push(Use { file, span, shape });
                 }

@@ -49,11 +49,11 @@ pub(super) fn find<'a>(
     out
 }
 
-/// True if all names in specifications are known. With missing files, all codels that those files declare
-/// would be orphans.
+/// True if all names in specifications are known. With missing files, or text that does not parse, all codels
+/// declared there would be orphans.
 pub(super) fn are_certain(all: &[Expected<'_>], options: &DriftOptions) -> bool {
     let elsewhere = |expected: &Expected<'_>| expected.spec.lacks_declarations(expected.component);
-    !options.trust.is_cut && !all.iter().any(elsewhere)
+    !options.trust.lacks_text && !all.iter().any(elsewhere)
 }
 
 /// True if a function takes the context and returns an event.
