@@ -34,10 +34,12 @@ pub struct TemplateInfo {
 }
 
 /// All templates in a search path, and those of dotgen, by name. A folder in the search path takes precedence
-/// over a template of dotgen.
-pub fn templates(disk: &dyn Disk, search: &SearchPath) -> Vec<TemplateInfo> {
+/// over a template of dotgen, unless the settings of a folder name the search path (`of_project`).
+pub fn templates(disk: &dyn Disk, search: &SearchPath, of_project: bool) -> Vec<TemplateInfo> {
     let mut all: Vec<TemplateInfo> = Vec::new();
-    for name in search.list(disk) {
+    let own = builtin::names();
+    let found = search.list(disk).into_iter();
+    for name in found.filter(|name| !of_project || !own.contains(&name.as_str())) {
         let manifest = search.find_manifest(disk, &name);
         let kind = match manifest {
             Some(_) => TemplateKind::Minijinja,
@@ -51,7 +53,7 @@ pub fn templates(disk: &dyn Disk, search: &SearchPath) -> Vec<TemplateInfo> {
             about: about.unwrap_or_default(),
         });
     }
-    for name in builtin::names() {
+    for name in own {
         if all.iter().all(|template_info| template_info.name != name) {
             all.push(TemplateInfo {
                 name: name.to_owned(),

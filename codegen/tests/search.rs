@@ -38,7 +38,7 @@ fn a_folder_wins_over_a_template_of_dotgen() {
     let tree =
         tree(&[("skeleton/template.tcl", ""), ("mine/template.toml", "about = \"names\"\n")]);
     let search = SearchPath { dirs: vec![tree.path().to_owned()], builtin: None };
-    let all = templates(&Files, &search);
+    let all = templates(&Files, &search, false);
     let of = |name: &str| {
         let found = all.iter().find(|template| template.name == name);
         found.map(|template| (template.kind, template.about.as_str()))

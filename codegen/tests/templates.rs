@@ -392,6 +392,22 @@ fn errors_name_the_source_and_the_line() {
 }
 
 #[test]
+fn a_missing_time_names_its_codel() {
+    let (_dir, path) = specification();
+    let argument = path.to_str().unwrap();
+    let Some((outcome, console)) =
+        run("times", &[argument], OutputSink::preview(), Limits::default())
+    else {
+        return;
+    };
+    assert_eq!(outcome.status, 2);
+    let first = console.err.lines().next().unwrap_or_default();
+    let (start, end) = ("undefined member \"wcet\": codel `lampLoop` (", ") has none");
+    assert!(first.contains(start) && first.contains(end), "{first}");
+    assert!(first.contains("lamp.gen:"), "{first}");
+}
+
+#[test]
 fn a_preview_shows_what_a_run_writes() {
     let (dir, path) = specification();
     let Some(templates) = std::env::var_os("DOTGEN_TEST_TEMPLATES") else {

@@ -12,7 +12,7 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use dotgen_codegen::codels::value::Values;
 use dotgen_runtime::hosts::{Message, OutsideRequest, RequestReply};
@@ -27,15 +27,15 @@ use super::clients::{
 };
 use super::components::{CONNECT, KnownComponent, describe, inputs_of, reply_of};
 use super::remote::RemoteComponents;
-use super::stream::Stream;
+use super::stream::{Stream, TimedInput};
 use dotgen_platform::files::disk::TemporaryFile;
 use dotgen_timing::system::ComponentId;
 use find::{component, output};
 use subscribers::{ProfileSubscribers, ProgressSubscribers, ViolationSubscribers};
 use token::Token;
 
-/// Maximum time in which a client of a TCP port sends a part of the token. Without a limit, other users of
-/// this machine could hold all connections.
+/// Maximum time in which a client of a TCP port sends the token. Without a limit, other users of this machine
+/// could hold all connections.
 const TOKEN_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// A server that listens until it is dropped. Dropping it removes the socket.
@@ -258,10 +258,10 @@ fn read_requests(
     client: &Client,
     mut token: Option<&Token>,
 ) -> bool {
-    let mut input = BufReader::new(stream);
+    let mut input = BufReader::new(TimedInput::new(stream, &Instant::now));
     let mut line = Vec::new();
     if token.is_some() {
-        stream.limit_reads(Some(TOKEN_TIMEOUT));
+        input.get_mut().limit(Some(TOKEN_TIMEOUT));
     }
     loop {
         match read_line(&mut input, &mut line) {
@@ -292,7 +292,7 @@ fn read_requests(
         let id = request.get("id").cloned().unwrap_or(Value::Null);
         if let Some(wanted) = token.take() {
             if wanted.is_in(&request) {
-                stream.limit_reads(None);
+                input.get_mut().limit(None);
                 continue;
             }
             let file = wanted.path().display();

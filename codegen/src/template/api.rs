@@ -327,6 +327,16 @@ fn undefined(method: &str) -> Failure {
     Failure::Error(format!("undefined member \"{method}\""))
 }
 
+impl Model<'_> {
+    /// The failure for a member that a declaration does not have, with the declaration and its place.
+    fn undefined_in(&self, method: &str, what: &str, name: &str, src: Src) -> Failure {
+        let place = self.places.place(src, Anchor::First);
+        let place = place.map(|place| format!(" ({}:{})", place.file, place.line));
+        let place = place.unwrap_or_default();
+        Failure::Error(format!("undefined member \"{method}\": {what} `{name}`{place} has none"))
+    }
+}
+
 /// File, line and column.
 fn elements(place: &Place) -> [String; 3] {
     [place.file.clone(), place.line.to_string(), place.column.to_string()]

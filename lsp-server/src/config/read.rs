@@ -52,6 +52,13 @@ pub fn from_toml(text: &str) -> LoadedSettings {
 /// Reads the settings of an editor: the section itself, an object with the member `dotgen`, or dotted keys
 /// (`"dotgen.includePaths"`). Names may be in camel case, as editors prefer.
 pub fn from_editor(value: &Value) -> LoadedSettings {
+    let section = value.get("dotgen").unwrap_or(value);
+    if section.is_string() || section.is_number() || section.is_boolean() {
+        let message =
+            format!("bad value for `dotgen`: expected an object of settings, found `{section}`");
+        let problem = Problem { kind: ProblemKind::BadValue, message, range: None };
+        return LoadedSettings { problems: vec![problem], ..LoadedSettings::default() };
+    }
     let object = editor_section(value);
     let name = |key: &str| format!("dotgen.{}", camel(key));
     let (settings, problems) = read_object(&object, &CLIENT_ONLY, &name);

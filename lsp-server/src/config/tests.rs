@@ -112,8 +112,13 @@ fn every_shape_that_editors_send_is_read() {
         assert_eq!(read.problems, [], "{value}");
         assert_eq!(read.settings, expected, "{value}");
     }
-    for nothing in [json!(null), json!([]), json!("x"), json!({}), json!({ "dotgen": null })] {
+    for nothing in [json!(null), json!([]), json!({}), json!({ "dotgen": null })] {
         assert_eq!(from_editor(&nothing), LoadedSettings::default(), "{nothing}");
+    }
+    for wrong in [json!("x"), json!(3), json!({ "dotgen": true })] {
+        let problems = from_editor(&wrong).problems;
+        let [problem] = problems.as_slice() else { panic!("{problems:?}") };
+        assert!(problem.message.starts_with("bad value for `dotgen`: "), "{}", problem.message);
     }
 }
 

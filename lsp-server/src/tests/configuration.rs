@@ -187,6 +187,25 @@ async fn wrong_settings_of_the_editor_are_shown_once() {
     client.finish().await;
 }
 
+/// One wrong value is named, and the other settings of the message apply.
+#[tokio::test(flavor = "multi_thread")]
+async fn the_settings_next_to_a_wrong_one_apply() {
+    let folder = folder("");
+    let mut client = Client::start(folder.params(pulling())).await;
+    client.notify("workspace/didChangeConfiguration", json!([])).await;
+    let settings = json!({ "includePaths": ["idl"], "maxFileSize": "large", "severity": 4 });
+    let params = json!({ "settings": { "dotgen": settings } });
+    client.notify("workspace/didChangeConfiguration", params).await;
+    for field in ["maxFileSize", "severity"] {
+        let shown = client.notification("window/showMessage").await;
+        let message = shown["message"].as_str().expect("a text");
+        let start = format!("dotgen, editor settings: bad value for `dotgen.{field}`: ");
+        assert!(message.starts_with(&start), "{message}");
+    }
+    assert_eq!(found(&mut client, &folder).await, [""; 0]);
+    client.finish().await;
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn projects_below_a_folder_are_read_as_they_say() {
     let part = "#include \"types.idl\"\nstruct s { own x[SIZE]; };\n";

@@ -77,6 +77,28 @@ async fn templates_are_listed_with_their_options() {
     client.finish().await;
 }
 
+/// A folder of the workspace that is named like a template of dotgen.
+#[tokio::test(flavor = "multi_thread")]
+async fn templates_of_the_workspace_do_not_replace_those_of_dotgen() {
+    let own = [("templates/skeleton/template.tcl", "template link file puts victim.txt\n")];
+    let (mut client, folder) = start(able(), true, &own).await;
+    let uri = folder.uri("lamp.gen");
+    let execute = "workspace/executeCommand";
+    let list = client.ok(execute, command("dotgen.templates", json!({ "uri": uri }))).await;
+    let all = list["templates"].as_array().expect("a list");
+    let found: Vec<&Value> = all.iter().filter(|one| one["name"] == "skeleton").collect();
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0]["kind"], "builtin");
+    let params = json!({ "uri": uri, "template": "skeleton", "arguments": [], "apply": false });
+    let plan = client.ok(execute, command("dotgen.generate", params)).await;
+    let files = plan["files"].as_array().expect("files of the skeleton");
+    assert!(
+        files.iter().any(|file| file["uri"] == folder.uri("codels/lamp_blink_codels.c")),
+        "{plan}"
+    );
+    client.finish().await;
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn files_are_offered_then_remembered_and_made_again() {
     let (mut client, folder) = start(able(), true, &[]).await;

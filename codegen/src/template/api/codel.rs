@@ -2,9 +2,7 @@
 
 use dotgen_analysis::model::{CodelRef, Owner};
 
-use super::{
-    Answer, AnswerResult, Model, dir_matches, method, source_matches, undefined, wrong_args,
-};
+use super::{Answer, AnswerResult, Model, dir_matches, method, source_matches, wrong_args};
 use crate::lang::Anchor;
 use crate::template::mutex::codel_mutex;
 use crate::template::object::{Lookup, Object, ParamRef};
@@ -116,7 +114,7 @@ pub(super) fn call(
         "wcet" => codel.wcet.as_ref().map(|wcet| model.type_handle(wcet.ty)),
         _ => Some(Answer::pure("codel".into())),
     };
-    answer.ok_or_else(|| undefined(method))
+    answer.ok_or_else(|| model.undefined_in(method, "codel", &codel.name, codel.src))
 }
 
 /// The boolean argument of a language procedure.

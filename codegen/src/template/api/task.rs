@@ -80,7 +80,7 @@ pub(super) fn task(
         "loc" => model.place_of(task.src, Anchor::Keyword("task"), arguments)?,
         _ => Some(Answer::pure("task".into())),
     };
-    answer.ok_or_else(|| undefined(method))
+    answer.ok_or_else(|| model.undefined_in(method, "task", &task.name, task.src))
 }
 
 pub(super) fn port(

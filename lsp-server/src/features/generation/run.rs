@@ -108,6 +108,7 @@ impl Job {
         choices::relative(&self.file, &self.folder)
     }
 
+    /// The directories of the settings, which may be of another author.
     fn template_paths(&self) -> Option<String> {
         let paths = self.config.template_paths.iter().map(|path| path.as_str());
         let paths: Vec<&str> = paths.collect();
@@ -120,7 +121,7 @@ impl Job {
 
     /// The available templates.
     pub(crate) fn templates(&self) -> Vec<TemplateInfo> {
-        catalog::templates(&SystemDisk, &self.search())
+        catalog::templates(&SystemDisk, &self.search(), !self.config.template_paths.is_empty())
     }
 
     /// The description of a template, and its options.
@@ -182,9 +183,6 @@ impl Job {
         for (name, body) in defines {
             arguments.extend(["-D".to_owned(), format!("{name}={body}")]);
         }
-        if let Some(paths) = self.template_paths() {
-            arguments.extend(["-t".to_owned(), paths]);
-        }
         arguments.extend(words.iter().cloned());
         let mut console = CapturedConsole::default();
         console.answer = Some("c".to_owned());
@@ -215,7 +213,7 @@ impl Job {
                 confirmed: Confirmation::Shown,
             }),
             failed_at: None,
-            project_templates: None,
+            project_templates: self.template_paths(),
             release: self.config.release_of(&self.file),
         };
         let status = command::generate(&arguments, &mut environment);

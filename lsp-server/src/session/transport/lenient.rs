@@ -15,9 +15,9 @@ use serde_path_to_error::{Path, Segment};
 
 use crate::protocol::convert::uri;
 use crate::protocol::types::{
-    DidChangeTextDocumentParams, DidChangeWatchedFilesParams, DidChangeWorkspaceFoldersParams,
-    DidCloseTextDocumentParams, DidOpenTextDocumentParams, DidSaveTextDocumentParams,
-    InitializeParams,
+    DidChangeConfigurationParams, DidChangeTextDocumentParams, DidChangeWatchedFilesParams,
+    DidChangeWorkspaceFoldersParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams,
+    DidSaveTextDocumentParams, InitializeParams,
 };
 
 /// Maximum number of parts that are removed from one message.
@@ -58,6 +58,11 @@ pub(super) fn mend(method: &str, params: &mut Value) -> Vec<String> {
             prune::<DidChangeWorkspaceFoldersParams>(params)
         }
         "workspace/didChangeWatchedFiles" => prune::<DidChangeWatchedFilesParams>(params),
+        "workspace/didChangeConfiguration" if params.get("settings").is_none() => {
+            // From a client that is asked for the settings.
+            params["settings"] = Value::Null;
+            Vec::new()
+        }
         "textDocument/didOpen" => {
             // The name of the file gives the language too, and the version is only compared.
             if let Some(document) = params.get_mut("textDocument").and_then(Value::as_object_mut) {
@@ -87,6 +92,7 @@ pub(super) fn error(method: &str, params: &Value) -> Option<String> {
         "textDocument/didChange" => read::<DidChangeTextDocumentParams>(params),
         "textDocument/didSave" => read::<DidSaveTextDocumentParams>(params),
         "textDocument/didClose" => read::<DidCloseTextDocumentParams>(params),
+        "workspace/didChangeConfiguration" => read::<DidChangeConfigurationParams>(params),
         "workspace/didChangeWatchedFiles" => read::<DidChangeWatchedFilesParams>(params),
         "workspace/didChangeWorkspaceFolders" => read::<DidChangeWorkspaceFoldersParams>(params),
         _ => None,
@@ -345,6 +351,7 @@ mod tests {
             "textDocument/didOpen",
             "textDocument/didChange",
             "textDocument/didSave",
+            "workspace/didChangeConfiguration",
             "workspace/didChangeWatchedFiles",
             "workspace/didChangeWorkspaceFolders",
         ];

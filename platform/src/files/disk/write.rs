@@ -7,6 +7,7 @@
 //! A temporary file is locked by its writer, so that the next writer recognizes the leftovers of a killed
 //! one.
 
+mod attributes;
 #[cfg(test)]
 mod tests;
 
@@ -189,7 +190,7 @@ impl Batch {
         }
         let (path, mut temporary) = create(directory, old.is_some(), hook)
             .map_err(|error| with_context(&error, "no file can be made in", directory))?;
-        match fill(&mut temporary, file, old.as_ref(), hook) {
+        match fill(&mut temporary, file, &target, old.as_ref(), hook) {
             Ok(()) => Ok(staged(Content::File(path, temporary))),
             Err(error) => {
                 let _ = std::fs::remove_file(&path);
@@ -412,8 +413,9 @@ fn directory_of(path: &Path) -> &Path {
     }
 }
 
-/// Fails for a read-only file, which must not be changed, although a rename could replace it.
+/// Fails for a file that a rename must not replace: it is read-only, or has other names.
 fn may_write(path: &Path) -> io::Result<()> {
+    attributes::has_one_name(path, &|name| name.starts_with(OLD) && name.ends_with(SUFFIX))?;
     match File::options().write(true).open(path) {
         Err(error)
             if matches!(
@@ -470,6 +472,7 @@ fn create(directory: &Path, private: bool, hook: Hook<'_>) -> io::Result<(PathBu
 fn fill(
     file: &mut File,
     content: &NewContent,
+    target: &Path,
     old: Option<&Metadata>,
     hook: Hook<'_>,
 ) -> io::Result<()> {
@@ -478,37 +481,9 @@ fn fill(
     file.write_all(first)?;
     hook(Step::FillMore)?;
     file.write_all(second)?;
-    set_attributes(file, content.mode, old)?;
+    attributes::set(file, content.mode, target, old)?;
     hook(Step::Sync)?;
     file.sync_all()
-}
-
-/// Sets owner and permissions to those of the old file, as far as permitted.
-#[cfg(unix)]
-fn set_attributes(file: &File, mode: Option<u32>, old: Option<&Metadata>) -> io::Result<()> {
-    use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
-    let mut mode = mode;
-    if let Some(old) = old {
-        let now = file.metadata()?;
-        mode = mode.or(Some(old.mode() & 0o7777));
-        let kept = (now.uid(), now.gid()) == (old.uid(), old.gid())
-            || fchown(file, Some(old.uid()), Some(old.gid())).is_ok();
-        if !kept {
-            // A group can be set by its members.
-            let _ = fchown(file, None, Some(old.gid()));
-            // A file that ran with the rights of its owner must not run with the rights of this user.
-            mode = mode.map(|mode| mode & 0o1777);
-        }
-    }
-    match mode {
-        Some(mode) => file.set_permissions(std::fs::Permissions::from_mode(mode)),
-        None => Ok(()),
-    }
-}
-
-#[cfg(not(unix))]
-fn set_attributes(_: &File, _: Option<u32>, _: Option<&Metadata>) -> io::Result<()> {
-    Ok(())
 }
 
 /// Removes temporary files of writers that have ended.
