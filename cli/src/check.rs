@@ -19,6 +19,9 @@ use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_platform::files::vfs;
 use dotgen_views::verification::Problem;
 
+/// Code of a file that cannot be read.
+const UNREADABLE: &str = "pp-input";
+
 /// Check specifications and scenarios
 ///
 /// Exit status: 0 without errors (warnings do not count), 1 with errors, or with --diff if there is something
@@ -126,6 +129,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     report.finish();
     report::print(&report, arguments.format)?;
+    if report.diagnostics.iter().any(|diagnostic| diagnostic.code == UNREADABLE) {
+        trouble.told();
+    }
     Ok(trouble.outcome(match report.count(Severity::Error) {
         0 => Outcome::Fine,
         _ => Outcome::Errors,

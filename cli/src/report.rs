@@ -35,6 +35,8 @@ pub(super) struct FileReports {
     pub(super) texts: Texts,
     /// Number of specifications.
     pub(super) checked: usize,
+    /// The number of specifications with codels that have no function.
+    pub(super) incomplete: usize,
     /// Coverage of the codels, by component.
     pub(super) compared: Vec<Compared>,
     /// The names that could not be checked because packages and files are missing.

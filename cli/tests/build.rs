@@ -190,3 +190,20 @@ fn what_is_missing_is_said() {
     assert!(said.contains("not installed: `no-such-package-of-dotgen"), "{said}");
     assert!(!said.contains("genom3"), "{said}");
 }
+
+#[cfg(unix)]
+#[test]
+fn missing_functions_are_in_the_summary() {
+    let directory = Directory::new(&[("valve.gen", &VALVE.replace("LANG", "c"))]);
+    directory.write("elsewhere/notes.txt", b"");
+    let link = directory.path().join("codels");
+    std::os::unix::fs::symlink("elsewhere", link).expect("a link");
+    let output = directory.run(&["codels", "build", "valve.gen"]);
+    assert_eq!(status(&output), 1, "{}", stderr(&output));
+    assert_eq!(stdout(&output), "checked 1 file: 1 file lacks codels\n");
+    assert!(
+        stderr(&output).contains("`valve.gen` has no sources in `codels`"),
+        "{}",
+        stderr(&output)
+    );
+}

@@ -60,6 +60,21 @@ fn a_fresh_clone_has_nothing_open() {
     assert_ne!(status(&output), 0);
 }
 
+/// A component of 2019, without a `dotgen.toml` around it.
+#[test]
+fn generate_finds_the_interfaces_of_both_versions() {
+    let old = FLY.replace("openrobots2-idl >= 2.0", "openrobots-idl >= 1.1");
+    let old = old.replace("codels-require \"openrobots2-idl\";", "");
+    let directory = Directory::new(&[("fly.gen", FLY), ("old/fly.gen", &old)]);
+    for (file, time) in [("fly.gen", " int32_t sec"), ("old/fly.gen", "uint32_t sec")] {
+        let output = run(&directory, &["check", file]);
+        assert_eq!(status(&output), 0, "{}", stdout(&output));
+        let output = run(&directory, &["generate", "mappings", "--language=c", file]);
+        assert_eq!(status(&output), 0, "{file}: {}", stderr(&output));
+        assert!(stdout(&output).contains(time), "{file}: {}", stdout(&output));
+    }
+}
+
 #[test]
 fn the_installed_package_comes_first() {
     let directory = Directory::new(&[("fly.gen", FLY)]);

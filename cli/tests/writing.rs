@@ -288,7 +288,7 @@ fn utf_16_is_told() {
     assert_eq!(status(&below), 2);
     assert!(stderr(&below).contains("`marked.gen`: it is UTF-16"), "{}", stderr(&below));
     let below = directory.run(&["check", "."]);
-    assert_ne!(status(&below), 0);
+    assert_eq!(status(&below), 2);
     assert!(stdout(&below).contains("it is UTF-16; save it as UTF-8"), "{}", stdout(&below));
 }
 

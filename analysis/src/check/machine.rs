@@ -147,6 +147,13 @@ fn check_transitions(
 
 /// The finding for a yielded state without codel, with the state of the most similar name.
 fn undefined(owner: &Owner<'_>, machine: &Machine<'_>, codel: &Codel, state: &State) -> Finding {
+    if let ("pause", false, Some(own)) = (&*state.name, state.paused, codel.triggers.first()) {
+        let text = format_smolstr!("pause::{}", own.name);
+        let near = Near { at: state.src, name: text.clone(), text, plain: false };
+        return Finding::new(CodelProblem::PauseAlone, state.src)
+            .related(codel.src, Role::Codel)
+            .near(Some(near));
+    }
     let states = machine.states().map(|state| state.as_str());
     let near = dotgen_syntax::suggestion::nearest(&state.name, states.chain(["ether"]));
     let near = near.map(|name| {

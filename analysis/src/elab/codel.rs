@@ -244,10 +244,10 @@ impl<'a> Elaborator<'a> {
                 let at = this.src(name.ptr);
                 for state in codel.decl.yields.iter().flatten() {
                     let paused = state.paused && state.name.text != "ether";
-                    this.event(index, &state.name, paused, at);
+                    this.event(index, &state.name, (paused, false), at);
                 }
                 for state in codel.decl.triggers.iter().flatten() {
-                    this.event(index, &state.name, false, at);
+                    this.event(index, &state.name, (false, true), at);
                 }
             });
         }
@@ -284,14 +284,21 @@ impl<'a> Elaborator<'a> {
                 self.report(diagnostic);
                 continue;
             }
-            let event = self.event(index, &state.name, paused, self.src(state.name.ptr));
+            let created = self.src(state.name.ptr);
+            let event = self.event(index, &state.name, (paused, codel.is_some()), created);
             states.push(State { name: name.clone(), paused, event, src: at });
         }
         states
     }
 
     /// The type object of a state, created at its first mention, with the place `created`.
-    fn event(&mut self, index: u32, name: &Name, paused: bool, created: Src) -> TypeId {
+    fn event(
+        &mut self,
+        index: u32,
+        name: &Name,
+        (paused, is_trigger): (bool, bool),
+        created: Src,
+    ) -> TypeId {
         let at = self.src(name.ptr);
         let state = &self.components[index as usize];
         let (scope, kind, other) = if paused {
@@ -303,7 +310,10 @@ impl<'a> Elaborator<'a> {
             Some(&event) if self.spec.ty(event).kind == kind => event,
             _ => {
                 let event = self.named(kind, scope, name.text.clone(), created);
-                self.declare_at(scope, &name.text, at, event);
+                // `yield pause`, without a state: an error of the state machine.
+                if name.text != "pause" || paused || is_trigger {
+                    self.declare_at(scope, &name.text, at, event);
+                }
                 event
             }
         };

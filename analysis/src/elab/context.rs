@@ -45,6 +45,8 @@ pub(super) struct Elaborator<'a> {
     pub(super) type_defs: Vec<Option<DefId>>,
     /// By [`TypeId`]: place in the order of creation, which differs from the id only for the ids.
     pub(super) type_order: Vec<u32>,
+    /// By [`TypeId`]: the type behind its aliases when it was created. Chains of aliases are followed once.
+    behind: Vec<TypeId>,
     /// Members of ids that were imported, and the members they are copies of.
     pub(super) origins: FxHashMap<TypeId, TypeId>,
     next_order: u32,
@@ -115,6 +117,7 @@ impl<'a> Elaborator<'a> {
             container: None,
             type_defs: Vec::new(),
             type_order: Vec::new(),
+            behind: Vec::new(),
             origins: FxHashMap::default(),
             next_order: 0,
             forwards: Vec::new(),
@@ -296,6 +299,13 @@ impl<'a> Elaborator<'a> {
 
     fn push_type(&mut self, ty: Type) -> TypeId {
         let id = TypeId(self.spec.types.len() as u32);
+        self.behind.push(match ty.kind {
+            TypeKind::Typedef { ty }
+            | TypeKind::StructMember { ty }
+            | TypeKind::UnionMember { ty, .. }
+            | TypeKind::Const { ty, .. } => self.resolve_alias(ty),
+            _ => id,
+        });
         self.spec.types.push(ty);
         self.type_defs.push(None);
         self.type_order.push(self.next_order);
@@ -309,6 +319,11 @@ impl<'a> Elaborator<'a> {
         self.next_order += 1;
     }
 
+    /// [`Spec::resolve_alias`], in constant time.
+    pub(super) fn resolve_alias(&self, id: TypeId) -> TypeId {
+        self.spec.resolve_alias(self.behind.get(id.0 as usize).copied().unwrap_or(id))
+    }
+
     /// A type in the place of an unresolved one.
     pub(super) fn unknown(&mut self, src: Src) -> TypeId {
         self.anonymous(TypeKind::Unknown, src)
@@ -316,7 +331,7 @@ impl<'a> Elaborator<'a> {
 
     /// Returns true if an error about this type was already reported.
     pub(super) fn is_unknown(&self, id: TypeId) -> bool {
-        matches!(self.spec.ty(self.spec.resolve_alias(id)).kind, TypeKind::Unknown)
+        matches!(self.spec.ty(self.resolve_alias(id)).kind, TypeKind::Unknown)
     }
 
     // Declarations

@@ -158,7 +158,8 @@ impl<'a> Elaborator<'a> {
         };
         let kind = DeclarationProblem::TaskCodelWithoutState { codel, task: name.text.clone() };
         // The reference compiler reports it at the task.
-        self.report(Finding::new(kind, compiler_at).related(at, Role::ThisCodel));
+        let finding = Finding::new(kind, at).compiler_at(compiler_at);
+        self.report(finding.related(compiler_at, Role::Owner("task")));
         self.misplaced_params(index, Owner::Task(task), decl, CodelKind::Fsm);
     }
 

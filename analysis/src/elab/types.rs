@@ -87,7 +87,7 @@ impl<'a> Elaborator<'a> {
             }
             self.report(diagnostic);
         }
-        let last = self.spec.resolve_alias(ty);
+        let last = self.resolve_alias(ty);
         match &self.spec.ty(last).kind {
             TypeKind::Exception { members } if members.is_empty() && usage == TypeUse::Value => {
                 self.error(at, NameProblem::NoData { path: words::path_text(path).into() });

@@ -81,7 +81,7 @@ impl<'a> Elaborator<'a> {
 
     /// The switch type, or an unknown one if a union cannot switch on it.
     fn check_switch(&mut self, ty: TypeId, switch: &TypeRef, name: &Name) -> TypeId {
-        let last = self.spec.resolve_alias(ty);
+        let last = self.resolve_alias(ty);
         let fits = matches!(
             self.spec.ty(last).kind,
             TypeKind::Boolean

@@ -124,6 +124,8 @@ findings! {
                 exception from wherever it is";
         "fsm/undefined-state" Undefined { codel: Name, state: Name, owner: OwnerName }
             => "codel `{codel}` leads to state `{state}`, which no codel of {owner} implements";
+        "fsm/undefined-state" PauseAlone
+            => "`pause` alone is not a state", "name the state that follows the pause";
         "fsm/undefined-state" Misnamed { state: Name, owner: OwnerName }
             => "no codel of {owner} leads to state `{state}`";
         "unused-task" IdleTask { task: Name }

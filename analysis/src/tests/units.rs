@@ -294,6 +294,35 @@ fn text_that_is_not_utf8_is_a_warning() {
     assert!(unit.accepted());
 }
 
+/// Each alias is resolved through the previous one, not through all before it.
+#[test]
+fn a_long_chain_of_aliases_is_analysed() {
+    let mut text = "typedef long t0;\n".to_owned();
+    for i in 0..24_000 {
+        text += &format!("typedef t{i} t{};\n", i + 1);
+    }
+    let fixture = Fixture::new(&(text + "const t24000 LAST = 3;\nstruct s { t24000 x[LAST]; };\n"));
+    assert_eq!(fixture.all_diagnostics(), "");
+}
+
+#[test]
+fn a_pause_without_a_state_is_one_error_with_the_state_of_the_codel() {
+    let text = "component c {
+  task t {
+    period 5 ms;
+    codel<start> first_step() yield main;
+    codel<main> next_step() yield pause, ether;
+  };
+};
+";
+    let fixture = Fixture::new(text);
+    let found = fixture.analysis().diagnostics("/main.gen".into()).unwrap();
+    let [only] = found.as_slice() else { panic!("{found:?}") };
+    assert_eq!((only.code, &text[only.range.clone()]), ("fsm/undefined-state", "pause"));
+    assert_eq!(only.fixes[0].edits[0].new_text, "pause::main");
+    assert_eq!(only.fixes[0].edits[0].range, only.range);
+}
+
 /// More units that share a file than are queried with cached results.
 fn many() -> Fixture {
     let mut text =

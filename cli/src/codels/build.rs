@@ -92,6 +92,7 @@ pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
             };
             whole &= built.whole;
             report.checked += 1;
+            report.incomplete += usize::from(!built.complete);
             for diagnostic in &built.diagnostics {
                 for path in std::iter::once(&diagnostic.path)
                     .chain(diagnostic.related.iter().map(|related| &related.path))
@@ -204,6 +205,8 @@ struct Built {
     diagnostics: Vec<Diagnostic>,
     /// True if the shared object exists and contains all codels.
     whole: bool,
+    /// True if each codel has a function.
+    complete: bool,
 }
 
 /// The shared objects of a folder, for hosts.
@@ -352,7 +355,7 @@ impl Builder<'_> {
                 "`{shown}` has no sources in `{}`; `dotgen codels stub {shown}` writes them",
                 session::display(codels)
             ));
-            return Ok(Built { diagnostics: Vec::new(), whole: false });
+            return Ok(Built { diagnostics: Vec::new(), whole: false, complete: false });
         }
         let plan = self.plan()?.plan;
         if !plan.missing.is_empty() {
@@ -380,7 +383,8 @@ impl Builder<'_> {
         } else if !diagnostics.iter().any(failed) && other.is_empty() {
             bail!("`{shown}` does not compile, and the compiler does not say why");
         }
-        Ok(Built { whole: made && plan.missing.is_empty(), diagnostics })
+        let complete = plan.missing.is_empty();
+        Ok(Built { whole: made && complete, complete, diagnostics })
     }
 
     /// Runs the necessary steps. Returns the messages with places, and other errors.

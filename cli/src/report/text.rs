@@ -75,7 +75,7 @@ fn summary(report: &FileReports) -> String {
         1 => format!("1 {one}"),
         _ => format!("{count} {many}"),
     };
-    let found: Vec<String> = [
+    let mut found: Vec<String> = [
         (Severity::Error, "error", "errors"),
         (Severity::Warning, "warning", "warnings"),
         (Severity::Information, "remark", "remarks"),
@@ -86,6 +86,9 @@ fn summary(report: &FileReports) -> String {
     .filter(|triple| triple.0 > 0)
     .map(|(count, one, many)| counted(count, one, many))
     .collect();
+    if report.incomplete > 0 {
+        found.push(counted(report.incomplete, "file lacks codels", "files lack codels"));
+    }
     let files = counted(report.checked, "file", "files");
     let mut out = match found.is_empty() {
         true => format!("checked {files}: no problems"),

@@ -22,7 +22,7 @@ use super::expected::{Expected, ExpectedFunction};
 pub struct Reliability {
     /// True if files or packages are missing on this machine.
     pub lacks_files: bool,
-    /// True if the text has syntax errors, or ends inside a declaration: names may be declared that are not in
+    /// True if the text has syntax errors, or ends inside a declaration: it may declare names that are not in
     /// the specification yet.
     pub lacks_text: bool,
     /// Codels with errors in their declaration, by component.

@@ -17,6 +17,10 @@ macro_rules! definitions {
 
 /// Files, by package and path of the include.
 const DEFINITIONS: &[(&str, &str)] = definitions![
+    "openrobots-idl/or/pose/pose_estimator.gen",
+    "openrobots-idl/or/pose/t3d.idl",
+    "openrobots-idl/or/robot/rotorcraft.gen",
+    "openrobots-idl/or/time/time.idl",
     "openrobots2-idl/or/pose/pose_estimator.gen",
     "openrobots2-idl/or/pose/rb3d.idl",
     "openrobots2-idl/or/pose/rigid_body.gen",
@@ -35,6 +39,7 @@ const DEFINITIONS: &[(&str, &str)] = definitions![
 
 /// Packages, and the packages whose folders each needs.
 const PACKAGES: &[(&str, &[&str])] = &[
+    ("openrobots-idl", &["openrobots-idl"]),
     ("openrobots2-idl", &["openrobots2-idl"]),
     ("vision-idl", &["vision-idl", "openrobots2-idl"]),
 ];
