@@ -374,9 +374,7 @@ impl<'a> Elaborator<'a> {
         let at = codel.name.as_ref().map_or(property, |name| self.src(name.ptr));
         self.report(
             // The reference compiler reports it at the service.
-            Finding::new(kind, at)
-                .compiler_at(compiler_at)
-                .related(compiler_at, Role::Owner("service")),
+            Finding::new(kind, compiler_at).related(at, Role::ThisCodel),
         );
     }
 

@@ -158,8 +158,7 @@ impl<'a> Elaborator<'a> {
         };
         let kind = DeclarationProblem::TaskCodelWithoutState { codel, task: name.text.clone() };
         // The reference compiler reports it at the task.
-        let finding = Finding::new(kind, at).compiler_at(compiler_at);
-        self.report(finding.related(compiler_at, Role::Owner("task")));
+        self.report(Finding::new(kind, compiler_at).related(at, Role::ThisCodel));
         self.misplaced_params(index, Owner::Task(task), decl, CodelKind::Fsm);
     }
 

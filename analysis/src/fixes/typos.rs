@@ -25,9 +25,9 @@ impl FixSite<'_> {
         }
     }
 
-    /// Adds the state `start` to a codel without states.
+    /// Adds the state `start` to a codel without states; the codel's name is the related place.
     pub(crate) fn add_first_state(&self) -> Option<TextFix> {
-        let at = self.range;
+        let at = *self.related.first()?;
         let codel: ast::CodelProperty = self.node(at)?;
         let name = self.token_at(at)?;
         let keyword = token_before(self.root, name.text_range().start())?;

@@ -18,7 +18,7 @@ const report = {
 };
 const service = { name: 'pump.fill', kind: 'activity', doc: 'Pumps.', inputs: [{ name: 'height', default: 1, schema: { type: ['number', 'null'], default: 1, description: 'Level to reach', unit: 'm' } }, { name: 'how', schema: { type: 'string' } }], answer: '', active: false };
 const port = { name: 'pump/level', doc: 'of the tank', value: '{"z":3}', series: [{ name: 'z', values: [1, 2, 3] }] };
-const view = (more) => ({ type: 'run', view: { name: 'pump.scn', clock: 'real', debug: false, state: 'running', report: null, progress: null, times: 0, hasTrace: false, services: [service], ports: [port], log: ['note: one', 'two'], ...more } });
+const view = (more) => ({ type: 'run', view: { name: 'pump.scn', clock: 'real', debug: false, state: 'running', report: null, progress: null, violations: [], simulated: [], times: 0, hasTrace: false, services: [service], ports: [port], log: ['note: one', 'two'], ...more } });
 const ended = view({ state: 'ended', report, hasTrace: true, times: 2, clock: 'virtual' });
 
 for (const theme of Object.keys(THEMES)) {
@@ -144,6 +144,18 @@ test('forms are made from types: what they hold at first, and what is sent', asy
   const before = (await it.said()).length;
   await it.page.getByRole('button', { name: 'Send pump.fill' }).click();
   assert.equal((await it.said()).length, before);
+  await it.page.close();
+});
+
+test('a run without sources says from the start that it is simulated, and offers stubs', async () => {
+  const it = await pages.open({ width: 700, height: 900 });
+  await it.send(view({ simulated: ['pump'] }));
+  assert.equal(await it.page.locator('#title').innerText(), 'Simulated run of pump.scn');
+  assert.equal(await it.page.locator('#facts').innerText(), 'without sources: pump');
+  await it.page.locator('#stubs').click();
+  assert.deepEqual((await it.said()).at(-1), { type: 'stubs' });
+  await it.send(view({ simulated: ['pump'], state: 'ended', report: { ...report, verdict: 'simulated', 'violation-count': 0 } }));
+  assert.equal(await it.page.locator('#state').innerText(), 'simulated');
   await it.page.close();
 });
 
