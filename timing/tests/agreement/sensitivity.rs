@@ -42,7 +42,7 @@ fn with<T>(texts: &Texts, scenario: &str, ask: impl FnOnce(&SystemInput, &str) -
 fn holds(texts: &Texts, scenario: &str, codel: &str, time: u32) -> Option<bool> {
     let (items, end) = scenario.rsplit_once('}').expect("a scenario ends");
     let time = time * (1000 / PARTS);
-    let scenario = format!("{items}duration {codel} {time} us;\n}}{end}");
+    let scenario = format!("{items}duration {codel} [0, {time}] us;\n}}{end}");
     with(texts, &scenario, |input, scenario| {
         let parsed = parse(scenario);
         assert!(parsed.errors.is_empty(), "{:?}\n{scenario}", parsed.errors);
