@@ -163,8 +163,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "TIME", value_parser = watched_within, default_value = "1s")]
     engine_within: std::time::Duration,
 
-    /// Time in which the process of a component must answer the engine, with --clock real; one that does not
-    /// is ended
+    /// Time in which the process of a component that executes cycles without the engine must answer, with
+    /// --clock real; one that does not is ended
     #[arg(long, value_name = "TIME", value_parser = watched_within, default_value = "2s")]
     host_within: std::time::Duration,
 

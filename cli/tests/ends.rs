@@ -350,7 +350,7 @@ fn a_run_that_is_ended_leaves_nothing_behind() {
         assert!(begin.elapsed() < Duration::from_secs(20), "a host is left");
         std::thread::yield_now();
     }
-    // What is left of its socket is in nobody's way.
+    // A killed run leaves its socket, and the next run takes the same path.
     assert!(socket.exists());
     drop(Listening::start(&directory, &arguments));
 }

@@ -12,7 +12,7 @@ struct Case {
     name: &'static str,
     /// The body of the task.
     task: &'static str,
-    /// What the component says besides.
+    /// Further declarations of the component.
     more: &'static str,
     /// Items of the scenario.
     scenario: &'static str,

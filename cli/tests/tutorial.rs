@@ -180,7 +180,7 @@ fn each_command_about_the_robot_prints_what_the_page_says() {
         return;
     }
     let mut steps = steps(include_str!("../../docs/robot.md"));
-    steps.retain(|step| !["fly.py", "flight."].iter().any(|it| step.command.contains(it)));
+    steps.retain(|step| !["fly.py", "flight."].iter().any(|flight| step.command.contains(flight)));
     assert!(steps.len() > 4, "the commands are found");
     let mut shell = Shell::new();
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");

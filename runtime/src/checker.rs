@@ -97,7 +97,7 @@ pub struct RunChecker<'p> {
     pub answers: Vec<CheckResult>,
     /// The first violation of each kind, with its moment.
     pub violations: Vec<(Moment, Violation)>,
-    /// How often each of them has come.
+    /// Number of occurrences of each violation.
     pub times: Vec<u64>,
     /// Misbehaviour of codels, without repetition; for overruns, the greatest one.
     pub broken: Vec<CodelViolation>,

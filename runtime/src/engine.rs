@@ -126,11 +126,7 @@ pub(crate) fn note(works: &mut Vec<Option<Work>>, executor: usize, work: Work) {
 }
 
 /// Returns whether the event of a measure has come, if an executor waits for one.
-pub(crate) fn measure(
-    works: &[Option<Work>],
-    executor: usize,
-    watch: &dyn RunObserver,
-) -> Option<bool> {
+fn measure(works: &[Option<Work>], executor: usize, watch: &dyn RunObserver) -> Option<bool> {
     watch.measure(works.get(executor)?.as_ref()?)
 }
 

@@ -102,7 +102,7 @@ pub struct Live<'p> {
     delegations: Delegations,
     /// Longest end of a run.
     stop_within: Duration,
-    /// Time in which a host must answer.
+    /// Time in which a host that executes cycles must answer.
     host_within: Duration,
     /// The run is ending: there are no new requests.
     ending: bool,

@@ -4,7 +4,7 @@ use dotgen_timing::explore::{Seen, Stepper, Work};
 use dotgen_timing::system::TimedSystem;
 use dotgen_timing::system::indexed::{Built, Measure, MeasureEvent};
 
-use crate::checker::{RunChecker, Violation};
+use crate::checker::RunChecker;
 use crate::port_writes::PortWrites;
 use crate::watch::CodelViolation;
 
@@ -12,19 +12,27 @@ use crate::watch::CodelViolation;
 pub(crate) struct Measures<'p> {
     system: &'p TimedSystem,
     all: &'p [Measure],
-    /// Whether each measure has begun.
+    /// The measures that have begun in the present run.
     begun: Vec<bool>,
-    /// Number of violations of the checker that were looked at.
-    seen: usize,
+    /// The violations seen so far in all runs, by check.
+    seen: Vec<u64>,
+    /// The number of all violations when they were last compared.
+    compared: u64,
 }
 
 impl<'p> Measures<'p> {
     pub(crate) fn new(built: &'p Built) -> Self {
         let all = &built.measures[..];
-        Measures { system: &built.system, all, begun: vec![false; all.len()], seen: 0 }
+        Measures {
+            system: &built.system,
+            all,
+            begun: vec![false; all.len()],
+            seen: Vec::new(),
+            compared: 0,
+        }
     }
 
-    /// The next run begins.
+    /// Prepares for the next run.
     pub(crate) fn next_run(&mut self) {
         self.begun.fill(false);
     }
@@ -38,53 +46,55 @@ impl<'p> Measures<'p> {
 
     /// Returns true if the run must end after a measure that is over.
     pub(crate) fn stop(&self, stepper: &Stepper) -> bool {
-        let begun = self.all.iter().zip(&self.begun).filter(|pair| *pair.1);
-        begun.into_iter().any(|(measure, _)| measure.stops && stepper.has_ended(measure.client))
+        let mut begun = self.all.iter().zip(&self.begun).filter(|pair| *pair.1);
+        begun.any(|(measure, _)| measure.stops && stepper.has_ended(measure.client))
     }
 
     pub(crate) fn on_event(&mut self, seen: &Seen) {
         if let Seen::Missed { task } = *seen {
             let path = self.system.task_path(task.into());
-            self.begin(&|event| matches!(event, MeasureEvent::LateTask(of) if *of == path));
+            self.begin(|event| matches!(event, MeasureEvent::LateTask(of) if *of == path));
         }
     }
 
     pub(crate) fn on_violation(&mut self, violation: &CodelViolation) {
         match violation {
             CodelViolation::Overrun { codel, .. } => {
-                let executes = |task: &str| self.executes(task, codel);
-                let is_late = |event: &MeasureEvent| match event {
+                let system = self.system;
+                self.begin(|event| match event {
                     MeasureEvent::LateCodel(of) => of == codel,
-                    MeasureEvent::LateTask(of) => executes(of),
+                    MeasureEvent::LateTask(of) => executes(system, of, codel),
                     _ => false,
-                };
-                let late: Vec<bool> =
-                    self.all.iter().map(|measure| measure.events.iter().any(is_late)).collect();
-                self.begun.iter_mut().zip(late).for_each(|(begun, late)| *begun |= late);
+                });
             }
             CodelViolation::Lost { component, .. } => {
-                self.begin(&|event| matches!(event, MeasureEvent::Lost(of) if of == component));
+                self.begin(|event| matches!(event, MeasureEvent::Lost(of) if of == component));
             }
             CodelViolation::Undeclared { .. } => {}
         }
     }
 
-    /// Looks at the violations of checks that are new.
+    /// Begins measures of checks that were violated since the last call.
     pub(crate) fn on_checked(&mut self, judge: &RunChecker<'_>) {
-        while let Some((_, violation)) = judge.violations.get(self.seen) {
-            self.seen += 1;
-            if let Violation::Check(check) = *violation
+        if judge.count == self.compared {
+            return;
+        }
+        self.compared = judge.count;
+        self.seen.resize(judge.answers.len(), 0);
+        for (check, answer) in judge.answers.iter().enumerate() {
+            let before = std::mem::replace(&mut self.seen[check], answer.violations);
+            if answer.violations > before
                 && let Some(name) = judge.name_of(check)
             {
-                self.begin(&|event| matches!(event, MeasureEvent::Violation(of) if of == name));
+                self.begin(|event| matches!(event, MeasureEvent::Violation(of) if of == name));
             }
         }
     }
 
-    /// Looks for ports that were not written for too long. `now` is the time of all runs, in base units.
+    /// Begins measures of ports that were not written for too long. `now` is in base units.
     pub(crate) fn on_moment(&mut self, now: u64, ports: &PortWrites) {
         let unit = self.system.unit;
-        self.begin(&|event| match *event {
+        self.begin(|event| match *event {
             MeasureEvent::Stale { component, port, after } => {
                 let units = (after / unit).ceil().to_integer();
                 let age = ports.age(now, (component, port));
@@ -94,18 +104,18 @@ impl<'p> Measures<'p> {
         });
     }
 
-    fn begin(&mut self, by: &dyn Fn(&MeasureEvent) -> bool) {
+    fn begin(&mut self, is_event: impl Fn(&MeasureEvent) -> bool) {
         for (measure, begun) in self.all.iter().zip(&mut self.begun) {
-            *begun |= measure.events.iter().any(by);
+            *begun |= measure.events.iter().any(&is_event);
         }
     }
+}
 
-    /// Returns true if a task executes a codel of this path.
-    fn executes(&self, task: &str, codel: &str) -> bool {
-        self.system.automata.iter().any(|automaton| {
-            let states = &self.system.machines[automaton.machine].states;
-            self.system.task_path(automaton.task) == task
-                && states.iter().any(|state| *self.system.codels[state.codel].path == *codel)
-        })
-    }
+/// Returns true if a task executes a codel of this path.
+fn executes(system: &TimedSystem, task: &str, codel: &str) -> bool {
+    system.automata.iter().any(|automaton| {
+        let states = &system.machines[automaton.machine].states;
+        system.task_path(automaton.task) == task
+            && states.iter().any(|state| *system.codels[state.codel].path == *codel)
+    })
 }

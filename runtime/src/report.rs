@@ -148,7 +148,7 @@ pub struct RunMoment {
 pub struct ViolationReport {
     /// First moment.
     pub at: RunMoment,
-    /// How often it has come.
+    /// Number of occurrences.
     pub times: u64,
     /// Kind and details.
     #[serde(flatten)]
@@ -297,7 +297,7 @@ impl RunReport {
             .map(|(port, name)| PortCounts {
                 port: name,
                 writes: outcome.ports.count(port),
-                greatest_age: outcome.ports.greatest_age(outcome.time, port).map(age),
+                greatest_age: outcome.ports.greatest_age(port).map(age),
             })
             .collect();
     }
@@ -315,7 +315,7 @@ impl RunReport {
     }
 }
 
-/// What a run says of its checks together: never more than the least that it says of one.
+/// Returns what the exercised checks of a run say together.
 fn together(violations: u64, checks: &[CheckOutcome]) -> Verdict {
     let has = |verdict: Verdict| checks.iter().any(|check| check.verdict == verdict);
     if violations > 0 {

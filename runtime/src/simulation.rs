@@ -235,7 +235,7 @@ struct Observer<'o, 'r, 'f, 'p, W> {
     violated: Option<&'f ViolationReceiver<'f>>,
     measures: Measures<'p>,
     ports: PortWrites,
-    /// How often each violation had come when it was passed on.
+    /// The number of occurrences of each violation when it was last passed on.
     shown: Vec<u64>,
     /// Time of all runs from which repetitions are passed on, in base units.
     repetitions_from: u64,
@@ -291,7 +291,9 @@ impl<W: Write> Observer<'_, '_, '_, '_, W> {
             }
         }
         self.first = false;
-        self.offset += self.ended.take().unwrap_or(stepper.now());
+        let ended = self.ended.take().unwrap_or(stepper.now());
+        self.ports.end_run(ended);
+        self.offset += ended;
     }
 }
 
@@ -354,7 +356,7 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
     }
 
     fn on_port_write(&mut self, stepper: &Stepper, component: ComponentId, port: u32) {
-        self.ports.on_write(self.offset + stepper.now(), (component, port));
+        self.ports.on_write(stepper.now(), (component, port));
     }
 
     fn on_port_update(&mut self, stepper: &Stepper, written: &PortUpdate) {
@@ -365,7 +367,7 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
 
     fn moment(&mut self, stepper: &Stepper) {
         if self.ended.is_none() {
-            self.measures.on_moment(self.offset + stepper.now(), &self.ports);
+            self.measures.on_moment(stepper.now(), &self.ports);
             self.judge.moment(stepper);
             self.show_violations();
             let now = self.offset + stepper.now();

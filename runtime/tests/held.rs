@@ -151,3 +151,25 @@ fn refused_requests_are_counted_whatever_refuses_them() {
     assert_eq!(requests, 40);
     assert!(refused > 0 && refused < 40, "{refused}");
 }
+
+/// Each of several runs takes its measures.
+#[test]
+fn each_run_takes_its_measures() {
+    let specification = "component a { version \"1.0\"; lang \"c\"; ids { long x; };\n\
+        task t { period 10 ms; codel<start> a_s(out x) yield pause::start wcet 2 ms; };\n\
+        function go() { codel a_go(in x) wcet 1 ms; };\n\
+        };";
+    let units = load(&[specification.to_owned()]).expect("a specification");
+    let input = SystemInput { specs: units.iter().map(|unit| &*unit.spec).collect() };
+    let text = "scenario s { use \"a.gen\"; check slow: response a.t <= 1 ms;\n\
+        on violation of slow { send a.go; } }";
+    let prepared = prepare(&input, &parse(text).scenario, &Options::default());
+    let durations = Durations::Worst;
+    let plan =
+        Plan { until: 100, runs: 3, seed: 0, durations, stop_at_violation: false, record: false };
+    let none: Option<&mut dotgen_runtime::profile::Profile<Vec<u8>>> = None;
+    let outcome = simulate(&prepared, vec![None; 1], &plan, none, None, &|| false);
+    let services = prepared.built.system.services.iter_enumerated();
+    let go = services.into_iter().find(|pair| pair.1.name == "go").expect("a service").0;
+    assert_eq!(outcome.tally.services[go].requests, 3);
+}

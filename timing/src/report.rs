@@ -163,8 +163,7 @@ pub struct CheckReport {
     pub bound: Option<Value>,
     /// Verdict.
     pub verdict: Verdict,
-    /// What the verdict rests on although it is not stated; none unless the verdict is
-    /// [`Verdict::Conditional`].
+    /// What the verdict rests on although it is not stated; none unless the property holds.
     #[serde(rename = "conditional", skip_serializing_if = "Vec::is_empty")]
     pub conditions: Vec<Condition>,
     /// Strength of the verdict.
@@ -462,7 +461,7 @@ impl Report {
         if answer.verdict == Verdict::Proved {
             answer.verdict = answer.worth();
         }
-        if answer.verdict != Verdict::Conditional {
+        if !answer.verdict.holds() {
             answer.conditions.clear();
         }
         if answer.left_out {

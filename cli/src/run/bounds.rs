@@ -127,7 +127,9 @@ impl BoundVerification {
         let mut answers = Answers::default();
         for check in &report.checks {
             answers.given_up |= check.verdict == Verdict::Unknown;
-            let known = check.verdict.holds() && check.kind == PropertyKind::Response;
+            // A bound that rests on a missing time or interface is not proved.
+            let proved = check.verdict.holds() && check.conditions.is_empty();
+            let known = proved && check.kind == PropertyKind::Response;
             let task = check.id.task.and_then(|task| self.tasks.get(&task));
             if let (true, Some(&task), Some(Value::Time(time))) = (known, task, check.value) {
                 let ticks = (time / self.tick).round() as Ticks;

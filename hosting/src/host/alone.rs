@@ -167,7 +167,7 @@ impl State {
     }
 }
 
-/// What follows a codel of a state; `None`: the activity ends.
+/// Returns the state after a codel; `None` if the activity ends.
 fn next(machine: &HostMachine, state: usize, outcome: &Outcome) -> Option<DelegatedYield> {
     match outcome.how {
         CodelEnd::Event => machine.states.get(state)?.next_of(&outcome.name),
@@ -201,7 +201,7 @@ pub(super) fn watch(host: &Arc<Host>) {
     let _ = std::thread::Builder::new().name(WATCH.to_owned()).spawn(work);
 }
 
-/// Stops all activities without the engine, and ends the process. `why` is told if there are any.
+/// Stops all activities without the engine, prints the reason `why` if there are any, and ends the process.
 pub(super) fn stop(host: &Arc<Host>, why: &str) -> ! {
     let until = Instant::now() + host.options.stop_within;
     // Codels that wait for other components get no answer any more.
@@ -219,14 +219,14 @@ pub(super) fn stop(host: &Arc<Host>, why: &str) -> ! {
         }
     }
     if count > 0 {
-        let mut told = format!("warning: `{}` is left alone: {why}", host.options.component);
+        let mut message = format!("warning: `{}` is left alone: {why}", host.options.component);
         for (what, names) in [("stopped", stopped), ("not stopped in time", left)] {
             if !names.is_empty() {
-                told += &format!("; {what}: {}", names.join(", "));
+                message += &format!("; {what}: {}", names.join(", "));
             }
         }
         // Nobody may read it any more.
-        let _ = writeln!(std::io::stderr(), "{told}");
+        let _ = writeln!(std::io::stderr(), "{message}");
     }
     std::process::exit(STATUS);
 }

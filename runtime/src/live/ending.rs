@@ -14,7 +14,7 @@ impl Live<'_> {
         self.stop_within = within;
     }
 
-    /// Sets the time in which a host must answer. One that does not is ended.
+    /// Sets the time in which a host that executes cycles must answer. One that does not is ended.
     pub fn set_host_within(&mut self, within: Duration) {
         self.host_within = within;
     }

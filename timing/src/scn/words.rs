@@ -146,8 +146,8 @@ const WORDS: &[Word] = &[
         "on [NAME:] late PATH, … { … }  on lost COMPONENT <= 50 ms { … }",
         "A measure: steps that follow an event of a run. `late`: a codel takes longer than its time, or a task \
          misses a deadline. `violation of CHECK`: a check is violated. `lost`: the process of a component has \
-         ended. `stale PORT after TIME`: the port was not written for that long. Each measure is taken once. The model takes it at any time, and a check gives the longest \
-         time from the event to its end.",
+         ended. `stale PORT after TIME`: the port was not written for that long. A run takes each measure once. \
+         The model takes it at any time, and a check gives the longest time from the event to its end.",
     ),
     word(
         "late",

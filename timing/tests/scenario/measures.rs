@@ -1,5 +1,6 @@
 //! Measures: what follows an event of a run is part of the model.
 
+use dotgen_timing::diagnostic::Diagnostic;
 use dotgen_timing::report::{Report, Value, Verdict};
 use dotgen_timing::scn::parse;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
@@ -7,7 +8,7 @@ use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 use super::load;
 
 const DRIVE: &str = "struct speed { double v; };
-component d { version \"1\"; lang \"c\"; ids { double v; }; port out speed out_speed;
+component d { version \"1\"; lang \"c\"; ids { double v; }; port out speed out_speed; port in speed in_speed;
   task main { period 10 ms; };
   task sense { period 20 ms; codel<start> d_look(out v) yield pause::start wcet 2 ms; };
   activity drive() { task main;
@@ -52,6 +53,8 @@ fn what_a_measure_names_is_checked() {
         ("on late d { stop; }", "scn-wrong-kind", "is no codel or task"),
         ("on lost d.sense { stop; }", "scn-wrong-kind", "is no component"),
         ("on violation of v { stop; }", "scn-wrong-kind", "is no named check"),
+        ("on stale d.main after 1 s { stop; }", "scn-wrong-kind", "is no output port"),
+        ("on stale d.in_speed after 1 s { stop; }", "scn-wrong-kind", "is no output port"),
         ("on late d.sense { abort d.halt; }", "scn-wrong-kind", "is no activity"),
         ("on late d.sense { stop; send d.halt; }", "scn-stop", "only be the last step"),
         ("client b { stop; }", "scn-stop", "only be the last step"),
@@ -61,8 +64,23 @@ fn what_a_measure_names_is_checked() {
         let parsed = parse(&text).errors.into_iter();
         let report = report_of(DRIVE, &text);
         let found: Vec<_> = parsed.chain(report.diagnostics).collect();
-        let found: Vec<_> = found.iter().map(|it| (it.code, it.message.as_str())).collect();
-        let as_said = |it: &(&str, &str)| it.0 == code && it.1.contains(said);
-        assert!(found.iter().any(as_said), "{items}: {found:?}");
+        let is_expected = |found: &Diagnostic| found.code == code && found.message.contains(said);
+        assert!(found.iter().any(is_expected), "{items}: {found:?}");
+    }
+}
+
+/// Components without a connection are verified apart.
+#[test]
+fn a_measure_may_follow_an_event_of_another_component() {
+    let units = [DRIVE.to_owned(), DRIVE.replace("component d", "component e").replace("d_", "e_")];
+    let units = units.map(|text| load(&text));
+    let input = SystemInput { specs: units.iter().map(|unit| &*unit.spec).collect() };
+    for event in ["stale e.out_speed after 1 s", "late e.sense", "lost e"] {
+        let text =
+            format!("scenario s {{ cores 4; on {event} {{ send d.halt; }} check schedulable *; }}");
+        let report =
+            verify(&input, &parse(&text).scenario, &Options::default(), &Cancel::default());
+        assert!(report.diagnostics.is_empty(), "{event}: {:?}", report.diagnostics);
+        assert!(report.checks.iter().all(|check| check.verdict == Verdict::Proved), "{report:?}");
     }
 }

@@ -64,10 +64,11 @@ pub fn answers(problem: &Problem, options: &Options, cancel: &Cancel) -> Vec<Fir
 
 fn answer(assuming: String, problem: &Problem, options: &Options, report: &Report) -> FirstAnswer {
     let view = View::new(problem, options, report, &[]);
-    let open = |outcome: &Verdict| !matches!(outcome, Verdict::Proved | Verdict::Bounded);
+    let open = |outcome: &Verdict| *outcome != Verdict::Proved;
     let worst = [
         Verdict::Refuted,
         Verdict::Exceeds,
+        Verdict::Bounded,
         Verdict::Unknown,
         Verdict::Open,
         Verdict::Vacuous,

@@ -6,7 +6,7 @@ use std::time::Duration;
 use dotgen_timing::advice::RepairCallbacks;
 use dotgen_timing::derive::{MinimumCores, minimum_cores};
 use dotgen_timing::property::PropertyKind;
-use dotgen_timing::report::{Report, Verdict};
+use dotgen_timing::report::{CheckReport, Report, Verdict};
 use dotgen_timing::verify::{Cancel, Options, SystemInput};
 
 use super::changes::{self, Repair, Repairs};
@@ -97,11 +97,13 @@ pub fn run(
     }
 }
 
-/// Returns true if there are deadlines, and all of them are proved.
+/// Returns true if deadlines are proved, and the others are those of tasks that are never released.
 fn all_deadlines_proved(report: &Report) -> bool {
     let checks = report.checks.iter();
-    let mut deadlines = checks.filter(|check| check.kind == PropertyKind::Schedulable).peekable();
-    deadlines.peek().is_some() && deadlines.all(|deadline| deadline.verdict == Verdict::Proved)
+    let mut deadlines = checks.filter(|check| check.kind == PropertyKind::Schedulable);
+    let is_proved = |check: &&CheckReport| check.verdict == Verdict::Proved;
+    deadlines.clone().any(|check| is_proved(&check))
+        && deadlines.all(|check| is_proved(&check) || check.verdict == Verdict::Vacuous)
 }
 
 /// Returns the least number of cores, if every number that was tried has an answer.

@@ -16,7 +16,7 @@ declare function acquireVsCodeApi(): { postMessage(message: FromPage): void; get
 const host = acquireVsCodeApi();
 const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
 const STATES: Record<RunView['state'], string> = { starting: 'starting …', running: 'running …', stopping: 'stopping …', ended: 'ended', failed: 'could not run' };
-const ENDS: Record<string, string> = { done: '', 'nothing-left': 'nothing was left to happen', standstill: 'time stood still', stopped: 'stopped at a violation', interrupted: 'stopped' };
+const ENDS: Record<string, string> = { done: '', 'nothing-left': 'nothing was left to happen', standstill: 'time stood still', stopped: 'stopped at a violation', measure: 'ended by a measure', interrupted: 'stopped' };
 
 function node<K extends keyof HTMLElementTagNameMap>(tag: K, content: (Node | string)[] | string = '', className = ''): HTMLElementTagNameMap[K] {
   const it = document.createElement(tag);

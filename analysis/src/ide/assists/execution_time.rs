@@ -12,8 +12,8 @@ use crate::ide::FileView;
 const BUDGET: &str = " /* budget */";
 
 /// The edit that makes `time` (`4 ms`) the budget of the codel around a place, if the codel states a time in
-/// a clause of its own or in a pragma of the file. A clause gets the word *budget* as a comment, because the
-/// time is no longer measured. Times from a macro are not edited.
+/// a clause of its own or in a pragma of the file. A clause gets the comment *budget*: the new time is a
+/// requirement, not a measured value. Times from a macro are not edited.
 pub(crate) fn execution_time(
     view: &FileView<'_>,
     range: &Range<usize>,

@@ -182,43 +182,52 @@ impl Builder<'_> {
         client: &ast::Client,
         trigger: &ast::Trigger,
     ) -> Result<Measure, Diagnostic> {
-        let events = trigger.of.iter().map(|path| match trigger.kind {
-            TriggerKind::Violation => {
-                let name = path.text();
-                let mut checks = self.settings.checks.iter().flat_map(|check| &check.name);
-                match checks.any(|check| check.value == name) {
-                    true => Ok(MeasureEvent::Violation(name)),
-                    false => Err(not_a("named check", path)),
-                }
-            }
-            TriggerKind::Late => match self.names.resolve(path)? {
-                Target::Task(..) => Ok(MeasureEvent::LateTask(path.text())),
-                Target::State(..) | Target::Codel(..) => Ok(MeasureEvent::LateCodel(path.text())),
-                _ => Err(not_a("codel or task", path)),
-            },
-            TriggerKind::Lost => match self.names.resolve(path)? {
-                Target::Component(_) => Ok(MeasureEvent::Lost(path.text())),
-                _ => Err(not_a("component", path)),
-            },
-            TriggerKind::Stale => match self.names.resolve(path)? {
-                Target::Port(c, port) => {
-                    let component = self.out.components.get(&c).copied();
-                    let (count, unit) = trigger.after.unwrap_or((0, Unit::Seconds));
-                    let after = unit.seconds() * Ratio::from_integer(i128::from(count));
-                    let is_output =
-                        self.names.components[c].component.ports[port as usize].dir == PortDir::Out;
-                    (component.filter(|_| is_output))
-                        .map(|component| MeasureEvent::Stale { component, port, after })
-                        .ok_or_else(|| not_a("output port", path))
-                }
-                _ => Err(not_a("output port", path)),
-            },
-        });
+        let events = trigger.of.iter().filter_map(|path| self.event(trigger, path).transpose());
         Ok(Measure {
             client: id,
             events: events.collect::<Result<_, _>>()?,
             stops: client.steps.last().is_some_and(|step| step.kind == StepKind::Stop),
         })
+    }
+
+    /// Returns an event of a measure; `None` if it is one of a component that is not part of the system.
+    fn event(
+        &self,
+        trigger: &ast::Trigger,
+        path: &Path,
+    ) -> Result<Option<MeasureEvent>, Diagnostic> {
+        let event = match trigger.kind {
+            TriggerKind::Violation => {
+                let name = path.text();
+                let mut checks = self.settings.checks.iter().flat_map(|check| &check.name);
+                if !checks.any(|check| check.value == name) {
+                    return Err(not_a("named check", path));
+                }
+                MeasureEvent::Violation(name)
+            }
+            TriggerKind::Late => match self.names.resolve(path)? {
+                Target::Task(..) => MeasureEvent::LateTask(path.text()),
+                Target::State(..) | Target::Codel(..) => MeasureEvent::LateCodel(path.text()),
+                _ => return Err(not_a("codel or task", path)),
+            },
+            TriggerKind::Lost => match self.names.resolve(path)? {
+                Target::Component(_) => MeasureEvent::Lost(path.text()),
+                _ => return Err(not_a("component", path)),
+            },
+            TriggerKind::Stale => match self.names.resolve(path)? {
+                Target::Port(c, port)
+                    if self.names.components[c].component.ports[port as usize].dir
+                        == PortDir::Out =>
+                {
+                    let Some(&component) = self.out.components.get(&c) else { return Ok(None) };
+                    let (count, unit) = trigger.after.unwrap_or((0, Unit::Seconds));
+                    let after = unit.seconds() * Ratio::from_integer(i128::from(count));
+                    MeasureEvent::Stale { component, port, after }
+                }
+                _ => return Err(not_a("output port", path)),
+            },
+        };
+        Ok(Some(event))
     }
 
     /// Reports requests that are always refused (section 18): those of services whose `after` services cannot
