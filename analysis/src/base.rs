@@ -21,7 +21,7 @@ use smol_str::SmolStr;
 use crate::{
     config::{LintConfig, MAX_FILE_BYTES, Project},
     diagnostic::Severity,
-    loader::{FileContent, Loader, PackageFlags},
+    loader::{DirEntry, FileContent, Loader, PackageFlags},
     release::ReleaseChoice,
 };
 
@@ -30,6 +30,8 @@ use crate::{
 pub(crate) trait Db: salsa::Database {
     /// The input of a path.
     fn file(&self, path: &Utf8Path) -> SourceFile;
+    /// The input of a directory.
+    fn directory(&self, path: &Utf8Path) -> Directory;
     /// The input of a text in memory.
     fn text(&self, name: &Utf8Path, text: &Arc<str>) -> SourceFile;
     /// The input of an argument list of `#pragma requires`.
@@ -38,7 +40,7 @@ pub(crate) trait Db: salsa::Database {
     fn installed(&self) -> Installed;
     /// The settings.
     fn workspace(&self) -> Workspace;
-    /// For data that is read at the time of a request and never cached: directories.
+    /// For data that is read at the time of a request and never cached.
     fn loader(&self) -> &Arc<dyn Loader>;
     /// Maximum size of a text in bytes; larger texts are not read.
     fn max_bytes(&self) -> u64;
@@ -72,6 +74,15 @@ pub enum FileStatus {
     Unreadable(String),
     /// The size in bytes, which is over the limit.
     TooLarge(u64),
+}
+
+/// A directory and its entries on disk; none if it cannot be read.
+#[salsa::input(debug)]
+pub struct Directory {
+    /// Absolute, without `.` and `..`.
+    pub path: Utf8PathBuf,
+    /// Files and directories in it.
+    pub entries: Vec<DirEntry>,
 }
 
 /// The answer of the package tool to one argument list.
@@ -153,6 +164,7 @@ struct Tables {
     files: Mutex<FxHashMap<Utf8PathBuf, SourceFile>>,
     /// Files with a text from the editor that differs from the disk: they change often.
     edited: Mutex<FxHashSet<SourceFile>>,
+    directories: Mutex<FxHashMap<Utf8PathBuf, Directory>>,
     texts: Mutex<FxHashMap<(Utf8PathBuf, Arc<str>), SourceFile>>,
     packages: Mutex<FxHashMap<Vec<String>, Packages>>,
     installed: Mutex<Option<Installed>>,
@@ -170,6 +182,7 @@ impl RootDatabase {
                 max_bytes: AtomicU64::new(MAX_FILE_BYTES),
                 files: Mutex::default(),
                 edited: Mutex::default(),
+                directories: Mutex::default(),
                 texts: Mutex::default(),
                 packages: Mutex::default(),
                 installed: Mutex::default(),
@@ -278,6 +291,9 @@ impl RootDatabase {
         let path = normalize(path);
         let known = lock(&self.tables.files).get(&path).copied();
         let given = text.is_some();
+        if !given || known.is_none_or(|file| !file.status(self).is_text()) {
+            self.list_again(&path);
+        }
         let (status, text) = match text {
             Some(text) => self.split(FileContent::Text(text)),
             None if known.is_none() => return,
@@ -305,6 +321,24 @@ impl RootDatabase {
         }
         if moved || changed {
             file.set_text(self).with_durability(durability).to(text);
+        }
+    }
+
+    fn list(&self, directory: &Utf8Path) -> Vec<DirEntry> {
+        let mut entries = self.tables.loader.list_dir(directory);
+        entries.sort();
+        entries
+    }
+
+    /// Lists the known directories around a path that may be new or gone.
+    fn list_again(&mut self, path: &Utf8Path) {
+        for around in path.ancestors() {
+            let known = lock(&self.tables.directories).get(around).copied();
+            let Some(directory) = known else { continue };
+            let entries = self.list(around);
+            if *directory.entries(self) != entries {
+                directory.set_entries(self).to(entries);
+            }
         }
     }
 
@@ -350,6 +384,15 @@ impl Db for RootDatabase {
         let file = self.input(path.clone(), self.read(&path));
         files.insert(path, file);
         file
+    }
+
+    fn directory(&self, path: &Utf8Path) -> Directory {
+        let path = normalize(path);
+        let mut known = lock(&self.tables.directories);
+        *known.entry(path.clone()).or_insert_with(|| {
+            let entries = self.list(&path);
+            Directory::builder(path, entries).durability(Durability::MEDIUM).new(self)
+        })
     }
 
     fn max_bytes(&self) -> u64 {

@@ -3,25 +3,25 @@
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_syntax::suggestion::nearest;
 
-use crate::loader::Loader;
+use crate::base::Db;
 
 /// Maximum number of directory entries to compare.
 const MOST_ENTRIES: usize = 2000;
 
 /// The file nearest to a path, in the first of the directories that has one.
 pub(crate) fn near_include<'d>(
-    loader: &dyn Loader,
+    db: &dyn Db,
     directories: impl IntoIterator<Item = &'d Utf8Path>,
     path: &str,
 ) -> Option<String> {
     directories
         .into_iter()
-        .find_map(|directory| below(loader, directory, path))
+        .find_map(|directory| below(db, directory, path))
         .filter(|directory| directory != path)
 }
 
 /// A path below a directory, with missing parts replaced by the nearest existing ones.
-fn below(loader: &dyn Loader, directory: &Utf8Path, path: &str) -> Option<String> {
+fn below(db: &dyn Db, directory: &Utf8Path, path: &str) -> Option<String> {
     let mut here: Utf8PathBuf = directory.to_owned();
     let mut out: Vec<String> = Vec::new();
     let parts: Vec<&str> = path.split('/').collect();
@@ -30,10 +30,9 @@ fn below(loader: &dyn Loader, directory: &Utf8Path, path: &str) -> Option<String
             "." | ".." => part.to_owned(),
             _ => {
                 let is_last = index + 1 == parts.len();
-                let mut entries = loader.list_dir(&here);
-                entries.truncate(MOST_ENTRIES);
-                entries.retain(|entry| entry.is_dir != is_last);
-                let names = || entries.iter().map(|entry| entry.name.as_str());
+                let entries = db.directory(&here).entries(db).iter().take(MOST_ENTRIES);
+                let entries = entries.filter(|entry| entry.is_dir != is_last);
+                let names = || entries.clone().map(|entry| entry.name.as_str());
                 let exact = names().find(|name| *name == part);
                 exact.or_else(|| nearest(part, names()))?.to_owned()
             }

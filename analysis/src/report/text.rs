@@ -82,7 +82,7 @@ fn misspelt_include(
     let at = TextRange::at(range.start() + offset(at), TextSize::of(path.as_str()));
     let beside = file.path(db).parent().into_iter();
     let directories = beside.chain(searched.iter().map(Utf8Path::new));
-    let meant = near_include(&**db.loader(), directories, path)?;
+    let meant = near_include(db, directories, path)?;
     Some((at, meant))
 }
 
