@@ -115,7 +115,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         let before = std::mem::take(&mut report.diagnostics);
         check(&mut session, &mut report, &mut trouble);
         fix::retain_unrefuted(&mut session, &mut report.diagnostics);
-        fix::judge(&mut session, &changed, &mut report.diagnostics);
+        let shown = match arguments.format {
+            Format::Text => fix::Shown::First,
+            Format::Json | Format::Sarif => fix::Shown::All,
+        };
+        fix::judge(&mut session, &changed, &mut report.diagnostics, shown);
         report.diagnostics.splice(0..0, before);
     }
     if arguments.diff {

@@ -133,15 +133,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 
 pub(super) fn project(session: &mut Session) -> Project<'_> {
     let files = session.codels();
+    let indexes = session.indexes.clone();
     let stubs = StubOptions { use_parameters: true, ..StubOptions::default() };
-    let given: Vec<_> = (session.files.iter())
-        .filter_map(|file| Some((file.path.clone(), file.text.clone()?)))
-        .collect();
-    let mut project = Project::new(session.host_mut(), &Disk, files, stubs);
-    for (path, text) in given {
-        project.overlay(path, text.to_string());
-    }
-    project
+    Project::new(session.host_mut(), &Disk, files, stubs).sharing(indexes)
 }
 
 /// Output goes next to the specification, so standard input is refused.

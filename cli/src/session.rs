@@ -7,12 +7,12 @@ use dotgen_analysis::host::{Analysis, AnalysisHost, Cancellable, Change, FileCon
 use dotgen_analysis::language::{self, SPECIFICATION};
 use dotgen_analysis::parallel;
 use dotgen_analysis::release::ReleaseOrigin;
-use dotgen_codegen::codels::files::FilesConfig;
+use dotgen_codegen::codels::files::{FilesConfig, Indexes};
 use dotgen_codegen::codels::source::Grammar;
 use dotgen_syntax::encoding;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use super::{Outcome, SpecificationOptions};
 use dotgen_lsp_server::config::{self, Config, Level, Problem, Settings};
@@ -35,6 +35,8 @@ pub(super) struct Session {
     packages: PackageConfig,
     connections: Vec<dotgen_diagram::system::Connection>,
     codels: FilesConfig,
+    /// The indexes of their sources.
+    pub(super) indexes: Arc<Mutex<Indexes>>,
     /// The style of the formatter.
     pub(super) format: config::Format,
     /// Severity by diagnostic code.
@@ -420,6 +422,7 @@ impl Session {
             packages: configuration.packages.clone(),
             connections: configuration.connections,
             codels: settings.codels.files(),
+            indexes: Arc::default(),
             format: settings.format,
             severity: configuration.severity,
             #[cfg(feature = "zenoh")]

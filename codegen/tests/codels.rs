@@ -7,7 +7,6 @@ mod directions;
 mod example;
 mod fresh;
 mod golden;
-mod members;
 mod project;
 mod rename;
 mod repair;

@@ -12,8 +12,8 @@ use super::mutate::mutate;
 use super::report::Report;
 use super::sets::{Set, is_specification};
 
-/// Codes that a compiler can confirm.
-const CONFIRMABLE_CODES: [&str; 2] = ["codel/unknown-member", "codel/signature-mismatch"];
+/// The code that a compiler can confirm.
+const CONFIRMABLE_CODE: &str = "codel/signature-mismatch";
 
 /// Folder of the generated headers; the comparison of codels does not read it.
 const HEADERS: &str = ".campaign";
@@ -144,7 +144,7 @@ impl Folder<'_> {
         let found: Value = serde_json::from_str(&output.0).with_context(|| output.1.clone())?;
         for diagnostic in found["diagnostics"].as_array().into_iter().flatten() {
             let finding = Finding::read(diagnostic);
-            if !CONFIRMABLE_CODES.contains(&finding.code.as_str()) || finding.severity > 2 {
+            if finding.code != CONFIRMABLE_CODE || finding.severity > 2 {
                 continue;
             }
             let file = self.root.join(diagnostic["file"].as_str().unwrap_or_default());

@@ -34,6 +34,15 @@ impl Applied {
     }
 }
 
+/// The fixes of a finding that are shown, and so tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shown {
+    /// The first whole one.
+    First,
+    /// Every whole one.
+    All,
+}
+
 /// Original and new texts, by file.
 pub(super) type ChangedTexts = BTreeMap<Utf8PathBuf, (String, String)>;
 
@@ -55,7 +64,7 @@ pub(super) fn apply_fixes(
         check(session, &mut report, &mut ErrorReporter::silent());
         if which == Applied::AlsoGuesses {
             // The first proposal may be one that the judge refuses, and others are found by trial.
-            judge(session, changed, &mut report.diagnostics);
+            judge(session, changed, &mut report.diagnostics, Shown::First);
         }
         let found = report.diagnostics.iter();
         let first = found.filter_map(|diagnostic| Some((diagnostic.fixes.first()?, diagnostic)));
@@ -96,7 +105,12 @@ pub(super) fn apply_fixes(
 }
 
 /// Keeps the fixes of findings that are whole. Fixes that cannot be tried within the limit are left out.
-pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [Diagnostic]) {
+pub(super) fn judge(
+    session: &mut Session,
+    changed: &ChangedTexts,
+    found: &mut [Diagnostic],
+    shown: Shown,
+) {
     let is_open = |diagnostic: &Diagnostic| {
         diagnostic.severity == Severity::Error || !diagnostic.fixes.is_empty()
     };
@@ -115,7 +129,7 @@ pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [
         judge.room = room;
         judge.limit(size);
         let allowed = judge.room;
-        let mut verdicts = verdicts(&mut judge, &found[at..end]).into_iter();
+        let mut verdicts = verdicts(&mut judge, &found[at..end], shown).into_iter();
         let had_room = judge.room > 0;
         let mut tried = 0;
         for number in at..end {
@@ -136,7 +150,7 @@ pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [
                 let code = diagnostic.code;
                 let mut fixes = judge.project().trials(&found[number], &found[at..end]);
                 fixes.retain_mut(|fix| {
-                    judge.verdict(&Edit::of(&fix.edits), Some(code)) == Verdict::Whole
+                    judge.verdict_alone(&Edit::of(&fix.edits), code) == Verdict::Whole
                 });
                 found[number].fixes = fixes;
             }
@@ -147,8 +161,9 @@ pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [
 }
 
 /// Judges all fixes of findings of one file, in their order. The first fixes of all findings are tried
-/// together, then the second ones, because alternatives exclude each other. Fixes of errors come first.
-fn verdicts(judge: &mut Judge<'_, '_>, found: &[Diagnostic]) -> Vec<Verdict> {
+/// together, then the second ones, because alternatives exclude each other. Fixes of errors come first. A fix
+/// that is not shown counts as refused.
+fn verdicts(judge: &mut Judge<'_, '_>, found: &[Diagnostic], shown: Shown) -> Vec<Verdict> {
     let mut order: Vec<usize> = (0..found.len()).collect();
     order.sort_by_key(|&diagnostic| found[diagnostic].severity);
     let most = found.iter().map(|diagnostic| diagnostic.fixes.len()).max();
@@ -157,12 +172,19 @@ fn verdicts(judge: &mut Judge<'_, '_>, found: &[Diagnostic]) -> Vec<Verdict> {
         let fixes = order.iter().filter_map(|&number| {
             let diagnostic = &found[number];
             let fix = diagnostic.fixes.get(rank)?;
+            let is_settled = |verdicts: &[Verdict]| verdicts.contains(&Verdict::Whole);
+            if shown == Shown::First && is_settled(&verdicts[number]) {
+                return None;
+            }
             Some((number, (Edit::of(&fix.edits), diagnostic.code)))
         });
         let (numbers, edits): (Vec<usize>, Vec<(Edit, &str)>) = fixes.unzip();
         for (number, verdict) in std::iter::zip(numbers, judge.verdicts(&edits)) {
             verdicts[number].push(verdict);
         }
+    }
+    for (verdicts, diagnostic) in std::iter::zip(&mut verdicts, found) {
+        verdicts.resize(diagnostic.fixes.len(), Verdict::Refused);
     }
     verdicts.into_iter().flatten().collect()
 }

@@ -25,7 +25,7 @@ pub(super) fn allowances(file: &IndexedFile) -> Vec<Allowance<'_>> {
     if !file.text.contains(MARK) {
         return out;
     }
-    for function in &file.index.functions {
+    for function in &file.index().functions {
         let comments = function.comments.iter().map(|comment| comment.span.start);
         let scope = comments.min().unwrap_or(function.span.start)..function.span.end;
         let text = file.text.get(scope.clone()).unwrap_or_default();

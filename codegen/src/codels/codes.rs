@@ -118,18 +118,6 @@ pub const CODES: &[CodelCode] = &[
         fix: "Refresh the comment with the quick fix.",
     },
     CodelCode {
-        code: DriftCode::UnknownMember,
-        meaning: "Code uses a member that the mapped type does not have.",
-        why: "The code does not compile. The member was renamed or removed in the specification.",
-        specification: "component c {\n  ids { double speed; };\n  function f() { codel c_f(inout ::ids); };\n};\n",
-        source: "genom_event c_f(c_ids *ids, const genom_context self)\n{\n  ids->sped = 1.;\n  return genom_ok;\n}\n",
-        corrected: Correction::Source(
-            "genom_event c_f(c_ids *ids, const genom_context self)\n{\n  ids->speed = 1.;\n  return genom_ok;\n}\n",
-        ),
-        fix: "Use the current name from the specification. If only one member can be meant, the quick fix \
-             changes the name in all sources.",
-    },
-    CodelCode {
         code: DriftCode::UndeclaredName,
         meaning: "A codel uses a name that is no longer one of its parameters.",
         why: "The code does not compile. The parameter was removed or renamed in the specification.",

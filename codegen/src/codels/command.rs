@@ -180,7 +180,7 @@ pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOpti
     out.left = check(project, roots);
     for path in touched {
         if let Some(after) = project.text(&path) {
-            let before = project.text_on_disk(&path);
+            let before = project.text_before(&path);
             if before.as_deref() != Some(&*after) {
                 out.changes.push(FileChange {
                     path,

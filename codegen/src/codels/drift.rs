@@ -6,7 +6,6 @@
 mod comment;
 pub mod finding;
 mod flow;
-mod members;
 mod names;
 mod orphan;
 mod ports;
@@ -45,8 +44,6 @@ pub enum DriftCode {
     Orphan,
     /// The comment of the skeleton is outdated.
     StaleComment,
-    /// The code uses a member that its mapped type does not have.
-    UnknownMember,
     /// The code uses the former name of a parameter.
     UndeclaredName,
     /// The code writes to a read-only parameter.
@@ -57,7 +54,7 @@ pub enum DriftCode {
 
 impl DriftCode {
     /// Every kind.
-    pub const ALL: [DriftCode; 11] = [
+    pub const ALL: [DriftCode; 10] = [
         DriftCode::MissingDefinition,
         DriftCode::SignatureMismatch,
         DriftCode::UndeclaredYield,
@@ -65,7 +62,6 @@ impl DriftCode {
         DriftCode::UndeclaredThrow,
         DriftCode::Orphan,
         DriftCode::StaleComment,
-        DriftCode::UnknownMember,
         DriftCode::UndeclaredName,
         DriftCode::ConstantWrite,
         DriftCode::UnwrittenPort,
@@ -87,9 +83,6 @@ impl DriftCode {
             }
             Difference::Orphan { .. } | Difference::Renamed { .. } => DriftCode::Orphan,
             Difference::StaleComment { .. } => DriftCode::StaleComment,
-            Difference::NoMember { .. } | Difference::FormerMember { .. } => {
-                DriftCode::UnknownMember
-            }
             Difference::NoName { .. } => DriftCode::UndeclaredName,
             Difference::ConstantWrite { .. } => DriftCode::ConstantWrite,
             Difference::UnwrittenPort { .. } => DriftCode::UnwrittenPort,
@@ -106,7 +99,6 @@ impl DriftCode {
             DriftCode::UndeclaredThrow => "codel/undeclared-throw",
             DriftCode::Orphan => "codel/orphan",
             DriftCode::StaleComment => "codel/stale-comment",
-            DriftCode::UnknownMember => "codel/unknown-member",
             DriftCode::UndeclaredName => "codel/undeclared-name",
             DriftCode::ConstantWrite => "codel/constant-write",
             DriftCode::UnwrittenPort => "codel/unwritten-port",
@@ -228,18 +220,6 @@ pub enum Repair {
     ReturnDeclared(NameReplacement),
     /// Let a function raise a declared exception in place of an undeclared one.
     RaiseDeclared(NameReplacement),
-    /// Rename a member to its present name in the specification, everywhere in the sources, with the
-    /// parameters of codels that are named after it.
-    FollowMember {
-        /// The mapped structure.
-        structure: Name,
-        /// Name in the sources.
-        from: Name,
-        /// Name in the specification.
-        to: Name,
-        /// Files and places.
-        places: Vec<(Utf8PathBuf, Range<usize>)>,
-    },
     /// Rename a function to the name of a codel, everywhere in the sources.
     RenameFunction {
         /// Present name.
@@ -279,7 +259,6 @@ impl Repair {
                 | Repair::UpdateSignature { .. }
                 | Repair::RefreshComment { .. }
                 | Repair::ReturnDeclared(_)
-                | Repair::FollowMember { .. }
                 | Repair::RenameFunction { .. }
         )
     }
@@ -352,7 +331,6 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
             names::check(&check, &definitions, &known, &mut out);
             comment::check(&check, &definitions, &mut out);
         }
-        members::check(expected, sources, options, &mut out);
         ports::check(expected, sources, options, &mut out);
     }
     let alone = |input: &&FunctionIn<'_>| !renamed.contains(&input.place());
@@ -421,7 +399,7 @@ fn are_here(expected: &Expected<'_>, sources: &Sources) -> bool {
     };
     let defined = |file: &IndexedFile| {
         let mut names = expected.functions.iter();
-        names.any(|name| file.index.definitions(&name.name).next().is_some())
+        names.any(|name| file.index().definitions(&name.name).next().is_some())
     };
     sources.sources.iter().any(|source| named(source) || defined(source))
 }
@@ -456,7 +434,7 @@ impl<'a> Check<'a> {
         let files = self.sources.all();
         files
             .flat_map(|file| {
-                let functions = file.index.definitions(&self.function.name);
+                let functions = file.index().definitions(&self.function.name);
                 functions.map(move |function| FunctionIn { file, function })
             })
             .collect()
@@ -490,10 +468,10 @@ impl<'a> Check<'a> {
         // A macro may define the function, a build step may generate it, or incomplete code may hide it.
         let hidden = self.sources.incomplete
             || files.any(|file| {
-                let mut macros = file.index.macros.iter();
+                let mut macros = file.index().macros.iter();
                 let bodies =
-                    file.index.functions.iter().filter_map(|function| function.body.as_ref());
-                file.index.loose.contains(name)
+                    file.index().functions.iter().filter_map(|function| function.body.as_ref());
+                file.index().loose.contains(name)
                     || macros.any(|definition| definition.name == *name)
                     || bodies.filter(|body| body.broken).any(|body| body.mentions.contains(name))
             })
@@ -514,9 +492,9 @@ impl<'a> Check<'a> {
     /// True if macros outside functions build names.
     fn pasted(&self) -> bool {
         let paste = |file: &IndexedFile| {
-            let mut macros = file.index.macros.iter().filter(|definition| definition.pastes);
+            let mut macros = file.index().macros.iter().filter(|definition| definition.pastes);
             macros.any(|definition| {
-                self.sources.all().any(|file| file.index.loose.contains(&definition.name))
+                self.sources.all().any(|file| file.index().loose.contains(&definition.name))
             })
         };
         self.sources.all().any(paste)

@@ -389,7 +389,7 @@ impl<'a> Expected<'a> {
     }
 }
 
-/// Parses prototypes (without semicolon) with the reader of sources.
+/// Parses prototypes (without semicolon) with the reader of sources. Their spans have no meaning.
 fn read_prototypes<'t>(
     texts: impl Iterator<Item = Option<&'t str>>,
     language: Language,
@@ -398,13 +398,25 @@ fn read_prototypes<'t>(
         Language::Cxx => Grammar::Cxx,
         _ => Grammar::C,
     };
-    texts
-        .map(|text| {
-            let index = SourceIndex::new(&format!("{};\n", text?), grammar);
-            let [function] = <[Function; 1]>::try_from(index.functions).ok()?;
-            (function.known && index.loose.is_empty()).then_some(function)
-        })
-        .collect()
+    let texts: Vec<Option<&str>> = texts.collect();
+    let read = |text: &str| -> Option<Vec<Function>> {
+        let index = SourceIndex::new(text, grammar);
+        let is_known = index.loose.is_empty() && index.functions.iter().all(|one| one.known);
+        is_known.then_some(index.functions)
+    };
+    // One text is parsed faster than many, but a prototype that cannot be parsed spoils the others.
+    let all: String = texts.iter().flatten().flat_map(|text| [text, ";\n"]).collect();
+    if let Some(together) = read(&all)
+        && together.len() == texts.iter().flatten().count()
+    {
+        let mut together = together.into_iter();
+        return texts.iter().map(|text| text.and_then(|_| together.next())).collect();
+    }
+    let alone = |text: &Option<&str>| {
+        let [function] = <[Function; 1]>::try_from(read(&format!("{};\n", (*text)?))?).ok()?;
+        Some(function)
+    };
+    texts.iter().map(alone).collect()
 }
 
 /// `start` or `pause::start`, in the syntax of specifications.

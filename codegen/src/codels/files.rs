@@ -4,7 +4,7 @@
 //! `codels/Makefile.am` as `lib…_SOURCES`. If that list names existing files, only the listed files are used.
 //! Otherwise every C and C++ file of the folder is used.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::SystemTime;
 
 use camino::{Utf8Component, Utf8Path, Utf8PathBuf};
@@ -139,52 +139,70 @@ pub struct IndexedFile {
     pub path: Utf8PathBuf,
     /// Its text.
     pub text: Arc<str>,
-    /// Its declarations.
-    pub index: Arc<SourceIndex>,
+    /// The grammar of its text.
+    pub grammar: Grammar,
+    index: Arc<OnceLock<SourceIndex>>,
 }
 
 impl IndexedFile {
     /// Returns the components whose types the file includes.
     fn included_types(&self) -> impl Iterator<Item = &str> {
-        self.index.includes.iter().filter_map(|include| {
+        self.index().includes.iter().filter_map(|include| {
             let file = include.path.rsplit('/').next()?;
             let of = |end: &str| file.strip_suffix(end);
             of("_c_types.h").or_else(|| of("_cxx_types.h"))
         })
     }
 
-    /// Indexes a text; with `cxx`, headers are read as C++.
+    /// The declarations of the text. It is parsed at the first call.
+    pub fn index(&self) -> &SourceIndex {
+        self.index.get_or_init(|| SourceIndex::new(&self.text, self.grammar))
+    }
+
+    /// True for the same text of the same file, parsed once for both.
+    pub fn is(&self, other: &IndexedFile) -> bool {
+        Arc::ptr_eq(&self.index, &other.index)
+    }
+
+    /// A text of a file; with `cxx`, headers are read as C++.
     pub fn new(path: Utf8PathBuf, text: Arc<str>, cxx: bool) -> IndexedFile {
         let grammar = match Grammar::of_path(path.as_str()) {
             Some(Grammar::C) if path.extension() == Some("c") || !cxx => Grammar::C,
             _ => Grammar::Cxx,
         };
-        let index = Arc::new(SourceIndex::new(&text, grammar));
-        IndexedFile { path, text, index }
+        IndexedFile { path, text, grammar, index: Arc::default() }
     }
 }
 
-/// Indexes of texts, reused as long as their texts are unchanged.
+/// Number of texts of a file whose indexes are kept: the present one, and those of edits that are tried.
+const KEPT_TEXTS: usize = 3;
+
+/// Indexes of texts: each is parsed once, while it is one of the last texts of its file.
 #[derive(Debug, Default)]
-pub struct Indexes(FxHashMap<(Utf8PathBuf, bool), IndexedFile>);
+pub struct Indexes {
+    /// By path and grammar, the last used text last.
+    files: FxHashMap<(Utf8PathBuf, bool), Vec<IndexedFile>>,
+}
 
 impl Indexes {
     /// The index of a text; the arguments are those of [`IndexedFile::new`].
     pub fn get(&mut self, path: Utf8PathBuf, text: Arc<str>, cxx: bool) -> IndexedFile {
-        let key = (path, cxx);
-        if let Some(known) = self.0.get(&key)
-            && (Arc::ptr_eq(&known.text, &text) || known.text == text)
-        {
-            return known.clone();
+        let known = self.files.entry((path.clone(), cxx)).or_default();
+        let is_same = |file: &IndexedFile| Arc::ptr_eq(&file.text, &text) || file.text == text;
+        let file = match known.iter().rposition(is_same) {
+            Some(at) => known.remove(at),
+            None => IndexedFile::new(path, text, cxx),
+        };
+        known.push(file.clone());
+        if known.len() > KEPT_TEXTS {
+            known.remove(0);
         }
-        let fresh = IndexedFile::new(key.0.clone(), text, cxx);
-        self.0.insert(key, fresh.clone());
-        fresh
+        file
     }
 
     /// Removes the indexes of other files.
     pub fn retain(&mut self, wanted: impl Fn(&Utf8Path) -> bool) {
-        self.0.retain(|key, _| wanted(&key.0));
+        self.files.retain(|key, _| wanted(&key.0));
     }
 }
 
@@ -307,7 +325,7 @@ impl Sources {
 
     /// True if a function returns an event in the spelling of C++.
     pub fn uses_cxx(&self) -> bool {
-        let mut functions = self.sources.iter().flat_map(|source| &source.index.functions);
+        let mut functions = self.sources.iter().flat_map(|source| &source.index().functions);
         functions.any(|function| function.result.base == "genom::event")
     }
 

@@ -1,5 +1,6 @@
 //! Components by the folder of their codels.
 
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -202,7 +203,7 @@ pub fn unused_allowances(
         let specification = &folder.specification;
         let unused = analysis.unused_allowances(specification, CODEL, &known, &found)?;
         out.extend(unused);
-        let expected = folder.expected();
+        let expected = OnceCell::new();
         for file in folder.sources.all() {
             for allowance in allowances(file) {
                 let has = |found: &&Drift| {
@@ -211,8 +212,8 @@ pub fn unused_allowances(
                         && place.is_some_and(|at| allowance.scope.contains(&at.range.start))
                 };
                 // A function that none of these specifications names may belong to another one.
-                let speaks =
-                    allowance.code.starts_with(CODEL) && names(&expected, &allowance.function.name);
+                let speaks = allowance.code.starts_with(CODEL)
+                    && names(expected.get_or_init(|| folder.expected()), &allowance.function.name);
                 if !speaks
                     || analysis.is_off(allowance.code)?
                     || compared().flat_map(|pair| pair.1).any(|drift| has(&drift))

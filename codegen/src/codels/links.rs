@@ -18,7 +18,7 @@ pub fn implementations(sources: &Sources, codel: &str) -> Vec<SourcePlace> {
     let files = sources.all();
     files
         .flat_map(|file| {
-            file.index.definitions(codel).map(|definition| SourcePlace {
+            file.index().definitions(codel).map(|definition| SourcePlace {
                 path: file.path.clone(),
                 range: definition.name_span.clone(),
             })
@@ -31,7 +31,7 @@ pub fn references(sources: &Sources, codel: &str) -> Vec<SourcePlace> {
     let files = sources.all();
     files
         .flat_map(|file| {
-            let found = mentions(&file.text, file.index.grammar, codel);
+            let found = mentions(&file.text, file.grammar, codel);
             found.into_iter().map(|range| SourcePlace { path: file.path.clone(), range })
         })
         .collect()
@@ -76,7 +76,7 @@ pub fn codel_functions(
     let Some(file) = sources.file(path) else {
         return Vec::new();
     };
-    let functions = file.index.functions.iter();
+    let functions = file.index().functions.iter();
     functions
         .filter(|function| function.body.is_some() && function.is_global())
         .filter_map(|function| codel_function(all, function))
@@ -106,5 +106,5 @@ pub fn codel_at(
     offset: usize,
 ) -> Option<CodelFunction> {
     let file = sources.file(path)?;
-    codel_function(all, file.index.function_at(offset)?)
+    codel_function(all, file.index().function_at(offset)?)
 }

@@ -36,7 +36,7 @@ pub fn origin(
     offset: usize,
 ) -> Option<Origin> {
     let file = sources.file(path)?;
-    let tree = parse(&file.text, file.index.grammar)?;
+    let tree = parse(&file.text, file.grammar)?;
     let root = tree.root_node();
     let ends_before = offset.checked_sub(1).into_iter().map(|before| (before, offset));
     let mut nodes = std::iter::once((offset, offset + 1))
@@ -73,7 +73,7 @@ impl<'a> Lookup<'a> {
 
     /// The codels whose function is around the name.
     fn codels(&self) -> Option<(&'a ExpectedFunction, &'a super::source::Function)> {
-        let around = self.file.index.function_at(self.node.start_byte())?;
+        let around = self.file.index().function_at(self.node.start_byte())?;
         Some((self.expected.function(&around.name)?, around))
     }
 
@@ -84,7 +84,7 @@ impl<'a> Lookup<'a> {
         // Other sources are not visible in this one.
         let headers = sources.headers.iter();
         for file in headers.chain([self.file]) {
-            types.read(&file.text, file.index.grammar);
+            types.read(&file.text, file.grammar);
         }
         let scope = Scope::new(self.function(), &self.file.text, &types);
         let parent = self.node.parent()?;

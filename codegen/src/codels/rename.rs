@@ -145,7 +145,7 @@ pub fn rename(
             types.read(&names.before, grammar);
         }
         for file in folder.sources.all() {
-            types.read(&file.text, file.index.grammar);
+            types.read(&file.text, file.grammar);
         }
         for file in folder.sources.all() {
             File { file, names: &names, types: &types, out: &mut out }.rename();
@@ -161,8 +161,8 @@ pub fn rename(
 fn check_free(folder: &Folder, names: &Names) -> Result<(), RenameRefusal> {
     for ((scopes, _), to) in &names.globals {
         let free = |file: &&IndexedFile| {
-            !file.index.names.contains(to)
-                && !file.index.macros.iter().any(|definition| definition.name == *to)
+            !file.index().names.contains(to)
+                && !file.index().macros.iter().any(|definition| definition.name == *to)
         };
         let given_up = names.globals.contains_key(&(Vec::new(), to.clone()));
         if scopes.is_empty()
@@ -186,7 +186,7 @@ struct File<'a> {
 impl<'a> File<'a> {
     fn rename(mut self) {
         let text: &'a str = &self.file.text;
-        let Some(tree) = parse(text, self.file.index.grammar) else {
+        let Some(tree) = parse(text, self.file.grammar) else {
             return;
         };
         let open = opened(tree.root_node(), text);
@@ -204,7 +204,7 @@ impl<'a> File<'a> {
             preorder(function, |node| self.node(node, &scope, &open));
             self.parameters(function);
         }
-        let functions = self.file.index.functions.iter();
+        let functions = self.file.index().functions.iter();
         for comment in functions.flat_map(|function| &function.comments) {
             if let Some(generated) = &comment.generated {
                 self.generated(generated);
@@ -245,7 +245,7 @@ impl<'a> File<'a> {
             }
             "comment" => {
                 let mut all =
-                    self.file.index.functions.iter().flat_map(|function| &function.comments);
+                    self.file.index().functions.iter().flat_map(|function| &function.comments);
                 let generated = |comment: &&super::source::Comment| comment.generated.is_some();
                 let inside = |comment: &super::source::Comment| comment.span.contains(&span.start);
                 if !all.by_ref().filter(generated).any(inside) {
@@ -277,7 +277,7 @@ impl<'a> File<'a> {
 
     /// True if any source declares a name outside functions.
     fn declares(&self, name: &str) -> bool {
-        self.file.index.names.contains(name)
+        self.file.index().names.contains(name)
     }
 
     /// True if an identifier may be a name of the mapping: it is neither a variable, nor the name of a
@@ -358,7 +358,7 @@ impl<'a> File<'a> {
     /// Renames a parameter that has its name in the specification, unless the new name is in use.
     fn parameters(&mut self, function: Node<'_>) {
         let start = function.start_byte();
-        let mut all = self.file.index.functions.iter();
+        let mut all = self.file.index().functions.iter();
         let Some(found) = all.find(|function| function.span.start == start && function.is_global())
         else {
             return;
@@ -371,7 +371,7 @@ impl<'a> File<'a> {
             if named.is_none_or(|parameter| parameter.name.as_ref() != Some(&from)) {
                 continue;
             }
-            let grammar = self.file.index.grammar;
+            let grammar = self.file.grammar;
             for span in renamable(&self.file.text, grammar, found, &from, &to) {
                 self.edit(span, &to);
             }

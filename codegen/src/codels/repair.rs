@@ -84,9 +84,6 @@ impl Repairs<'_> {
             Repair::RaiseDeclared(replacement) => {
                 format!("Raise `{}` in `{}`", replacement.to, replacement.function)
             }
-            Repair::FollowMember { structure, from, to, .. } => {
-                format!("Rename member `{from}` of `{structure}` to `{to}` in the codels")
-            }
             Repair::RenameFunction { from, to } => {
                 format!("Rename the function `{from}` to `{to}`")
             }
@@ -113,13 +110,6 @@ impl Repairs<'_> {
             }
             Repair::ReturnDeclared(replacement) | Repair::RaiseDeclared(replacement) => {
                 Some(respelled(replacement))
-            }
-            Repair::FollowMember { to, places, .. } => {
-                let mut edit = Edit::default();
-                for (path, range) in places {
-                    edit.replace(path, range.clone(), to.as_str());
-                }
-                Some(edit)
             }
             Repair::RenameFunction { from, to } => Some(self.rename_function(from, to)),
             Repair::RenameCodel { from, to } => self.rename_codel(from, to),
@@ -161,7 +151,7 @@ impl Repairs<'_> {
         let functions = self.expected.functions.iter();
         let missing = functions.filter(|function| {
             let mut files = self.sources.all();
-            !files.any(|file| file.index.definitions(&function.name).next().is_some())
+            !files.any(|file| file.index().definitions(&function.name).next().is_some())
         });
         missing.filter_map(|function| function.uses.first().copied()).collect()
     }
@@ -186,7 +176,7 @@ impl Repairs<'_> {
         for other in others {
             let name = &component.codel(other).name;
             let mut files = self.sources.sources.iter();
-            if let Some(file) = files.find(|file| file.index.definitions(name).next().is_some()) {
+            if let Some(file) = files.find(|file| file.index().definitions(name).next().is_some()) {
                 return file.path.clone();
             }
         }
@@ -211,7 +201,7 @@ impl Repairs<'_> {
 
     fn function(&self, path: &Utf8Path, start: usize) -> Option<(&IndexedFile, &Function)> {
         let file = self.sources.file(path)?;
-        let mut functions = file.index.functions.iter();
+        let mut functions = file.index().functions.iter();
         Some((file, functions.find(|function| function.span.start == start)?))
     }
 }

@@ -6,9 +6,7 @@ use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{Analysis, UnitResult};
-use dotgen_analysis::ide::FilePosition;
 use dotgen_analysis::model::{Component, ComponentKind, Src, TypeKind};
-use dotgen_analysis::progress::Progress;
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::command::{Project, SyncOptions, SyncReport, headers, sync};
 use dotgen_codegen::codels::files::{FilesConfig, Sources};
@@ -20,14 +18,13 @@ use crate::codels::project::{Overlay, codels, examples, host_over, published};
 use crate::codels::support::{compile, compiler, temporary, write};
 
 /// Kinds of edits.
-const KINDS: [&str; 7] = [
+const KINDS: [&str; 6] = [
     "direction",
     "parameter added",
     "parameter removed",
     "yield",
     "throw",
     "name of a codel",
-    "member",
 ];
 
 /// A component that is edited.
@@ -50,14 +47,13 @@ impl Subject {
             component.kind == ComponentKind::Component
                 && place.is_some_and(|place| place.path == self.root)
         })?;
-        let edit = Edit { subject: self, analysis: &analysis, unit: &unit, component };
+        let edit = Edit { subject: self, unit: &unit, component };
         match kind {
             "direction" => edit.direction(random),
             "parameter added" => edit.parameter_added(random),
             "parameter removed" => edit.parameter_removed(random),
             "yield" => edit.listed("yield", &edit.states(), random),
             "throw" => edit.listed("throw", &edit.exceptions(), random),
-            "member" => edit.member(random),
             _ => {
                 let codel = edit.codel(random)?;
                 Some(self.with(codel.end..codel.end, "2"))
@@ -73,7 +69,6 @@ impl Subject {
 /// What an edit is made from.
 struct Edit<'a> {
     subject: &'a Subject,
-    analysis: &'a Analysis,
     unit: &'a UnitResult,
     component: &'a Component,
 }
@@ -122,22 +117,6 @@ impl Edit<'_> {
         let others: Vec<&str> =
             ["in", "out", "inout"].into_iter().filter(|name| *name != word).collect();
         Some(self.subject.with(at..at + word.len(), others[random.usize(..2)]))
-    }
-
-    fn members(&self) -> Vec<(Src, String)> {
-        let mut out = Vec::new();
-        let spec = &self.unit.spec;
-        for ty in &spec.types {
-            let members = match &ty.kind {
-                TypeKind::Struct { members } => members.as_slice(),
-                _ => &[],
-            };
-            let members = members.iter().map(|member| spec.ty(*member));
-            out.extend(
-                members.filter_map(|member| Some((member.src, member.name.as_ref()?.to_string()))),
-            );
-        }
-        out
     }
 
     fn parameter_added(&self, random: &mut fastrand::Rng) -> Option<String> {
@@ -219,31 +198,6 @@ impl Edit<'_> {
         let left: Vec<&str> =
             (0..).zip(&items).filter(|pair| pair.0 != gone).map(|pair| *pair.1).collect();
         Some(self.subject.with(list, &format!(" {}", left.join(",").trim_start())))
-    }
-
-    /// A member with another name, wherever the specification speaks of it.
-    fn member(&self, random: &mut fastrand::Rng) -> Option<String> {
-        let members = self.members();
-        let (src, name) = members.get(random.usize(..members.len().max(1)))?;
-        let at =
-            FilePosition { path: self.subject.root.clone(), offset: self.place(*src, name)?.start };
-        // As it might be misspelt, or be something else.
-        let to = match random.usize(..2) {
-            0 => format!("{name}_s"),
-            _ => format!("other{}", random.usize(..9)),
-        };
-        let edits =
-            self.analysis.rename(&at, &to, &Progress::default()).expect("not cancelled").ok()?;
-        if edits.iter().any(|edit| edit.path != self.subject.root) {
-            return None;
-        }
-        let mut text = self.text().to_owned();
-        let mut edits = edits;
-        edits.sort_by_key(|edit| std::cmp::Reverse(edit.range.start));
-        for edit in edits {
-            text.replace_range(edit.range, &edit.new_text);
-        }
-        Some(text)
     }
 }
 

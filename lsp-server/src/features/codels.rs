@@ -344,10 +344,6 @@ fn folders(snapshot: &Snapshot, config: &FilesConfig, root: &Utf8Path) -> Cancel
 
 /// True if two states of a folder have the same findings.
 fn same(a: &Folder, b: &Folder) -> bool {
-    let files = |folder: &Folder| -> Vec<*const ()> {
-        let all = folder.sources.all();
-        all.map(|file| Arc::as_ptr(&file.index).cast()).collect()
-    };
     a.specification == b.specification
         && Arc::ptr_eq(&a.unit.spec, &b.unit.spec)
         && a.components == b.components
@@ -356,7 +352,8 @@ fn same(a: &Folder, b: &Folder) -> bool {
         && a.sources.exists == b.sources.exists
         && a.sources.incomplete == b.sources.incomplete
         && a.sources.folder == b.sources.folder
-        && files(a) == files(b)
+        && a.sources.all().count() == b.sources.all().count()
+        && std::iter::zip(a.sources.all(), b.sources.all()).all(|(a, b)| a.is(b))
         && a.also_named == b.also_named
 }
 

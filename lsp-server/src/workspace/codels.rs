@@ -5,21 +5,36 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::host::{Analysis, Cancellable, UnitResult};
+use dotgen_analysis::host::{Analysis, AnalysisHost, Cancellable, UnitResult};
 use dotgen_analysis::language::Language;
+use dotgen_codegen::codels::command::judge::Known;
 use dotgen_codegen::codels::drift::Drift;
 use dotgen_codegen::codels::files::{FilesConfig, Indexes};
 use dotgen_codegen::codels::folder::Folder;
 use rustc_hash::FxHashMap;
 
+use crate::config::Config;
+
 /// The results of comparisons, shared by all snapshots.
 #[derive(Default)]
 pub(crate) struct Cache {
-    pub(crate) indexes: Mutex<Indexes>,
+    pub(crate) indexes: Arc<Mutex<Indexes>>,
+    /// The last workshop; `None` while a request has it.
+    pub(crate) workshop: Mutex<Option<Workshop>>,
     /// The comparisons, by root of the unit.
     pub(crate) compared: Mutex<FxHashMap<Utf8PathBuf, Arc<ComparedFolders>>>,
     /// The last state of a unit without syntax errors, by root. Used while the user types.
     pub(crate) good: Mutex<FxHashMap<Utf8PathBuf, ValidUnit>>,
+}
+
+/// A separate database for work that tries changes, with the texts of a revision.
+pub(crate) struct Workshop {
+    pub(crate) host: AnalysisHost,
+    /// What was found about the edits of the revision.
+    pub(crate) known: Known,
+    pub(crate) revision: u64,
+    pub(crate) config: Arc<Config>,
+    pub(crate) roots: Arc<Vec<Utf8PathBuf>>,
 }
 
 /// A unit without syntax errors, and its texts.

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::codes::lints;
+use dotgen_analysis::codes::{CODEL, lints};
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use rustc_hash::FxHashMap;
 
@@ -54,11 +54,20 @@ impl Verdict {
     }
 }
 
+/// What a judge found about the texts of one revision, for the next judge of the same texts.
+#[derive(Default)]
+pub struct Known {
+    roots: Vec<Utf8PathBuf>,
+    before: Option<Findings>,
+    /// Judged edits, each with the numbers of findings that it should remove, and whether changes of the
+    /// sources could complete it.
+    verdicts: Vec<(Edit, Vec<(String, usize)>, bool, Verdict)>,
+}
+
 /// Tries edits on a project. Afterwards its texts are unchanged.
 pub struct Judge<'j, 'p> {
     project: &'j mut Project<'p>,
-    roots: Vec<Utf8PathBuf>,
-    before: Option<Findings>,
+    known: Known,
     /// Remaining number of edits that may be tried. Later edits are not judged.
     pub room: usize,
     /// True if edits are tried in all affected units.
@@ -68,13 +77,27 @@ pub struct Judge<'j, 'p> {
 impl<'j, 'p> Judge<'j, 'p> {
     /// A judge of edits that affect the units of some roots. Nothing is analysed before the first edit.
     pub fn new(project: &'j mut Project<'p>, roots: &[Utf8PathBuf]) -> Judge<'j, 'p> {
-        Judge {
-            project,
-            roots: roots[..roots.len().min(MAX_UNITS)].to_vec(),
-            before: None,
-            room: MAX_TRIALS,
-            is_complete: roots.len() <= MAX_UNITS,
-        }
+        Judge::knowing(project, roots, Known::default())
+    }
+
+    /// As [`Judge::new`], with what another judge found about the same texts.
+    pub fn knowing(
+        project: &'j mut Project<'p>,
+        roots: &[Utf8PathBuf],
+        known: Known,
+    ) -> Judge<'j, 'p> {
+        let is_complete = roots.len() <= MAX_UNITS;
+        let roots = &roots[..roots.len().min(MAX_UNITS)];
+        let known = match known.roots == roots {
+            true => known,
+            false => Known { roots: roots.to_vec(), ..Known::default() },
+        };
+        Judge { project, known, room: MAX_TRIALS, is_complete }
+    }
+
+    /// What was found about the texts.
+    pub fn into_known(self) -> Known {
+        self.known
     }
 
     /// Leaves room for as many trials as texts of this size allow.
@@ -87,15 +110,21 @@ impl<'j, 'p> Judge<'j, 'p> {
         self.project
     }
 
-    /// Judges an edit that should remove a finding of the code `mends`, or remove none.
+    /// Judges an edit that should remove a finding of the code `mends`, or remove none. Changes of the sources
+    /// may complete it.
     pub fn verdict(&mut self, edit: &Edit, mends: Option<&str>) -> Verdict {
         let mends: Vec<(&str, usize)> = mends.into_iter().map(|text| (text, 1)).collect();
-        self.judged(edit, &mends)
+        self.judged(edit, &mends, true)
     }
 
-    /// Judges edits, each with the code of the finding that it is for. They are tried together first: many
-    /// edits that are whole together cost one analysis. Otherwise they are tried in halves, or, if edits are
-    /// refused one after the other, by themselves.
+    /// As [`Judge::verdict`], for an edit that nothing completes.
+    pub fn verdict_alone(&mut self, edit: &Edit, mends: &str) -> Verdict {
+        self.judged(edit, &[(mends, 1)], false)
+    }
+
+    /// Judges edits that nothing completes, each with the code of the finding that it is for. They are tried
+    /// together first: many edits that are whole together cost one analysis. Otherwise they are tried in
+    /// halves, or, if edits are refused one after the other, by themselves.
     pub fn verdicts(&mut self, edits: &[(Edit, &str)]) -> Vec<Verdict> {
         let mut out = Vec::with_capacity(edits.len());
         let mut refused = 0;
@@ -118,7 +147,7 @@ impl<'j, 'p> Judge<'j, 'p> {
                 }
             }
             let (edit, code) = &rest[0];
-            let verdict = self.verdict(edit, Some(code));
+            let verdict = self.verdict_alone(edit, code);
             refused = match verdict {
                 Verdict::Refused => refused + 1,
                 _ => 0,
@@ -139,36 +168,73 @@ impl<'j, 'p> Judge<'j, 'p> {
             *mends.entry(code).or_default() += 1;
         }
         let mends: Vec<(&str, usize)> = mends.into_iter().collect();
-        self.judged(&all, &mends) == Verdict::Whole
+        self.judged(&all, &mends, false) == Verdict::Whole
     }
 
-    /// Judges an edit that is to remove a number of findings of each of some codes.
-    fn judged(&mut self, edit: &Edit, mends: &[(&str, usize)]) -> Verdict {
+    /// Judges an edit that is to remove a number of findings of each of some codes. With `follow`, changes of
+    /// the sources may complete it.
+    fn judged(&mut self, edit: &Edit, mends: &[(&str, usize)], follow: bool) -> Verdict {
+        let is_same = |known: &&(Edit, Vec<(String, usize)>, bool, Verdict)| {
+            let same_codes = std::iter::zip(&known.1, mends).all(|(a, b)| (&*a.0, a.1) == *b);
+            known.0 == *edit && known.1.len() == mends.len() && same_codes && known.2 == follow
+        };
+        if let Some(known) = self.known.verdicts.iter().find(is_same) {
+            return known.3.clone();
+        }
         let Some(room) = self.room.checked_sub(1) else {
             return Verdict::Unknown;
         };
         self.room = room;
-        let before = match self.before.take() {
+        let mut before = match self.known.before.take() {
             Some(before) => before,
-            None => Findings::of(self.project, &self.roots),
+            None => Findings::of_specifications(self.project, &self.known.roots),
         };
-        let verdict = match self.tried(edit, mends, &before) {
+        let verdict = match self.tried(edit, mends, follow, &mut before) {
             Verdict::Refused => Verdict::Refused,
             _ if !self.is_complete => Verdict::Unknown,
             verdict => verdict,
         };
-        self.before = Some(before);
+        self.known.before = Some(before);
+        let mends = mends.iter().map(|(code, number)| ((*code).to_owned(), *number)).collect();
+        self.known.verdicts.push((edit.clone(), mends, follow, verdict.clone()));
         verdict
     }
 
-    fn tried(&mut self, edit: &Edit, mends: &[(&str, usize)], before: &Findings) -> Verdict {
+    fn tried(
+        &mut self,
+        edit: &Edit,
+        mends: &[(&str, usize)],
+        follow: bool,
+        before: &mut Findings,
+    ) -> Verdict {
         let changes = self.project.changes(edit);
         let mut touched = ChangedLines::default();
         changes.iter().for_each(|change| touched.note(change));
         let mut originals = self.overlay(changes);
-        let mut after = Findings::of(self.project, &self.roots);
+        let mut after = Findings::of_specifications(self.project, &self.known.roots);
+        // What a specification alone refuses needs no codels.
+        let of_codels = |code: &str| code.starts_with(CODEL) || code == lints::UNUSED_SUPPRESSION;
+        let remains = |&&(code, number): &&(&str, usize)| {
+            !of_codels(code) && after.count(code).saturating_add(number) > before.count(code)
+        };
+        if !before.added(&after, &touched).is_empty() || mends.iter().any(|one| remains(&one)) {
+            self.restore(originals);
+            return Verdict::Refused;
+        }
+        if !before.has_codels {
+            let changed = originals.keys().map(|path| (path.clone(), self.project.text(path)));
+            let changed: Vec<_> = changed.collect();
+            self.restore(std::mem::take(&mut originals));
+            before.add_codels(self.project, &self.known.roots);
+            let changed = changed.into_iter().filter_map(|(path, after)| {
+                let before = self.project.text(&path).map(|text| text.to_string());
+                Some(FileChange { path, before, after: after?.to_string() })
+            });
+            originals = self.overlay(changed.collect());
+        }
+        after.add_codels(self.project, &self.known.roots);
         let mut is_paired = false;
-        for _ in 0..ROUNDS {
+        for _ in 0..if follow { ROUNDS } else { 0 } {
             let added = before.added(&after, &touched);
             if added.is_empty() || !added.iter().all(|code| after.is_followed(code)) {
                 break;
@@ -182,7 +248,8 @@ impl<'j, 'p> Judge<'j, 'p> {
             for (path, text) in self.overlay(changes) {
                 originals.entry(path).or_insert(text);
             }
-            after = Findings::of(self.project, &self.roots);
+            after = Findings::of_specifications(self.project, &self.known.roots);
+            after.add_codels(self.project, &self.known.roots);
         }
         let is_mended = mends
             .iter()
@@ -215,7 +282,7 @@ impl<'j, 'p> Judge<'j, 'p> {
             if more.touches(edit) {
                 continue;
             }
-            let edit = match self.verdict(edit, Some(code)) {
+            let edit = match self.judged(edit, &[(code, 1)], follow) {
                 Verdict::Whole => edit.clone(),
                 Verdict::Paired(edit) if follow => edit,
                 _ => continue,
@@ -223,7 +290,7 @@ impl<'j, 'p> Judge<'j, 'p> {
             if more.touches(&edit) || !more.merge(edit) {
                 continue;
             }
-            if numbers.is_empty() || self.verdict(&more, Some(code)) == Verdict::Whole {
+            if numbers.is_empty() || self.verdict_alone(&more, code) == Verdict::Whole {
                 chosen = more;
                 numbers.push(number);
             }
@@ -300,13 +367,30 @@ struct Findings {
     folders: Vec<Folder>,
     counts: FxHashMap<&'static str, usize>,
     errors: usize,
+    /// True if codels were compared.
+    has_codels: bool,
 }
 
 impl Findings {
-    fn of(project: &mut Project<'_>, roots: &[Utf8PathBuf]) -> Findings {
-        let mut out = Findings { all: project.diagnostics(roots), ..Findings::default() };
-        out.errors =
-            out.all.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).count();
+    /// The findings of specifications alone: no source is parsed.
+    fn of_specifications(project: &Project<'_>, roots: &[Utf8PathBuf]) -> Findings {
+        let all = project.diagnostics(roots);
+        let errors = all.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).count();
+        let mut out = Findings { errors, ..Findings::default() };
+        out.add(all);
+        out
+    }
+
+    fn add(&mut self, found: Vec<Diagnostic>) {
+        for diagnostic in &found {
+            *self.counts.entry(diagnostic.code).or_default() += 1;
+        }
+        self.all.extend(found);
+    }
+
+    /// Adds the findings about codels.
+    fn add_codels(&mut self, project: &mut Project<'_>, roots: &[Utf8PathBuf]) {
+        self.has_codels = true;
         let mut compared = Vec::new();
         for folder in project.folders(roots, &mut Vec::new()) {
             if !folder.sources.exists {
@@ -316,18 +400,13 @@ impl Findings {
             let mut found = project.adjusted(&folder, all.clone());
             // The number of missing functions is not a finding of its own.
             found.retain(|drift| !matches!(drift.kind, Difference::Unwritten { .. }));
-            let shown = diagnostics(&found, &*folder.unit.locations, Side::First);
-            out.all.extend(shown);
+            self.add(diagnostics(&found, &*folder.unit.locations, Side::First));
             let index = compared.len();
-            out.drifts.extend(found.into_iter().map(|drift| (index, drift)));
+            self.drifts.extend(found.into_iter().map(|drift| (index, drift)));
             compared.push((folder, all));
         }
-        out.all.extend(project.unused_allowances(&compared));
-        out.folders = compared.into_iter().map(|pair| pair.0).collect();
-        for diagnostic in &out.all {
-            *out.counts.entry(diagnostic.code).or_default() += 1;
-        }
-        out
+        self.add(project.unused_allowances(&compared));
+        self.folders = compared.into_iter().map(|pair| pair.0).collect();
     }
 
     fn count(&self, code: &str) -> usize {

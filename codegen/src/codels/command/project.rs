@@ -2,13 +2,13 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::{Diagnostic, Fix};
 use dotgen_analysis::host::{AnalysisHost, Change};
 use dotgen_analysis::model::Name;
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::codels::{
     drift::Drift,
@@ -20,14 +20,17 @@ use crate::codels::{
 };
 use crate::template::notice;
 
-/// A host, its files, and the texts that replace files.
+/// A host, the folders of codels, and texts that replace those of files. Each file is read once, by the
+/// host, and each folder is listed once.
 pub struct Project<'a> {
     host: &'a mut AnalysisHost,
     files: &'a dyn Files,
     config: FilesConfig,
     stubs: StubOptions,
-    overlay: BTreeMap<Utf8PathBuf, Arc<str>>,
-    indexes: RefCell<Indexes>,
+    /// The texts that were replaced, by path; `None` if there was no file.
+    replaced: BTreeMap<Utf8PathBuf, Option<Arc<str>>>,
+    listings: RefCell<FxHashMap<Utf8PathBuf, Option<Vec<Utf8PathBuf>>>>,
+    indexes: Arc<Mutex<Indexes>>,
 }
 
 impl<'a> Project<'a> {
@@ -43,28 +46,30 @@ impl<'a> Project<'a> {
             files,
             config,
             stubs,
-            overlay: BTreeMap::new(),
-            indexes: RefCell::default(),
+            replaced: BTreeMap::new(),
+            listings: RefCell::default(),
+            indexes: Arc::default(),
         }
+    }
+
+    /// The project with indexes of sources that it shares with others.
+    pub fn sharing(self, indexes: Arc<Mutex<Indexes>>) -> Project<'a> {
+        Project { indexes, ..self }
     }
 
     /// Puts a text in place of a file.
     pub fn overlay(&mut self, path: Utf8PathBuf, text: String) {
-        self.host
-            .apply(Change { files: vec![(path.clone(), Some(text.clone()))], ..Change::default() });
-        self.overlay.insert(path, text.into());
+        if !self.replaced.contains_key(&path) {
+            self.replaced.insert(path.clone(), self.text(&path));
+        }
+        self.host.apply(Change { files: vec![(path, Some(text))], ..Change::default() });
     }
 
     /// Restores the text before [`Project::overlay`]; `None` if there was no file.
     pub fn restore(&mut self, path: Utf8PathBuf, text: Option<String>) {
-        self.overlay.remove(&path);
-        let text = text.map(Arc::<str>::from);
-        if self.files.read(&path) != text
-            && let Some(text) = &text
-        {
-            self.overlay.insert(path.clone(), text.clone());
+        if self.replaced.get(&path).is_some_and(|before| before.as_deref() == text.as_deref()) {
+            self.replaced.remove(&path);
         }
-        let text = text.map(|text| text.to_string());
         self.host.apply(Change { files: vec![(path, text)], ..Change::default() });
     }
 
@@ -109,12 +114,13 @@ impl<'a> Project<'a> {
 
     /// Present text of a file.
     pub fn text(&self, path: &Utf8Path) -> Option<Arc<str>> {
-        self.overlay.get(path).cloned().or_else(|| self.files.read(path))
+        // Nothing cancels: no other thread uses the host.
+        self.host.analysis().text(path).unwrap_or_default()
     }
 
-    /// Text of a file on disk.
-    pub fn text_on_disk(&self, path: &Utf8Path) -> Option<Arc<str>> {
-        self.files.read(path)
+    /// Text of a file before all changes.
+    pub fn text_before(&self, path: &Utf8Path) -> Option<Arc<str>> {
+        self.replaced.get(path).cloned().unwrap_or_else(|| self.text(path))
     }
 
     /// The folders of codels of all components that the roots and their included files declare.
@@ -157,8 +163,10 @@ impl<'a> Project<'a> {
     }
 
     fn sources(&self, specification: &Utf8Path) -> Sources {
-        let mut index =
-            |path: Utf8PathBuf, text: Arc<str>, cxx| self.indexes.borrow_mut().get(path, text, cxx);
+        let mut index = |path: Utf8PathBuf, text: Arc<str>, cxx| {
+            let mut indexes = self.indexes.lock().unwrap_or_else(PoisonError::into_inner);
+            indexes.get(path, text, cxx)
+        };
         Sources::load_with(specification, &self.config, self, &mut index)
     }
 
@@ -212,9 +220,11 @@ impl Files for Project<'_> {
     }
 
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
-        let below = self.overlay.keys().filter_map(|key| key.strip_prefix(folder).ok());
+        let below = self.replaced.keys().filter_map(|key| key.strip_prefix(folder).ok());
         let below: Vec<Utf8PathBuf> = below.map(Utf8Path::to_owned).collect();
-        match self.files.list(folder) {
+        let mut listings = self.listings.borrow_mut();
+        let listing = listings.entry(folder.to_owned());
+        match listing.or_insert_with(|| self.files.list(folder)).clone() {
             Some(mut listing) => {
                 listing.extend(below);
                 Some(listing)

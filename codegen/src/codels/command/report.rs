@@ -170,7 +170,7 @@ impl CheckReport {
         let files = || folder.sources.all();
         let functions = all.iter().flat_map(|expected| &expected.functions);
         let defined = functions.clone().filter(|function| {
-            files().any(|file| file.index.definitions(&function.name).next().is_some())
+            files().any(|file| file.index().definitions(&function.name).next().is_some())
         });
         self.folders.push(FolderSummary {
             specification: folder.specification.clone(),

@@ -57,10 +57,6 @@ findings! {
         "codel/orphan" Renamed { function: Name, codel: Name }
             => "function `{function}` looks like a codel and no specification names it, while codel \
                 `{codel}` has no function: was one of them renamed?";
-        "codel/unknown-member" NoMember { structure: Name, member: Name }
-            => "`{structure}` has no member `{member}`";
-        "codel/unknown-member" FormerMember { parameter: Name, member: Name }
-            => "parameter `{parameter}` is member `{member}` of the `ids`: was that one renamed?";
         "codel/undeclared-name" NoName { function: Name, name: Name }
             => "`{function}` uses `{name}`, which is no parameter of it", "add it to the codel, or declare it";
         "codel/constant-write" ConstantWrite { function: Name, parameter: Name }

@@ -132,7 +132,7 @@ impl Flow<'_> {
             .check
             .sources
             .all()
-            .flat_map(|file| &file.index.functions)
+            .flat_map(|file| &file.index().functions)
             .filter(|function| function.name == name)
             .filter_map(|function| function.body.as_ref())
             .collect();
@@ -190,8 +190,8 @@ impl Flow<'_> {
     fn is_declared(&self, name: &str) -> bool {
         let short = name.rsplit("::").next().unwrap_or(name);
         self.check.sources.all().any(|file| {
-            file.index.names.contains(short)
-                || file.index.macros.iter().any(|known| known.name == short)
+            file.index().names.contains(short)
+                || file.index().macros.iter().any(|known| known.name == short)
         })
     }
 
@@ -199,7 +199,7 @@ impl Flow<'_> {
     fn hides_returns(&self) -> bool {
         self.body.calls.iter().filter(|call| call.statement).any(|call| {
             let name = &call.name;
-            let macros = self.check.sources.all().flat_map(|file| &file.index.macros);
+            let macros = self.check.sources.all().flat_map(|file| &file.index().macros);
             let mut known = macros.filter(|defined| defined.name == *name).peekable();
             if known.peek().is_some() {
                 return known.any(|definition| definition.returns);

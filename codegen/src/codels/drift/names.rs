@@ -68,7 +68,7 @@ fn named(check: &Check<'_>) -> FxHashSet<Name> {
 fn is_declared(check: &Check<'_>, name: &str) -> bool {
     let mut files = check.sources.all();
     files.any(|file| {
-        let index = &file.index;
+        let index = file.index();
         index.names.contains(name)
             || index.loose.contains(name)
             || index.macros.iter().any(|definition| definition.name == name)

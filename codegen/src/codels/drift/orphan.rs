@@ -33,7 +33,7 @@ pub(super) fn find<'a>(
         all.iter().map(|expected| expected.component().name.as_str()).collect();
     let mut out = Vec::new();
     for file in sources.of_components(&components) {
-        for function in &file.index.functions {
+        for function in &file.index().functions {
             let found = FunctionIn { file, function };
             if function.body.is_some()
                 && function.is_global()
@@ -82,7 +82,7 @@ fn is_helper(input: FunctionIn<'_>, sources: &Sources) -> bool {
     let name = &input.function.name;
     let declared = |function: &Function| function.body.is_none() && function.name == *name;
     sources.all().any(|file| {
-        file.index.functions.iter().any(|other| {
+        file.index().functions.iter().any(|other| {
             let body = other.body.as_ref();
             declared(other)
                 || other.name != *name && body.is_some_and(|body| body.mentions.contains(name))
@@ -111,7 +111,7 @@ pub(super) fn renamed<'a>(
     let functions = expected.functions.iter().map(|function| function.name.as_str());
     let missing = functions.filter(|name| {
         let mut files = sources.all();
-        !files.any(|file| file.index.definitions(name).next().is_some())
+        !files.any(|file| file.index().definitions(name).next().is_some())
     });
     let back = nearest(name, missing)?;
     let found = orphans.iter().find(|orphan| orphan.function.name == name);

@@ -122,7 +122,7 @@ fn is_shouted(name: &str) -> bool {
 
 /// True if a macro of a file mentions a name.
 fn is_in_macro(file: &IndexedFile, name: &str) -> bool {
-    if file.index.macros.is_empty() || !file.text.contains(name) {
+    if file.index().macros.is_empty() || !file.text.contains(name) {
         return false;
     }
     let mut inside = false;

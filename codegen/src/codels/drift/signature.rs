@@ -36,7 +36,7 @@ pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut
     }
     // Prototypes that contradict the definition do not compile.
     for file in check.sources.all() {
-        for function in &file.index.functions {
+        for function in &file.index().functions {
             if function.body.is_some()
                 || function.name != check.function.name
                 || !function.is_global()
@@ -247,8 +247,8 @@ fn is_declared_in(sources: &Sources, base: &str) -> bool {
     let short = base.rsplit("::").next().unwrap_or(base);
     let plain = short.split('<').next().unwrap_or(short);
     sources.all().any(|file| {
-        file.index.names.contains(plain)
-            || file.index.macros.iter().any(|definition| definition.name == plain)
+        file.index().names.contains(plain)
+            || file.index().macros.iter().any(|definition| definition.name == plain)
     })
 }
 

@@ -170,7 +170,7 @@ impl Repairs<'_> {
             if !file.text.contains(name) {
                 continue;
             }
-            let Some(tree) = parse(&file.text, file.index.grammar) else {
+            let Some(tree) = parse(&file.text, file.grammar) else {
                 continue;
             };
             // Uses of parameters in the body have edits of their own, and edits must not overlap.
@@ -378,7 +378,7 @@ fn words(text: &str) -> String {
 
 /// The places of a parameter in the body; `None` if the body declares another variable of that name.
 fn uses(file: &IndexedFile, function: &Function, name: &str) -> Option<Vec<Range<usize>>> {
-    let tree = parse(&file.text, file.index.grammar)?;
+    let tree = parse(&file.text, file.grammar)?;
     let body = function.body.as_ref()?.span.clone();
     let (mut out, mut hidden) = (Vec::new(), false);
     preorder(tree.root_node(), |node| {
@@ -398,7 +398,7 @@ fn uses(file: &IndexedFile, function: &Function, name: &str) -> Option<Vec<Range
 }
 
 fn follow_body(file: &IndexedFile, function: &Function, pairs: &[Pair], edit: &mut Edit) {
-    let Some(tree) = parse(&file.text, file.index.grammar) else {
+    let Some(tree) = parse(&file.text, file.grammar) else {
         return;
     };
     for pair in pairs {
@@ -484,7 +484,7 @@ fn arguments(
         return None;
     }
     // A variable of the caller with the name of the new parameter is passed.
-    let caller = file.index.function_at(list.start_byte())?;
+    let caller = file.index().function_at(list.start_byte())?;
     let out: Option<Vec<String>> = pairs
         .iter()
         .map(|pair| {

@@ -59,7 +59,7 @@ impl Repairs<'_> {
         let before = (0..at.index).rev().map(|index| CodelRef { index, ..at });
         for at in before {
             let name = &component.codel(at).name;
-            if let Some(function) = file.index.definitions(name).last() {
+            if let Some(function) = file.index().definitions(name).last() {
                 return function.span.end;
             }
         }
@@ -107,7 +107,7 @@ impl Repairs<'_> {
         start: usize,
     ) -> Option<Edit> {
         let file = self.sources.file(path)?;
-        let mut comments = file.index.functions.iter().flat_map(|function| &function.comments);
+        let mut comments = file.index().functions.iter().flat_map(|function| &function.comments);
         let comment = comments.find(|comment| comment.span.start == start)?;
         let generated = comment.generated.as_ref()?;
         let stubs = Stubs::new(self.expected, self.stubs);
@@ -129,10 +129,10 @@ impl Repairs<'_> {
     pub(super) fn rename_function(&self, from: &str, to: &str) -> Edit {
         let mut edit = Edit::default();
         for file in self.sources.all() {
-            for range in mentions(&file.text, file.index.grammar, from) {
+            for range in mentions(&file.text, file.grammar, from) {
                 edit.replace(&file.path, range, to);
             }
-            let comments = file.index.functions.iter().flat_map(|function| &function.comments);
+            let comments = file.index().functions.iter().flat_map(|function| &function.comments);
             for generated in comments.filter_map(|comment| comment.generated.as_ref()) {
                 if generated.codel == from
                     && let Some(header) = file.text.get(generated.header.clone())

@@ -125,15 +125,3 @@ pub(crate) fn renamable(
     }
     places
 }
-
-/// Words that follow `.` or `->` in a text, without parsing it.
-pub(crate) fn field_words(text: &str) -> impl Iterator<Item = &str> {
-    let dots = text.match_indices('.').chain(text.match_indices("->"));
-    dots.filter_map(|(at, sign)| {
-        let rest = text.get(at + sign.len()..)?.trim_start();
-        let part = |character: char| character.is_alphanumeric() || character == '_';
-        let end = rest.find(|character| !part(character)).unwrap_or(rest.len());
-        (end > 0 && !rest.starts_with(|character: char| character.is_ascii_digit()))
-            .then(|| &rest[..end])
-    })
-}

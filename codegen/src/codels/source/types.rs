@@ -54,18 +54,6 @@ impl Types {
         });
     }
 
-    /// Structures with their members.
-    pub(crate) fn structures(
-        &self,
-    ) -> impl Iterator<Item = (&SmolStr, &FxHashMap<SmolStr, CType>)> {
-        self.members.iter()
-    }
-
-    /// The members of a structure.
-    pub(crate) fn members_of(&self, structure: &str) -> Option<&FxHashMap<SmolStr, CType>> {
-        self.find(structure).map(|pair| pair.1)
-    }
-
     fn value(&mut self, name: SmolStr, ty: CType) {
         self.values
             .entry(name)

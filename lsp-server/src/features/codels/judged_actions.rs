@@ -2,16 +2,19 @@
 //!
 //! [`judge`]: dotgen_codegen::codels::command::judge
 
+use std::sync::Arc;
+
 use camino::Utf8Path;
 use dotgen_analysis::host::{AnalysisHost, Cancellable, Change};
 use dotgen_codegen::codels::command::Project;
-use dotgen_codegen::codels::command::judge::{Judge, Verdict};
+use dotgen_codegen::codels::command::judge::{Judge, Known, Verdict};
 use dotgen_codegen::codels::edit::Edit;
 use dotgen_codegen::codels::stub::StubOptions;
 
 use crate::features::codels::{self, Texts};
 use crate::features::convert::edit::{Review, edit_of, with_edit};
 use crate::protocol::types::{CodeAction, CodeActionOrCommand};
+use crate::workspace::codels::{Workshop, lock};
 use crate::workspace::snapshot::Snapshot;
 
 /// Makes actions of the edits that a judge allows.
@@ -34,12 +37,15 @@ pub(crate) fn offers<T>(
     if roots.is_empty() {
         roots.push(path.to_owned());
     }
-    let mut host = private_host(snapshot)?;
+    let mut workshop = workshop(snapshot)?;
     let texts = Texts::new(snapshot);
-    let mut project = project(&mut host, snapshot, &texts, &roots[0]);
-    let judge = Judge::new(&mut project, &roots);
-    let out = offer(&mut JudgedActions { snapshot, texts: &texts, judge })?;
+    let mut project = project(&mut workshop.host, snapshot, &texts, &roots[0]);
+    let judge = Judge::knowing(&mut project, &roots, workshop.known);
+    let mut offers = JudgedActions { snapshot, texts: &texts, judge };
+    let out = offer(&mut offers)?;
     texts.check()?;
+    workshop.known = offers.judge.into_known();
+    *lock(&snapshot.codels.workshop) = Some(workshop);
     Ok(out)
 }
 
@@ -78,6 +84,35 @@ impl JudgedActions<'_, '_, '_> {
     }
 }
 
+/// The workshop with the texts of a snapshot. Who has it puts it back after work that left its texts as they
+/// were; otherwise the next request makes a new one.
+fn workshop(snapshot: &Snapshot) -> Cancellable<Workshop> {
+    let last = lock(&snapshot.codels.workshop).take();
+    let same_settings = |last: &Workshop| {
+        Arc::ptr_eq(&last.config, &snapshot.config) && Arc::ptr_eq(&last.roots, &snapshot.roots)
+    };
+    let Some(mut last) = last.filter(same_settings) else {
+        return Ok(Workshop {
+            host: private_host(snapshot)?,
+            known: Known::default(),
+            revision: snapshot.revision,
+            config: snapshot.config.clone(),
+            roots: snapshot.roots.clone(),
+        });
+    };
+    if last.revision == snapshot.revision {
+        return Ok(last);
+    }
+    let mut files = Vec::new();
+    let known = last.host.known_at("".into());
+    for path in known.into_iter().chain(snapshot.open.keys().cloned()) {
+        let text = snapshot.analysis.text(&path)?;
+        files.push((path, text.map(|text| text.to_string())));
+    }
+    last.host.apply(Change { files, ..Change::default() });
+    Ok(Workshop { known: Known::default(), revision: snapshot.revision, ..last })
+}
+
 /// A separate database with the texts of a snapshot, for work that tries changes.
 pub(crate) fn private_host(snapshot: &Snapshot) -> Cancellable<AnalysisHost> {
     let mut host = AnalysisHost::new(snapshot.vfs.clone());
@@ -104,5 +139,5 @@ pub(crate) fn project<'a>(
 ) -> Project<'a> {
     let files = snapshot.config.codels_of(file).cloned().unwrap_or_default();
     let stubs = StubOptions { use_parameters: true, ..StubOptions::default() };
-    Project::new(host, texts, files, stubs)
+    Project::new(host, texts, files, stubs).sharing(snapshot.codels.indexes.clone())
 }
