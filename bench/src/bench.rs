@@ -5,6 +5,7 @@
 
 mod adversarial;
 pub(crate) mod client;
+mod codels;
 mod competitors;
 mod endurance;
 mod fischer;
@@ -65,6 +66,9 @@ pub(crate) struct Options {
 enum What {
     /// Start of processes, an editing session, instructions of the front end.
     Server,
+    /// Components with sources in C and C++: checks, and typing in an editor, beside the goals. DOTGEN_CLONES
+    /// names a folder of public components.
+    Codels,
     /// Verification next to TChecker and the schedule-abstraction tool, by their paths in TCHECKER and SAG.
     Competitors,
     /// Verification of the published systems.
@@ -116,6 +120,7 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
     let runs = |default| options.runs.unwrap_or(default);
     match options.what {
         What::Server => server(&dotgen, runs(101))?,
+        What::Codels => codels::codels(&dotgen, runs(5))?,
         What::Competitors => return competitors::competitors(&dotgen, runs(5), options.sets),
         What::Verify => growth::corpus(&dotgen, runs(5))?,
         What::Flight => flight::flight(&dotgen, runs(3))?,

@@ -19,6 +19,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
+use crate::bench::client::Editor;
 use crate::bench::measure::{self, Job};
 use operations::{OPERATIONS, Operation};
 use xtask::run::{self, step};
@@ -117,27 +118,60 @@ fn one(dotgen: &Path, folder: &Path, operation: &Operation) -> Result<Figures> {
         }
         std::fs::create_dir_all(&here)?;
         let arguments = (operation.prepare)(dotgen, &here, SIZE * times)?;
-        figures.instructions[at] = instructions(dotgen, &here, &arguments)? as f64 / 1e6;
+        let counted = instructions(dotgen, &here, &arguments, operation.session)?;
+        figures.instructions[at] = counted as f64 / 1e6;
         if times == SIZE_FACTORS[2] {
-            figures.megabytes = megabytes(dotgen, &here, arguments)?;
+            figures.megabytes = match operation.session {
+                Some(session) => {
+                    let mut editor = Editor::start(dotgen, &here, capabilities())?;
+                    session(&mut editor, &here)?;
+                    let peak = editor.memory("VmHWM")?;
+                    editor.end()?;
+                    peak
+                }
+                None => megabytes(dotgen, &here, arguments)?,
+            };
         }
     }
     Ok(figures)
 }
 
+/// The capabilities of the editor of a session.
+fn capabilities() -> serde_json::Value {
+    serde_json::json!({ "textDocument": { "diagnostic": {}, "codeAction": {
+        "codeActionLiteralSupport": { "codeActionKind": { "valueSet": ["quickfix", "refactor"] } } } } })
+}
+
 /// Instructions of one process.
-fn instructions(dotgen: &Path, folder: &Path, arguments: &[String]) -> Result<u64> {
+fn instructions(
+    dotgen: &Path,
+    folder: &Path,
+    arguments: &[String],
+    session: Option<fn(&mut Editor, &Path) -> Result<()>>,
+) -> Result<u64> {
     let out = folder.join("callgrind.out");
     let output = format!("--callgrind-out-file={}", out.display());
     let dotgen = dotgen.to_string_lossy();
     let mut command = run::command(folder, "valgrind", &["--tool=callgrind", &output, &dotgen]);
-    let output = command.args(arguments).stdout(Stdio::null()).output()?;
+    command.args(arguments);
+    if let Some(session) = session {
+        let mut editor = Editor::run(&mut command, folder, capabilities())?;
+        session(&mut editor, folder)?;
+        editor.end()?;
+        return total(&out);
+    }
+    let output = command.stdout(Stdio::null()).output()?;
     // 1 is the status of what has errors.
     if output.status.code().is_none_or(|code| code > 1) {
         let said = String::from_utf8_lossy(&output.stderr);
         bail!("{arguments:?} failed:\n{said}");
     }
-    let text = std::fs::read_to_string(&out).context("valgrind wrote no counts")?;
+    total(&out)
+}
+
+/// The total of what valgrind wrote.
+fn total(out: &Path) -> Result<u64> {
+    let text = std::fs::read_to_string(out).context("valgrind wrote no counts")?;
     let mut lines = text.lines();
     let total =
         lines.find_map(|line| line.strip_prefix("summary: ").or(line.strip_prefix("totals: ")));

@@ -10,7 +10,7 @@ mod compare;
 mod edits;
 mod mutate;
 mod report;
-mod sets;
+pub(crate) mod sets;
 mod workspace;
 
 use std::path::PathBuf;
@@ -68,7 +68,7 @@ pub(crate) fn campaign(options: &Options) -> Result<bool> {
 
 fn measure(options: &Options, dotgen: &std::path::Path) -> Result<Report> {
     let mut report = Report::default();
-    for set in sets::sets(options)? {
+    for set in sets::sets(options.examples, &options.only)? {
         let started = std::time::Instant::now();
         report.set.clone_from(&set.name);
         let result = match options.what {

@@ -7,6 +7,7 @@ mod directions;
 mod example;
 mod fresh;
 mod golden;
+mod once;
 mod project;
 mod rename;
 mod repair;

@@ -39,8 +39,17 @@ pub(crate) struct Editor {
 impl Editor {
     /// Starts a server over a folder and initializes it.
     pub(crate) fn start(dotgen: &Path, folder: &Path, capabilities: Value) -> Result<Editor> {
-        let mut server = Command::new(dotgen)
-            .arg("lsp")
+        let mut command = Command::new(dotgen);
+        Editor::run(command.arg("lsp"), folder, capabilities)
+    }
+
+    /// As [`Editor::start`], with the command that runs the server.
+    pub(crate) fn run(
+        command: &mut Command,
+        folder: &Path,
+        capabilities: Value,
+    ) -> Result<Editor> {
+        let mut server = command
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
@@ -66,10 +75,24 @@ impl Editor {
         self.server.id()
     }
 
+    /// Memory of the server, in MB, by the name of the line in the status of its process.
+    pub(crate) fn memory(&self, key: &str) -> Result<f64> {
+        let text = std::fs::read_to_string(format!("/proc/{}/status", self.pid()))?;
+        let line = text.lines().find_map(|line| line.strip_prefix(key));
+        let number = line.and_then(|line| line.split_whitespace().nth(1));
+        let kilobytes: f64 = number.context("no such line")?.parse()?;
+        Ok(kilobytes / 1024.0)
+    }
+
     /// Opens a file of the folder.
     pub(crate) fn open(&mut self, name: &str, text: &str) -> Result<Document> {
         let uri = format!("{}/{name}", self.root);
-        let document = json!({ "uri": uri, "languageId": "genom3", "version": 1, "text": text });
+        let language = match name.rsplit_once('.') {
+            Some((_, "c" | "h")) => "c",
+            Some((_, "cc" | "cpp" | "cxx" | "hh" | "hpp")) => "cpp",
+            _ => "genom3",
+        };
+        let document = json!({ "uri": uri, "languageId": language, "version": 1, "text": text });
         self.notify("textDocument/didOpen", json!({ "textDocument": document }))?;
         Ok(Document { uri, version: 1 })
     }

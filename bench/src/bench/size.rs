@@ -261,15 +261,6 @@ impl Session {
         Ok(())
     }
 
-    fn status(&self, key: &str) -> Result<f64> {
-        let path = format!("/proc/{}/status", self.editor.pid());
-        let text = std::fs::read_to_string(path)?;
-        let line = text.lines().find_map(|line| line.strip_prefix(key));
-        let number = line.and_then(|line| line.split_whitespace().nth(1));
-        let kilobytes: f64 = number.context("no such line")?.parse()?;
-        Ok(kilobytes / 1024.0)
-    }
-
     /// Resident memory of the idle server, in MB.
     fn memory(&mut self) -> Result<f64> {
         self.settle()?;
@@ -278,11 +269,11 @@ impl Session {
 
     /// Present resident memory, in MB.
     pub(super) fn resident(&self) -> Result<f64> {
-        self.status("VmRSS")
+        self.editor.memory("VmRSS")
     }
 
     fn peak(&self) -> Result<f64> {
-        self.status("VmHWM")
+        self.editor.memory("VmHWM")
     }
 }
 

@@ -1,10 +1,12 @@
-//! What is measured: commands on texts of any size.
+//! What is measured: commands on texts of any size, and requests of an editor.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
+use serde_json::{Value, json};
 
+use crate::bench::client::{Document, Editor};
 use xtask::run;
 
 /// Something that users do.
@@ -13,80 +15,137 @@ pub(super) struct Operation {
     pub(super) name: &'static str,
     /// Makes the input of a size in a folder. Returns the arguments of the program.
     pub(super) prepare: fn(dotgen: &Path, folder: &Path, size: usize) -> Result<Vec<String>>,
+    /// What an editor does, if the program is a server.
+    pub(super) session: Option<fn(&mut Editor, &Path) -> Result<()>>,
+}
+
+impl Operation {
+    const fn command(
+        name: &'static str,
+        prepare: fn(&Path, &Path, usize) -> Result<Vec<String>>,
+    ) -> Operation {
+        Operation { name, prepare, session: None }
+    }
+
+    /// A session of an editor over a component with codels.
+    const fn session(
+        name: &'static str,
+        session: fn(&mut Editor, &Path) -> Result<()>,
+    ) -> Operation {
+        let prepare = |dotgen: &Path, folder: &Path, size: usize| {
+            with_codels(dotgen, folder, size)?;
+            command(&["lsp"])
+        };
+        Operation { name, prepare, session: Some(session) }
+    }
 }
 
 /// The name of the specification.
 const FILE: &str = "arm.gen";
+/// The name of the source of its codels.
+const CODELS: &str = "codels/arm_main_codels.c";
 
 pub(super) const OPERATIONS: &[Operation] = &[
-    Operation { name: "start", prepare: |_, _, _| command(&["--version"]) },
-    Operation { name: "explain", prepare: |_, _, _| command(&["explain", "fsm/undefined-state"]) },
-    Operation { name: "check", prepare: |_, folder, size| on_file(folder, size, &["check", FILE]) },
-    Operation {
-        name: "check with errors",
-        prepare: |_, folder, size| {
+    Operation::command("start", |_, _, _| command(&["--version"])),
+    Operation::command("explain", |_, _, _| command(&["explain", "fsm/undefined-state"])),
+    Operation::command("check", |_, folder, size| on_file(folder, size, &["check", FILE])),
+    Operation::command("check with errors", |_, folder, size| {
             let text = specification(size / 4).replace("yield pause::step", "yield pause::stop");
             std::fs::write(folder.join(FILE), text)?;
             command(&["check", FILE])
-        },
-    },
-    Operation {
-        name: "check with hints",
-        prepare: |_, folder, size| {
+        }),
+    Operation::command("check with hints", |_, folder, size| {
             let text = specification(size / 4).replace("    interrupt go", "    before go");
             std::fs::write(folder.join(FILE), text)?;
             command(&["check", FILE])
-        },
-    },
-    Operation { name: "fmt", prepare: |_, folder, size| on_file(folder, size, &["fmt", FILE]) },
-    Operation { name: "tree", prepare: |_, folder, size| on_file(folder, size, &["tree", FILE]) },
-    Operation { name: "model", prepare: |_, folder, size| on_file(folder, size, &["model", FILE]) },
-    Operation {
-        name: "diagram fsm",
-        prepare: |_, folder, size| on_file(folder, size, &["diagram", "fsm", FILE, "-o", "out"]),
-    },
-    Operation {
-        name: "generate json-schema",
-        prepare: |_, folder, size| on_file(folder, size, &["generate", "json-schema", FILE]),
-    },
-    Operation {
-        name: "generate python",
-        prepare: |_, folder, size| on_file(folder, size, &["generate", "python", FILE]),
-    },
-    Operation {
-        name: "codels stub",
-        prepare: |_, folder, size| on_file(folder, size, &["codels", "stub", FILE]),
-    },
-    Operation {
-        name: "codels check",
-        prepare: |dotgen, folder, size| {
-            let prepared = on_file(folder, size, &["codels", "check", FILE])?;
-            let program = dotgen.to_string_lossy();
-            run::capture(run::command(folder, &program, &["codels", "stub", FILE]))?;
-            Ok(prepared)
-        },
-    },
-    Operation {
-        name: "run",
-        prepare: |_, folder, size| {
+        }),
+    Operation::command("fmt", |_, folder, size| on_file(folder, size, &["fmt", FILE])),
+    Operation::command("tree", |_, folder, size| on_file(folder, size, &["tree", FILE])),
+    Operation::command("model", |_, folder, size| on_file(folder, size, &["model", FILE])),
+    Operation::command("diagram fsm", |_, folder, size| on_file(folder, size, &["diagram", "fsm", FILE, "-o", "out"])),
+    Operation::command("generate json-schema", |_, folder, size| on_file(folder, size, &["generate", "json-schema", FILE])),
+    Operation::command("generate python", |_, folder, size| on_file(folder, size, &["generate", "python", FILE])),
+    Operation::command("codels stub", |_, folder, size| on_file(folder, size, &["codels", "stub", FILE])),
+    Operation::command("codels check", |dotgen, folder, size| {
+        with_codels(dotgen, folder, size)?;
+        command(&["codels", "check", FILE])
+    }),
+    Operation::command("check with codels", |dotgen, folder, size| {
+        with_codels(dotgen, folder, size)?;
+        command(&["check", FILE])
+    }),
+    Operation::session("first lenses", |editor, folder| {
+        let opened = editor.open(FILE, &std::fs::read_to_string(folder.join(FILE))?)?;
+        ask(editor, "textDocument/codeLens", &opened)
+    }),
+    Operation::session("keystroke", |editor, folder| {
+        typed(editor, folder, FILE, "task main;")
+    }),
+    Operation::session("keystroke in a codel", |editor, folder| {
+        typed(editor, folder, CODELS, "genom_event")
+    }),
+    Operation::session("code actions", |editor, folder| {
+        let text = std::fs::read_to_string(folder.join(FILE))?;
+        let opened = editor.open(FILE, &text)?;
+        ask(editor, "textDocument/diagnostic", &opened)?;
+        let at = place(&text, "activity go0")?;
+        let range = json!({ "start": at, "end": at });
+        let params = json!({ "textDocument": { "uri": opened.uri }, "range": range,
+            "context": { "diagnostics": [] } });
+        editor.request("textDocument/codeAction", params)?;
+        Ok(())
+    }),
+    Operation::command("run", |_, folder, size| {
             std::fs::write(folder.join(FILE), specification(4))?;
             let until = format!("{} ms", 20 * size);
             let until = ["run", "--simulate", "all", "--bounds", "none", "--until", &until, FILE];
             command(&until)
-        },
-    },
-    Operation {
-        name: "verify",
-        prepare: |_, folder, size| {
+        }),
+    Operation::command("verify", |_, folder, size| {
             std::fs::write(folder.join(FILE), tasks(size / 4))?;
             command(&["verify", FILE])
-        },
-    },
+        }),
 ];
 
 fn command(arguments: &[&str]) -> Result<Vec<String>> {
     let words = arguments.iter().map(|argument| (*argument).to_owned());
     Ok(words.collect())
+}
+
+/// Writes a specification with the stubs of its codels.
+fn with_codels(dotgen: &Path, folder: &Path, size: usize) -> Result<()> {
+    std::fs::write(folder.join(FILE), specification(size))?;
+    let program = dotgen.to_string_lossy();
+    run::capture(run::command(folder, &program, &["codels", "stub", FILE]))?;
+    Ok(())
+}
+
+/// Types a comment before a text, a letter at a time, and asks for diagnostics after each.
+fn typed(editor: &mut Editor, folder: &Path, name: &str, before: &str) -> Result<()> {
+    let text = std::fs::read_to_string(folder.join(name))?;
+    let mut opened = editor.open(name, &text)?;
+    ask(editor, "textDocument/diagnostic", &opened)?;
+    let at = place(&text, before)?;
+    let (line, start) = (at["line"].as_u64().unwrap_or(0), at["character"].as_u64().unwrap_or(0));
+    for (number, letter) in "x = y; /* typed */".chars().enumerate() {
+        let column = start as usize + number;
+        editor.edit(&mut opened, line as usize, [column; 2], &letter.to_string())?;
+        ask(editor, "textDocument/diagnostic", &opened)?;
+    }
+    Ok(())
+}
+
+fn ask(editor: &mut Editor, method: &str, document: &Document) -> Result<()> {
+    editor.request(method, json!({ "textDocument": { "uri": document.uri } }))?;
+    Ok(())
+}
+
+/// The position of the last occurrence of a text.
+fn place(text: &str, wanted: &str) -> Result<Value> {
+    let at = text.rfind(wanted).with_context(|| format!("no `{wanted}`"))?;
+    let line = text[..at].matches('\n').count();
+    let start = text[..at].rfind('\n').map_or(0, |end| end + 1);
+    Ok(json!({ "line": line, "character": at - start }))
 }
 
 fn on_file(folder: &Path, size: usize, arguments: &[&str]) -> Result<Vec<String>> {

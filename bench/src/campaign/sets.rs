@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-use super::Options;
 use xtask::root;
 use xtask::shared::optional;
 
@@ -12,19 +11,19 @@ use xtask::shared::optional;
 const CLONES: &str = "DOTGEN_CLONES";
 
 /// A workspace to copy.
-pub(super) struct Set {
-    pub(super) name: String,
+pub(crate) struct Set {
+    pub(crate) name: String,
     /// The folder to copy.
     source: PathBuf,
     /// Folders of the copy whose documents are measured, relative to it.
-    pub(super) folders: Vec<PathBuf>,
+    pub(crate) folders: Vec<PathBuf>,
     /// The `dotgen.toml` of the copy, if the folder has none.
     settings: Option<String>,
 }
 
 /// A copy of a workspace, removed when it is dropped.
-pub(super) struct Copy {
-    pub(super) root: PathBuf,
+pub(crate) struct Copy {
+    pub(crate) root: PathBuf,
 }
 
 impl Drop for Copy {
@@ -33,8 +32,8 @@ impl Drop for Copy {
     }
 }
 
-/// All workspaces that the options select.
-pub(super) fn sets(options: &Options) -> Result<Vec<Set>> {
+/// All workspaces, or the examples alone, whose names contain one of `only` if there are any.
+pub(crate) fn sets(only_examples: bool, only: &[String]) -> Result<Vec<Set>> {
     let mut out = Vec::new();
     let examples = root().join("examples");
     for name in names(&examples)? {
@@ -45,12 +44,12 @@ pub(super) fn sets(options: &Options) -> Result<Vec<Set>> {
             settings: None,
         });
     }
-    if !options.examples {
+    if !only_examples {
         corpus(&mut out)?;
         clones(&mut out)?;
     }
-    if !options.only.is_empty() {
-        out.retain(|set| options.only.iter().any(|text| set.name.contains(text.as_str())));
+    if !only.is_empty() {
+        out.retain(|set| only.iter().any(|text| set.name.contains(text.as_str())));
     }
     Ok(out)
 }
@@ -101,7 +100,7 @@ fn clones(out: &mut Vec<Set>) -> Result<()> {
 
 impl Set {
     /// Makes a copy below the temporary directory.
-    pub(super) fn copy(&self) -> Result<Copy> {
+    pub(crate) fn copy(&self) -> Result<Copy> {
         static NEXT: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
         let number = NEXT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let name = format!("dotgen-campaign-{}-{number}", std::process::id());
@@ -118,14 +117,14 @@ impl Set {
     }
 
     /// Documents of a copy that are measured.
-    pub(super) fn documents(&self, root: &Path) -> Vec<PathBuf> {
+    pub(crate) fn documents(&self, root: &Path) -> Vec<PathBuf> {
         let folders = self.folders.iter();
         folders.flat_map(|folder| documents(&root.join(folder))).collect()
     }
 }
 
 /// True if a file is a specification with a component, and not a file of types.
-pub(super) fn is_specification(path: &Path) -> bool {
+pub(crate) fn is_specification(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "gen")
 }
 

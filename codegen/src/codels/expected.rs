@@ -12,6 +12,7 @@ use dotgen_analysis::model::{
 use dotgen_analysis::release::Change;
 use rustc_hash::{FxHashMap, FxHashSet};
 use smol_str::SmolStr;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use super::source::{CType, Function, Grammar, SourceIndex};
 use crate::lang::{Language, Mapper, NoPlaces};
@@ -389,7 +390,14 @@ impl<'a> Expected<'a> {
     }
 }
 
-/// Parses prototypes (without semicolon) with the reader of sources. Their spans have no meaning.
+/// Maximum number of prototypes that are remembered.
+const MOST_PROTOTYPES: usize = 1 << 14;
+
+/// The prototypes read so far: an edit of a specification changes few, and each is parsed like a source.
+type Prototypes = FxHashMap<Grammar, FxHashMap<String, Option<Function>>>;
+static PROTOTYPES: LazyLock<Mutex<Prototypes>> = LazyLock::new(Mutex::default);
+
+/// Parses prototypes (without semicolon) with the reader of sources.
 fn read_prototypes<'t>(
     texts: impl Iterator<Item = Option<&'t str>>,
     language: Language,
@@ -398,25 +406,26 @@ fn read_prototypes<'t>(
         Language::Cxx => Grammar::Cxx,
         _ => Grammar::C,
     };
-    let texts: Vec<Option<&str>> = texts.collect();
-    let read = |text: &str| -> Option<Vec<Function>> {
-        let index = SourceIndex::new(text, grammar);
-        let is_known = index.loose.is_empty() && index.functions.iter().all(|one| one.known);
-        is_known.then_some(index.functions)
+    let read = |text: &str| {
+        let index = SourceIndex::new(&format!("{text};\n"), grammar);
+        let [function] = <[Function; 1]>::try_from(index.functions).ok()?;
+        (function.known && index.loose.is_empty()).then_some(function)
     };
-    // One text is parsed faster than many, but a prototype that cannot be parsed spoils the others.
-    let all: String = texts.iter().flatten().flat_map(|text| [text, ";\n"]).collect();
-    if let Some(together) = read(&all)
-        && together.len() == texts.iter().flatten().count()
-    {
-        let mut together = together.into_iter();
-        return texts.iter().map(|text| text.and_then(|_| together.next())).collect();
+    let mut all = PROTOTYPES.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = all.entry(grammar).or_default();
+    if known.len() > MOST_PROTOTYPES {
+        known.clear();
     }
-    let alone = |text: &Option<&str>| {
-        let [function] = <[Function; 1]>::try_from(read(&format!("{};\n", (*text)?))?).ok()?;
-        Some(function)
+    let prototype = |text: Option<&str>| {
+        let text = text?;
+        if let Some(function) = known.get(text) {
+            return function.clone();
+        }
+        let function = read(text);
+        known.insert(text.to_owned(), function.clone());
+        function
     };
-    texts.iter().map(alone).collect()
+    texts.map(prototype).collect()
 }
 
 /// `start` or `pause::start`, in the syntax of specifications.

@@ -62,6 +62,8 @@ pub struct SourceIndex {
     /// Identifiers outside functions that are not in a recognized declaration: arguments of macros, and parts
     /// that cannot be parsed. Each may be the name of a function.
     pub loose: FxHashSet<SmolStr>,
+    /// Words in the definitions of macros, also inside functions.
+    pub in_macros: FxHashSet<SmolStr>,
     /// `#include` directives, in text order.
     pub includes: Vec<Include>,
 }
@@ -223,6 +225,7 @@ impl SourceIndex {
             macros: Vec::new(),
             names: FxHashSet::default(),
             loose: FxHashSet::default(),
+            in_macros: words_in_macros(text),
             includes: Vec::new(),
         };
         if let Some(tree) = parse(text, grammar) {
@@ -273,6 +276,22 @@ pub fn mentions(text: &str, grammar: Grammar, name: &str) -> Vec<Span> {
         }
         true
     });
+    out
+}
+
+/// The words in definitions of macros.
+fn words_in_macros(text: &str) -> FxHashSet<SmolStr> {
+    let mut out = FxHashSet::default();
+    let mut inside = false;
+    for line in text.lines() {
+        let directive = line.trim_start().strip_prefix('#').map(str::trim_start);
+        let here = inside || directive.is_some_and(|directive| directive.starts_with("define"));
+        inside = here && line.trim_end().ends_with('\\');
+        if here {
+            let words = line.split(|letter: char| !letter.is_alphanumeric() && letter != '_');
+            out.extend(words.filter(|word| !word.is_empty()).map(SmolStr::from));
+        }
+    }
     out
 }
 

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::host::{Analysis, UnitResult};
+use dotgen_analysis::host::UnitResult;
 use dotgen_analysis::model::{Component, ComponentKind, Src, TypeKind};
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::command::{Project, SyncOptions, SyncReport, headers, sync};
@@ -18,14 +18,8 @@ use crate::codels::project::{Overlay, codels, examples, host_over, published};
 use crate::codels::support::{compile, compiler, temporary, write};
 
 /// Kinds of edits.
-const KINDS: [&str; 6] = [
-    "direction",
-    "parameter added",
-    "parameter removed",
-    "yield",
-    "throw",
-    "name of a codel",
-];
+const KINDS: [&str; 6] =
+    ["direction", "parameter added", "parameter removed", "yield", "throw", "name of a codel"];
 
 /// A component that is edited.
 struct Subject {

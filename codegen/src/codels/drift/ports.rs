@@ -8,7 +8,7 @@ use super::finding::Difference;
 use super::{Check, Drift, DriftOptions, FunctionIn};
 use crate::codels::{
     expected::{Expected, ExpectedFunction},
-    files::{IndexedFile, Sources},
+    files::Sources,
     source::Parameter,
 };
 
@@ -107,7 +107,7 @@ fn idle<'a>(
     if let Some(name) = &parameter.name {
         // A macro that the sources define may use the name, and one of another header may be anything.
         let opaque = body.calls.iter().any(|call| is_shouted(&call.name));
-        let in_macro = sources.all().any(|file| is_in_macro(file, name));
+        let in_macro = sources.all().any(|file| file.index().in_macros.contains(name));
         if opaque || in_macro || body.escaping.contains(name) {
             return None;
         }
@@ -118,18 +118,4 @@ fn idle<'a>(
 /// True if a name has no small letter, as names of macros.
 fn is_shouted(name: &str) -> bool {
     !name.chars().any(char::is_lowercase)
-}
-
-/// True if a macro of a file mentions a name.
-fn is_in_macro(file: &IndexedFile, name: &str) -> bool {
-    if file.index().macros.is_empty() || !file.text.contains(name) {
-        return false;
-    }
-    let mut inside = false;
-    file.text.lines().any(|line| {
-        let directive = line.trim_start().strip_prefix('#').map(str::trim_start);
-        let here = inside || directive.is_some_and(|directive| directive.starts_with("define"));
-        inside = here && line.trim_end().ends_with('\\');
-        here && line.contains(name)
-    })
 }
