@@ -150,7 +150,7 @@ pub struct Body {
     pub throws_unknown: bool,
     /// Every identifier.
     pub mentions: FxHashSet<SmolStr>,
-    /// Identifiers with a use that may write a port: every use except `NAME->data(…)` and other calls of a
+    /// Parameters with a use that may write a port: every use except `NAME->data(…)` and other calls of a
     /// port that write nothing.
     pub escaping: FxHashSet<SmolStr>,
     /// Names used as values that the function does not declare, each at its first use. Names under a

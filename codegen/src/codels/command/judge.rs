@@ -208,8 +208,7 @@ impl<'j, 'p> Judge<'j, 'p> {
         before: &mut Findings,
     ) -> Verdict {
         let changes = self.project.changes(edit);
-        let mut touched = ChangedLines::default();
-        changes.iter().for_each(|change| touched.note(change));
+        let touched = ChangedLines::of(edit, &changes);
         let mut originals = self.overlay(changes);
         let mut after = Findings::of_specifications(self.project, &self.known.roots);
         // What a specification alone refuses needs no codels.
@@ -341,15 +340,26 @@ struct ChangedLines {
 }
 
 impl ChangedLines {
-    fn note(&mut self, change: &FileChange) {
-        let before = change.before.as_deref().unwrap_or_default();
-        let mut moved = 0isize;
-        for edit in line_edits(before, &change.after) {
-            let start = edit.range.start.saturating_add_signed(moved);
-            let ranges = self.lines.entry(change.path.clone()).or_default();
-            ranges.push(start..start + edit.text.len());
-            moved += edit.text.len() as isize - edit.range.len() as isize;
+    fn of(edit: &Edit, changes: &[FileChange]) -> ChangedLines {
+        let mut lines: BTreeMap<Utf8PathBuf, Vec<Range<usize>>> = BTreeMap::new();
+        for change in changes {
+            let here = lines.entry(change.path.clone()).or_default();
+            let Some(edits) = edit.changed.get(&change.path) else {
+                here.push(0..change.after.len());
+                continue;
+            };
+            let mut moved = 0isize;
+            for edit in edits {
+                let start = edit.range.start.saturating_add_signed(moved);
+                let (before, after) = change.after.split_at_checked(start).unwrap_or_default();
+                let line = before.rfind('\n').map_or(0, |end| end + 1);
+                let rest = after.get(edit.text.len()..).unwrap_or_default();
+                let end = rest.find('\n').unwrap_or(rest.len());
+                here.push(line..start + edit.text.len() + end);
+                moved += edit.text.len() as isize - edit.range.len() as isize;
+            }
         }
+        ChangedLines { lines }
     }
 
     /// True if a place is on a changed line.

@@ -40,13 +40,8 @@ pub(super) fn read(block: Node<'_>, parameters: &[Parameter], text: &str) -> Bod
     }
     let mut returns = Vec::new();
     preorder(block, |node| reader.node(node, &mut returns));
-    preorder(block, |node| {
-        if node.kind() == "identifier" && !is_idle(node, text) {
-            reader.body.escaping.insert(source(node, text).into());
-        }
-        true
-    });
-    let names = names::Names::of(block, text);
+    let names = names::Names::of(block, parameters, text);
+    reader.body.escaping.clone_from(&names.escaping);
     reader.body.free = names.free(parameters);
     reader.body.constant_writes = names.constant_writes(parameters);
     for node in returns {
@@ -63,7 +58,7 @@ pub(super) fn read(block: Node<'_>, parameters: &[Parameter], text: &str) -> Bod
 const IDLE_MEMBERS: [&str; 4] = ["data", "read", "open", "close"];
 
 /// True if the use of a name writes no port: a call `NAME->data(…)`, or `(void)NAME;`.
-fn is_idle(node: Node<'_>, text: &str) -> bool {
+pub(super) fn is_idle(node: Node<'_>, text: &str) -> bool {
     let Some(around) = node.parent() else {
         return false;
     };

@@ -4,6 +4,7 @@ use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 use tree_sitter::Node;
 
+use super::is_idle;
 use crate::codels::source::{
     Layer, Parameter, Span,
     ctype::{declared_name, source},
@@ -19,6 +20,8 @@ pub(super) struct Names {
     in_macros: FxHashSet<SmolStr>,
     /// Left sides with one dereference: the pointer, and the whole left side.
     written: Vec<(SmolStr, Span)>,
+    /// Parameters with a use that may write a port.
+    pub(super) escaping: FxHashSet<SmolStr>,
 }
 
 /// The context of a node.
@@ -33,7 +36,7 @@ struct NodeContext {
 }
 
 impl Names {
-    pub(super) fn of(block: Node<'_>, text: &str) -> Names {
+    pub(super) fn of(block: Node<'_>, parameters: &[Parameter], text: &str) -> Names {
         let mut out = Names::default();
         let mut cursor = block.walk();
         let mut around = vec![NodeContext::default()];
@@ -41,6 +44,13 @@ impl Names {
             let node = cursor.node();
             let here = around.last().copied().unwrap_or_default();
             out.node(node, cursor.field_name(), here, text);
+            if node.kind() == "identifier" {
+                let name = source(node, text);
+                let mut names = parameters.iter().filter_map(|parameter| parameter.name.as_ref());
+                if names.any(|parameter| parameter == name) && !is_idle(node, text) {
+                    out.escaping.insert(name.into());
+                }
+            }
             if cursor.goto_first_child() {
                 around.push(NodeContext {
                     parent: node.kind(),
