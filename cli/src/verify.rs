@@ -186,7 +186,7 @@ enum DurationsName {
 
 /// Maximum number of states for a specification without a scenario. Its client may send any request, and a
 /// longer search seldom finds more.
-const MAX_DEFAULT_STATES: usize = 100_000;
+const MAX_DEFAULT_STATES: usize = 25_000;
 
 /// The results of `--sensitivity`.
 struct Slacks {

@@ -24,7 +24,7 @@ use dotgen_views::verification::run::Interim;
 pub(crate) use job::JobResult;
 
 /// The pause in typing before a verification.
-const DEBOUNCE: Duration = Duration::from_millis(200);
+const DEBOUNCE: Duration = Duration::from_millis(120);
 /// The pause before a verification that is expected to be quick.
 const QUICK_DEBOUNCE: Duration = Duration::from_millis(30);
 /// The longest quick verification, in seconds.

@@ -110,14 +110,14 @@ pub(super) fn cycle_automaton(
         todo: Vec::new(),
         out: CycleAutomaton { places: Vec::new(), rests: Vec::new(), paused: Vec::new() },
     };
-    builder.first();
+    builder.first()?;
     while let Some((situation, number)) = builder.todo.pop() {
         if builder.known.len() > MAX_SITUATIONS {
             return Err(Refusal::Requests);
         }
         match situation.1 {
-            Some(executes) => builder.place(&situation.0, executes, number),
-            None => builder.rest(&situation.0, number),
+            Some(executes) => builder.place(&situation.0, executes, number)?,
+            None => builder.rest(&situation.0, number)?,
         }
     }
     Ok(builder.out)
@@ -142,14 +142,15 @@ impl Builder<'_> {
     }
 
     /// Adds the rest before the first cycle, in which only the permanent activity can begin.
-    fn first(&mut self) {
+    fn first(&mut self) -> Result<(), Refusal> {
         self.out.rests.push(Rest::default());
         self.out.paused.push(None);
         let mut at = vec![ActivityPosition::Before; self.activities.len()];
         if self.activities.first().is_some_and(|activity| activity.permanent) {
             at[0] = ActivityPosition::Next(self.begins(0, self.machine(0).start), false);
         }
-        self.out.rests[0].begins = self.proceed(&at);
+        self.out.rests[0].begins = self.proceed(&at)?;
+        Ok(())
     }
 
     /// Returns the number of a situation.
@@ -181,9 +182,14 @@ impl Builder<'_> {
         successor
     }
 
-    fn place(&mut self, at: &[ActivityPosition], executes: usize, number: usize) {
+    fn place(
+        &mut self,
+        at: &[ActivityPosition],
+        executes: usize,
+        number: usize,
+    ) -> Result<(), Refusal> {
         let ActivityPosition::Next(visited, stops) = &at[executes] else {
-            return;
+            return Ok(());
         };
         let machine = self.machine(executes);
         let state = &machine.states[visited.0];
@@ -207,10 +213,15 @@ impl Builder<'_> {
         };
         let all: Vec<Vec<ActivityPosition>> = next.into_iter().map(with).collect();
         let thrown = throws.then(|| with(self.after_failure(executes, *stops).unwrap_or(over)));
-        let mut then: Vec<Successor> =
-            all.iter().flat_map(|position| self.proceed(position)).collect();
+        let mut then: Vec<Successor> = Vec::new();
+        for position in &all {
+            then.extend(self.proceed(position)?);
+        }
         then.dedup();
-        let thrown = thrown.map_or(Vec::new(), |exception| self.proceed(&exception));
+        let thrown = match thrown {
+            Some(exception) => self.proceed(&exception)?,
+            None => Vec::new(),
+        };
         let Codel { lower, upper, .. } = self.system.codels[codel];
         self.out.places[number] = Place {
             codel,
@@ -219,11 +230,12 @@ impl Builder<'_> {
             then,
             thrown,
         };
+        Ok(())
     }
 
-    fn rest(&mut self, at: &[ActivityPosition], number: usize) {
+    fn rest(&mut self, at: &[ActivityPosition], number: usize) -> Result<(), Refusal> {
         let mut begins = Vec::new();
-        for positions in self.begin_pass(at, true) {
+        for positions in self.begin_pass(at, true)? {
             begins.extend(self.proceed_in_pass(&positions));
         }
         // A task asks for a core only if it has work, unless the activity to begin is interrupted meanwhile.
@@ -236,6 +248,7 @@ impl Builder<'_> {
             _ => false,
         });
         self.out.rests[number] = Rest { begins, skips: !paused };
+        Ok(())
     }
 
     /// Returns the state of an activity that has ended.
@@ -264,17 +277,17 @@ impl Builder<'_> {
     }
 
     /// Returns the possible successors in a pass, or after it.
-    fn proceed(&mut self, at: &[ActivityPosition]) -> Vec<Successor> {
+    fn proceed(&mut self, at: &[ActivityPosition]) -> Result<Vec<Successor>, Refusal> {
         let next = at.iter().any(|position| matches!(position, ActivityPosition::Next(..)));
         let goes = at.iter().any(|position| matches!(position, ActivityPosition::Goes(..)));
         if next || !goes {
-            return self.proceed_in_pass(at);
+            return Ok(self.proceed_in_pass(at));
         }
         let mut out = Vec::new();
-        for positions in self.begin_pass(at, false) {
+        for positions in self.begin_pass(at, false)? {
             out.extend(self.proceed_in_pass(&positions));
         }
-        out
+        Ok(out)
     }
 
     /// Returns the possible successors in a pass. The permanent activity has the first slot; the slots of
@@ -295,7 +308,11 @@ impl Builder<'_> {
 
     /// Returns the possible beginnings of a pass. Only the first pass of a cycle begins and resumes
     /// activities.
-    fn begin_pass(&self, at: &[ActivityPosition], first: bool) -> Vec<Vec<ActivityPosition>> {
+    fn begin_pass(
+        &self,
+        at: &[ActivityPosition],
+        first: bool,
+    ) -> Result<Vec<Vec<ActivityPosition>>, Refusal> {
         let mut out: Vec<Vec<ActivityPosition>> = vec![Vec::new()];
         for (activity, position) in at.iter().enumerate() {
             let mut ways = vec![match position {
@@ -328,6 +345,10 @@ impl Builder<'_> {
                 }
                 _ => {}
             }
+            // Every activity that may begin doubles them.
+            if out.len() * ways.len() > MAX_SITUATIONS {
+                return Err(Refusal::Requests);
+            }
             let before = std::mem::take(&mut out);
             for begun in before {
                 for way in &ways {
@@ -337,6 +358,6 @@ impl Builder<'_> {
                 }
             }
         }
-        out
+        Ok(out)
     }
 }

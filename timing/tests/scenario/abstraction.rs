@@ -271,3 +271,18 @@ fn fifty_periodic_tasks_on_one_core_keep_their_deadlines() {
         assert_eq!(found.map(|bound| bound.lines().count()), Ok(50), "{semantics}");
     }
 }
+
+#[test]
+fn sixty_activities_that_may_begin_at_any_time_are_refused_at_once() {
+    let activities: String = (0..60).fold(String::new(), |mut out, i| {
+        _ = write!(out, "activity a{i}() {{ task t; codel<start> f{i}() yield pause::start, ether wcet 1 us; }};\n");
+        out
+    });
+    let specification = format!(
+        "component c {{ version \"1\"; lang \"c\"; task t {{ period 10 ms; }};\n{activities}}};\n"
+    );
+    let sends: Vec<String> = (0..60).map(|i| format!("{{ send c.a{i}; }}")).collect();
+    let scenario =
+        format!("cores 2; client any {{ repeat * {{ choice {} }} }}", sends.join(" or "));
+    assert_eq!(bounds(&specification, &scenario), Err(Refusal::Requests));
+}

@@ -16,7 +16,10 @@ use super::view::View;
 use dotgen_timing::report::Verdict;
 
 /// Maximum number of states explored for one of them.
-const STATES: usize = 30_000;
+const STATES: usize = 4_000;
+
+/// Maximum number of activities that are each looked at alone; with more, none is.
+const MOST_ALONE: usize = 12;
 
 /// A result under an assumption about requests.
 #[derive(Debug, Clone, Serialize)]
@@ -43,10 +46,12 @@ pub fn answers(problem: &Problem, options: &Options, cancel: &Cancel) -> Vec<Fir
     if activities.is_empty() {
         return Vec::new();
     }
+    let few = activities.len() <= MOST_ALONE;
     let mut options = options.clone();
     options.limits.states = options.limits.states.min(STATES);
     let permanent = ("permanent activities only, no requests".to_owned(), None);
-    let alone = activities.into_iter().map(|activity| {
+    let alone = activities.into_iter();
+    let alone = alone.filter(|_| few).map(|activity| {
         let assuming = format!("{activity} alone, requested again at any time after it has ended");
         (assuming, Some(activity))
     });
