@@ -11,7 +11,6 @@ use serde::{Deserialize, Serialize};
 /// The severity of a diagnostic. Only errors reject a specification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[allow(missing_docs, reason = "the names of the LSP")]
 pub enum Severity {
     Error,
     Warning,
@@ -21,7 +20,6 @@ pub enum Severity {
 
 /// Extra meaning of a diagnostic, as in LSP.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[allow(missing_docs, reason = "the names of the LSP")]
 pub enum Tag {
     Unnecessary,
     Deprecated,

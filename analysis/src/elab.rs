@@ -91,7 +91,6 @@ pub struct DefId(pub u32);
 
 /// The kinds of declared entities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[allow(missing_docs, reason = "the words of the language")]
 pub enum DefKind {
     Module,
     Component,

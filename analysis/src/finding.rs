@@ -34,7 +34,6 @@ use crate::{
 
 /// The kind of a finding.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "the families say what they are about")]
 pub enum FindingKind {
     Preprocessing(Preprocessing),
     Parsing(Box<SyntaxError>),

@@ -83,7 +83,6 @@ pub struct RangeInfo<T> {
 /// Kinds of named things, in the words of the language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-#[allow(missing_docs, reason = "the words of the language")]
 pub enum SymbolKind {
     File,
     Macro,
@@ -183,7 +182,6 @@ impl NamedDeclaration {
 
 /// The content of a folded region.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "the names of the LSP")]
 pub enum FoldKind {
     Comment,
     Imports,
@@ -211,7 +209,6 @@ pub struct DocumentLink {
 /// Types of semantic tokens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
-#[allow(missing_docs, reason = "the names of the LSP, and ours after them")]
 pub enum TokenType {
     Comment,
     Keyword,
@@ -262,7 +259,6 @@ impl TokenType {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct TokenModifiers(pub u32);
 
-#[allow(missing_docs, reason = "the names of the LSP")]
 impl TokenModifiers {
     pub const NONE: TokenModifiers = TokenModifiers(0);
     pub const DECLARATION: TokenModifiers = TokenModifiers(1);
@@ -298,7 +294,6 @@ pub struct SemanticToken {
 
 /// The access of a reference to its target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[allow(missing_docs, reason = "self-explaining")]
 pub enum AccessKind {
     /// The declaration itself.
     Declaration,

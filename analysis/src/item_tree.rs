@@ -43,7 +43,6 @@ pub struct ItemTree {
 /// Any item of a specification, module, component, ids, struct or property body. The parser guarantees no
 /// more about the place of an item than the grammar does.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rules")]
 pub enum Item {
     /// `#include`, by ordinal among the include directives of the file that are active.
     Include {
@@ -121,7 +120,6 @@ pub enum Item {
 
 /// A `#pragma` that affects the specification.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "the arguments as words, quotes removed")]
 pub enum Pragma {
     /// `#pragma requires "pkg >= v" …`
     Requires { arguments: Vec<(SmolStr, Ptr)>, ptr: Ptr },
@@ -140,7 +138,6 @@ pub enum Pragma {
 
 /// `const T N = V;`
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rule")]
 pub struct ConstDecl {
     pub ty: TypeRef,
     pub name: Option<Name>,
@@ -150,7 +147,6 @@ pub struct ConstDecl {
 
 /// `name[2][3]`
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rule")]
 pub struct Declarator {
     pub name: Name,
     /// Outermost dimension first.
@@ -159,7 +155,6 @@ pub struct Declarator {
 
 /// One exception; `members` is empty without body.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rule")]
 pub struct ExceptionDecl {
     pub name: Name,
     pub members: Vec<Item>,
@@ -167,7 +162,6 @@ pub struct ExceptionDecl {
 
 /// A struct, union or enum with its body.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rules")]
 pub struct TypeDecl {
     pub name: Option<Name>,
     pub kind: TypeDeclKind,
@@ -176,7 +170,6 @@ pub struct TypeDecl {
 
 /// See [`TypeDecl`].
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rules")]
 pub enum TypeDeclKind {
     Struct { members: Vec<Item> },
     Union { switch: TypeRef, cases: Vec<Item> },
@@ -185,7 +178,6 @@ pub enum TypeDeclKind {
 
 /// `case V:` or `default:` (`value` is `None`).
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rule")]
 pub struct CaseLabel {
     pub value: Option<Expr>,
     pub ptr: Ptr,
@@ -202,7 +194,6 @@ pub struct TypeRef {
 
 /// See [`TypeRef`].
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "the IDL keywords say it")]
 pub enum TypeRefKind {
     Base(BaseType),
     String {
@@ -224,7 +215,6 @@ pub enum TypeRefKind {
 
 /// Base types.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "the IDL keywords say it")]
 pub enum BaseType {
     Boolean,
     Octet,
@@ -262,7 +252,6 @@ pub struct Expr {
 
 /// See [`Expr`].
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rules")]
 pub enum ExprKind {
     Bool(bool),
     /// Literal text, suffix included.
@@ -294,7 +283,6 @@ pub enum ExprKind {
 
 /// Unary operators.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "- + ~")]
 pub enum UnaryOp {
     Minus,
     Plus,
@@ -303,7 +291,6 @@ pub enum UnaryOp {
 
 /// Binary operators.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "| ^ & << >> + - * / %")]
 pub enum BinaryOp {
     Or,
     Xor,
@@ -319,7 +306,6 @@ pub enum BinaryOp {
 
 /// Units of time and size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "s ms us k M")]
 pub enum Unit {
     S,
     Ms,
@@ -354,7 +340,6 @@ pub struct Property {
 
 /// See [`Property`].
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "the properties of the language")]
 pub enum PropertyKind {
     Doc(Expr),
     Version(Expr),
@@ -387,7 +372,6 @@ pub enum PropertyKind {
 
 /// A port declaration.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rule")]
 pub struct PortDecl {
     pub multiple: bool,
     /// `None` if missing (a syntax error, already reported).
@@ -405,7 +389,6 @@ pub use crate::model::ServiceKind;
 
 /// An attribute, function or activity.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rule")]
 pub struct ServiceDecl {
     pub kind: ServiceKind,
     pub name: Option<Name>,
@@ -417,7 +400,6 @@ pub struct ServiceDecl {
 
 /// Directions as written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "in out inout")]
 pub enum Dir {
     In,
     Out,
@@ -426,7 +408,6 @@ pub enum Dir {
 
 /// A parameter of a service or codel.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rules")]
 pub struct ParamDecl {
     pub dir: Dir,
     pub spec: ParamSpec,
@@ -458,7 +439,6 @@ pub enum ParamSpec {
 
 /// Explicit source of a codel parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "ids local port remote")]
 pub enum Source {
     Ids,
     Local,
@@ -468,7 +448,6 @@ pub enum Source {
 
 /// One step of a parameter path; the first is always a member.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rule")]
 pub enum PathStep {
     Member(Name),
     Index(Expr),
@@ -476,7 +455,6 @@ pub enum PathStep {
 
 /// A codel.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rules")]
 pub struct CodelDecl {
     pub is_async: bool,
     pub name: Option<Name>,
@@ -492,7 +470,6 @@ pub struct CodelDecl {
 
 /// A state as written.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rule")]
 pub struct StateRef {
     pub paused: bool,
     pub name: Name,
@@ -526,7 +503,6 @@ pub struct Initializer {
 
 /// See [`Initializer`].
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rules")]
 pub enum Designator {
     Member(Name),
     Index(Expr),
@@ -534,7 +510,6 @@ pub enum Designator {
 
 /// See [`Initializer`].
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "named after the grammar rules")]
 pub enum InitValue {
     Scalar(Expr),
     Compound(Vec<Initializer>),

@@ -100,7 +100,6 @@ pub struct OwnerBody {
 /// `component` or `interface`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[allow(missing_docs, reason = "GenoM3's own words")]
 pub enum ComponentKind {
     Component,
     Interface,
@@ -166,7 +165,6 @@ pub struct Component {
 
 /// An execution task.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[allow(missing_docs, reason = "the properties of the language")]
 pub struct Task {
     pub name: Name,
     pub src: Src,
@@ -191,7 +189,6 @@ pub struct Task {
 /// Direction of a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[allow(missing_docs, reason = "self-explaining")]
 pub enum PortDir {
     In,
     Out,
@@ -221,7 +218,6 @@ pub struct Port {
 /// Kinds of service.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[allow(missing_docs, reason = "GenoM3's own words")]
 pub enum ServiceKind {
     Attribute,
     Function,
@@ -338,7 +334,6 @@ pub struct State {
 /// Direction of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[allow(missing_docs, reason = "self-explaining")]
 pub enum ParamDir {
     /// A local variable of a service.
     Local,

@@ -74,7 +74,7 @@ pub(super) struct Arguments {
     #[arg(long = "check", value_name = "CHECK", action = clap::ArgAction::Append)]
     checks: Vec<String>,
 
-    /// Give up a check after N states [default: 20000000; without a scenario 100000]
+    /// Give up a check after N states [default: 20000000; without a scenario 25000]
     #[arg(long, value_name = "N")]
     max_states: Option<usize>,
 

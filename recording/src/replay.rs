@@ -27,7 +27,6 @@ const MAX_LISTED_STEPS: usize = 8;
 /// The kind and details of a difference. Times are in units of the system.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-#[allow(missing_docs, reason = "the words of each variant say it")]
 pub enum DifferenceKind {
     /// A codel, or a delay, took longer than its greatest time.
     Longer { took: u64, limit: Ticks },

@@ -7,7 +7,6 @@ use sha2::{Digest as _, Sha256};
 
 /// The type of a field, without its number of elements.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[allow(missing_docs, reason = "the names of ROS 2")]
 pub enum Base {
     Int8,
     Uint8,

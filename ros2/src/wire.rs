@@ -7,7 +7,6 @@ pub const ATTACHMENT: usize = 33;
 
 /// The kind of an endpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "the words of ROS 2")]
 pub enum Kind {
     Publisher,
     Subscription,

@@ -44,7 +44,6 @@ macro_rules! findings {
     ) => {
         $(#[$meta])*
         #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-        #[allow(missing_docs, reason = "code and wording say what variants and fields are")]
         pub enum $Family {
             $( $(#[$doc])* $Variant $({ $($field: $ty),* })? ),*
         }

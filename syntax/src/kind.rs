@@ -16,12 +16,7 @@ syntax_kinds! {
 /// The language has only a few reserved words (manual, "Reserved words"); every other keyword is an
 /// identifier that the grammar recognises by its text, so the tree holds it as [`SyntaxKind::IDENT`]
 /// until the grammar remaps it to the keyword kind at the place where it is one.
-#[allow(
-    non_camel_case_types,
-    missing_docs,
-    reason = "the names are the documentation"
-)]
-#[allow(clippy::upper_case_acronyms)]
+#[allow(non_camel_case_types, clippy::upper_case_acronyms, reason = "the names of the grammar")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u16)]
 pub enum SyntaxKind {

@@ -11,7 +11,6 @@ use crate::{
 
 /// The expected kind of a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "the words of the language")]
 pub enum Noun {
     Type,
     Constant,

@@ -10,7 +10,6 @@ use crate::model::Name;
 
 /// The role of a related place.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "its words say what each is")]
 pub enum Role {
     First,
     FirstHere,

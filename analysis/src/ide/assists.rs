@@ -33,7 +33,6 @@ use crate::{
 
 /// Kinds of refactoring, as LSP groups them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "the names of the LSP")]
 pub enum AssistKind {
     Extract,
     Inline,

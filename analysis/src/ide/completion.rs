@@ -32,7 +32,6 @@ use names::Names;
 
 /// The kind of an item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "self-explaining")]
 pub enum CompletionKind {
     Keyword,
     /// A whole clause.

@@ -61,7 +61,6 @@ impl Default for InlayConfig {
 
 /// The kind of a hint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[allow(missing_docs, reason = "see InlayConfig")]
 pub enum InlayKind {
     Type,
     ImplicitEther,

@@ -79,7 +79,6 @@ pub enum Missing {
 /// The kinds of sources that a codel parameter may name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[allow(missing_docs, reason = "GenoM3's own words")]
 pub enum SourceKind {
     Ids,
     Local,

@@ -94,7 +94,6 @@ impl TypeKind {
 /// Kinds of type objects.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-#[allow(missing_docs, reason = "the IDL keywords say it")]
 pub enum TypeKind {
     Boolean,
     Octet,

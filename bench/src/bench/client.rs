@@ -44,11 +44,7 @@ impl Editor {
     }
 
     /// As [`Editor::start`], with the command that runs the server.
-    pub(crate) fn run(
-        command: &mut Command,
-        folder: &Path,
-        capabilities: Value,
-    ) -> Result<Editor> {
+    pub(crate) fn run(command: &mut Command, folder: &Path, capabilities: Value) -> Result<Editor> {
         let mut server = command
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())

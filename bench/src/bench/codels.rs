@@ -31,7 +31,9 @@ struct Component {
 /// Measures and prints.
 pub(super) fn codels(dotgen: &Path, runs: usize) -> Result<()> {
     measure::announce()?;
-    println!("\n| component | lines | check, goal | keystroke p50, p95, most, goal | first lenses | actions | MB, goal |");
+    println!(
+        "\n| component | lines | check, goal | keystroke p50, p95, most, goal | first lenses | actions | MB, goal |"
+    );
     println!("| --- | --- | --- | --- | --- | --- | --- |");
     for set in sets(false, &[])? {
         let copy = set.copy()?;

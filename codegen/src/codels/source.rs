@@ -31,7 +31,6 @@ const MAX_LEN: usize = 8 << 20;
 
 /// The grammar a text is read with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "self-explaining")]
 pub enum Grammar {
     C,
     Cxx,

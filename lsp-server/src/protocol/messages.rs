@@ -19,7 +19,6 @@ impl Notification for InactiveRegions {
 /// See [`InactiveRegions`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-#[allow(missing_docs, reason = "named by clangd's extension")]
 pub struct InactiveRegionsParams {
     pub text_document: VersionedTextDocumentIdentifier,
     pub regions: Vec<Range>,

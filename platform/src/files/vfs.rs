@@ -200,17 +200,25 @@ fn shown(text: String) -> String {
 /// Maximum number of listed entries of a directory.
 const MAX_ENTRIES: usize = 2_000;
 
-/// Reads a file from the disk.
-pub fn read(path: &Utf8Path) -> FileContent {
+/// What a path is, without reading it: a regular file is an empty text.
+pub fn kind(path: &Utf8Path) -> FileContent {
     match std::fs::metadata(path) {
-        Ok(metadata) if metadata.is_dir() => return FileContent::Directory,
+        Ok(metadata) if metadata.is_dir() => FileContent::Directory,
         // A read of a pipe or device might never end.
         Ok(metadata) if !metadata.is_file() => {
-            return FileContent::Unreadable("it is not a regular file".to_owned());
+            FileContent::Unreadable("it is not a regular file".to_owned())
         }
-        Ok(_) => {}
-        Err(error) if missing(&error) => return FileContent::Missing,
-        Err(error) => return FileContent::Unreadable(super::reason(&error)),
+        Ok(_) => FileContent::Text(String::new()),
+        Err(error) if missing(&error) => FileContent::Missing,
+        Err(error) => FileContent::Unreadable(super::reason(&error)),
+    }
+}
+
+/// Reads a file from the disk.
+pub fn read(path: &Utf8Path) -> FileContent {
+    match kind(path) {
+        FileContent::Text(_) => {}
+        other => return other,
     }
     match super::read_regular(path.as_std_path()) {
         Ok(bytes) => {

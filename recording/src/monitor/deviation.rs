@@ -21,7 +21,6 @@ pub struct Deviation {
 /// The kind and details of a deviation. Times are in nanoseconds.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-#[allow(missing_docs, reason = "the words of each variant say it")]
 pub enum DeviationKind {
     /// The specifications have no such codel.
     Unknown { task: String, service: String, function: String, from: String, why: Mismatch },

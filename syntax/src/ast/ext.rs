@@ -226,7 +226,6 @@ impl PathParam {
 
 /// The meaning of a directive line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "named after the directives")]
 pub enum DirectiveKind {
     Include,
     Define,

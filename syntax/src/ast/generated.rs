@@ -1,7 +1,5 @@
 //! Typed nodes. Generated from `genom.ungram` by `ast/generator.rs`; do not edit.
 
-#![allow(missing_docs, reason = "the names are those of the grammar")]
-
 use crate::{
     SyntaxKind::{self, *},
     SyntaxNode, SyntaxToken,

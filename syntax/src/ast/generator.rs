@@ -50,7 +50,6 @@ enum Shape {
 fn generate(grammar: &Grammar) -> String {
     let mut out = String::from(
         "//! Typed nodes. Generated from `genom.ungram` by `ast/generator.rs`; do not edit.\n\n\
-         #![allow(missing_docs, reason = \"the names are those of the grammar\")]\n\n\
          use crate::{SyntaxKind::{self, *}, SyntaxNode, SyntaxToken, ast::traits::{AstChildren, AstNode, support}};\n",
     );
     let enums: HashMap<Node, Vec<String>> =

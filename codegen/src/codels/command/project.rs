@@ -30,6 +30,7 @@ pub struct Project<'a> {
     /// The texts that were replaced, by path; `None` if there was no file.
     replaced: BTreeMap<Utf8PathBuf, Option<Arc<str>>>,
     listings: RefCell<FxHashMap<Utf8PathBuf, Option<Vec<Utf8PathBuf>>>>,
+    unlisted: RefCell<FxHashMap<Utf8PathBuf, Vec<String>>>,
     indexes: Arc<Mutex<Indexes>>,
 }
 
@@ -48,6 +49,7 @@ impl<'a> Project<'a> {
             stubs,
             replaced: BTreeMap::new(),
             listings: RefCell::default(),
+            unlisted: RefCell::default(),
             indexes: Arc::default(),
         }
     }
@@ -234,7 +236,8 @@ impl Files for Project<'_> {
     }
 
     fn unlisted(&self, folder: &Utf8Path) -> Vec<String> {
-        self.files.unlisted(folder)
+        let mut unlisted = self.unlisted.borrow_mut();
+        unlisted.entry(folder.to_owned()).or_insert_with(|| self.files.unlisted(folder)).clone()
     }
 
     fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {
