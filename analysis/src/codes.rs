@@ -12,7 +12,7 @@ use dotgen_syntax::{codes as syntax, preproc};
 
 use crate::diagnostic::Severity;
 
-/// A diagnostic code as shown to users.
+/// A diagnostic code as shown to users. Its page is in `docs/diagnostics`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Code {
     /// The code.
@@ -21,16 +21,6 @@ pub struct Code {
     pub severity: Severity,
     /// Set if it is reported unless configured otherwise.
     pub on: bool,
-    /// The meaning, in one sentence.
-    pub meaning: &'static str,
-    /// The reason for the rule, or the consequence of breaking it.
-    pub why: &'static str,
-    /// A text that triggers it; `None` if a fixture of the tests has it.
-    pub example: Option<&'static str>,
-    /// The corrected example; `None` if a fixture has it, or no text can show it.
-    pub corrected: Option<&'static str>,
-    /// Advice on how to correct the text.
-    pub fix: &'static str,
     /// Set if the reference compiler reports it too.
     pub reference: bool,
 }
@@ -83,39 +73,19 @@ pub fn all() -> impl Iterator<Item = Code> {
             preproc::Severity::Hint => Severity::Hint,
         },
         on: true,
-        meaning: code.meaning,
-        why: code.why,
-        example: Some(code.example),
-        corrected: shown(code.corrected),
-        fix: code.fix,
         reference: code.reference,
     });
     let checks = checks::all().map(|code| Code {
         id: code.id,
         severity: code.severity,
         on: true,
-        meaning: code.meaning,
-        why: code.why,
-        example: None,
-        corrected: None,
-        fix: code.fix,
         reference: code.reference,
     });
     let lints = lints::CODES.iter().chain(verification::CODES).map(|code| Code {
         id: code.id,
         severity: code.severity,
         on: code.on,
-        meaning: code.meaning,
-        why: code.why,
-        example: Some(code.example),
-        corrected: shown(code.corrected),
-        fix: code.fix,
         reference: false,
     });
     syntax.chain(checks).chain(lints)
-}
-
-/// A text of a table, unless it is empty.
-fn shown(text: &'static str) -> Option<&'static str> {
-    (!text.is_empty()).then_some(text)
 }

@@ -11,7 +11,6 @@
 mod allowances;
 pub mod build;
 pub mod cdr;
-pub mod codes;
 pub mod command;
 pub mod coverage;
 pub mod diagnostics;

@@ -1,10 +1,6 @@
-//! Every diagnostic code of the lexer, the preprocessor and the parser, by family.
+//! Every diagnostic code of the lexer, the preprocessor and the parser.
 //!
-//! Conditions are those of the language reference, section 19; each has the smallest text that
-//! triggers it, for the manual.
-
-mod grammar;
-mod preprocessor;
+//! Conditions are those of the language reference, section 19. Each code has a page in `docs/diagnostics`.
 
 use crate::preproc::Severity;
 
@@ -31,16 +27,6 @@ pub struct Code {
     pub id: &'static str,
     /// Severity unless configured otherwise.
     pub severity: Severity,
-    /// The meaning, in one sentence.
-    pub meaning: &'static str,
-    /// The reason for the rule, or the consequence of breaking it.
-    pub why: &'static str,
-    /// Advice on how to correct the text.
-    pub fix: &'static str,
-    /// A text that triggers it.
-    pub example: &'static str,
-    /// The corrected example; empty if no text can show the correction.
-    pub corrected: &'static str,
     /// Set if the reference compiler reports it too.
     pub reference: bool,
     /// The stage that reports it.
@@ -53,25 +39,10 @@ pub struct Code {
     pub environment: bool,
 }
 
-/// The families, in the order of the reference.
-const FAMILIES: &[&[Code]] = &[preprocessor::CODES, grammar::CODES];
-
-const fn error(
-    id: &'static str,
-    meaning: &'static str,
-    why: &'static str,
-    fix: &'static str,
-    example: &'static str,
-    corrected: &'static str,
-) -> Code {
+const fn error(id: &'static str) -> Code {
     Code {
         id,
         severity: Severity::Error,
-        meaning,
-        why,
-        fix,
-        example,
-        corrected,
         reference: true,
         stage: Stage::Preprocessor,
         cut: false,
@@ -80,26 +51,12 @@ const fn error(
     }
 }
 
-const fn warning(
-    id: &'static str,
-    meaning: &'static str,
-    why: &'static str,
-    fix: &'static str,
-    example: &'static str,
-    corrected: &'static str,
-) -> Code {
-    Code { severity: Severity::Warning, ..error(id, meaning, why, fix, example, corrected) }
+const fn warning(id: &'static str) -> Code {
+    Code { severity: Severity::Warning, ..error(id) }
 }
 
-const fn hint(
-    id: &'static str,
-    meaning: &'static str,
-    why: &'static str,
-    fix: &'static str,
-    example: &'static str,
-    corrected: &'static str,
-) -> Code {
-    Code { severity: Severity::Hint, ..error(id, meaning, why, fix, example, corrected) }
+const fn hint(id: &'static str) -> Code {
+    Code { severity: Severity::Hint, ..error(id) }
 }
 
 /// Marks a code that the reference compiler does not report.
@@ -128,9 +85,60 @@ impl Code {
     }
 }
 
+/// All codes, in the order of the reference.
+const CODES: &[Code] = &[
+    error("pp-include-not-found").environment(),
+    error("pp-include-bad"),
+    error("pp-include-depth"),
+    error("pp-define-bad"),
+    error("pp-define-dup-param"),
+    error("pp-va-args"),
+    error("pp-stringize"),
+    warning("pp-redefined"),
+    error("pp-undef-bad"),
+    error("pp-line-bad"),
+    error("pp-macro-args"),
+    error("pp-macro-eof").cut(),
+    error("pp-macro-limit"),
+    error("pp-bad-char"),
+    error("pp-pragma-bad"),
+    error("pp-pragma-operator"),
+    error("pp-requires-empty"),
+    error("pp-requires-many"),
+    error("pp-requires-unresolved").environment(),
+    hint("pp-requires-own"),
+    error("pp-cond-unterminated").cut(),
+    error("pp-else-without-if"),
+    error("pp-elif-without-if"),
+    error("pp-endif-without-if"),
+    error("pp-else-twice"),
+    error("pp-extra-tokens"),
+    warning("pp-extra-tokens-tail"),
+    warning("pp-no-newline"),
+    error("pp-ifdef-bad"),
+    error("pp-if-syntax"),
+    error("pp-if-div-zero"),
+    error("pp-if-operator"),
+    error("pp-if-range"),
+    error("pp-error-directive"),
+    warning("pp-warning-directive"),
+    error("pp-input"),
+    ours(error("pp-include-place")),
+    ours(error("pp-misspelt-directive")),
+    ours(hint("pp-unknown-directive")),
+    ours(hint("inactive-code").at(Stage::File).goes_on()),
+    ours(warning("not-utf8").at(Stage::File).goes_on()),
+    error("lex-stray").at(Stage::Lexer).goes_on(),
+    error("lex-comment-open").at(Stage::Lexer).goes_on().cut(),
+    error("syntax").at(Stage::Parser),
+    error(AT_END).at(Stage::Parser).cut(),
+    error("missing-semicolon").at(Stage::Parser).goes_on(),
+    error("missing-yield").at(Stage::Parser).goes_on().cut(),
+];
+
 /// All codes of this layer.
 pub fn all() -> impl Iterator<Item = &'static Code> {
-    FAMILIES.iter().copied().flatten()
+    CODES.iter()
 }
 
 /// Returns true for the code of a text that may be incomplete.

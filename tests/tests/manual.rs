@@ -1,55 +1,40 @@
-//! The manual pages of diagnostic codes are generated; this test writes them when they are not up to
-//! date, and fails.
+//! The manual pages of diagnostic codes: each code has one, in one form, and its page says what the tables of
+//! codes say. The list of all pages is generated: a test writes it when it is not up to date, and fails.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use dotgen_analysis::codes::{self, Code};
 use dotgen_analysis::diagnostic::Severity;
-use dotgen_codegen::codels::codes::{CODES, CodelCode, Correction};
+use dotgen_codegen::codels::drift::DriftCode;
 use dotgen_codegen::template::check;
+use dotgen_loaders::pages::{self, Page};
 use dotgen_tests::workspace_root;
 use dotgen_timing::diagnostic::Severity as ScenarioSeverity;
 use dotgen_timing::scn::codes as scenarios;
 
 /// The codes of all layers.
 fn all() -> impl Iterator<Item = Code> {
-    let codels = CODES.iter().map(|codel| Code {
-        id: codel.code.as_str(),
-        severity: codel.code.severity(),
+    let codels = DriftCode::ALL.map(|codel| Code {
+        id: codel.as_str(),
+        severity: codel.severity(),
         on: true,
-        meaning: codel.meaning,
-        why: codel.why,
-        example: Some(codel.specification),
-        corrected: None,
-        fix: codel.fix,
         reference: false,
     });
-    let scenarios = scenarios::all().map(|code| Code {
+    let scenarios = scenarios::CODES.iter().map(|code| Code {
         id: code.id,
         severity: match code.severity {
             ScenarioSeverity::Error => Severity::Error,
             ScenarioSeverity::Warning => Severity::Warning,
         },
         on: true,
-        meaning: code.meaning,
-        why: code.why,
-        example: Some(code.example),
-        corrected: (!code.corrected.is_empty()).then_some(code.corrected),
-        fix: code.fix,
         reference: false,
     });
     codes::all().chain(codels).chain(check::CODES.iter().copied()).chain(scenarios)
 }
 
-/// The entry of a code that compares specification and codels.
-fn codel(id: &str) -> Option<&'static CodelCode> {
-    CODES.iter().find(|codel| codel.code.as_str() == id)
-}
-
-/// The entry of a code about scenarios.
-fn scenario(id: &str) -> Option<&'static scenarios::Code> {
-    scenarios::all().find(|code| code.id == id)
+fn of_scenario(id: &str) -> bool {
+    scenarios::CODES.iter().any(|code| code.id == id)
 }
 
 /// True for a code of a verification, which no comment switches off.
@@ -57,7 +42,6 @@ fn of_verification(id: &str) -> bool {
     codes::verification::CODES.iter().any(|code| code.id == id)
 }
 
-/// True for a code about a file of a template.
 fn of_template(id: &str) -> bool {
     check::CODES.iter().any(|code| code.id == id)
 }
@@ -72,8 +56,9 @@ fn fixture(code: &str) -> Option<(String, String)> {
     Some((bad, good.to_owned()))
 }
 
-fn severity(severity: Severity) -> &'static str {
-    match severity {
+fn default(code: &Code) -> &'static str {
+    match code.severity {
+        _ if !code.on => "off",
         Severity::Error => "error",
         Severity::Warning => "warning",
         Severity::Information => "information",
@@ -89,44 +74,6 @@ correct. They check the rest and count the names that depend on the missing file
 missing files and packages and how to install them.
 ";
 
-/// A text in a fence with the language of an example.
-fn block(id: &str, text: &str) -> String {
-    let plain = of_template(id) || text.starts_with("scenario ");
-    let language = if plain { "text" } else { "genom" };
-    format!("\n```{language}\n{}\n```\n", text.trim_end())
-}
-
-/// The example of a code and, if there is one, its correction.
-fn examples(code: &Code) -> String {
-    let id = code.id;
-    let Some((example, corrected)) = code
-        .example
-        .map(|example| (example.to_owned(), code.corrected.map(str::to_owned)))
-        .or_else(|| fixture(id).map(|(bad, good)| (bad, Some(good))))
-    else {
-        return String::new();
-    };
-    let mut out = String::from("\n## Example\n");
-    if let Some(scenario) = scenario(id).filter(|code| !code.specification.is_empty()) {
-        out += &block(id, scenario.specification);
-    }
-    out += &block(id, &example);
-    if let Some(codel) = codel(id) {
-        let _ = write!(out, "\n```c\n{}\n```\n\nCorrected:\n", codel.source.trim_end());
-        match codel.corrected {
-            Correction::Specification(text) => out += &block(id, text),
-            Correction::Source(text) => {
-                let _ = write!(out, "\n```c\n{}\n```\n", text.trim_end());
-            }
-        }
-    }
-    if let Some(corrected) = corrected {
-        out += "\nCorrected:\n";
-        out += &block(id, &corrected);
-    }
-    out
-}
-
 /// Says what `dotgen.toml` and comments can do about a code.
 fn configuration(code: &Code) -> String {
     let id = code.id;
@@ -136,14 +83,14 @@ fn configuration(code: &Code) -> String {
     if code.severity == Severity::Error {
         let rejected = if of_template(id) {
             "the template fails"
-        } else if scenario(id).is_some() {
+        } else if of_scenario(id) {
             "the scenario cannot be verified"
         } else {
             "the specification is rejected"
         };
         return format!("\nThis error cannot be switched off: {rejected}.\n");
     }
-    if scenario(id).is_some() {
+    if of_scenario(id) {
         return "\nThis warning cannot be switched off.\n".to_owned();
     }
     let mut out = format!(
@@ -151,9 +98,9 @@ fn configuration(code: &Code) -> String {
          # or \"hint\", \"information\", \"warning\", \"error\"\n```\n"
     );
     if !of_verification(id) {
-        let places = match codel(id) {
-            Some(_) => "above the declaration, or in front of or inside the function",
-            None => "above the declaration",
+        let places = match id.starts_with(codes::CODEL) {
+            true => "above the declaration, or in front of or inside the function",
+            false => "above the declaration",
         };
         let _ = write!(
             out,
@@ -163,85 +110,84 @@ fn configuration(code: &Code) -> String {
     out
 }
 
-fn page(code: &Code) -> String {
-    let Code { id, meaning, why, fix, .. } = code;
-    let default = match code.on {
-        true => severity(code.severity),
-        false => "off",
-    };
-    let reference = match code.reference {
-        true if of_template(id) => " The template engine of GenoM3 reports it too.",
-        true => " `genom3` reports it too.",
-        false => "",
-    };
-    format!(
-        "# {id}\n\n{meaning}\n\nDefault severity: **{default}**.{reference}\n{}\n## Why it matters\n\n{why}\n\n## What to do\n\n{fix}\n{}",
-        examples(code),
-        configuration(code)
-    )
-}
-
-fn index(codes: &[Code]) -> String {
+fn index() -> String {
     let mut out = String::from(
         "# Diagnostics\n\nEvery code that dotgen reports, with its default severity. Codes never change their meaning.\n\
          `dotgen explain CODE` prints the page of a code.\n\n\
          | Code | Default | Meaning |\n| --- | --- | --- |\n",
     );
-    for code in codes {
-        let default = match code.on {
-            true => severity(code.severity),
-            false => "off",
-        };
-        let meaning = code.meaning.replace('|', "\\|");
+    for code in all() {
+        let meaning = Page::read(code.id).map(|page| page.meaning.replace('|', "\\|"));
+        let (meaning, default) = (meaning.unwrap_or_default(), default(&code));
         let _ = writeln!(out, "| [{id}]({id}.md) | {default} | {meaning} |", id = code.id);
     }
     out
 }
 
 #[test]
-fn the_pages_of_all_codes_are_up_to_date() {
-    let folder = workspace_root().join("docs/diagnostics");
-    let codes: Vec<Code> = all().collect();
-    let mut wanted: BTreeMap<String, String> = BTreeMap::new();
-    for code in &codes {
-        let before = wanted.insert(format!("{}.md", code.id), page(code));
-        assert!(before.is_none(), "`{}` is in two tables", code.id);
-    }
-    wanted.insert("README.md".into(), index(&codes));
-    let mut stale = Vec::new();
-    for (name, text) in &wanted {
-        let path = folder.join(name);
-        if std::fs::read_to_string(&path).ok().as_deref() != Some(text) {
-            std::fs::create_dir_all(path.parent().unwrap_or(&folder)).unwrap();
-            std::fs::write(&path, text).unwrap();
-            stale.push(name.clone());
-        }
-    }
-    assert!(
-        stale.is_empty(),
-        "docs/diagnostics was not up to date; commit the new pages: {stale:?}"
-    );
-}
-
-#[test]
-fn every_code_has_an_example() {
-    for code in all() {
-        assert!(code.example.is_some() || fixture(code.id).is_some(), "{} has no example", code.id);
+fn the_list_of_all_pages_is_up_to_date() {
+    let path = pages::folder().join("README.md");
+    let wanted = index();
+    if std::fs::read_to_string(&path).ok().as_deref() != Some(&wanted) {
+        std::fs::write(&path, wanted).unwrap();
+        panic!("docs/diagnostics/README.md was not up to date; commit the new one");
     }
 }
 
 /// The texts of a page are sentences, and the first one is short enough for a table.
 #[test]
-fn every_code_is_explained_in_sentences() {
+fn every_code_has_a_page_that_says_what_the_tables_say() {
+    let mut wrong = Vec::new();
     for code in all() {
         let id = code.id;
-        for text in [code.meaning, code.why, code.fix] {
+        let page = match Page::read(id) {
+            Ok(page) => page,
+            Err(why) => {
+                wrong.push(why);
+                continue;
+            }
+        };
+        let mut check = |holds: bool, what: &str| {
+            if !holds {
+                wrong.push(format!("{id}: {what}"));
+            }
+        };
+        let reference = match code.reference {
+            true if of_template(id) => " The template engine of GenoM3 reports it too.",
+            true => " `genom3` reports it too.",
+            false => "",
+        };
+        let line = format!("Default severity: **{}**.{reference}", default(&code));
+        check(page.default == line, &format!("its severity is `{line}`"));
+        let advice = page.rest.strip_suffix(&configuration(&code));
+        check(advice.is_some(), &format!("it ends with `{}`", configuration(&code)));
+        let advice = advice.map_or("", str::trim_end);
+        for text in [&*page.meaning, &*page.why, advice] {
             let capital = |first: char| !first.is_lowercase();
-            assert!(text.starts_with(capital) || text.starts_with("dotgen "), "{id}: {text}");
-            assert!(text.ends_with('.'), "{id}: {text}");
+            let begins = text.starts_with(capital) || text.starts_with("dotgen ");
+            check(begins && text.ends_with('.'), &format!("a sentence: {text}"));
         }
-        let length = code.meaning.chars().count();
-        assert!(length <= 120, "{id}: {length} characters: {}", code.meaning);
+        let length = page.meaning.chars().count();
+        check(length <= 120, &format!("{length} characters: {}", page.meaning));
+        check(!page.examples.is_empty(), "it has an example");
+        if let Some((bad, good)) = fixture(id) {
+            let shown = |corrected| page.texts("genom", corrected).first().copied().unwrap_or("");
+            check(shown(false).trim_end() == bad.trim_end(), &format!("its example is\n{bad}"));
+            check(shown(true).trim_end() == good.trim_end(), &format!("its correction is\n{good}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_page_is_of_a_code() {
+    let known: BTreeSet<&str> = all().map(|code| code.id).collect();
+    assert_eq!(known.len(), all().count(), "a code is in two tables");
+    for entry in walkdir::WalkDir::new(pages::folder()).into_iter().flatten() {
+        let path = entry.path().strip_prefix(pages::folder()).unwrap().with_extension("");
+        let id = path.to_string_lossy().replace('\\', "/");
+        let is_page = entry.file_type().is_file() && id != "README";
+        assert!(!is_page || known.contains(&*id), "{id} is no code");
     }
 }
 
@@ -254,7 +200,7 @@ fn every_code_of_scenarios_is_in_the_table() {
         for entry in files.flatten() {
             let path = entry.path();
             let table = path.to_string_lossy().replace('\\', "/");
-            if !table.ends_with(".rs") || table.contains("/scn/codes") {
+            if !table.ends_with(".rs") || table.contains("/scn/codes.rs") {
                 continue;
             }
             let text = std::fs::read_to_string(path).unwrap();
@@ -262,6 +208,6 @@ fn every_code_of_scenarios_is_in_the_table() {
             used.extend(codes.filter_map(|rest| Some(format!("scn-{}", rest.split_once('"')?.0))));
         }
     }
-    let known: BTreeSet<String> = scenarios::all().map(|code| code.id.to_owned()).collect();
+    let known: BTreeSet<String> = scenarios::CODES.iter().map(|code| code.id.to_owned()).collect();
     assert_eq!(used, known);
 }

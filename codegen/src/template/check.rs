@@ -18,49 +18,9 @@ pub const COMMENT: &str = "template/comment";
 
 /// The codes of this module.
 pub const CODES: &[Code] = &[
-    Code {
-        id: MARKER,
-        severity: Severity::Error,
-        on: true,
-        meaning: "A marker of a template source is not closed, not opened, or closed with the other quote.",
-        why: "The engine refuses the source. `<'` ends at the first `'>` or `\">` after it, and so does `<\"`: markers \
-             cannot be nested, and no tag can be quoted.",
-        example: Some(
-            "<'foreach c [dotgen components] {\n  #include \"<\"[$c name]\">.h\"\n<'}'>\n",
-        ),
-        corrected: Some(
-            "<'foreach c [dotgen components] {'>\n  #include \"<\"[$c name]\">.h\"\n<'}'>\n",
-        ),
-        fix: "Close `<'` with `'>` and `<\"` with `\">`, or remove the extra tag.",
-        reference: true,
-    },
-    Code {
-        id: TCL,
-        severity: Severity::Error,
-        on: true,
-        meaning: "The Tcl code of a template lacks a brace, bracket or quote.",
-        why: "The code of all markers of a source is one Tcl program, with the text between them as commands that print \
-             it. A brace may be opened in one marker and closed in another, but the whole has to be complete.",
-        example: Some("<'foreach c [dotgen components] {'>\n  component <\"[$c name]\">\n"),
-        corrected: Some(
-            "<'foreach c [dotgen components] {'>\n  component <\"[$c name]\">\n<'}'>\n",
-        ),
-        fix: "Add the missing half, here `<'}'>` at the end, or remove the other one.",
-        reference: true,
-    },
-    Code {
-        id: COMMENT,
-        severity: Severity::Error,
-        on: true,
-        meaning: "A Tcl comment at the end of a marker comments out the text behind the marker.",
-        why: "A Tcl comment ends with the line, not with the marker. The text behind the marker, up to the \
-             end of the line, becomes part of the comment and is not written. The lines after it are not \
-             valid Tcl.",
-        example: Some("<'set n 0 ;# how many so far'> first line\n"),
-        corrected: Some("<'set n 0 ;# how many so far\n'> first line\n"),
-        fix: "Put `'>` on a line of its own.",
-        reference: true,
-    },
+    Code { id: MARKER, severity: Severity::Error, on: true, reference: true },
+    Code { id: TCL, severity: Severity::Error, on: true, reference: true },
+    Code { id: COMMENT, severity: Severity::Error, on: true, reference: true },
 ];
 
 /// The diagnostics of a source.

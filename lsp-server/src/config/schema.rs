@@ -14,10 +14,10 @@ pub fn settings_schema() -> Value {
 
 /// The codes of all diagnostics about specifications and their codels, sorted.
 pub(crate) fn codes() -> impl Iterator<Item = &'static str> {
-    let codels = dotgen_codegen::codels::codes::CODES.iter();
+    let codels = dotgen_codegen::codels::drift::DriftCode::ALL;
     let mut all: Vec<&str> = dotgen_analysis::codes::all()
         .map(|code| code.id)
-        .chain(codels.map(|codel| codel.code.as_str()))
+        .chain(codels.map(|codel| codel.as_str()))
         .collect();
     all.sort_unstable();
     all.into_iter()

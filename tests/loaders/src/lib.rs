@@ -1,5 +1,6 @@
 //! Where the specifications of tests and benchmarks come from: one copy of each loader, for every crate.
 
+pub mod pages;
 mod shared;
 
 use std::io::ErrorKind;

@@ -1,64 +1,56 @@
-//! Every diagnostic code of scenarios, by family, for the manual.
-
-mod checks;
-mod model;
-mod names;
-mod text;
+//! Every diagnostic code of scenarios. Each has a page in `docs/diagnostics`.
 
 use crate::diagnostic::Severity;
 
-/// An entry of the table: one code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Code {
-    /// Code, as shown.
     pub id: &'static str,
-    /// Severity.
     pub severity: Severity,
-    /// Meaning, in one sentence.
-    pub meaning: &'static str,
-    /// Reason for the rule, or the consequence.
-    pub why: &'static str,
-    /// Advice on how to correct the scenario.
-    pub fix: &'static str,
-    /// Specification of the example; empty if the example works with any specification that has its names.
-    pub specification: &'static str,
-    /// Scenario that triggers the code, or a comment if none is short enough.
-    pub example: &'static str,
-    /// Corrected scenario or specification; empty if no text can show a correction.
-    pub corrected: &'static str,
 }
 
-/// The families.
-const FAMILIES: &[&[Code]] = &[text::CODES, names::CODES, model::CODES, checks::CODES];
-
-const fn error(
-    id: &'static str,
-    meaning: &'static str,
-    why: &'static str,
-    fix: &'static str,
-    example: &'static str,
-    corrected: &'static str,
-) -> Code {
-    Code { id, severity: Severity::Error, meaning, why, fix, specification: "", example, corrected }
+const fn error(id: &'static str) -> Code {
+    Code { id, severity: Severity::Error }
 }
 
-const fn warning(
-    id: &'static str,
-    meaning: &'static str,
-    why: &'static str,
-    fix: &'static str,
-    example: &'static str,
-    corrected: &'static str,
-) -> Code {
-    Code { severity: Severity::Warning, ..error(id, meaning, why, fix, example, corrected) }
-}
-
-/// Adds the specification of the example.
-const fn of_specification(specification: &'static str, code: Code) -> Code {
-    Code { specification, ..code }
+const fn warning(id: &'static str) -> Code {
+    Code { id, severity: Severity::Warning }
 }
 
 /// All codes of scenarios.
-pub fn all() -> impl Iterator<Item = &'static Code> {
-    FAMILIES.iter().copied().flatten()
-}
+pub const CODES: &[Code] = &[
+    error("scn-syntax"),
+    error("scn-lexical"),
+    error("scn-nesting"),
+    error("scn-number"),
+    error("scn-interval"),
+    error("scn-repeat"),
+    error("scn-zero-unit"),
+    error("scn-no-core"),
+    error("scn-loop-zero"),
+    error("scn-stop"),
+    error("scn-slots"),
+    error("scn-unknown-name"),
+    error("scn-path"),
+    error("scn-wrong-kind"),
+    error("scn-wrong-status"),
+    error("scn-not-executed"),
+    error("scn-unknown-step"),
+    error("scn-abort"),
+    error("scn-not-a-codel"),
+    error("scn-port-direction"),
+    error("scn-no-use"),
+    error("scn-use-not-found"),
+    error("scn-no-component"),
+    error("scn-affinity"),
+    error("scn-semantics"),
+    error("scn-zero-period"),
+    error("scn-period-unit"),
+    error("scn-time-range"),
+    error("scn-contradictory-loop"),
+    error("scn-client-size"),
+    error("scn-empty-repeat"),
+    warning("scn-no-check"),
+    error("scn-aperiodic"),
+    error("scn-chain-end"),
+    error("scn-no-way"),
+];

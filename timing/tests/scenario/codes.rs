@@ -1,5 +1,6 @@
 //! The examples of the manual: each triggers its code, and its correction does not.
 
+use dotgen_loaders::pages::Page;
 use dotgen_timing::scn::{codes, parse};
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
@@ -23,20 +24,19 @@ const OF_FILES: [&str; 2] = ["scn-no-use", "scn-use-not-found"];
 
 #[test]
 fn the_examples_of_the_manual_trigger_their_codes() {
-    for code in codes::all() {
+    for code in codes::CODES {
         let id = code.id;
-        if code.example.starts_with("//") || OF_FILES.contains(&id) {
+        let page = Page::read(id).expect("every code has a page");
+        let text = |language, corrected| page.texts(language, corrected).first().copied();
+        let Some(scenario) = text("text", false).filter(|_| !OF_FILES.contains(&id)) else {
             continue;
-        }
-        let specification = match code.specification {
-            "" => ROBOT,
-            specification => specification,
         };
-        let codes = found(specification, code.example);
+        let specification = text("genom", false).unwrap_or(ROBOT);
+        let codes = found(specification, scenario);
         assert!(codes.contains(&id), "{id}: {codes:?}");
-        let codes = match code.corrected.starts_with("scenario ") {
-            true => found(specification, code.corrected),
-            false => found(code.corrected, code.example),
+        let codes = match text("text", true) {
+            Some(corrected) => found(specification, corrected),
+            None => found(text("genom", true).unwrap_or_default(), scenario),
         };
         let errors: Vec<_> = codes.iter().filter(|code| code.starts_with("scn-")).collect();
         assert!(errors.is_empty(), "{id}: corrected: {errors:?}");
