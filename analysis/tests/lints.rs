@@ -11,7 +11,7 @@ use dotgen_analysis::{
     diagnostic::{Diagnostic, Severity},
     host::{AnalysisHost, BatchInput, Change, Config, Input},
 };
-use dotgen_loaders::Disk;
+use dotgen_loaders::{Disk, pages::Page};
 use expect_test::expect;
 
 fn check(input: BatchInput, config: Config) -> Vec<Diagnostic> {
@@ -97,10 +97,14 @@ fn deviations_from_the_compiler_are_remarks() {
 #[test]
 fn every_example_triggers_its_code() {
     for code in CODES {
-        let found = codes_of(code.example);
-        assert!(found.contains(&code.id), "{}: {found:?}\n{}", code.id, code.example);
-        let found = codes_of(code.corrected);
-        assert!(!found.contains(&code.id), "{}: corrected: {found:?}\n{}", code.id, code.corrected);
+        let page = Page::read(code.id).unwrap();
+        assert!(!page.texts("genom", false).is_empty(), "{}", code.id);
+        for corrected in [false, true] {
+            for text in page.texts("genom", corrected) {
+                let found = codes_of(text);
+                assert_ne!(found.contains(&code.id), corrected, "{}: {found:?}\n{text}", code.id);
+            }
+        }
     }
 }
 

@@ -186,7 +186,7 @@ impl NamedFiles {
         }
         let path = absolute(argument)?;
         let mut skipped = Vec::new();
-        match vfs::kind(&path) {
+        match vfs::read(&path) {
             FileContent::Directory => {
                 let below = vfs::files_below(&path, extensions);
                 skipped.extend(below.unreadable.iter().map(unlisted));

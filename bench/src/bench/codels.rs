@@ -1,4 +1,5 @@
-//! Components with sources in C and C++: checks on the command line, and typing in an editor, beside the goals.
+//! Components with sources in C and C++: checks on the command line, and typing in an editor, next to the
+//! goals.
 
 use std::path::{Path, PathBuf};
 

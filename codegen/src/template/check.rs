@@ -344,10 +344,11 @@ mod tests {
     #[test]
     fn the_examples_of_the_manual_trigger_their_codes() {
         for code in CODES {
-            let found = source("t.c".into(), code.example.unwrap_or_default());
+            let page = dotgen_loaders::pages::Page::read(code.id).expect("every code has a page");
+            let found = source("t.c".into(), page.texts("text", false)[0]);
             let codes: Vec<&str> = found.iter().map(|source| source.code).collect();
             assert_eq!(codes, [code.id]);
-            let found = source("t.c".into(), code.corrected.unwrap_or_default());
+            let found = source("t.c".into(), page.texts("text", true)[0]);
             assert_eq!(found, [], "{}", code.id);
         }
     }

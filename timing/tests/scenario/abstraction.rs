@@ -275,7 +275,8 @@ fn fifty_periodic_tasks_on_one_core_keep_their_deadlines() {
 #[test]
 fn sixty_activities_that_may_begin_at_any_time_are_refused_at_once() {
     let activities: String = (0..60).fold(String::new(), |mut out, i| {
-        _ = write!(out, "activity a{i}() {{ task t; codel<start> f{i}() yield pause::start, ether wcet 1 us; }};\n");
+        let codel = format!("codel<start> f{i}() yield pause::start, ether wcet 1 us;");
+        _ = writeln!(out, "activity a{i}() {{ task t; {codel} }};");
         out
     });
     let specification = format!(

@@ -59,9 +59,27 @@ impl Verdict {
 pub struct Known {
     roots: Vec<Utf8PathBuf>,
     before: Option<Findings>,
-    /// Judged edits, each with the numbers of findings that it should remove, and whether changes of the
-    /// sources could complete it.
-    verdicts: Vec<(Edit, Vec<(String, usize)>, bool, Verdict)>,
+    judged: Vec<Judged>,
+}
+
+/// An edit with its verdict.
+struct Judged {
+    edit: Edit,
+    /// The numbers of findings that it should remove, by code.
+    mends: Vec<(String, usize)>,
+    /// True if changes of the sources could complete it.
+    follow: bool,
+    verdict: Verdict,
+}
+
+impl Judged {
+    fn is(&self, edit: &Edit, mends: &[(&str, usize)], follow: bool) -> bool {
+        let mut codes = std::iter::zip(&self.mends, mends);
+        self.edit == *edit
+            && self.follow == follow
+            && self.mends.len() == mends.len()
+            && codes.all(|(mine, other)| (&*mine.0, mine.1) == *other)
+    }
 }
 
 /// Tries edits on a project. Afterwards its texts are unchanged.
@@ -110,8 +128,8 @@ impl<'j, 'p> Judge<'j, 'p> {
         self.project
     }
 
-    /// Judges an edit that should remove a finding of the code `mends`, or remove none. Changes of the sources
-    /// may complete it.
+    /// Judges an edit that should remove a finding of the code `mends`, or remove none. Changes of the
+    /// sources may complete it.
     pub fn verdict(&mut self, edit: &Edit, mends: Option<&str>) -> Verdict {
         let mends: Vec<(&str, usize)> = mends.into_iter().map(|text| (text, 1)).collect();
         self.judged(edit, &mends, true)
@@ -174,12 +192,9 @@ impl<'j, 'p> Judge<'j, 'p> {
     /// Judges an edit that is to remove a number of findings of each of some codes. With `follow`, changes of
     /// the sources may complete it.
     fn judged(&mut self, edit: &Edit, mends: &[(&str, usize)], follow: bool) -> Verdict {
-        let is_same = |known: &&(Edit, Vec<(String, usize)>, bool, Verdict)| {
-            let same_codes = std::iter::zip(&known.1, mends).all(|(a, b)| (&*a.0, a.1) == *b);
-            known.0 == *edit && known.1.len() == mends.len() && same_codes && known.2 == follow
-        };
-        if let Some(known) = self.known.verdicts.iter().find(is_same) {
-            return known.3.clone();
+        let mut judged = self.known.judged.iter();
+        if let Some(known) = judged.find(|known| known.is(edit, mends, follow)) {
+            return known.verdict.clone();
         }
         let Some(room) = self.room.checked_sub(1) else {
             return Verdict::Unknown;
@@ -196,7 +211,8 @@ impl<'j, 'p> Judge<'j, 'p> {
         };
         self.known.before = Some(before);
         let mends = mends.iter().map(|(code, number)| ((*code).to_owned(), *number)).collect();
-        self.known.verdicts.push((edit.clone(), mends, follow, verdict.clone()));
+        let judged = Judged { edit: edit.clone(), mends, follow, verdict: verdict.clone() };
+        self.known.judged.push(judged);
         verdict
     }
 
