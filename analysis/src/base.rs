@@ -66,7 +66,6 @@ pub enum FileStatus {
     Text,
     /// The path does not exist.
     Missing,
-    /// A directory.
     Directory,
     /// A text with replacement characters.
     NotUtf8,
@@ -88,7 +87,6 @@ pub struct Directory {
 /// The answer of the package tool to one argument list.
 #[salsa::input(debug)]
 pub struct Packages {
-    /// The arguments.
     pub arguments: Vec<String>,
     /// Flags, or a message for the user.
     pub flags: Result<PackageFlags, String>,
@@ -148,7 +146,6 @@ impl Workspace {
     }
 }
 
-/// The database.
 #[salsa::db]
 #[derive(Clone)]
 pub(crate) struct RootDatabase {
@@ -479,7 +476,6 @@ pub(crate) fn lexed(db: &dyn Db, file: SourceFile) -> Lexed {
     Lexed { raw: Arc::new(lex(file.text(db))) }
 }
 
-/// The lines of a file.
 #[salsa::tracked]
 pub(crate) fn line_index(db: &dyn Db, file: SourceFile) -> Arc<LineIndex> {
     Arc::new(LineIndex::new(file.text(db)))

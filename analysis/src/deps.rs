@@ -93,7 +93,6 @@ pub struct Include {
 pub struct Interface {
     /// The name of the interface.
     pub name: Name,
-    /// The component.
     pub component: Name,
     /// The file that declares it.
     pub found: Option<Utf8PathBuf>,

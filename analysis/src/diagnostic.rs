@@ -25,7 +25,6 @@ pub enum Tag {
     Deprecated,
 }
 
-/// One diagnostic.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
     /// Stable identifier: the Id of the language reference, section 19, or a code of dotgen's own.
@@ -108,7 +107,6 @@ pub struct FileEdit {
     pub path: Utf8PathBuf,
     /// The replaced byte range; empty to insert.
     pub range: Range<usize>,
-    /// The new text.
     pub new_text: String,
 }
 

@@ -102,7 +102,6 @@ pub enum DefKind {
     Enumerator,
     /// A member of a struct, union or exception.
     Member,
-    /// A member of the ids.
     IdsMember,
     Exception,
     Native,
@@ -133,9 +132,7 @@ pub enum DefKind {
 pub struct Definition {
     /// The index of the definition.
     pub id: DefId,
-    /// The kind.
     pub kind: DefKind,
-    /// The name.
     pub name: SmolStr,
     /// The name token. For a completed forward declaration, the token of the completion.
     pub src: Src,
@@ -204,7 +201,6 @@ pub struct BodyEnd {
 }
 
 impl Elaborated {
-    /// A definition.
     pub fn definition(&self, id: DefId) -> &Definition {
         &self.definitions[id.0 as usize]
     }

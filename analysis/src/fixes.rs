@@ -459,7 +459,6 @@ impl FixSite<'_> {
     }
 }
 
-/// Adds a state to the yields of a codel.
 fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
     let yields = codel.descendants().find_map(ast::Yields::cast)?;
     if yields.states().any(|candidate| candidate.syntax().text() == state) {

@@ -76,13 +76,11 @@ pub struct CancellationToken(salsa::CancellationToken);
 /// One input of a batch compilation.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Input {
-    /// A file.
     File(Utf8PathBuf),
     /// A text in memory; quoted includes in it are relative to the directory of `name`.
     Text {
         /// Name used in diagnostics.
         name: Utf8PathBuf,
-        /// The text.
         text: Arc<str>,
     },
 }

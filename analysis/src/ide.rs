@@ -62,7 +62,6 @@ pub struct FilePosition {
     pub offset: usize,
 }
 
-/// A range of a file.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct FileRange {
     /// Absolute path.
@@ -120,9 +119,7 @@ pub struct NavTarget {
     pub full_range: Range<usize>,
     /// The range of its name, or the place for the cursor.
     pub focus_range: Range<usize>,
-    /// The name.
     pub name: SmolStr,
-    /// The kind.
     pub kind: SymbolKind,
     /// Name of the declaration that contains it.
     pub container: Option<SmolStr>,
@@ -131,11 +128,9 @@ pub struct NavTarget {
 /// An entry of the outline.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DocumentSymbol {
-    /// The name.
     pub name: String,
     /// Type, direction, period…
     pub detail: Option<String>,
-    /// The kind.
     pub kind: SymbolKind,
     /// The whole declaration.
     pub range: Range<usize>,
@@ -148,9 +143,7 @@ pub struct DocumentSymbol {
 /// A named declaration anywhere in the workspace.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WorkspaceSymbol {
-    /// The name.
     pub name: SmolStr,
-    /// The kind.
     pub kind: SymbolKind,
     /// Name of the declaration that contains it.
     pub container: Option<SmolStr>,
@@ -163,7 +156,6 @@ pub struct WorkspaceSymbol {
 pub struct NamedDeclaration {
     /// Its name, after the names of the declarations that contain it, outermost first.
     pub names: Vec<String>,
-    /// The kind.
     pub kind: SymbolKind,
     /// Absolute path.
     pub path: Utf8PathBuf,
@@ -231,7 +223,6 @@ pub enum TokenType {
     Event,
     /// An execution task.
     Task,
-    /// A port.
     Port,
     /// Text excluded by a conditional.
     Inactive,
@@ -286,9 +277,7 @@ impl TokenModifiers {
 pub struct SemanticToken {
     /// Byte offsets.
     pub range: Range<usize>,
-    /// The type.
     pub ty: TokenType,
-    /// The modifiers.
     pub modifiers: TokenModifiers,
 }
 
@@ -307,9 +296,7 @@ pub enum AccessKind {
 /// One mention of a name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReferenceAt {
-    /// The place.
     pub place: FileRange,
-    /// The access.
     pub access: AccessKind,
 }
 
@@ -318,14 +305,12 @@ pub struct ReferenceAt {
 pub struct Highlight {
     /// The byte range.
     pub range: Range<usize>,
-    /// The access.
     pub access: AccessKind,
 }
 
 /// The content of a hover.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Hover {
-    /// Markdown.
     pub markdown: String,
     /// The codels it describes, as names of component and codel: their prototypes in a programming language
     /// are not known here.

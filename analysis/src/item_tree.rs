@@ -213,7 +213,6 @@ pub enum TypeRefKind {
     Missing,
 }
 
-/// Base types.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BaseType {
     Boolean,
@@ -330,11 +329,9 @@ pub struct Duration {
 /// One property. Any property may be written anywhere; the elaborator reports illegal places.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Property {
-    /// The kind.
     pub kind: PropertyKind,
     /// From its first token to its `;`.
     pub ptr: Ptr,
-    /// The keyword.
     pub keyword: Ptr,
 }
 
@@ -384,7 +381,6 @@ pub struct PortDecl {
     pub keyword: Ptr,
 }
 
-/// Kinds of service.
 pub use crate::model::ServiceKind;
 
 /// An attribute, function or activity.
@@ -453,7 +449,6 @@ pub enum PathStep {
     Index(Expr),
 }
 
-/// A codel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CodelDecl {
     pub is_async: bool,

@@ -12,7 +12,6 @@ pub enum FileContent {
     Text(String),
     /// The path does not exist.
     Missing,
-    /// A directory.
     Directory,
     /// A file that is not UTF-8, with its text decoded by `dotgen_syntax::encoding::decode`.
     NotUtf8(String),
@@ -34,7 +33,6 @@ pub struct PackageFlags {
 /// All input and output of the analysis. Called at most once per path or query until a `Change` invalidates
 /// it.
 pub trait Loader: Send + Sync {
-    /// Reads a file.
     fn read(&self, path: &Utf8Path) -> FileContent;
     /// The flags of packages, all arguments in one query, as printed by `pkg-config --cflags`.
     ///
@@ -62,7 +60,6 @@ pub trait Loader: Send + Sync {
 /// An entry of a directory.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct DirEntry {
-    /// The name.
     pub name: String,
     /// True if it is a directory.
     pub is_dir: bool,

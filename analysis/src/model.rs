@@ -78,7 +78,6 @@ pub struct Spec {
 /// A part of the text in the body of a component or interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Body {
-    /// The visit.
     pub visit: u32,
     /// The top-level item of the visit; `None` for the whole of a file that is included in the body.
     pub item: Option<u32>,
@@ -120,7 +119,6 @@ pub struct Quantity {
 /// A component or an interface.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Component {
-    /// The name.
     pub name: Name,
     /// Component or interface.
     pub kind: ComponentKind,
@@ -155,7 +153,6 @@ pub struct Component {
     pub throws: Vec<TypeId>,
     /// Execution tasks.
     pub tasks: Vec<Task>,
-    /// Ports.
     pub ports: Vec<Port>,
     /// Attributes, functions and activities.
     pub services: Vec<Service>,
@@ -194,10 +191,8 @@ pub enum PortDir {
     Out,
 }
 
-/// A port.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Port {
-    /// The name.
     pub name: Name,
     /// The declaration (the name).
     pub src: Src,
@@ -205,7 +200,6 @@ pub struct Port {
     pub dir: PortDir,
     /// `port multiple`
     pub multiple: bool,
-    /// Type of the data.
     pub data: TypeId,
     /// The port's own type object.
     pub ty: TypeId,
@@ -215,7 +209,6 @@ pub struct Port {
     pub imported_from: Option<u32>,
 }
 
-/// Kinds of service.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ServiceKind {
@@ -236,11 +229,9 @@ pub struct ServiceList {
 /// An attribute, function or activity.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Service {
-    /// The name.
     pub name: Name,
     /// The last declaration (the name).
     pub src: Src,
-    /// The kind.
     pub kind: ServiceKind,
     /// `doc`
     pub doc: Option<String>,
@@ -265,11 +256,9 @@ pub struct Service {
 /// A service of an interface that the component uses.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Remote {
-    /// The name.
     pub name: Name,
     /// The service in the interface.
     pub src: Src,
-    /// Kind of the service.
     pub kind: ServiceKind,
     /// The parameters.
     pub params: Vec<Param>,
@@ -346,7 +335,6 @@ pub enum ParamDir {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(tag = "kind", content = "index", rename_all = "lowercase")]
 pub enum ParamSource {
-    /// The ids.
     Ids,
     /// For service parameters and local variables: itself (`None`). For codel parameters: a
     /// parameter or local variable of the service (index into [`Service::params`]).
@@ -487,7 +475,6 @@ impl Spec {
 }
 
 impl Component {
-    /// Codels of an owner.
     pub fn codels_of(&self, owner: Owner) -> &[Codel] {
         match owner {
             Owner::Task(i) => &self.tasks[i as usize].codels,
@@ -495,7 +482,6 @@ impl Component {
         }
     }
 
-    /// One codel.
     pub fn codel(&self, codel: CodelRef) -> &Codel {
         &self.codels_of(codel.owner)[codel.index as usize]
     }

@@ -8,9 +8,7 @@ pub use dotgen_syntax::release::{Area, CHANGES, Change, Entry, NoRelease, Releas
 /// A release, and its origin.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub struct ReleaseChoice {
-    /// The release.
     pub release: Release,
-    /// The origin.
     pub origin: ReleaseOrigin,
 }
 
@@ -23,7 +21,6 @@ pub enum ReleaseOrigin {
     Environment,
     /// A setting of the editor.
     Editor,
-    /// A configuration file.
     ConfigurationFile(Utf8PathBuf),
     /// The version file of the GenoM3 whose templates are used.
     Templates(Utf8PathBuf),

@@ -19,7 +19,6 @@ use crate::{
 /// One comment that allows findings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Suppression {
-    /// The comment.
     pub(crate) comment: TextRange,
     /// The range in which findings are allowed.
     pub(crate) scope: TextRange,

@@ -99,7 +99,6 @@ pub(crate) struct Visit<'db> {
     pub(crate) file_number: u32,
 }
 
-/// The unit of one root.
 pub(crate) fn unit_of_root(db: &dyn Db, root: SourceFile) -> UnitKey<'_> {
     UnitKey::new(db, vec![root], Vec::new(), Vec::new())
 }
@@ -111,7 +110,6 @@ pub(crate) fn mentioned(db: &dyn Db, file: SourceFile) -> MentionedWords {
     preproc::mentioned(&lexed.raw, file.text(db))
 }
 
-/// The visits of a unit with their keys.
 #[salsa::tracked]
 pub(crate) fn visits<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Visits<'db> {
     let walk = walk_unit(db, unit);

@@ -23,7 +23,6 @@ pub const MOST_BYTES: usize = 64 << 20;
 pub struct Answer {
     /// Scenario and check.
     pub check: String,
-    /// Outcome.
     pub outcome: Outcome,
 }
 

@@ -255,7 +255,6 @@ fn unusable_names(directory: &Utf8Path, extensions: &[&str]) -> Vec<anyhow::Erro
 /// The argument for standard input.
 const STANDARD_INPUT: &str = "-";
 
-/// Returns true if an argument is that for standard input.
 pub(super) fn is_standard_input(argument: &Utf8Path) -> bool {
     matches!(argument.as_str(), STANDARD_INPUT | "/dev/stdin" | "/dev/fd/0" | "/proc/self/fd/0")
 }

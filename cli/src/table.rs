@@ -11,7 +11,6 @@ const WHOLE: &str = "value";
 /// Largest index of a list in a header.
 const MAX_INDEX: usize = 100_000;
 
-/// A row.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Row {
     /// Line of the file, from 1.
@@ -28,7 +27,6 @@ enum Step {
     Index(usize),
 }
 
-/// A column.
 struct Column {
     title: String,
     path: Vec<Step>,
@@ -150,7 +148,6 @@ fn path(title: &str, schema: &Value) -> Result<Vec<Step>, String> {
     Ok(out)
 }
 
-/// Returns the schema at a path.
 fn inside<'v>(schema: &'v Value, path: &[Step]) -> &'v Value {
     path.iter().fold(schema, |schema, step| {
         // The first is the type of an optional value.

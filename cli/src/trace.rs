@@ -22,7 +22,6 @@ pub(super) struct RecordedRun<'r> {
     pub(super) title: String,
     /// The unit of the times of events.
     pub(super) unit: TimeUnit,
-    /// The events.
     pub(super) events: &'r [Event],
     /// The end of the run.
     pub(super) ending: Ending<'r>,

@@ -20,7 +20,6 @@ pub enum TemplateKind {
     Minijinja,
 }
 
-/// A template.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TemplateInfo {
     /// The name on the command line.

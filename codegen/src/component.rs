@@ -12,7 +12,6 @@ use serde::Serialize;
 /// The contents of a new component.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct NewComponent {
-    /// Its name.
     pub name: String,
     /// Its tasks; at least one.
     pub tasks: Vec<NewTask>,
@@ -22,10 +21,8 @@ pub struct NewComponent {
     pub uses: Vec<NewInterface>,
 }
 
-/// A task.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewTask {
-    /// Its name.
     pub name: String,
     /// Its period, such as `10 ms`; without one the task is aperiodic.
     pub period: Option<String>,
@@ -34,7 +31,6 @@ pub struct NewTask {
 /// An interface that the component provides or uses.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewInterface {
-    /// Its name.
     pub name: String,
     /// The path in its `#include`, relative to the folder of the component.
     pub include: String,
@@ -45,7 +41,6 @@ pub struct NewInterface {
 /// A port of a component.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct NewPort {
-    /// Its name.
     pub name: String,
     /// True if the component writes it, false if the component reads it.
     pub writes: bool,
@@ -62,7 +57,6 @@ pub enum NewComponentError {
     Twice(String),
     /// The period of a task is invalid.
     Period {
-        /// The task.
         task: String,
         /// The given text.
         period: String,

@@ -89,7 +89,6 @@ pub trait Disk: fmt::Debug + Send + Sync {
 pub enum Kind {
     /// A regular file.
     File,
-    /// A directory.
     Directory,
     /// A device, pipe or socket.
     Other,
@@ -98,7 +97,6 @@ pub enum Kind {
 /// The status of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Status {
-    /// Its kind.
     pub kind: Kind,
     /// Unix permissions (`0o7777`); 0 on systems without them.
     pub mode: u32,
@@ -109,7 +107,6 @@ pub struct Status {
 /// An entry of a directory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
-    /// Its path.
     pub path: PathBuf,
     /// True if it is a directory itself, not a link to one.
     pub is_dir: bool,
@@ -177,7 +174,6 @@ impl From<Option<Vec<u8>>> for Before {
 pub struct WriteError {
     /// The file that could not be written.
     pub path: PathBuf,
-    /// The error.
     pub reason: io::Error,
     /// Files that have their new content and could not be restored, each with the error.
     pub changed: Vec<(PathBuf, io::Error)>,

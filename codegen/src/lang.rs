@@ -177,7 +177,6 @@ pub struct Mapper<'a> {
 }
 
 impl<'a> Mapper<'a> {
-    /// A mapper to a language.
     pub fn new(spec: &'a Spec, places: &'a dyn Places, language: Language) -> Mapper<'a> {
         Mapper { spec, places, language }
     }
@@ -441,7 +440,6 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// The place of a type.
     pub(crate) fn type_place(&self, ty: TypeId) -> Option<Place> {
         let known_type = self.spec.ty(ty);
         let keyword = match &known_type.kind {

@@ -56,7 +56,6 @@ pub(crate) enum Mode {
     Help,
 }
 
-/// An error in the options.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum OptionError {
     /// The usage is printed after it; exit status 1.

@@ -19,7 +19,6 @@ const STOP_POLL_INTERVAL: Duration = Duration::from_millis(20);
 pub struct Program {
     /// The file, or a name to search on the path.
     pub path: PathBuf,
-    /// Its arguments.
     pub arguments: Vec<OsString>,
     /// Its working directory; empty for the current one.
     pub directory: PathBuf,

@@ -24,10 +24,8 @@ pub struct ReleaseDiff {
     pub stubs: Vec<StubChange>,
 }
 
-/// A digest.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct DigestChange {
-    /// The component.
     pub component: String,
     /// The service; `None` for the component itself.
     pub service: Option<String>,
@@ -50,13 +48,11 @@ pub struct TextChange {
     pub to: String,
 }
 
-/// A stub.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct StubChange {
     /// The component whose skeleton it is.
     pub component: String,
-    /// The codel.
     pub codel: String,
     /// The interface that declares it.
     pub declared_by: String,

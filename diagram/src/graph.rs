@@ -12,7 +12,6 @@ pub struct Graph {
     pub direction: Direction,
     /// Nodes, in order of declaration (the layout keeps the order if possible).
     pub nodes: Vec<Node>,
-    /// Edges.
     pub edges: Vec<Edge>,
     /// Lines of text below the picture.
     pub notes: Vec<String>,
@@ -29,7 +28,6 @@ pub enum Direction {
     Right,
 }
 
-/// A node.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Node {
     /// Unique in the graph.
@@ -90,7 +88,6 @@ pub enum Shape {
 /// One line of text in a node.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Line {
-    /// The text.
     pub text: String,
     /// The style of the text.
     pub style: LineStyle,
@@ -99,7 +96,6 @@ pub struct Line {
 }
 
 impl Line {
-    /// A line of text in a style.
     pub fn new(style: LineStyle, text: impl Into<String>) -> Line {
         Line { text: text.into(), style, origin: None }
     }

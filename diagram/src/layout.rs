@@ -49,9 +49,7 @@ pub struct Rect {
     pub x: f64,
     /// Top.
     pub y: f64,
-    /// Width.
     pub width: f64,
-    /// Height.
     pub height: f64,
 }
 
@@ -108,7 +106,6 @@ pub struct Layout {
     pub height: f64,
     /// Outline of each node.
     pub nodes: Vec<Rect>,
-    /// Each edge.
     pub edges: Vec<EdgePath>,
     /// Frames round groups of nodes.
     pub frames: Vec<Frame>,
@@ -125,7 +122,6 @@ pub struct Frame {
     pub rect: Rect,
 }
 
-/// The path of an edge.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct EdgePath {
     /// A chain of cubic Bézier curves: the first point, then three points for each curve. Empty for an

@@ -15,7 +15,6 @@ pub struct Metrics {
     pub height: f64,
     /// Monospaced.
     pub mono: bool,
-    /// Bold.
     pub bold: bool,
 }
 

@@ -109,7 +109,6 @@ pub(crate) fn mark_style(theme: Theme) -> String {
     in_colours(theme, mark_rules)
 }
 
-/// Rules in the colours of a theme.
 fn in_colours(theme: Theme, rules: fn(&Palette) -> String) -> String {
     match theme {
         Theme::Light => rules(&LIGHT),

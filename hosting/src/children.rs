@@ -63,7 +63,6 @@ pub type Waiting = Box<dyn Fn(&str, u32)>;
 /// A component of a system, as its host needs it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HostedComponent {
-    /// Name.
     pub name: String,
     /// Real-time priority of its control task; see [`priorities`](crate::realtime::priorities).
     pub priority: u8,
@@ -72,7 +71,6 @@ pub struct HostedComponent {
 /// A task of a system, as its host needs it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HostedTask {
-    /// The component.
     pub component: ComponentId,
     /// Name, without the component.
     pub name: String,

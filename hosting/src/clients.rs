@@ -11,7 +11,6 @@ use super::stream::Stream;
 /// Version of the replies.
 pub(super) const VERSION: u32 = 1;
 
-/// Bytes of a request.
 pub(super) const MAX_REQUEST_BYTES: usize = 4 << 20;
 
 /// Lines that a client may be behind; a client that reads more slowly misses data of ports.

@@ -26,7 +26,6 @@ pub struct KnownComponent {
 }
 
 impl KnownComponent {
-    /// The component.
     pub fn component(&self) -> &Component {
         &self.spec.components[self.component as usize]
     }
@@ -93,7 +92,6 @@ pub(super) fn describe(known: &KnownComponent) -> Value {
     })
 }
 
-/// The detail of an exception.
 fn detail_of(spec: &Spec, exception: &str, bytes: &[u8]) -> Value {
     if exception == "::genom::syserr"
         && let Ok(code) = <[u8; 4]>::try_from(bytes)

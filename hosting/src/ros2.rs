@@ -108,7 +108,6 @@ struct Nodes {
     /// The number of the next node or endpoint.
     next: AtomicU32,
     requests: Arc<Requests>,
-    /// By component.
     joined: BTreeMap<ComponentId, Joined>,
     /// Ports, as component and index, with data that had no message, which was reported.
     unpublished: BTreeSet<(ComponentId, u32)>,

@@ -98,7 +98,6 @@ impl Server {
         ProfileSubscribers(self.shared.clone())
     }
 
-    /// Returns the subscribers of violations.
     pub fn violation_subscribers(&self) -> ViolationSubscribers {
         ViolationSubscribers(self.shared.clone())
     }

@@ -56,7 +56,6 @@ impl Backend {
         self.dispatch.document(uri, params, handle).await
     }
 
-    /// Panics.
     async fn test_panic(&self, params: DocumentParams) -> Result<()> {
         fn handle(_: &Snapshot, _: &Subject, _: &DocumentParams) -> Cancellable<()> {
             panic!("on purpose")

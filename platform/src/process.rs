@@ -132,7 +132,6 @@ pub(crate) fn finish(moves: &[Move]) -> Option<CleanupGuard> {
     Watcher::get().map(|watcher| watcher.moves(moves))
 }
 
-/// The command for a program.
 fn command(program: &Program) -> io::Result<Command> {
     let mut command = match OWN_PATH.get() {
         Some(own) => {

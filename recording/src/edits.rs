@@ -28,7 +28,6 @@ pub enum WcetForm {
 pub struct NewWcet {
     /// Index into [`dotgen_analysis::model::Spec::components`].
     pub component: u32,
-    /// Codel.
     pub codel: CodelRef,
     /// Execution time, in microseconds.
     pub micros: u64,

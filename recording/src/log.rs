@@ -92,7 +92,6 @@ pub struct Line<'l> {
     pub tail: &'l [u8],
 }
 
-/// The subject of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineSubject {
     /// A run of a codel.
@@ -316,11 +315,8 @@ impl TruncationCheck {
 pub struct LineKind {
     /// Instance: the name of the component, unless the server was started under another name.
     pub instance: String,
-    /// Task.
     pub task: String,
-    /// Service.
     pub service: String,
-    /// Function.
     pub function: String,
     /// Event before the run.
     pub from: String,
@@ -359,7 +355,6 @@ impl LineKinds {
         (kind, self.about(kind as usize))
     }
 
-    /// Returns the subject of the lines of a kind.
     pub fn about(&self, kind: usize) -> LineSubject {
         self.abouts.get(kind).copied().unwrap_or(LineSubject::Garbage)
     }

@@ -13,7 +13,6 @@ pub const CONTROL: &str = "<control>";
 pub struct Site {
     /// Component, as numbered by [`Names`].
     pub component: usize,
-    /// Codel.
     pub codel: CodelRef,
     /// State in which the codel runs; `None` for codels of the control task.
     pub state: Option<String>,

@@ -56,7 +56,6 @@ impl ExecutionTimes {
     }
 }
 
-/// The measurements of logs.
 #[derive(Debug, Default)]
 pub struct LogMeasurements {
     /// Lines that were not used.

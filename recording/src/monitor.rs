@@ -166,7 +166,6 @@ pub struct TaskTimes {
     pub greatest: i64,
     /// Proved bound.
     pub bound: Option<i64>,
-    /// Period.
     pub period: Option<i64>,
 }
 
@@ -197,7 +196,6 @@ pub struct UntakenTransition {
     pub to: String,
 }
 
-/// The report of a monitor.
 #[derive(Debug, Clone, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct MonitorReport {
@@ -205,7 +203,6 @@ pub struct MonitorReport {
     pub format: u32,
     /// Number of runs of codels that were compared.
     pub runs: u64,
-    /// Tasks.
     pub tasks: Vec<TaskTimes>,
     /// Codels that were executed.
     pub codels: Vec<CodelTimes>,
@@ -480,7 +477,6 @@ impl<'s> Monitor<'s> {
         }
     }
 
-    /// Returns the report so far.
     pub fn report_so_far(&self) -> MonitorReport {
         let system = self.model.system;
         let tasks = (0..system.tasks.len()).map(|task| {

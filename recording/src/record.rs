@@ -32,7 +32,6 @@ const CHUNK: u64 = 256 << 10;
 /// The description of a run.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct RunInfo {
-    /// Scenario.
     pub scenario: String,
     /// Unit of time in seconds, as a fraction: `1/1000000`.
     pub unit: String,
@@ -192,7 +191,6 @@ impl std::fmt::Display for Break {
 pub struct Recording {
     /// Description of the run.
     pub about: RunInfo,
-    /// Steps.
     pub steps: Vec<Step>,
     /// Number of messages of ports.
     pub data: u64,

@@ -57,7 +57,6 @@ pub struct Difference {
     pub what: DifferenceKind,
 }
 
-/// The report of a replay.
 #[derive(Debug, Clone, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct ReplayReport {

@@ -71,7 +71,6 @@ struct Entry {
     cycle: Cycle,
 }
 
-/// The lines of one task.
 #[derive(Debug, Default)]
 struct TaskLines {
     entries: Vec<Entry>,
@@ -290,7 +289,6 @@ impl Collector {
     }
 }
 
-/// The sums of a group.
 #[derive(Debug, Default)]
 struct GroupSums {
     /// Last line, and the index of its kind. A later line with the same time may replace it.

@@ -6,7 +6,6 @@ use dotgen_codegen::codels::value::{Reader, ValueError, Values, is_input, is_out
 use dotgen_codegen::template::throws::service_throws;
 use serde_json::Value;
 
-/// The id of a goal.
 pub type GoalId = [u8; 16];
 
 /// The status of a goal that succeeded.
@@ -28,7 +27,6 @@ pub struct Stamp {
 /// A goal, with the moment of its acceptance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct GoalInfo {
-    /// The id.
     pub id: GoalId,
     /// The moment.
     pub stamp: Stamp,

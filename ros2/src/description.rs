@@ -81,7 +81,6 @@ pub enum Count {
     Any,
 }
 
-/// The type of a field.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FieldType {
     /// The type of each element.
@@ -117,16 +116,13 @@ impl From<Base> for FieldType {
 /// A field of a message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Field {
-    /// The name.
     pub name: String,
-    /// The type.
     pub ty: FieldType,
     /// The message with the constants of its enumeration. It is not part of the description.
     pub constants: Option<String>,
 }
 
 impl Field {
-    /// A field.
     pub fn new(name: impl Into<String>, ty: impl Into<FieldType>) -> Self {
         Field { name: name.into(), ty: ty.into(), constants: None }
     }
@@ -311,7 +307,6 @@ pub const TIME: &str = "builtin_interfaces/msg/Time";
 pub const UUID: &str = "unique_identifier_msgs/msg/UUID";
 /// A goal with the moment of its acceptance.
 pub const GOAL_INFO: &str = "action_msgs/msg/GoalInfo";
-/// The status of all goals of an action.
 pub const STATUS_ARRAY: &str = "action_msgs/msg/GoalStatusArray";
 /// The service that cancels goals.
 pub const CANCEL_GOAL: &str = "action_msgs/srv/CancelGoal";

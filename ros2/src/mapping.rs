@@ -23,7 +23,6 @@ const DEPTH: usize = 60;
 /// A place for a name of a message whose type has none.
 #[derive(Debug, Clone)]
 pub(crate) struct Place {
-    /// The package.
     pub(crate) package: String,
     /// The local name.
     pub(crate) local: String,
@@ -220,7 +219,6 @@ impl<'s> Mapping<'s> {
         Ok(format!("{package}/msg/{local}"))
     }
 
-    /// The type of a field.
     fn field_type(&mut self, ty: TypeId, place: &Place) -> Result<FieldType, Obstacle> {
         if self.depth >= DEPTH {
             return Err(Obstacle {

@@ -18,7 +18,6 @@ use crate::wire::{self, Kind, NodeId, Qos};
 /// The part of a component that an endpoint serves, as index of its ports or services.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Part {
-    /// A port.
     Port(u32),
     /// A function or attribute.
     Service(u32),
@@ -39,7 +38,6 @@ pub enum Part {
 pub struct Endpoint {
     /// The part of the component.
     pub part: Part,
-    /// The kind.
     pub kind: Kind,
     /// The name with its namespace: `/demo/pose`.
     pub topic: String,

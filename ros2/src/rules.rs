@@ -23,7 +23,6 @@ pub struct Rule {
     pub constants: BTreeMap<String, Value>,
 }
 
-/// An error in a rule.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RuleError {
     /// The keys below the table of all rules: component, port and further ones.

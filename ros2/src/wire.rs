@@ -116,7 +116,6 @@ pub struct Attachment {
 }
 
 impl Attachment {
-    /// The bytes.
     pub fn to_bytes(self) -> [u8; ATTACHMENT] {
         let mut out = [0; ATTACHMENT];
         out[..8].copy_from_slice(&self.sequence.to_le_bytes());

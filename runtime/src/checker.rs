@@ -30,10 +30,7 @@ pub enum Verdict {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Idle {
     /// The task executed no codel.
-    NoCodel {
-        /// Task.
-        task: usize,
-    },
+    NoCodel { task: usize },
     /// No codel was executed at all.
     NothingExecuted,
     /// The first predicate of the check did not become true.
@@ -54,7 +51,6 @@ pub struct Moment {
 /// The answer to a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CheckResult {
-    /// Verdict.
     pub verdict: Verdict,
     /// First moment at which the verdict was known.
     pub at: Option<Moment>,
@@ -64,7 +60,6 @@ pub struct CheckResult {
     pub violations: u64,
 }
 
-/// A violation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Violation {
     /// The check with this index is violated.
@@ -72,11 +67,9 @@ pub enum Violation {
     /// A response time exceeds its proved bound: an assumption does not hold, or dotgen has an error. Times
     /// are in base units.
     BeyondBound {
-        /// Task.
         task: usize,
         /// Response time so far.
         response: Ticks,
-        /// Bound.
         bound: Ticks,
     },
     /// The codel misbehaved: index in [`RunChecker::broken`].

@@ -7,7 +7,6 @@ use serde::Serialize;
 
 use crate::tally::{Tally, Times};
 
-/// The counts of a task.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct TaskCounts {
@@ -24,7 +23,6 @@ pub struct TaskCounts {
     /// Proved bound on the response time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bound: Option<Value>,
-    /// Period.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub period: Option<Value>,
     /// Ticks that came before the previous job had ended.
@@ -55,7 +53,6 @@ pub struct PortCounts {
 pub struct MachineCounts {
     /// `component.owner`
     pub machine: String,
-    /// Transitions.
     pub transitions: Vec<Transition>,
 }
 

@@ -7,13 +7,11 @@ use dotgen_timing::system::{ComponentId, ServiceId};
 /// A call of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Call {
-    /// Component.
     pub component: ComponentId,
     /// Thread: a task of the system, or `u32::MAX` for the control task.
     pub lane: u32,
     /// Number that [`CodelResult`] repeats.
     pub ticket: u32,
-    /// Codel.
     pub codel: u32,
     /// Activity or request, if there is one.
     pub instance: u32,
@@ -41,7 +39,6 @@ pub struct Delegation {
 /// A state of a machine that a thread executes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DelegatedState {
-    /// Codel.
     pub codel: u32,
     /// The state that follows, by full name of the event. Other events end the delegation.
     pub next: Vec<(String, DelegatedYield)>,
@@ -87,9 +84,7 @@ pub enum DelegatedYield {
 /// An output port, or one instance of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Source<'a> {
-    /// Component.
     pub component: ComponentId,
-    /// Port.
     pub port: u32,
     /// Instance; empty if the port is not `multiple`.
     pub id: &'a str,
@@ -98,9 +93,7 @@ pub struct Source<'a> {
 /// An input port that reads an output port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Reader<'a> {
-    /// Component.
     pub component: ComponentId,
-    /// Port.
     pub port: u32,
     /// Name by which the input distinguishes its sources; empty if the port is not `multiple`.
     pub name: &'a str,
@@ -120,7 +113,6 @@ pub enum CodelEnd {
 /// Output of a codel to a port.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PortWrite {
-    /// Port.
     pub port: u32,
     /// Instance, if the port is `multiple`.
     pub id: String,
@@ -128,12 +120,10 @@ pub struct PortWrite {
     pub data: Option<Vec<u8>>,
 }
 
-/// The result of a codel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CodelResult {
     /// Ticket of the call.
     pub ticket: u32,
-    /// Codel.
     pub codel: u32,
     /// Execution time, in nanoseconds.
     pub nanos: u64,
@@ -156,7 +146,6 @@ pub struct OutsideRequest {
     pub id: u64,
     /// Service of the system.
     pub service: ServiceId,
-    /// Inputs.
     pub inputs: Vec<u8>,
 }
 
@@ -207,14 +196,12 @@ pub enum Message {
     CodelResult(ComponentId, CodelResult),
     /// A delegation has ended: its results have all been sent.
     Recalled {
-        /// Component.
         component: ComponentId,
         /// Ticket of its call.
         ticket: u32,
     },
     /// All results of a delegation until a time have been sent.
     Probed {
-        /// Component.
         component: ComponentId,
         /// Number of the probe.
         probe: u32,
@@ -223,12 +210,10 @@ pub enum Message {
     },
     /// The process of a component has ended.
     Lost {
-        /// Component.
         component: ComponentId,
         /// Reason, in words: "was ended by signal 11 (SIGSEGV)".
         why: String,
     },
-    /// A request from outside.
     OutsideRequest(OutsideRequest),
     /// An abort of the request with this number, from outside.
     Abort(u64),
@@ -247,13 +232,10 @@ pub enum Message {
     Connect(Connection),
     /// New data from outside for an input port: of another machine, or of a client.
     Fed {
-        /// Component.
         component: ComponentId,
-        /// Port.
         port: u32,
         /// Name by which the input finds the source; empty if the port is not `multiple`.
         name: String,
-        /// Data.
         data: Vec<u8>,
     },
 }

@@ -175,7 +175,6 @@ impl<'p> Live<'p> {
         self.fault.as_deref()
     }
 
-    /// Returns the hosts.
     pub fn hosts(&mut self) -> &mut dyn Hosts {
         self.hosts
     }

@@ -24,7 +24,6 @@ pub trait ProgressReceiver {
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Progress {
-    /// Unit of all times.
     pub unit: TimeUnit,
     /// Time since the start of the run.
     pub time: Value,
@@ -44,7 +43,6 @@ pub struct Progress {
 pub struct ActivityState {
     /// Name of its machine.
     pub machine: String,
-    /// State.
     pub state: String,
     /// A codel of the state executes or waits for its locks. Otherwise the activity pauses before the state.
     pub executes: bool,

@@ -29,7 +29,6 @@ pub struct RunReport {
     pub scenario: String,
     /// Semantics of the model.
     pub semantics: String,
-    /// Unit of all times.
     pub unit: TimeUnit,
     /// Seed of the random choices.
     pub seed: u64,
@@ -70,7 +69,6 @@ pub struct RunReport {
     pub notes: Vec<String>,
 }
 
-/// The counts of a service.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct ServiceCounts {
@@ -84,7 +82,6 @@ pub struct ServiceCounts {
     pub ended: u64,
 }
 
-/// The counts of a codel.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct CodelCounts {
@@ -105,7 +102,6 @@ pub struct CheckOutcome {
     /// Name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Kind of property.
     pub check: PropertyKind,
     /// The task, or the predicates, in words.
     pub of: String,
@@ -130,7 +126,6 @@ pub struct CheckOutcome {
     pub violations: u64,
 }
 
-/// A moment of a run.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct RunMoment {
@@ -142,7 +137,6 @@ pub struct RunMoment {
     pub time: Value,
 }
 
-/// A violation.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct ViolationReport {
@@ -170,21 +164,18 @@ pub enum Violated {
         task: String,
         /// Response time when the violation was seen.
         response: Value,
-        /// Bound.
         bound: Value,
     },
     /// A codel ended with an undeclared event.
     Undeclared {
         /// `component.owner.state`
         codel: String,
-        /// Function.
         function: String,
         /// Full name of the event; empty if the value is not an event.
         event: String,
     },
     /// The process of a component has ended.
     Lost {
-        /// Component.
         component: String,
         /// Codel that it executed.
         #[serde(skip_serializing_if = "Option::is_none")]
@@ -199,7 +190,6 @@ pub enum Violated {
     Overrun {
         /// `component.owner.state`
         codel: String,
-        /// Function.
         function: String,
         /// Greatest execution time.
         took: Value,

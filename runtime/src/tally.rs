@@ -18,7 +18,6 @@ pub struct Times {
 }
 
 impl Times {
-    /// Adds a time.
     pub fn add(&mut self, time: Ticks) {
         self.least = match self.count {
             0 => time,

@@ -44,7 +44,6 @@ pub trait RunObserver {
     }
 }
 
-/// A violation by a codel.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum CodelViolation {
@@ -52,14 +51,12 @@ pub enum CodelViolation {
     Undeclared {
         /// `component.owner.state`
         codel: String,
-        /// Function.
         function: String,
         /// Full name of the event; empty if the value is not an event.
         event: String,
     },
     /// The process of a component has ended, with its codels.
     Lost {
-        /// Component.
         component: String,
         /// Codel and function under way.
         codel: Option<(String, String)>,
@@ -70,7 +67,6 @@ pub enum CodelViolation {
     Overrun {
         /// `component.owner.state`
         codel: String,
-        /// Function.
         function: String,
         /// Execution time, in nanoseconds.
         took: u64,

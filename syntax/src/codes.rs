@@ -14,9 +14,7 @@ pub enum Stage {
     File,
     /// The preprocessor. GenoM3 prints its messages in a form of their own.
     Preprocessor,
-    /// The lexer.
     Lexer,
-    /// The parser.
     Parser,
 }
 

@@ -21,7 +21,6 @@ pub enum PositionEncoding {
 /// A position as line and column, both from zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LineCol {
-    /// Line.
     pub line: u32,
     /// Column, in units of some [`PositionEncoding`].
     pub col: u32,
@@ -48,7 +47,6 @@ struct WideChar {
 }
 
 impl LineIndex {
-    /// Indexes a text.
     pub fn new(text: &str) -> LineIndex {
         let bytes = text.as_bytes();
         let mut lines = Vec::new();

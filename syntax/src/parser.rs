@@ -87,7 +87,6 @@ pub(crate) fn read(
     }
 }
 
-/// A syntax error.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct SyntaxError {
     /// The error as data.
@@ -550,7 +549,6 @@ impl<'i> Parser<'i> {
         self.input.text(self.pos).into_owned()
     }
 
-    /// Text of a token.
     pub(crate) fn nth_text_at(&self, token: usize) -> String {
         self.input.text(token).into_owned()
     }

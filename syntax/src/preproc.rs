@@ -72,7 +72,6 @@ pub enum Element {
 pub struct VirtualToken {
     /// Kind after re-lexing (pasting and stringizing included).
     pub kind: SyntaxKind,
-    /// The text.
     pub text: SmolStr,
     /// The origin of its spelling.
     pub origin: Origin,
@@ -85,7 +84,6 @@ pub struct VirtualToken {
 pub enum Origin {
     /// A token of an argument written at the call: index of the raw token in this file.
     Argument(u32),
-    /// The body of a macro.
     Body(MacroSite),
     /// Pasted, stringized, or predefined.
     Synthetic,

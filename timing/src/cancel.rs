@@ -117,7 +117,6 @@ impl Cancel {
             .get_or_init(|| Deadline { after: time, at: Instant::now().checked_add(time) });
     }
 
-    /// Returns the time limit.
     pub fn time_limit(&self) -> Option<Duration> {
         self.deadline.get().map(|deadline| deadline.after)
     }

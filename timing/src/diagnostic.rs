@@ -23,7 +23,6 @@ pub enum Severity {
 pub struct Diagnostic {
     /// Stable code: `scn-…`.
     pub code: &'static str,
-    /// Severity.
     pub severity: Severity,
     /// Says what is wrong and what to do.
     pub message: String,
@@ -40,7 +39,6 @@ pub struct Diagnostic {
 /// A text that the author probably meant.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Suggestion {
-    /// The text.
     pub text: String,
     /// A word of the language, of which there are few; otherwise a name, and another one may be meant.
     pub is_word: bool,

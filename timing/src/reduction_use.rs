@@ -16,7 +16,6 @@ pub struct ReductionUse {
     pub reductions: Vec<UseOfReduction>,
 }
 
-/// The use of one reduction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UseOfReduction {
     /// Kind of the reduction.

@@ -34,7 +34,6 @@ pub struct Report {
     pub scenario: String,
     /// Semantics of the model: `servers` or `published`, with the single points that differ.
     pub semantics: String,
-    /// Unit of all times.
     pub unit: TimeUnit,
     /// Checks, in order of the scenario; `*` gives one per task.
     pub checks: Vec<CheckReport>,
@@ -83,11 +82,8 @@ pub enum Soundness {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Layer {
-    /// Response-time analysis.
     ResponseTimeAnalysis,
-    /// Schedule abstraction.
     ScheduleAbstraction,
-    /// Invariants.
     Invariants,
 }
 
@@ -110,7 +106,6 @@ pub struct CheckId {
     pub task: Option<DeclaredTask>,
 }
 
-/// The limit of a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Limit {
     /// Stated by the check.
@@ -141,13 +136,11 @@ impl Limit {
 /// The answer to one check.
 #[derive(Debug, Clone, Serialize)]
 pub struct CheckReport {
-    /// The check.
     #[serde(skip)]
     pub id: CheckId,
     /// Name, if the scenario gives one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Kind of property.
     #[serde(rename = "check")]
     pub kind: PropertyKind,
     /// Task, or predicates, in words.
@@ -155,13 +148,11 @@ pub struct CheckReport {
     /// Task, if the check is about one.
     #[serde(skip)]
     pub task: Option<ThreadName>,
-    /// Limit of the value.
     #[serde(skip)]
     pub limit: Option<Limit>,
     /// Bound that the check states.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bound: Option<Value>,
-    /// Verdict.
     pub verdict: Verdict,
     /// What the verdict rests on although it is not stated; none unless the property holds.
     #[serde(rename = "conditional", skip_serializing_if = "Vec::is_empty")]
@@ -230,7 +221,6 @@ pub struct LateJob {
 /// The executions of one codel in a job.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JobExecutions {
-    /// Codel.
     pub codel: CodelName,
     /// Number of executions, the last of which may not have ended.
     pub times: u32,
@@ -250,7 +240,6 @@ fn is_zero(time: &f64) -> bool {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Awaited {
-    /// A core.
     Core,
     /// Data or ports in use by other codels.
     Lock,
@@ -282,7 +271,6 @@ pub struct Holder {
     /// Codel, if the resource is a lock.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub codel: Option<CodelName>,
-    /// Thread.
     pub by: ThreadName,
     /// Start, in the unit of the report.
     #[serde(serialize_with = "serialize_time")]
@@ -298,7 +286,6 @@ const LEFT_OUT: &str = "the run that shows it is left out: there was no time to 
 /// The state of an exploration that was given up.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct GaveUp {
-    /// Reason.
     pub reason: Stop,
     /// Number of states.
     pub states: usize,
@@ -386,7 +373,6 @@ pub struct Event {
     /// From this event on, the task waits for a core.
     #[serde(skip)]
     pub for_core: bool,
-    /// Codel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub codel: Option<CodelName>,
     /// Codels that keep the codel waiting from this event on: first those that execute, then those ahead in
@@ -413,7 +399,6 @@ pub struct Event {
 /// A codel that keeps another codel waiting.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Blocking {
-    /// Codel.
     pub codel: CodelName,
     /// Thread that executes it.
     pub by: ThreadName,

@@ -44,7 +44,6 @@ const UNSTATED: u32 = 255;
 pub struct TimedSystem {
     /// The base unit, in seconds.
     pub unit: Seconds,
-    /// Components.
     pub components: TiVec<ComponentId, Component>,
     /// Execution tasks. Those of one component are consecutive, in order of declaration.
     pub tasks: TiVec<TaskId, Task>,
@@ -54,9 +53,7 @@ pub struct TimedSystem {
     pub automata: TiVec<AutomatonId, Automaton>,
     /// Codels, one for each place of use.
     pub codels: TiVec<CodelId, Codel>,
-    /// Services.
     pub services: TiVec<ServiceId, Service>,
-    /// Clients.
     pub clients: TiVec<ClientId, Client>,
     /// Cores, policies and lock order.
     pub platform: Platform,
@@ -96,7 +93,6 @@ pub enum Policy {
 /// A component. Its tasks are started one after the other.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Component {
-    /// Name.
     pub name: String,
     /// Tasks, in order of declaration.
     pub tasks: Vec<TaskId>,
@@ -109,7 +105,6 @@ pub struct Component {
 pub struct Task {
     /// Name, without the component.
     pub name: String,
-    /// Component.
     pub component: ComponentId,
     /// Period, in base units; `None` if the task is aperiodic.
     pub period: Option<Ticks>,
@@ -160,7 +155,6 @@ impl Machine {
 /// A state of a machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct State {
-    /// Name.
     pub name: String,
     /// Codel that it executes.
     pub codel: CodelId,
@@ -186,7 +180,6 @@ pub enum Yield {
 pub struct Automaton {
     /// Task that executes it.
     pub task: TaskId,
-    /// Machine.
     pub machine: MachineId,
     /// Service of the slot; `None` for a permanent activity.
     pub service: Option<ServiceId>,
@@ -197,7 +190,6 @@ pub struct Automaton {
 pub struct Codel {
     /// Name, with its component and owner.
     pub path: CodelName,
-    /// Component.
     pub component: ComponentId,
     /// Least time from the grant of its locks to their release, in base units.
     pub lower: Ticks,
@@ -236,7 +228,6 @@ impl CodelSet {
         self.0[word] |= bit;
     }
 
-    /// Removes a codel.
     pub fn remove(&mut self, codel: CodelId) {
         let (word, bit) = CodelSet::place(codel);
         if let Some(word) = self.0.get_mut(word) {
@@ -273,7 +264,6 @@ impl CodelSet {
 pub struct Service {
     /// Name, without the component.
     pub name: String,
-    /// Component.
     pub component: ComponentId,
     /// Codel that accepts or refuses requests.
     pub validate: Option<CodelId>,
@@ -283,7 +273,6 @@ pub struct Service {
     pub slots: Vec<AutomatonId>,
     /// The service is an activity.
     pub activity: bool,
-    /// Services that it interrupts.
     pub interrupts: Vec<ServiceId>,
     /// Services that must have succeeded before the service is accepted.
     pub after: Vec<ServiceId>,
@@ -322,9 +311,7 @@ impl Builtin {
 /// A client: a graph of steps. The client chooses freely between the next steps.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Client {
-    /// Name.
     pub name: String,
-    /// Steps.
     pub steps: Vec<ClientStep>,
     /// Possible first steps; [`Client::done`] stands for none.
     pub first: Vec<usize>,
@@ -375,10 +362,8 @@ impl Client {
     }
 }
 
-/// One step of a client.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ClientStep {
-    /// Action.
     pub action: ClientAction,
     /// Possible next steps.
     pub next: Vec<usize>,
@@ -441,7 +426,6 @@ impl TimedSystem {
         format!("{}.{}", self.components[service.component].name, service.name)
     }
 
-    /// Returns the machine of an automaton.
     pub fn machine_of(&self, automaton: AutomatonId) -> &Machine {
         &self.machines[self.automata[automaton].machine]
     }

@@ -94,7 +94,6 @@ pub fn install_packages(directory: &Path) -> Result<()> {
     run::capture(npm(directory, &["ci", "--no-audit", "--no-fund"])).map(drop)
 }
 
-/// An npm command.
 pub fn npm(directory: &Path, arguments: &[&str]) -> std::process::Command {
     let name = if cfg!(windows) { "npm.cmd" } else { "npm" };
     let mut command = run::command(directory, name, arguments);

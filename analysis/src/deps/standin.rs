@@ -31,7 +31,6 @@ pub struct StandIn {
     pub at: Range<usize>,
     /// The path to write it to.
     pub path: Utf8PathBuf,
-    /// The text.
     pub text: String,
 }
 

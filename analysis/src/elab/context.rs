@@ -85,7 +85,6 @@ pub(super) struct Elaborator<'a> {
     pub(super) importing: Option<ImportInProgress>,
 }
 
-/// An import in progress.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ImportInProgress {
     /// The interface's name in the importing property.
@@ -95,7 +94,6 @@ pub(super) struct ImportInProgress {
     pub(super) again: Option<&'static str>,
 }
 
-/// A forward declaration.
 #[derive(Debug)]
 pub(super) struct ForwardDeclaration {
     pub(super) ty: TypeId,

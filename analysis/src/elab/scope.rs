@@ -9,10 +9,8 @@ use crate::model::{Name, Scope, ScopeKind, TypeId};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct ScopeId(u32);
 
-/// The global scope.
 pub(super) const GLOBAL: ScopeId = ScopeId(0);
 
-/// One scope.
 #[derive(Debug)]
 pub(super) struct ScopeData {
     /// Empty for the global scope.
@@ -29,7 +27,6 @@ pub(super) struct ScopeData {
     pub(super) path: Vec<Scope>,
 }
 
-/// All scopes.
 #[derive(Debug)]
 pub(super) struct Scopes {
     all: Vec<ScopeData>,

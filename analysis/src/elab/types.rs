@@ -308,7 +308,6 @@ pub(crate) fn members(spec: &Spec, ty: TypeId) -> Option<&[TypeId]> {
     }
 }
 
-/// The member of that name.
 pub(crate) fn member_named(spec: &Spec, ty: TypeId, name: &str) -> Option<TypeId> {
     let found = members(spec, ty)?;
     found.iter().copied().find(|member| spec.ty(*member).name.as_deref() == Some(name))

@@ -50,7 +50,6 @@ impl Const {
         }
     }
 
-    /// The value as a number.
     pub(super) fn number(&self) -> Option<f64> {
         match self {
             Self::Float(value) => Some(*value),

@@ -5,7 +5,6 @@ use crate::{
     model::{Spec, TypeId, TypeKind},
 };
 
-/// A path as text.
 pub(super) fn path_text(path: &Path) -> String {
     let mut text = String::new();
     for (index, segment) in path.segments.iter().enumerate() {

@@ -77,7 +77,6 @@ impl FixSite<'_> {
         nearest(name, macros).map(|near| self.replace(near)).into_iter().collect()
     }
 
-    /// Removes the text.
     pub(crate) fn remove(&self) -> TextFix {
         remove(self.range, &self.text(self.range))
     }

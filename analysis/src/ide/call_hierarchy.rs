@@ -31,11 +31,9 @@ pub struct CallKey {
 /// A state or service with its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CallItem {
-    /// The name.
     pub name: String,
     /// Codel and machine.
     pub detail: String,
-    /// The kind.
     pub kind: SymbolKind,
     /// The file.
     pub path: Utf8PathBuf,

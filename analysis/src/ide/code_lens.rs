@@ -52,7 +52,6 @@ pub enum LensKind {
     },
     /// The state machine of a task or activity.
     StateMachine {
-        /// The component.
         component: SmolStr,
         /// The task or activity.
         owner: SmolStr,
@@ -68,7 +67,6 @@ pub struct CodeLens {
     pub kind: LensKind,
 }
 
-/// The text of a lens.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LensText {
     /// The text.

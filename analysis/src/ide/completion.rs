@@ -52,12 +52,10 @@ pub struct CodelPlace {
     pub tail: &'static str,
 }
 
-/// One completion item.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CompletionItem {
     /// The displayed text.
     pub label: String,
-    /// The kind.
     pub kind: CompletionKind,
     /// Type, direction…
     pub detail: Option<String>,
@@ -82,7 +80,6 @@ pub struct CompletionItem {
 /// The documentation of an item, shown when it is selected.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CompletionDoc {
-    /// Markdown.
     pub markdown: String,
 }
 

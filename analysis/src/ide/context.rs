@@ -24,7 +24,6 @@ pub(crate) struct Word {
     pub(crate) range: Range<usize>,
 }
 
-/// Kinds of bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum BodyKind {
     Specification,

@@ -76,7 +76,6 @@ pub struct InlayHint {
     pub at: usize,
     /// The text.
     pub label: String,
-    /// The kind.
     pub kind: InlayKind,
     /// An explanation, in Markdown.
     pub tooltip: String,

@@ -26,7 +26,6 @@ pub(crate) enum Target {
     Definition(DefId),
     /// A macro: its name, and its definition unless it is predefined.
     Macro(SmolStr, Option<MacroSite>),
-    /// A file.
     File(SourceFile),
 }
 

@@ -10,7 +10,6 @@ use super::{
 };
 use crate::model::{Codel, Param, ParamDir, ParamSource, Spec};
 
-/// A signature.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SignatureHelp {
     /// The whole text.

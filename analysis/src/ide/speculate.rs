@@ -25,7 +25,6 @@ use crate::{
 
 /// One unit before and after.
 pub(crate) struct Comparison {
-    /// The root.
     pub(crate) root: SourceFile,
     pub(crate) before: Arc<Elaborated>,
     pub(crate) after: Arc<Elaborated>,

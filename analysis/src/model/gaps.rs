@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 
 use super::{Codel, Name, Owner, ParamDir, ParamSource, PathElement, Spec, TypeId, TypeKind};
 
-/// One gap.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Gap {
     /// Index into [`Spec::components`]; `None` outside of components and interfaces.
@@ -24,7 +23,6 @@ pub struct Gap {
 pub enum Missing {
     /// An interface, so that any of its declarations may be missing.
     Interface {
-        /// The name.
         name: Name,
         /// True if it is only used: no tasks, services and codels of the component come from it.
         used: bool,
@@ -54,7 +52,6 @@ pub enum Missing {
     },
     /// A port, service or member that a codel names.
     Source {
-        /// The name.
         name: Name,
         /// The kind as written; `None` if it is not written.
         kind: Option<SourceKind>,
@@ -64,16 +61,10 @@ pub enum Missing {
         service: Option<u32>,
     },
     /// A task that an activity names, which an unknown interface may declare.
-    Task {
-        /// The name.
-        name: Name,
-    },
+    Task { name: Name },
     /// A service in the `interrupts`, `before` or `after` of another one, which an unknown interface may
     /// declare.
-    Service {
-        /// The name.
-        name: Name,
-    },
+    Service { name: Name },
 }
 
 /// The kinds of sources that a codel parameter may name.

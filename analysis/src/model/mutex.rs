@@ -12,7 +12,6 @@ use crate::phrase::Phrase;
 /// A codel or attribute that a codel excludes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Exclusion {
-    /// The excluded one.
     pub with: Excluded,
     /// Every pair of parameters that causes the exclusion, at least one.
     pub through: Vec<SharedParameters>,

@@ -12,7 +12,6 @@ use super::{
 pub struct Part<'a> {
     /// The specification with its types.
     pub spec: &'a Spec,
-    /// The component.
     pub component: &'a Component,
     /// Index of the specification.
     pub number: usize,
@@ -45,7 +44,6 @@ pub struct System<'a> {
 pub struct RemoteExclusion {
     /// Index of the component in [`System::parts`].
     pub part: usize,
-    /// The codel.
     pub codel: CodelRef,
     /// The output port that both use.
     pub port: PortRef,

@@ -29,7 +29,6 @@ pub enum Turn {
 }
 
 impl<'m> Machine<'m> {
-    /// The codel at a position.
     pub fn at(&self, position: usize) -> &'m Codel {
         self.codels[position].1
     }

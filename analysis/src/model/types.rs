@@ -12,7 +12,6 @@ pub struct TypeId(pub u32);
 /// enumerators, states, ports, remotes).
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Type {
-    /// The kind.
     pub kind: TypeKind,
     /// Name inside its scope; `None` for anonymous types.
     pub name: Option<Name>,
@@ -30,9 +29,7 @@ pub struct Type {
 /// One enclosing scope of a type.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Scope {
-    /// Kind of scope.
     pub kind: ScopeKind,
-    /// The name.
     pub name: Name,
 }
 
@@ -44,9 +41,7 @@ pub enum ScopeKind {
     Module,
     /// A struct (the ids included).
     Struct,
-    /// A union.
     Union,
-    /// An exception.
     Exception,
 }
 

@@ -20,7 +20,6 @@ use crate::{
     unit::{self, FileKey, lowered, parsed, preprocessed, text_facts},
 };
 
-/// The diagnostics of a text.
 #[salsa::tracked]
 pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Diagnostic>> {
     let file = key.file(db);

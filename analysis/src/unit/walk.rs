@@ -162,7 +162,6 @@ struct Walker<'db> {
     pragmas_in_macros: bool,
 }
 
-/// The host of one visit.
 struct VisitHost<'a, 'db> {
     walker: &'a mut Walker<'db>,
     visit: usize,

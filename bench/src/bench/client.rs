@@ -99,7 +99,6 @@ impl Editor {
         self.notify("textDocument/didClose", params)
     }
 
-    /// Removes a line.
     pub(crate) fn remove_line(&mut self, document: &mut Document, line: usize) -> Result<()> {
         self.replace(document, [(line, 0), (line + 1, 0)], "")
     }

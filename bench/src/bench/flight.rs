@@ -11,7 +11,6 @@ use super::show;
 use xtask::run::step;
 use xtask::target;
 
-/// The platforms.
 const PLATFORMS: [&str; 3] = ["cores 4; policy edf;", "cores 3; policy edf;", "cores free;"];
 
 /// Verifies it with and without the middle tier.

@@ -115,7 +115,6 @@ fn by_file(edit: &Value) -> Result<BTreeMap<PathBuf, Vec<Value>>> {
     Ok(out)
 }
 
-/// The path of a URI.
 pub(super) fn path_of(uri: &str) -> PathBuf {
     let path = uri.strip_prefix("file://").unwrap_or(uri);
     let mut parts = path.split('%');

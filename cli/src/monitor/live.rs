@@ -11,7 +11,6 @@ use serde_json::json;
 use super::{Format, NewDeviations, POLL_INTERVAL};
 use crate::call::RunConnection;
 
-/// Returns true if a path is that of a socket.
 pub(super) fn is_socket(path: &Utf8Path) -> bool {
     std::fs::metadata(path).is_ok_and(|metadata| metadata.file_type().is_socket())
 }

@@ -62,7 +62,6 @@ pub(super) struct RecordingResult {
     pub(super) whole: bool,
 }
 
-/// The events of a run.
 pub(super) struct RunEvents {
     pub(super) events: Vec<Event>,
     /// True if only the beginning is present.

@@ -164,7 +164,6 @@ impl Record for Recording<'_, '_> {
     }
 }
 
-/// Returns the schema of messages for the schema of values.
 fn message(mut schema: Value) -> Value {
     if schema["type"] != "object" {
         schema = json!({

@@ -10,7 +10,6 @@ use std::collections::BTreeMap;
 use dotgen_analysis::model::{Component, Param, ParamDir, ServiceKind, Spec, TypeId, TypeKind};
 use serde_json::{Map, Value, json};
 
-/// The schema of one component.
 pub(super) fn schema(spec: &Spec, component: &Component) -> Value {
     let mut types = Types { spec, definitions: BTreeMap::new() };
     let mut services = Map::new();

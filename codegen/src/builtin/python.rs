@@ -34,7 +34,6 @@ const RESERVED_NAMES: &[&str] = &[
     "str",
 ];
 
-/// The stub of one component.
 pub(super) fn stub(spec: &Spec, component: &Component) -> String {
     let class = class_name(&component.name);
     let taken =

@@ -87,7 +87,6 @@ impl Call {
     }
 }
 
-/// A result file.
 struct ResultFile {
     path: String,
     permissions: &'static str,

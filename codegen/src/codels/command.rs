@@ -32,14 +32,12 @@ pub enum StubTarget {
     All,
     /// The codels of a task or service.
     Owner(String),
-    /// One codel.
     Codel(String),
 }
 
 /// A file that a command would change.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct FileChange {
-    /// Its path.
     pub path: Utf8PathBuf,
     /// Present text; `None` if the file does not exist.
     pub before: Option<String>,

@@ -67,7 +67,6 @@ impl DriftCode {
         DriftCode::UnwrittenPort,
     ];
 
-    /// The kind of a difference.
     pub fn of(kind: &Difference) -> DriftCode {
         match kind {
             Difference::Missing { .. } | Difference::Unwritten { .. } => {
@@ -115,7 +114,6 @@ impl DriftCode {
     }
 }
 
-/// A place in a source.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourcePlace {
     /// The file.
@@ -129,7 +127,6 @@ pub struct SourcePlace {
 pub struct Drift {
     /// The kind.
     pub code: DriftCode,
-    /// The severity.
     pub severity: Severity,
     /// The details.
     pub kind: Difference,
@@ -137,7 +134,6 @@ pub struct Drift {
     pub component: u32,
     /// Places in the specification: the codel's name, or the state that is never returned.
     pub spec: Vec<Src>,
-    /// Place in the source.
     pub source: Option<SourcePlace>,
     /// The text that the specification requires: the prototype.
     pub expected: Option<String>,
@@ -163,10 +159,7 @@ impl Drift {
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Repair {
     /// Write a stub.
-    Stub {
-        /// The codel.
-        at: CodelRef,
-    },
+    Stub { at: CodelRef },
     /// Give the function the prototype of the specification.
     UpdateSignature {
         /// Function and codel.
@@ -178,7 +171,6 @@ pub enum Repair {
     },
     /// Update the generated comment.
     RefreshComment {
-        /// The codel.
         at: CodelRef,
         /// File of the comment.
         path: Utf8PathBuf,
@@ -187,14 +179,12 @@ pub enum Repair {
     },
     /// Add a state to the `yield` list of a codel.
     AddYield {
-        /// The codel.
         at: CodelRef,
         /// `state` or `pause::state`.
         state: String,
     },
     /// Remove a state from the `yield` list of a codel.
     RemoveYield {
-        /// The codel.
         at: CodelRef,
         /// Index into its yields.
         index: usize,
@@ -203,13 +193,11 @@ pub enum Repair {
     AddThrow {
         /// Task or service.
         owner: Owner,
-        /// The exception.
         exception: TypeId,
     },
     /// Add a state to the `yield` list of a codel, with a pause that the code does not make yet: without the
     /// pause, the codel would be in a cycle without `pause::`.
     AddPausedYield {
-        /// The codel.
         at: CodelRef,
         /// The state, without `pause::`.
         state: String,

@@ -13,7 +13,6 @@ use serde::Serialize;
 pub struct TextEdit {
     /// Byte offsets; empty for an insertion.
     pub range: Range<usize>,
-    /// The new text.
     pub text: String,
 }
 

@@ -42,7 +42,6 @@ pub struct Expected<'a> {
 /// The function behind one or more codels of the same name.
 #[derive(Debug, Clone)]
 pub struct ExpectedFunction {
-    /// Its name.
     pub name: Name,
     /// The uses in the component, in order.
     pub uses: Vec<CodelRef>,
@@ -126,7 +125,6 @@ impl<'a> Expected<'a> {
         out
     }
 
-    /// The component.
     pub fn component(&self) -> &'a Component {
         &self.spec.components[self.component as usize]
     }
@@ -203,7 +201,6 @@ impl<'a> Expected<'a> {
             && component.task_of(at).is_none_or(|task| self.has_file(task))
     }
 
-    /// The function of a name.
     pub fn function(&self, name: &str) -> Option<&ExpectedFunction> {
         self.functions.iter().find(|function| function.name == name)
     }

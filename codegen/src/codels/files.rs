@@ -135,9 +135,7 @@ pub fn makefile_sources(text: &str) -> Vec<Utf8PathBuf> {
 /// One file with its index.
 #[derive(Debug, Clone)]
 pub struct IndexedFile {
-    /// Its path.
     pub path: Utf8PathBuf,
-    /// Its text.
     pub text: Arc<str>,
     /// The grammar of its text.
     pub grammar: Grammar,
@@ -334,7 +332,6 @@ impl Sources {
         self.sources.iter().chain(&self.headers)
     }
 
-    /// A file by path.
     pub fn file(&self, path: &Utf8Path) -> Option<&IndexedFile> {
         self.all().find(|file| file.path == path)
     }

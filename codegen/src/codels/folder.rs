@@ -28,7 +28,6 @@ use crate::lang::Language;
 pub struct Folder {
     /// The `.gen` that declares the components.
     pub specification: Utf8PathBuf,
-    /// Its unit.
     pub unit: UnitResult,
     /// Indexes into the components of the unit.
     pub components: Vec<u32>,

@@ -56,7 +56,6 @@ pub fn body_start(path: &Utf8Path, text: &str, codel: &str) -> Option<Range<usiz
 /// A function that implements a codel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CodelFunction {
-    /// Its name.
     pub name: String,
     /// The place of its name.
     pub name_range: Range<usize>,

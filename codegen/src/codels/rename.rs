@@ -50,7 +50,6 @@ pub struct UnchangedPlace {
     pub line: usize,
     /// The old name at this place.
     pub name: SmolStr,
-    /// The reason why it is unchanged.
     pub why: UnchangedReason,
 }
 
@@ -95,7 +94,6 @@ pub enum RenameRefusal {
     Names(MissingNames),
     /// The sources already declare a new name.
     Taken {
-        /// The name.
         name: SmolStr,
         /// The file that declares it.
         path: Utf8PathBuf,

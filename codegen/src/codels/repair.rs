@@ -24,13 +24,11 @@ use super::{
 pub struct Repairs<'a> {
     /// The functions that the specification requires.
     pub expected: &'a Expected<'a>,
-    /// The sources.
     pub sources: &'a Sources,
     /// Places of the specification.
     pub locations: &'a dyn Locations,
     /// Texts of the files of the specification.
     pub text: &'a dyn Files,
-    /// The options for stubs.
     pub stubs: &'a StubOptions,
 }
 
@@ -163,7 +161,6 @@ impl Repairs<'_> {
         all
     }
 
-    /// The file for the stub of a codel.
     pub fn stub_file(&self, at: CodelRef) -> Utf8PathBuf {
         let wanted = self.skeleton_file(at);
         let same = |file: &&IndexedFile| file.path.with_extension("") == wanted.with_extension("");

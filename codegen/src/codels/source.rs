@@ -79,7 +79,6 @@ pub struct Include {
 /// `#define NAME …`
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Macro {
-    /// Its name.
     pub name: SmolStr,
     /// True if it may leave the function that uses it.
     pub returns: bool,
@@ -92,7 +91,6 @@ pub struct Macro {
 pub struct Function {
     /// Name without scopes.
     pub name: SmolStr,
-    /// The name.
     pub name_span: Span,
     /// Enclosing namespaces, classes and qualifiers, outermost first; an anonymous namespace is
     /// empty.

@@ -11,7 +11,6 @@ use rustc_hash::FxHashMap;
 use super::expected::{Expected, owner_words};
 use crate::lang::{LangError, Language, text};
 
-/// The options for stubs.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct StubOptions {
     /// Adds `(void)x;` for every parameter, so that the stub compiles without warnings. The reference
@@ -28,7 +27,6 @@ pub struct StubOptions {
 pub struct NewFile {
     /// Relative to the folder of the `.gen`.
     pub path: Utf8PathBuf,
-    /// Its text.
     pub text: String,
 }
 

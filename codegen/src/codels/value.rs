@@ -23,7 +23,6 @@ use serde_json::{Map, Value};
 /// Maximum depth of types within types; deeper values are refused.
 pub(super) const DEPTH: usize = 64;
 
-/// An error in a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ValueError {
     /// The place in the value: `.pos[2].x`.
@@ -190,7 +189,6 @@ impl<'s> Values<'s> {
         self.initial(init)
     }
 
-    /// The value of an initializer.
     pub(super) fn initial(&self, init: &Initializer) -> Option<Value> {
         match &init.value {
             InitValue::Void => None,

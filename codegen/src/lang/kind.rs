@@ -15,7 +15,6 @@ pub fn length_of(kind: &TypeKind) -> Option<u64> {
     }
 }
 
-/// Kind of a scope.
 pub fn scope_word(kind: ScopeKind) -> &'static str {
     match kind {
         ScopeKind::Module => "module",
@@ -46,7 +45,6 @@ pub fn source_word(source: ParamSource) -> &'static str {
     }
 }
 
-/// Kind of a service.
 pub fn service_word(kind: ServiceKind) -> &'static str {
     match kind {
         ServiceKind::Attribute => "attribute",

@@ -23,7 +23,6 @@ pub const CODES: &[Code] = &[
     Code { id: COMMENT, severity: Severity::Error, on: true, reference: true },
 ];
 
-/// The diagnostics of a source.
 pub fn source(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
     let places = Places { path, text };
     let program = match marker::translate(text) {

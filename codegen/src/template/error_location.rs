@@ -34,7 +34,6 @@ pub(crate) struct Innermost {
 pub(crate) enum Context {
     /// Body of a procedure.
     Procedure(String, usize),
-    /// A file.
     File(String, usize),
     /// Anything else: a loop body, an evaluated string.
     Other,

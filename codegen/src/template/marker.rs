@@ -69,7 +69,6 @@ pub(crate) struct Piece {
     pub program: usize,
     /// Range in the source, in characters; without tags.
     pub source: Range<usize>,
-    /// The kind.
     pub kind: PieceKind,
 }
 

@@ -36,11 +36,8 @@ pub(crate) enum Object {
 /// Names a parameter of a component: the owner and the index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum ParamRef {
-    /// Of a service.
     Service(u32, u32),
-    /// Of a remote.
     Remote(u32, u32),
-    /// Of a codel.
     Codel(CodelRef, u32),
 }
 
@@ -125,7 +122,6 @@ pub(crate) struct Registry {
 const FIRST: u64 = 0x1000_0000_0000;
 
 impl Registry {
-    /// The object of a handle.
     pub(crate) fn object(&self, handle: &str) -> Option<&Object> {
         match self.objects.get(handle) {
             None if !handle.starts_with("::") => self.objects.get(&format!("::{handle}")),

@@ -13,7 +13,6 @@ use super::marker::{LITERAL, SUBSTITUTE};
 pub(crate) struct Flaw {
     /// The range of the error.
     pub range: Range<usize>,
-    /// The kind.
     pub kind: FlawKind,
 }
 

@@ -20,12 +20,10 @@ pub(crate) fn component_throws(component: &Component) -> Vec<TypeId> {
     unique(&lists)
 }
 
-/// Of a task.
 pub(crate) fn task_throws(component: &Component, task: &Task) -> Vec<TypeId> {
     unique(&[&component.throws, &task.throws])
 }
 
-/// Of a service.
 pub fn service_throws(component: &Component, service: u32) -> Vec<TypeId> {
     let service = &component.services[service as usize];
     let task = service.task.map(|task| &component.tasks[task as usize]);

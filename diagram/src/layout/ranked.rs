@@ -184,7 +184,6 @@ impl RankedGraph {
         }
     }
 
-    /// The group of a vertex.
     pub(super) fn group_of(&self, vertex: usize) -> Option<usize> {
         group_of(&self.group, vertex)
     }

@@ -9,7 +9,6 @@ pub(super) struct Bands {
 }
 
 impl Bands {
-    /// The middle of a rank.
     pub(super) fn middle(&self, rank: usize) -> f64 {
         let (top, bottom) = self.bands[rank];
         (top + bottom) / 2.0

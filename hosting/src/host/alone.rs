@@ -116,7 +116,6 @@ impl Activities {
 }
 
 impl State {
-    /// The machine with a codel.
     fn machine(&self, codel: u32) -> Option<usize> {
         let has = |machine: &HostMachine| machine.states.iter().any(|state| state.codel == codel);
         self.machines.iter().position(has)

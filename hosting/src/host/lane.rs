@@ -94,7 +94,6 @@ impl Lane {
     }
 }
 
-/// The end of a cycle.
 enum CycleEnd {
     /// The automaton pauses in a state, since a time in nanoseconds.
     Paused(usize, u64),

@@ -10,7 +10,6 @@ use toml::de::{DeTable, DeValue};
 /// An error in a source of settings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
-    /// Kind of problem.
     pub kind: ProblemKind,
     /// The error, and the correct value or name.
     pub message: String,
@@ -25,7 +24,6 @@ impl Problem {
     }
 }
 
-/// Kinds of problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProblemKind {
     /// The file is not TOML; no setting was read.

@@ -30,7 +30,6 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 pub struct Answers {
     /// The name of the component.
     pub name: String,
-    /// Its tasks.
     pub tasks: Vec<NewTask>,
     /// Interfaces that it provides: name and file.
     pub provides: Vec<(String, Utf8PathBuf)>,

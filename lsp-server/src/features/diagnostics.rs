@@ -71,7 +71,6 @@ pub(crate) fn gone(known: PreviousResultId) -> WorkspaceDocumentDiagnosticReport
     DocumentReport::new(Vec::new(), Some(&known.value)).into_workspace(known.uri, None)
 }
 
-/// True if a report is unchanged.
 pub(crate) fn is_unchanged(report: &WorkspaceDocumentDiagnosticReport) -> bool {
     matches!(report, WorkspaceDocumentDiagnosticReport::Unchanged(_))
 }

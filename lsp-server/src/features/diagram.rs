@@ -25,7 +25,6 @@ use dotgen_views::verification::view::View;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(crate) struct DiagramParams {
-    /// The document.
     pub(crate) text_document: TextDocumentIdentifier,
     /// A place: the declaration around it is drawn, and takes precedence over the names in the wish.
     #[serde(default)]

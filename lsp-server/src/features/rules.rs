@@ -275,7 +275,6 @@ pub(crate) fn uses_moved(
     Ok(edits)
 }
 
-/// The path of a file relative to a folder.
 fn relative(folder: &Utf8Path, file: &Utf8Path) -> Utf8PathBuf {
     let common = folder.components().zip(file.components()).take_while(|(a, b)| a == b).count();
     let up = folder.components().skip(common).map(|_| "..");

@@ -30,7 +30,6 @@ pub struct ClientCaps {
     pub definition_link: bool,
     /// Folding by whole lines only.
     pub line_folding_only: bool,
-    /// Hover in Markdown.
     pub markdown_hover: bool,
     /// Snippets in completion.
     pub snippets: bool,

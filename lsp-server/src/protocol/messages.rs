@@ -48,7 +48,6 @@ pub struct DocumentText {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct DocumentParams {
-    /// The document.
     pub text_document: TextDocumentIdentifier,
 }
 
@@ -56,7 +55,6 @@ pub struct DocumentParams {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct PositionParams {
-    /// The document.
     pub text_document: TextDocumentIdentifier,
     /// The place.
     pub position: Position,
@@ -142,7 +140,6 @@ pub struct VerificationStatusParams {
     pub uri: Uri,
     /// Version of the verified document; none if it is not open.
     pub version: Option<i32>,
-    /// The status.
     pub status: dotgen_views::verification::results::Status,
     /// Name of the scenario.
     pub scenario: String,

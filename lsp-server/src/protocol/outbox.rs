@@ -76,7 +76,6 @@ impl Outbox {
         &self.client
     }
 
-    /// The runtime.
     pub(crate) fn runtime(&self) -> &Handle {
         &self.runtime
     }

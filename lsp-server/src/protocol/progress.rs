@@ -120,7 +120,6 @@ pub(crate) async fn begin(client: &Client, wanted: bool, title: &str) -> Option<
     Some(client.progress(token, title.to_owned()).begin().await)
 }
 
-/// Ends the progress.
 pub(crate) async fn end(progress: Option<Unstoppable>, message: String) {
     if let Some(progress) = progress {
         progress.finish_with_message(message).await;

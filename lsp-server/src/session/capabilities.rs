@@ -15,7 +15,6 @@ fn strings(all: &[&str]) -> Vec<String> {
     all.iter().map(|text| (*text).to_owned()).collect()
 }
 
-/// The capabilities of this server for a client.
 pub(crate) fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
     ServerCapabilities {
         position_encoding: Some(client.encoding.kind()),

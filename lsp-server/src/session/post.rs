@@ -26,7 +26,6 @@ impl<T> Post<T> {
         }))
     }
 
-    /// Sends a message.
     pub(crate) fn send(&self, message: T) {
         (self.0)(message);
     }

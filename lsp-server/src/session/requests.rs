@@ -18,7 +18,6 @@ use crate::protocol::messages::{
 };
 use crate::protocol::types::*;
 
-/// The builder of the service.
 pub(super) type Builder = tower_lsp::LspServiceBuilder<Backend>;
 
 /// Registers the methods beyond the protocol; see `docs/protocol.md`.

@@ -52,7 +52,6 @@ pub(crate) enum Event {
     Initialized,
     /// A change.
     Mutation(Mutation),
-    /// A request.
     ReadRequest(ReadRequest),
     /// A message of the computation of diagnostics.
     Diagnostics(publish::News),

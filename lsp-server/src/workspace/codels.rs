@@ -79,7 +79,6 @@ pub(crate) fn home(config: &FilesConfig, source: &Utf8Path) -> Option<Utf8PathBu
 }
 
 impl ComparedFolders {
-    /// The folders.
     pub(crate) fn folders(&self) -> impl Iterator<Item = &Folder> {
         self.folders.iter().map(|folder| &folder.0)
     }

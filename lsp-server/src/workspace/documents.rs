@@ -25,7 +25,6 @@ enum Text {
     Lost,
 }
 
-/// The effect of an edit.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum EditEffect {
     /// The text has changed.

@@ -31,7 +31,6 @@ pub(crate) struct OpenFile {
     pub uri: Uri,
     /// Last version seen.
     pub version: i32,
-    /// Its language.
     pub language: Language,
     /// The client says that it is a source of a template, by its language id.
     pub is_template_source: bool,
@@ -53,7 +52,6 @@ pub(crate) struct Snapshot {
     pub client: Arc<ClientCaps>,
     /// Number of applied changes.
     pub revision: u64,
-    /// The results of verifications.
     pub(crate) verification: Arc<dotgen_views::verification::results::Results>,
     /// `.scn` files of the workspace.
     pub(crate) scenarios: Arc<BTreeSet<Utf8PathBuf>>,

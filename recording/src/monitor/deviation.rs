@@ -2,7 +2,6 @@
 
 use crate::matching::Mismatch;
 
-/// A deviation.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Deviation {
     /// Line of the log that shows it.

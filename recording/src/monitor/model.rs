@@ -58,7 +58,6 @@ pub(super) struct StateOutcome {
     pub(super) next: Option<(usize, bool)>,
 }
 
-/// The outcome of a codel.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum CodelOutcome {
     /// One of its yields.

@@ -10,7 +10,6 @@ use super::CLOCK_TOLERANCE_NANOS;
 /// Upper limit on the runs kept for comparison with later runs.
 const MAX_KEPT_RUNS: usize = 4_096;
 
-/// A run of a codel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct CodelRun {
     pub(super) asked: i64,

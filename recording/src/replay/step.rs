@@ -77,13 +77,11 @@ impl Rule {
     }
 }
 
-/// A step.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Step {
     /// Time since the start, in units of the system.
     pub time: u64,
-    /// Rule.
     pub rule: Rule,
     /// Subject: a task, a component or a client.
     pub of: String,

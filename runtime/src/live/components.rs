@@ -206,7 +206,6 @@ impl<'s> HostedComponents<'s> {
         self.codels.get(codel).copied().flatten()
     }
 
-    /// Returns the function of a codel.
     pub fn function(&self, codel: CodelId) -> String {
         self.functions.get(codel).cloned().unwrap_or_default()
     }

@@ -286,7 +286,6 @@ impl Live<'_> {
         states.collect()
     }
 
-    /// Returns true if a codel and one of others exclude each other.
     fn excludes_any(&self, codel: CodelId, others: &[CodelId]) -> bool {
         let own = &self.system.codels[codel];
         others.iter().any(|&other| {

@@ -25,7 +25,6 @@ enum Continuation {
 /// A list or value that further lines may continue.
 #[derive(Debug, Clone, Copy)]
 struct Open {
-    /// The depth.
     depth: usize,
     /// Column of the line it begins on, in the text and as printed.
     anchor: (usize, usize),

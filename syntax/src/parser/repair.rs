@@ -28,7 +28,6 @@ pub(super) struct RawRepair {
     plain: bool,
 }
 
-/// The place of a repair.
 pub(super) enum RepairPlace {
     /// An insertion behind the token before this one.
     Behind(usize),

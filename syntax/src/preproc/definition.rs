@@ -11,7 +11,6 @@ use crate::{
 /// A macro definition.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Macro {
-    /// The name.
     pub name: SmolStr,
     /// The form.
     pub kind: MacroKind,

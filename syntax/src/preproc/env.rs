@@ -108,7 +108,6 @@ impl MacroEnv {
         self.first_bytes >> (first & 127) & 1 != 0
     }
 
-    /// The macro of this name.
     #[inline]
     pub fn get(&self, name: &str) -> Option<&Arc<Macro>> {
         let first = *name.as_bytes().first()?;
@@ -218,7 +217,6 @@ fn fingerprint(definition: &Macro) -> u64 {
 /// The words of a text that may be names of macros.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct MentionedWords {
-    /// The words.
     pub words: FxHashSet<SmolStr>,
     /// True if the text has a `##`, so that one of its macros may form further names.
     pub pastes: bool,

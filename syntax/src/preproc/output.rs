@@ -25,7 +25,6 @@ pub struct ActiveInclude {
 /// A macro name in the text that was looked up.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MacroUse {
-    /// The name.
     pub name: SmolStr,
     /// The name in the text.
     pub range: TextRange,
@@ -51,7 +50,6 @@ pub struct PpError {
     pub kind: Preprocessing,
     /// The range in the text of the file.
     pub range: TextRange,
-    /// The severity.
     pub severity: Severity,
     /// Another range that explains the error, and its description.
     pub related: Option<(TextRange, &'static str)>,

@@ -67,7 +67,6 @@ impl CycleAutomaton {
 /// An activity that a task may execute.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Activity {
-    /// Its machine.
     pub(super) machine: MachineId,
     pub(super) permanent: bool,
     /// The activity can be requested again after its end.
@@ -153,7 +152,6 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Returns the number of a situation.
     fn number(&mut self, situation: AutomatonState) -> Successor {
         if let Some(&successor) = self.known.get(&situation) {
             return successor;

@@ -21,10 +21,7 @@ pub enum Refusal {
     /// A turn need not reach a pause.
     WithoutPause,
     /// A codel of a task has no longest time, or may wait for a codel that has none.
-    Endless {
-        /// The task.
-        task: TaskId,
-    },
+    Endless { task: TaskId },
     /// Published models: start-up takes time, or can lead to too many places.
     StartUp,
     /// Published models: a task has no permanent activity, or one that can end.
@@ -37,10 +34,7 @@ pub enum Refusal {
         looked_at: usize,
     },
     /// A job may still be under way when the next tick of its task comes.
-    MayMiss {
-        /// The task.
-        task: TaskId,
-    },
+    MayMiss { task: TaskId },
     /// The verification was cancelled, or the time limit is reached.
     Cancelled,
 }

@@ -50,7 +50,6 @@ pub(super) struct TaskProgress {
     pub(super) held: u32,
 }
 
-/// The times of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct TaskTimes {
     /// Waiting: release of the job. Active: time at which its next codel is ready.

@@ -37,7 +37,6 @@ pub(super) struct Thread {
     pub(super) first: i64,
     /// Sequences of codels; `None` if there are none.
     pub(super) cycle_automaton: Option<CycleAutomaton>,
-    /// Group.
     pub(super) group: usize,
     /// The task shares locks with others of its group.
     pub(super) contends: bool,

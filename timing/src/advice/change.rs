@@ -13,7 +13,6 @@ use crate::system::CodelName;
 pub enum Change {
     /// The execution time of a codel.
     Wcet {
-        /// Codel.
         codel: CodelName,
         /// Present longest execution time.
         now: f64,
@@ -65,7 +64,6 @@ pub enum Change {
     Lock {
         /// Codel that takes the copy.
         codel: CodelName,
-        /// Other codel.
         other: CodelName,
         /// Data and ports that both use, in words. The copy separates the codel from all other codels with
         /// which it shares nothing else.

@@ -11,7 +11,6 @@ const SETTLING: usize = 64;
 /// A possible next step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NextStep {
-    /// An action.
     Action(Action),
     /// Time passes until the next moment, in base units.
     Wait(Ticks),

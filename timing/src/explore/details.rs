@@ -14,17 +14,9 @@ pub enum MomentDetails {
     /// queue.
     Blocked(Vec<Blocker>),
     /// The control task takes a request of a client.
-    Requested {
-        /// The client.
-        client: ClientId,
-        /// The service.
-        service: ServiceId,
-    },
+    Requested { client: ClientId, service: ServiceId },
     /// A control task allows an activity of a task to go on.
-    Released {
-        /// The task.
-        task: TaskId,
-    },
+    Released { task: TaskId },
     /// A thread is preempted.
     Preempted(Executing),
 }
@@ -32,7 +24,6 @@ pub enum MomentDetails {
 /// A thread that executes codels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Executing {
-    /// A task.
     Task(TaskId),
     /// The control task of a component.
     Control(ComponentId),
@@ -41,7 +32,6 @@ pub enum Executing {
 /// A codel that keeps another codel waiting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Blocker {
-    /// Codel.
     pub codel: CodelId,
     /// Thread that executes it, or is about to.
     pub by: Executing,

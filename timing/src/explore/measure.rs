@@ -73,7 +73,6 @@ pub(super) struct Gauge {
     pub(super) excess: Option<Run>,
 }
 
-/// The mode of a measurement.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum MeasurementMode {
     /// In the same exploration as others.

@@ -69,7 +69,6 @@ impl Setting<'_> {
     }
 }
 
-/// One reduction.
 pub(crate) trait Reduction: Sized {
     /// Kind of the reduction.
     const KIND: Kind;

@@ -83,54 +83,31 @@ use crate::system::{AutomatonId, ClientId, ComponentId, ServiceId, TaskId, Ticks
 pub enum Action {
     /// A client proceeds, because the event that it waited for has happened.
     Proceed {
-        /// The client.
         client: ClientId,
         /// Next step.
         next: usize,
     },
     /// A task is released: it takes its tick and asks for a core.
-    Release {
-        /// The task.
-        task: usize,
-    },
+    Release { task: usize },
     /// A waiting task gets a core.
-    Grant {
-        /// The task.
-        task: usize,
-    },
+    Grant { task: usize },
     /// A timer wraps.
-    Tick {
-        /// The task.
-        task: usize,
-    },
+    Tick { task: usize },
     /// A codel takes its locks.
-    Acquire {
-        /// Executor.
-        executor: usize,
-    },
+    Acquire { executor: usize },
     /// A codel or a delay ends.
     Finish {
-        /// Executor.
         executor: usize,
         /// For automata the index of the yield; for control tasks 0 for "accepted" (or done) and 1 for
         /// "refused"; for clients the step after the delay.
         outcome: usize,
     },
     /// A task begins a pass (passes).
-    Begin {
-        /// The task.
-        task: usize,
-    },
+    Begin { task: usize },
     /// An executor takes a ticket for its next codel (passes).
-    Ticket {
-        /// The executor.
-        executor: usize,
-    },
+    Ticket { executor: usize },
     /// A task wakes the other tasks of its component (passes).
-    Wake {
-        /// The task.
-        task: usize,
-    },
+    Wake { task: usize },
     /// A thread takes the core of another (policy `fair`).
     Preempt {
         /// Executor that has the core.
@@ -145,20 +122,11 @@ pub enum Action {
         executor: usize,
     },
     /// The control task has executed its codels: it replies, and handles the end of activities (passes).
-    Reply {
-        /// Component.
-        component: ComponentId,
-    },
+    Reply { component: ComponentId },
     /// A killed component proceeds with its shutdown (passes).
-    Shut {
-        /// The component.
-        component: ComponentId,
-    },
+    Shut { component: ComponentId },
     /// The control task handles the end of activities.
-    Signal {
-        /// Component.
-        component: ComponentId,
-    },
+    Signal { component: ComponentId },
     /// The last write, or read, is marked or not; not a step of the system (see `explore::token`).
     Mark {
         /// Executor that has read the datum, if the datum is new at every read.
@@ -168,7 +136,6 @@ pub enum Action {
     },
     /// The control task takes a client's request.
     Request {
-        /// The client.
         client: ClientId,
         /// Next step of the client.
         next: usize,
@@ -211,7 +178,6 @@ pub(crate) trait Rules: Sized {
     /// Returns the same rules for the same system, with clocks for measured times.
     fn with_clocks(&self, clocks: &Clocks) -> Self;
 
-    /// Returns the system.
     fn system(&self) -> &TimedSystem;
 
     /// Returns the places of the common parts of a state.
@@ -253,7 +219,6 @@ pub(crate) trait Rules: Sized {
 
     // ---- Observation -----------------------------------------------------------------------
 
-    /// Returns the status of a task's job.
     fn job(&self, s: &State, task: usize) -> TaskStatus;
 
     /// Returns the task whose start-up a task awaits before its first job: an earlier one of its component,

@@ -14,7 +14,6 @@ use std::ops::Range;
 
 use crate::system::Ticks;
 
-/// A state.
 #[derive(Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct State {
     /// Discrete part.
@@ -187,7 +186,6 @@ impl Frame {
         s.t.resize(self.t_len, 0);
     }
 
-    /// Returns the bytes of a state.
     pub(crate) fn state_bytes(&self) -> usize {
         size_of::<State>() + self.d_len * size_of::<u16>() + self.t_len * size_of::<Ticks>()
     }
@@ -232,7 +230,6 @@ impl Frame {
         &s.d[self.phase_base..self.phase_base + self.executors]
     }
 
-    /// Returns true if an executor is executing.
     #[inline]
     pub(crate) fn is_executing(&self, s: &State, executor: usize) -> bool {
         self.phase(s, executor) & phase::EXECUTING != 0

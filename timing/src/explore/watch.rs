@@ -14,7 +14,6 @@ pub struct Watch {
     pub overdue: Vec<TaskId>,
     /// Response times to measure.
     pub response: Vec<ResponseTime>,
-    /// Predicates to reach.
     pub reach: Vec<Predicate>,
     /// Predicates whose least bound must be found.
     pub within: Vec<Within>,
@@ -29,7 +28,6 @@ pub struct Watch {
 /// The response time of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ResponseTime {
-    /// The task.
     pub task: TaskId,
     /// Limit in base units. If the time exceeds the limit, the shortest such run is searched for.
     pub limit: Option<Ticks>,

@@ -24,7 +24,6 @@ pub struct Certificate {
     pub scenarios: Vec<ScenarioCertificate>,
 }
 
-/// The certificate of a scenario.
 #[derive(Debug, Clone, Serialize)]
 pub struct ScenarioCertificate {
     /// Name of the scenario.
@@ -40,7 +39,6 @@ pub struct ScenarioCertificate {
 pub struct Uncertified {
     /// The check, in words.
     pub check: String,
-    /// Verdict.
     pub verdict: String,
     /// The method that found the verdict, if there is a verdict.
     #[serde(skip_serializing_if = "Option::is_none")]

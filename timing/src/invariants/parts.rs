@@ -20,7 +20,6 @@ pub(super) struct Part {
     pub(super) steps: Vec<(usize, usize)>,
 }
 
-/// The kinds of parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PartKind {
     /// The thread of a task that executes passes: its status, and its codel.
@@ -29,11 +28,9 @@ pub(super) enum PartKind {
     Status(TaskId),
     /// An automaton of a task that executes jobs.
     Automaton(AutomatonId),
-    /// The slots of a service.
     Slots(ServiceId),
     /// The control task of a component.
     Control(ComponentId),
-    /// A client.
     Client(ClientId),
 }
 

@@ -21,13 +21,10 @@ pub enum Predicate {
 /// [`crate::system::TimedSystem`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Atom {
-    /// A task is in a state.
     Task(TaskId, TaskState),
     /// One of the automata of a machine is in a codel state.
     State {
-        /// The machine.
         machine: MachineId,
-        /// Its state.
         state: usize,
         /// Waiting for locks, executing, or either.
         phase: StatePhase,
@@ -36,7 +33,6 @@ pub enum Atom {
     Slot(ServiceId, SlotStatus),
     /// The control task is handling a request for a service (functions, attributes, validation).
     Handling {
-        /// The service.
         service: ServiceId,
         /// One of its codels; `None`: any of them.
         codel: Option<CodelId>,
@@ -49,7 +45,6 @@ pub enum Atom {
     Client(ClientId, Vec<usize>),
 }
 
-/// State of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum TaskState {
     /// Between cycles.
@@ -73,7 +68,6 @@ pub enum StatePhase {
     Any,
 }
 
-/// Status of a slot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SlotStatus {
     /// All slots are free.

@@ -35,7 +35,6 @@ pub(crate) fn components_of(names: &Names, built: &Built, pred: &Pred, out: &mut
     }
 }
 
-/// Resolves a predicate.
 pub(crate) fn resolve(names: &Names, built: &Built, pred: &Pred) -> Result<Predicate, Diagnostic> {
     Ok(match pred {
         Pred::Atom(path) => atom(names, built, path)?,

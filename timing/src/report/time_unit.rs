@@ -14,7 +14,6 @@ use crate::system::settings::Settings;
 pub struct TimeUnit {
     /// Number of base units.
     pub count: u64,
-    /// Base unit.
     pub base: Unit,
 }
 

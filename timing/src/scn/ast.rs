@@ -25,7 +25,6 @@ pub struct Spanned<T> {
     pub range: Range<usize>,
 }
 
-/// A scenario.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Scenario {
     /// Name; empty if it is missing.
@@ -234,12 +233,10 @@ pub enum Item {
     Check(Check),
 }
 
-/// A client.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Client {
     /// Name. That of a measure may be made from its trigger; its range is then that of `on`.
     pub name: Spanned<String>,
-    /// Steps.
     pub steps: Vec<Step>,
     /// What the client waits for before its first step, if it is a measure: `on late PATH { … }`.
     pub trigger: Option<Trigger>,
@@ -334,11 +331,9 @@ pub enum StepKind {
 /// `check [ID:] …;`
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Check {
-    /// Name.
     pub name: Option<Spanned<String>>,
     /// What the check of a measure is about, in words; `None` for a check that is written.
     pub subject: Option<String>,
-    /// Kind of check.
     pub kind: CheckKind,
     /// Range of the check.
     pub range: Range<usize>,

@@ -17,7 +17,6 @@ use super::words;
 pub struct Completion {
     /// Text to insert and to show.
     pub label: String,
-    /// Kind.
     pub kind: CompletionKind,
     /// Meaning.
     pub detail: String,
@@ -30,13 +29,9 @@ pub enum CompletionKind {
     Word,
     /// A unit of time.
     Unit,
-    /// A component.
     Component,
-    /// A task.
     Task,
-    /// A service.
     Service,
-    /// A port.
     Port,
     /// A codel state, or a codel.
     Codel,

@@ -18,7 +18,6 @@ pub struct Description {
     pub range: Range<usize>,
     /// Syntax, or declaration.
     pub form: String,
-    /// Meaning.
     pub meaning: String,
 }
 

@@ -23,7 +23,6 @@ pub enum Kind {
     #[regex(r"[A-Za-z_][A-Za-z0-9_]*")]
     #[token("no-overdue")]
     Name,
-    /// A number.
     #[regex(r"[0-9]+")]
     Number,
     /// `"…"` on one line.
@@ -82,10 +81,8 @@ fn unclosed(lex: &mut logos::Lexer<Kind>) {
     lex.bump(lex.remainder().len());
 }
 
-/// A token.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Token {
-    /// Kind.
     pub kind: Kind,
     /// Range of bytes.
     pub range: Range<usize>,

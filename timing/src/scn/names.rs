@@ -22,14 +22,12 @@ pub struct Member<'a> {
     pub spec_index: usize,
     /// Specification.
     pub spec: &'a Spec,
-    /// Component.
     pub component: &'a Component,
 }
 
 /// The target of a name in a path. Components are numbered as in [`Names::components`].
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Target {
-    /// A component.
     Component(usize),
     /// A task: component, index.
     Task(usize, u32),
@@ -54,7 +52,6 @@ pub enum Target {
 pub struct Reference {
     /// Range of the name.
     pub range: Range<usize>,
-    /// Target.
     pub target: Target,
 }
 

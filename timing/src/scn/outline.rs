@@ -7,9 +7,7 @@ use super::ast::{CheckKind, Item, Scenario, Step, StepKind};
 /// An entry of the outline.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
-    /// Name.
     pub name: String,
-    /// Kind.
     pub kind: EntryKind,
     /// Range of the entry.
     pub range: Range<usize>,
@@ -22,15 +20,12 @@ pub struct Entry {
 /// The kind of an [`Entry`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EntryKind {
-    /// The scenario.
     Scenario,
     /// A specification.
     File,
-    /// A client.
     Client,
     /// A step with a label.
     Step,
-    /// A check.
     Check,
 }
 

@@ -23,9 +23,7 @@ pub struct Chain {
     pub shared: usize,
     /// Number of local places of an instance or a request.
     pub locals: usize,
-    /// Places that each codel reads.
     pub reads: TiVec<CodelId, Vec<DataPlace>>,
-    /// Places that each codel writes.
     pub writes: TiVec<CodelId, Vec<DataPlace>>,
     /// Codels whose outputs depend on their inputs. The outputs of other codels depend on nothing.
     pub carries: TiVec<CodelId, bool>,

@@ -18,7 +18,6 @@ pub enum Condition {
     Interface {
         /// The interface, which is missing or a stand-in.
         interface: String,
-        /// The component.
         component: String,
     },
 }

@@ -23,7 +23,6 @@ pub struct DeclaredTask {
 /// A system, with tables that find its parts.
 #[derive(Debug, Clone)]
 pub struct Built {
-    /// The system.
     pub system: TimedSystem,
     /// Tasks, by declaration.
     pub tasks: HashMap<DeclaredTask, TaskId>,
@@ -35,7 +34,6 @@ pub struct Built {
     pub components: HashMap<usize, ComponentId>,
     /// Activities that no client requests, and that have no slots therefore.
     pub unrequested: Vec<Unrequested>,
-    /// Measures.
     pub measures: Vec<Measure>,
     /// Problems found. Without errors, verification goes on.
     pub diagnostics: Vec<Diagnostic>,
@@ -55,7 +53,6 @@ pub struct Built {
 /// A client that waits for an event of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Measure {
-    /// The client.
     pub client: ClientId,
     /// Events, any of which begins it.
     pub events: Vec<MeasureEvent>,
@@ -76,7 +73,6 @@ pub enum MeasureEvent {
     Lost(String),
     /// An output port was written once, and then not for some time.
     Stale {
-        /// Component.
         component: ComponentId,
         /// Port, by number.
         port: u32,

@@ -79,7 +79,6 @@ pub struct ThreadName {
 }
 
 impl ThreadName {
-    /// Returns the name of a task.
     pub fn of_task(component: &str, task: &str) -> ThreadName {
         ThreadName { component: component.to_owned(), task: Some(task.to_owned()) }
     }

@@ -10,10 +10,8 @@ const STEPS: usize = 20_000;
 
 /// Resolution of paths.
 pub(crate) trait Resolve {
-    /// Returns the service of a path.
     fn service(&self, path: &Path) -> Result<ServiceId, Diagnostic>;
 
-    /// Returns the activity of a path.
     fn activity(&self, path: &Path) -> Result<ServiceId, Diagnostic>;
 
     /// Returns the service of a request that every component accepts. The first name of the path is the

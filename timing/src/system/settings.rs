@@ -47,9 +47,7 @@ pub struct Settings {
     pub connect: Vec<(Path, Option<Path>)>,
     /// Numbers of slots.
     pub slots: Vec<(Path, u32)>,
-    /// Clients.
     pub clients: Vec<Client>,
-    /// Checks.
     pub checks: Vec<Check>,
     /// An upper bound that replaces the execution time of one codel, for derived questions.
     pub upper_bound: Option<(Path, Seconds)>,

@@ -73,7 +73,6 @@ impl<'b> ResponseBounds<'b> {
         }
     }
 
-    /// Returns the path of a task.
     pub(super) fn path(&self, task: TaskId) -> String {
         self.built.system.task_path(task)
     }

@@ -28,7 +28,6 @@ impl Single<'_> {
 }
 
 impl What<'_> {
-    /// Returns the kind of property.
     pub(super) fn kind(&self) -> PropertyKind {
         match self {
             What::Schedulable(_) => PropertyKind::Schedulable,

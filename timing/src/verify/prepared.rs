@@ -33,7 +33,6 @@ pub struct Prepared {
 pub struct PreparedCheck {
     /// Report of the check, without an answer.
     pub report: CheckReport,
-    /// Question.
     pub question: Question,
 }
 
@@ -52,7 +51,6 @@ pub enum Question {
     LeadsTo(Predicate, Predicate),
     /// The predicate becomes true.
     Eventually(Predicate),
-    /// The predicate is always true.
     Always(Predicate),
     /// The predicate can become true.
     Reachable(Predicate),

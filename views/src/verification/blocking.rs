@@ -14,7 +14,6 @@ use dotgen_timing::report::TimeUnit;
 /// A codel and the codels that can block it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// The codel.
     pub codel: CodelLocation,
     /// The codels that exclude it, in order of declaration.
     pub by: Vec<Blocker>,
@@ -23,7 +22,6 @@ pub struct Row {
 /// See [`Row`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blocker {
-    /// The codel.
     pub codel: CodelLocation,
     /// The shared data.
     pub through: Vec<Phrase>,

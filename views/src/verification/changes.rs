@@ -23,7 +23,6 @@ use dotgen_timing::report::TimeUnit;
 /// A change with which every deadline and limit is met.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Repair {
-    /// The change.
     pub change: Change,
     /// `` it holds if `tell` takes at most 4 ms ``
     pub words: String,

@@ -26,7 +26,6 @@ const MOST_ALONE: usize = 12;
 pub struct FirstAnswer {
     /// The assumed requests.
     pub assuming: String,
-    /// The outcome.
     #[serde(serialize_with = "counted")]
     pub outcome: Verdict,
     /// The checks that fail or are not settled.

@@ -26,7 +26,6 @@ pub struct Problem {
     pub path: Utf8PathBuf,
     /// Text of the scenario.
     pub text: String,
-    /// The scenario.
     pub scenario: Scenario,
     /// Its specifications, in the order of `use`.
     pub units: Vec<UnitResult>,

@@ -16,7 +16,6 @@ use dotgen_timing::report::TimeUnit;
 /// An upper bound on the response time of a task.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskBound {
-    /// The task.
     pub id: DeclaredTask,
     /// `component.task`
     pub task: String,

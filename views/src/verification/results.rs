@@ -45,7 +45,6 @@ pub enum Status {
 /// One verification.
 #[derive(Clone)]
 pub struct Entry {
-    /// The status.
     pub status: Status,
     /// Version of the verified document, if it is open.
     pub version: Option<i32>,
@@ -109,7 +108,6 @@ impl Answer {
         View::new(&self.problem, &self.options, &self.report, &self.why)
     }
 
-    /// The unit of its times.
     pub fn unit(&self) -> TimeUnit {
         TimeUnit::of(&settings(&self.problem.scenario, &self.options))
     }

@@ -22,7 +22,6 @@ pub const FORMAT: u32 = 1;
 pub struct Trace<P> {
     /// [`FORMAT`].
     pub format: u32,
-    /// The title.
     pub title: String,
     /// The unit of all times: `us` or `ms`.
     pub unit: Unit,
@@ -76,7 +75,6 @@ pub enum LaneKind {
     Client,
     /// The control task of a component.
     Control,
-    /// A task.
     Task,
     /// The locks of a component: the codels that hold locks, and in the rows below the codels that wait.
     Locks,
@@ -85,7 +83,6 @@ pub enum LaneKind {
 /// A line of the picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Lane {
-    /// Its name.
     pub name: String,
     /// Its subject.
     pub kind: LaneKind,
@@ -93,7 +90,6 @@ pub struct Lane {
     pub rows: usize,
 }
 
-/// The kind of a span.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpanKind {
@@ -118,7 +114,6 @@ pub struct Span {
     pub from: f64,
     /// Time of the end.
     pub to: f64,
-    /// Its kind.
     pub kind: SpanKind,
     /// A short name.
     pub label: String,
@@ -150,7 +145,6 @@ pub struct Holder {
     pub ahead: bool,
 }
 
-/// The kind of a mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MarkKind {
@@ -171,7 +165,6 @@ pub struct Mark {
     pub lane: usize,
     /// The time.
     pub at: f64,
-    /// Its kind.
     pub kind: MarkKind,
     /// Its step; none for the end of a run.
     pub step: Option<usize>,
@@ -186,7 +179,6 @@ pub struct Arrow {
     pub to: usize,
     /// Time at which the request was accepted.
     pub at: f64,
-    /// Its step.
     pub step: usize,
 }
 
@@ -195,7 +187,6 @@ pub struct Arrow {
 pub struct Step {
     /// The time.
     pub at: f64,
-    /// Its lane.
     pub lane: usize,
     /// Its rule: a key of [`Trace::rules`].
     pub rule: String,

@@ -17,9 +17,7 @@ use super::why::FailureCause;
 /// A check with its result.
 #[derive(Debug, Clone)]
 pub struct CheckView<'r> {
-    /// The report.
     pub report: &'r CheckReport,
-    /// The verdict.
     pub verdict: Verdict,
     /// `≤ 5 ms`; the sign shows a bound.
     pub value: Option<String>,

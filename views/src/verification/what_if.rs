@@ -27,7 +27,6 @@ pub struct WhatIf {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum CoreCount {
-    /// A number.
     Number(u32),
     /// `"free"`: as many cores as tasks.
     Word(String),

@@ -47,7 +47,6 @@ pub(crate) fn execution_time(
     }
 }
 
-/// A time of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TaskTime {
     /// `period`
@@ -89,7 +88,6 @@ pub(crate) fn task_time(
     Some(cx.edit(end..end, format!(" delay {time};")))
 }
 
-/// Replaces the time of a quantity.
 fn replace_time(cx: &Cx<'_, '_>, quantity: &ast::Quantity, time: &str) -> Option<FileEdit> {
     if !cx.is_plain(quantity.syntax()) {
         return None;

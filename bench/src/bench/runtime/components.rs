@@ -55,7 +55,6 @@ impl Component {
         })
     }
 
-    /// The folder.
     pub(super) fn folder(&self) -> &Path {
         &self.folder
     }

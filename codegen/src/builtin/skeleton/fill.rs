@@ -68,7 +68,6 @@ impl<'a> Facts<'a> {
         self.object_of(&self.text(object, question)?)
     }
 
-    /// The object of a handle.
     pub(super) fn object_of(&self, handle: &str) -> Option<Object> {
         self.registry.object(handle).cloned()
     }

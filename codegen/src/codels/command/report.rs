@@ -48,9 +48,7 @@ pub struct FolderSummary {
 pub struct Finding {
     /// `codel/…`
     pub code: &'static str,
-    /// The severity.
     pub severity: Severity,
-    /// Component.
     pub component: String,
     /// The description.
     pub message: String,

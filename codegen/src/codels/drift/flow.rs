@@ -386,7 +386,6 @@ impl Flow<'_> {
         broken || check.function.may_throw_more && !(own && trust.lacks_files)
     }
 
-    /// The exception of a name.
     fn exception(&self, name: &SmolStr) -> Option<TypeId> {
         let expected = self.expected();
         if let Some(&exception) = expected.exceptions.get(name) {

@@ -30,7 +30,6 @@ pub struct ManualChange {
     /// Byte offset in the text before the repair; after [`ManualChange::follow`], in the text after it.
     #[serde(skip)]
     pub offset: usize,
-    /// The function.
     pub function: SmolStr,
     /// The expression at that place.
     pub what: UnadaptedUse,

@@ -81,7 +81,6 @@ impl StagedFiles {
         }
     }
 
-    /// Returns true if a path exists.
     pub(crate) fn exists(&self, disk: &dyn Disk, path: &Path) -> bool {
         self.files.contains_key(&plain(disk, path)) || disk.exists(path)
     }

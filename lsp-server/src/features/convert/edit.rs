@@ -83,7 +83,6 @@ pub(crate) enum Review<'a> {
     /// A review under this label, with a list of places that the edit does not change, although they may have
     /// the same meaning.
     Leaves {
-        /// The label.
         label: &'a str,
         /// The unchanged places, one a line.
         left: &'a str,

@@ -259,7 +259,6 @@ pub(crate) struct PreparedAnswer {
 }
 
 impl PreparedAnswer {
-    /// The answer.
     pub(super) fn found(&self) -> Option<&Arc<Answer>> {
         self.answer.as_ref()
     }
@@ -352,7 +351,6 @@ impl Prepared {
 
 /// An answer to be shown, and its document.
 pub(crate) struct Question {
-    /// The answer.
     pub(crate) shown: PreparedAnswer,
     /// The parameters of the request.
     pub(crate) params: VerificationParams,

@@ -70,7 +70,6 @@ impl Lines {
         Lines { text, index, encoding }
     }
 
-    /// The text.
     pub fn text(&self) -> &Arc<str> {
         &self.text
     }

@@ -13,11 +13,9 @@ use crate::protocol::types::{
 /// A symbol with the symbols inside it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Symbol {
-    /// Its name.
     pub name: String,
     /// The text shown after the name.
     pub detail: Option<String>,
-    /// Its kind.
     pub kind: SymbolKind,
     /// The range of the whole declaration.
     pub range: Range<usize>,

@@ -16,7 +16,6 @@ use dotgen_views::verification::run::{Interim, run};
 /// Minimum interval between two results; results in between are sent together.
 const RESULT_INTERVAL: Duration = Duration::from_millis(50);
 
-/// A result of a job.
 pub(crate) struct JobResult {
     pub(crate) path: Utf8PathBuf,
     pub(crate) number: u64,

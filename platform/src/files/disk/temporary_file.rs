@@ -23,7 +23,6 @@ impl TemporaryFile {
         TemporaryFile { path }
     }
 
-    /// The path.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -506,7 +506,6 @@ fn clean(directory: &Path) {
     }
 }
 
-/// An error with its context.
 fn with_context(error: &io::Error, what: &str, path: &Path) -> io::Error {
     let reason = crate::files::reason(error);
     io::Error::new(error.kind(), format!("{what} `{}`: {reason}", path.display()))

@@ -8,10 +8,8 @@ use dotgen_codegen::template::discover;
 use super::PackageConfig;
 use super::{pkg_config, pkg_file};
 
-/// The package.
 const PACKAGE: &str = "genom3";
 
-/// The release.
 pub(super) fn release(config: &PackageConfig) -> Option<ReleaseChoice> {
     let configured = config.templates.iter().map(|template| template.clone().into_std_path_buf());
     // The settings replace the list of templates in the environment. The built-in folder is always searched.

@@ -16,7 +16,6 @@ use super::PackageConfig;
 use super::{interfaces, pkg_file};
 use crate::process;
 
-/// Timeout of pkg-config.
 const PKG_CONFIG_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Flags for all `arguments` (each `package`, or `package op version`) in one query. The included interfaces

@@ -167,7 +167,6 @@ pub(super) fn asked(system: &TimedSystem, asked: &Watched) -> TiVec<ComponentId,
     about
 }
 
-/// Marks the components that a predicate is about.
 fn mark(system: &TimedSystem, predicate: &Predicate, about: &mut TiSlice<ComponentId, bool>) {
     predicate.atoms(&mut |atom| match *atom {
         Atom::Task(task, _) => about[system.tasks[task].component] = true,

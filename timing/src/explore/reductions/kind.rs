@@ -36,7 +36,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All kinds.
     pub const ALL: [Kind; 13] = [
         Kind::PersistentSets,
         Kind::PersistentRequests,
@@ -72,7 +71,6 @@ impl Kind {
         }
     }
 
-    /// Returns the kind with a name.
     pub fn named(name: &str) -> Option<Kind> {
         Kind::ALL.into_iter().find(|kind| kind.name() == name)
     }

@@ -249,7 +249,6 @@ impl Symmetry {
         Symmetry { orbits, classes, names, at, members, outside }
     }
 
-    /// Returns the orbits.
     pub(super) fn orbits(&self) -> &Orbits {
         &self.orbits
     }

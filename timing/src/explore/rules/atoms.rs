@@ -8,7 +8,6 @@ use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
 use crate::system::ServiceId;
 
 impl SystemRules<'_> {
-    /// Returns the value of an atom.
     pub(super) fn holds(&self, s: &State, atom: &Atom) -> bool {
         let l = &self.layout;
         match *atom {

@@ -13,13 +13,11 @@ pub struct Moment {
     pub component: String,
     /// Task; `None` for the control task and clients.
     pub task: Option<TaskId>,
-    /// Codel.
     pub codel: Option<CodelId>,
     /// Description.
     pub what: String,
     /// Kind, for timelines.
     pub kind: MomentKind,
-    /// Details.
     pub about: MomentDetails,
     /// Action; `None` before the first action.
     pub action: Option<Action>,

@@ -29,7 +29,6 @@ impl SystemRules<'_> {
         }
     }
 
-    /// Returns the client of an action.
     pub(crate) fn client_of_action(&self, action: Action) -> Option<ClientId> {
         match action {
             Action::Proceed { client, .. } | Action::Request { client, .. } => Some(client),

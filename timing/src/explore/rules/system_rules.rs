@@ -165,7 +165,6 @@ impl<'s> SystemRules<'s> {
         (self.codel(s, executor)).is_some_and(|codel| waiting.conflicts.contains(codel))
     }
 
-    /// Returns true if a task is in a cycle.
     pub(super) fn in_cycle(&self, s: &State, task: usize) -> bool {
         self.layout.status(s, task) != TaskStatus::Idle
     }

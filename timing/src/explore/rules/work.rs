@@ -7,7 +7,6 @@ use crate::system::{AutomatonId, ClientId, CodelId, ServiceId, Ticks};
 pub enum Work {
     /// A codel of a state machine.
     State {
-        /// The codel.
         codel: CodelId,
         /// The task that executes it.
         task: usize,
@@ -20,7 +19,6 @@ pub enum Work {
     },
     /// A codel of a control task.
     Control {
-        /// The codel.
         codel: CodelId,
         /// The service that is handled.
         service: ServiceId,
@@ -28,10 +26,7 @@ pub enum Work {
         number: usize,
     },
     /// A delay of a client.
-    Delay {
-        /// The client.
-        client: ClientId,
-    },
+    Delay { client: ClientId },
 }
 
 impl Work {

@@ -101,7 +101,6 @@ struct Open {
     at: Sight<StepId>,
 }
 
-/// A depth-first search.
 pub(super) struct DepthFirstSearch<'a, R: Reduced> {
     /// The rules, and the sights so far. A sight is identified by its step.
     observations: Observations<'a, R, StepId>,

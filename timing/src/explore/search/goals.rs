@@ -43,7 +43,6 @@ pub(super) struct Goals<'w> {
 pub(super) struct PerGoal<T>(Vec<T>);
 
 impl<'w> Goals<'w> {
-    /// Returns the goals of a watch.
     pub(super) fn of(watch: &'w Watch) -> Goals<'w> {
         Goals { watch }
     }
@@ -72,7 +71,6 @@ impl<'w> Goals<'w> {
         tasks.map(move |(i, &task)| (GoalId(first + i), usize::from(task)))
     }
 
-    /// Returns the goals for predicates.
     pub(super) fn reached(&self) -> impl Iterator<Item = (GoalId, &'w Predicate)> + use<'w> {
         let first = self.counts()[0] + self.counts()[1];
         let predicates = self.watch.reach.iter().enumerate();
@@ -111,7 +109,6 @@ impl<'w> Goals<'w> {
         }
     }
 
-    /// Returns one value for each goal.
     pub(super) fn each<T>(&self, of: impl FnMut(GoalId) -> T) -> PerGoal<T> {
         PerGoal(self.ids().map(of).collect())
     }

@@ -110,7 +110,6 @@ impl Graph {
         std::mem::take(&mut self.queue)
     }
 
-    /// Returns the state of a node.
     pub(super) fn state(&self, frame: &Frame, node: NodeId) -> State {
         let mut s = State::default();
         self.state_to(frame, node, &mut s);
@@ -167,7 +166,6 @@ impl Links {
         self.0.pop();
     }
 
-    /// Returns the nodes of a list.
     pub(super) fn list(&self, first: u32) -> impl Iterator<Item = NodeId> {
         let mut link = first;
         std::iter::from_fn(move || {

@@ -8,25 +8,20 @@ use crate::system::{ClientId, ServiceId, Ticks};
 pub enum Seen {
     /// An executor asks for the locks of a codel, which it often gets at the same moment.
     Asked {
-        /// The executor.
         executor: usize,
         /// Work that it is about to begin.
         work: Work,
     },
     /// An executor begins work that takes time.
     Begun {
-        /// The executor.
         executor: usize,
-        /// Work.
         work: Work,
         /// Least and greatest duration of the work, in base units.
         time: (Ticks, Ticks),
     },
     /// An executor ends its work.
     Ended {
-        /// The executor.
         executor: usize,
-        /// Work.
         work: Work,
         /// Outcome, as in [`Action::Finish`](crate::explore::Action::Finish).
         outcome: usize,
@@ -35,31 +30,20 @@ pub enum Seen {
     Requested {
         /// The client that sent it.
         client: ClientId,
-        /// The service.
         service: ServiceId,
     },
     /// A control task refuses a request: for lack of a slot, by `after` or `before`, or by a codel.
-    Refused {
-        /// The service.
-        service: ServiceId,
-    },
+    Refused { service: ServiceId },
     /// A measured job ends.
     Job {
-        /// Task.
         task: usize,
         /// Response time, in base units.
         response: Ticks,
     },
     /// A tick comes before its previous job has ended.
-    Missed {
-        /// The task.
-        task: usize,
-    },
+    Missed { task: usize },
     /// A job waits for a core for at least the period of its task.
-    Overdue {
-        /// The task.
-        task: usize,
-    },
+    Overdue { task: usize },
     /// A predicate of [`Watched::reach`](super::Watched::reach) has become true.
     Reached {
         /// Index of the predicate.

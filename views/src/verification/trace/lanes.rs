@@ -63,7 +63,6 @@ struct LaneBuilder {
     ended: Vec<(Span, Vec<CodelName>)>,
 }
 
-/// All lanes.
 #[derive(Debug, Default)]
 pub(super) struct Lanes {
     all: BTreeMap<Key, LaneBuilder>,
@@ -94,7 +93,6 @@ impl Lanes {
         }
     }
 
-    /// The open span of this kind.
     pub(super) fn open(&mut self, key: &Key, of: &Of, kind: SpanKind) -> Option<&mut SpanStart> {
         let rows = self.all.get_mut(key)?.open.iter_mut();
         let mut found = rows.filter_map(|row| row.as_mut().map(|row| &mut row.1));

@@ -17,11 +17,9 @@ use crate::verification::runs::Ending;
 
 /// A run, and the data for its trace.
 pub struct TraceInput<'e> {
-    /// The title.
     pub title: String,
     /// The unit of the times of events.
     pub unit: TimeUnit,
-    /// The events.
     pub events: &'e [Event],
     /// The end of the run.
     pub ending: Ending<'e>,

@@ -24,7 +24,6 @@ pub(super) struct Names {
     pub(super) escaping: FxHashSet<SmolStr>,
 }
 
-/// The context of a node.
 #[derive(Clone, Copy, Default)]
 struct NodeContext {
     /// The kind of the parent.

@@ -45,7 +45,6 @@ pub(super) struct Requests {
     related: TiVec<ServiceId, Services>,
     /// Services handled in no time.
     instant: Services,
-    /// Services of each component.
     of_component: TiVec<ComponentId, Services>,
     /// Automata of activities whose turns eventually take time, on tasks without separate threads.
     ordinary: TiVec<AutomatonId, bool>,

@@ -45,7 +45,6 @@ impl Renaming {
         &self.0[part]
     }
 
-    /// Returns the new name of a part.
     #[inline]
     pub(super) fn name<I: Id>(&self, part: Part, id: I) -> I {
         I::from(self.0[part][id.into()])
@@ -77,7 +76,6 @@ impl Renaming {
         Renaming(out)
     }
 
-    /// Returns the inverse renaming.
     pub(crate) fn inverse(&self) -> Renaming {
         self.map(|_, names| {
             let mut out = vec![0; names.len()];

@@ -7,7 +7,6 @@ use crate::explore::run::Run;
 use crate::explore::search::goals::{GoalId, PerGoal};
 use crate::explore::search::layers::Layers;
 
-/// Receiver of findings.
 pub(in crate::explore::search) type FindingsReceiver<'a> = &'a mut dyn FnMut(&Findings);
 
 /// The receiver of findings, and the goals already reported.
@@ -70,7 +69,6 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
         layers.observations.seen.goals[goal].is_some() || self.final_run(goal).is_some()
     }
 
-    /// Returns the run to a goal.
     fn known_run(&self, layers: &Layers<'a, R>, goal: GoalId) -> Option<Run> {
         let found_run = self.final_run(goal).cloned();
         found_run.or_else(|| layers.run_to(goal))

@@ -24,7 +24,6 @@ use crate::system::ServiceId;
 /// Steps after which a search counts as large.
 const STEPS_OF_LARGE_SEARCH: u64 = 1000;
 
-/// Steps of a short search.
 const STEPS_OF_SHORT_SEARCH: u64 = 1500;
 
 /// Upper limit on the steps for each of the two searches for an earlier end.
@@ -117,7 +116,6 @@ impl RandomSearch {
         runs.map(|run| run.run.end).max()
     }
 
-    /// Returns the found run for a goal.
     pub(super) fn found_run(&self, goal: GoalId) -> Option<&FoundRun> {
         self.found_run[goal].as_ref()
     }
@@ -309,7 +307,6 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
         any
     }
 
-    /// Runs one search.
     pub(super) fn run_search(
         &mut self,
         layers: &Layers<'a, R>,
