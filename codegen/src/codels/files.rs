@@ -197,11 +197,6 @@ impl Indexes {
         }
         file
     }
-
-    /// Removes the indexes of other files.
-    pub fn retain(&mut self, wanted: impl Fn(&Utf8Path) -> bool) {
-        self.files.retain(|key, _| wanted(&key.0));
-    }
 }
 
 /// The indexed files of one codels folder.

@@ -211,8 +211,10 @@ impl<'j, 'p> Judge<'j, 'p> {
         };
         self.known.before = Some(before);
         let mends = mends.iter().map(|(code, number)| ((*code).to_owned(), *number)).collect();
-        let judged = Judged { edit: edit.clone(), mends, follow, verdict: verdict.clone() };
-        self.known.judged.push(judged);
+        if self.known.judged.len() < MAX_TRIALS {
+            let judged = Judged { edit: edit.clone(), mends, follow, verdict: verdict.clone() };
+            self.known.judged.push(judged);
+        }
         verdict
     }
 

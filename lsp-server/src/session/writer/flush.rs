@@ -78,6 +78,10 @@ impl State {
             reload_packages: pending.packages,
             indexed: pending.indexed,
         };
+        if change.reload_packages {
+            // It knows the packages as they were.
+            codels::lock(&self.codels.workshop).take();
+        }
         {
             let _span = tracing::debug_span!("apply", files = change.files.len()).entered();
             self.host.apply(change);
