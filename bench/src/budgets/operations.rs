@@ -86,7 +86,11 @@ pub(super) const OPERATIONS: &[Operation] = &[
     }),
     Operation::session("first lenses", |editor, folder| {
         let opened = editor.open(FILE, &std::fs::read_to_string(folder.join(FILE))?)?;
-        ask(editor, "textDocument/codeLens", &opened)
+        ask(editor, "textDocument/codeLens", &opened)?;
+        // What begins with the server has ended before the server does.
+        ask(editor, "textDocument/diagnostic", &opened)?;
+        editor.request("workspace/symbol", json!({ "query": "arm" }))?;
+        Ok(())
     }),
     Operation::session("keystroke", |editor, folder| typed(editor, folder, FILE, "task main;")),
     Operation::session("keystroke in a codel", |editor, folder| {
