@@ -5,7 +5,7 @@
 //! Otherwise every C and C++ file of the folder is used.
 
 use std::sync::{Arc, OnceLock};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use camino::{Utf8Component, Utf8Path, Utf8PathBuf};
 use dotgen_analysis::language::is_header;
@@ -235,13 +235,28 @@ pub trait Files {
     }
 }
 
-/// The time of the last change of a file. A later time is greater.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+/// The time of the last change of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModificationTime {
     /// The time of its last commit, or of its time stamp if it differs from that commit.
     At(SystemTime),
     /// The file is open in an editor, with unsaved changes.
     Unsaved,
+}
+
+impl ModificationTime {
+    /// Files that one command of an editor saves get time stamps that differ by less, in any order.
+    const TOGETHER: Duration = Duration::from_secs(10);
+
+    /// True if a change was made after another one, and not together with it.
+    pub fn is_after(self, other: ModificationTime) -> bool {
+        match (self, other) {
+            (ModificationTime::At(this), ModificationTime::At(other)) => {
+                this.duration_since(other).is_ok_and(|between| between >= Self::TOGETHER)
+            }
+            (this, other) => this == ModificationTime::Unsaved && this != other,
+        }
+    }
 }
 
 impl Sources {

@@ -135,7 +135,9 @@ impl Repairs<'_> {
         let changed = |path: &Utf8Path| self.text.changed(path);
         let specification = specification.and_then(|specification| changed(&specification.path));
         let source = drift.source.as_ref().and_then(|source| changed(&source.path));
-        specification.zip(source).is_some_and(|(a, b)| a > b)
+        specification
+            .zip(source)
+            .is_some_and(|(specification, source)| specification.is_after(source))
     }
 
     /// Renames a codel and its function, in every place of the specification and of the sources.

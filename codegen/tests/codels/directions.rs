@@ -32,7 +32,7 @@ impl Files for Dated<'_> {
     }
 
     fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {
-        let seconds = if path == self.last { 2 } else { 1 };
+        let seconds = if path == self.last { 10 } else { 0 };
         Some(ModificationTime::At(SystemTime::UNIX_EPOCH + Duration::from_secs(seconds)))
     }
 }
@@ -97,6 +97,18 @@ fn what_was_changed_last_is_meant() {
     assert_eq!(titles(MACHINE, &code, "")[0], [declare, comply]);
     let after = &ways(MACHINE, &code, SPECIFICATION)[0][0].1;
     assert_eq!(*after, machine("c_main"));
+}
+
+#[test]
+fn what_is_saved_together_is_not_ordered() {
+    let at = |milliseconds| {
+        ModificationTime::At(SystemTime::UNIX_EPOCH + Duration::from_millis(milliseconds))
+    };
+    let unsaved = ModificationTime::Unsaved;
+    assert!(at(10_000).is_after(at(0)) && unsaved.is_after(at(0)));
+    for (a, b) in [(at(9_999), at(0)), (at(0), at(10_000)), (at(0), unsaved), (unsaved, unsaved)] {
+        assert!(!a.is_after(b), "{a:?} {b:?}");
+    }
 }
 
 #[test]
