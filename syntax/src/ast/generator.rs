@@ -4,7 +4,6 @@
 //! and committed.
 
 use std::{
-    collections::HashMap,
     fmt::Write as _,
     io::Write as _,
     path::Path,
@@ -50,19 +49,16 @@ enum Shape {
 fn generate(grammar: &Grammar) -> String {
     let mut out = String::from(
         "//! Typed nodes. Generated from `genom.ungram` by `ast/generator.rs`; do not edit.\n\n\
-         use crate::{SyntaxKind::{self, *}, SyntaxNode, SyntaxToken, ast::traits::{AstChildren, AstNode, support}};\n",
+         use crate::{SyntaxKind::*, SyntaxToken, ast::traits::{AstChildren, AstNode, choice, node, support}};\n\n",
     );
-    let enums: HashMap<Node, Vec<String>> =
-        grammar.iter().filter_map(|node| Some((node, enum_variants(grammar, node)?))).collect();
     for node in grammar.iter() {
         let name = &grammar[node].name;
-        match enums.get(&node) {
-            Some(variants) => generate_enum(&mut out, grammar, name, variants, &enums),
-            None => {
-                let mut fields = Vec::new();
-                collect(grammar, &grammar[node].rule, None, false, &mut fields);
-                generate_struct(&mut out, name, &fields);
-            }
+        if let Some(variants) = enum_variants(grammar, node) {
+            let _ = writeln!(out, "choice! {{ {name}: {} }}\n", variants.join(", "));
+        } else {
+            let mut fields = Vec::new();
+            collect(grammar, &grammar[node].rule, None, false, &mut fields);
+            generate_struct(&mut out, name, &fields);
         }
     }
     out
@@ -97,11 +93,9 @@ fn collect(grammar: &Grammar, rule: &Rule, label: Option<&str>, many: bool, acc:
             push(acc, Field { name, shape });
         }
         Rule::Token(token) => {
-            let text = grammar[*token].name.as_str();
-            if let Some(kind) = token_kind(text) {
-                let name = format!("{}_token", format!("{kind:?}").to_lowercase());
-                let name = name.replace("_kw_token", "_token");
-                push(acc, Field { name, shape: Shape::Token(kind) });
+            if let Some(label) = label {
+                let kind = token_kind(&grammar[*token].name);
+                push(acc, Field { name: format!("{label}_token"), shape: Shape::Token(kind) });
             }
         }
         Rule::Seq(rules) => {
@@ -135,33 +129,16 @@ fn push(acc: &mut Vec<Field>, field: Field) {
     }
 }
 
-fn token_kind(text: &str) -> Option<SyntaxKind> {
-    match text {
-        "#ident" => Some(SyntaxKind::IDENT),
-        "#text" => None,
-        _ => {
-            let found = SyntaxKind::spellings().iter().find(|(_, spelling)| *spelling == text);
-            Some(found.unwrap_or_else(|| panic!("unknown token {text}")).0)
-        }
+fn token_kind(text: &str) -> SyntaxKind {
+    if text == "#ident" {
+        return SyntaxKind::IDENT;
     }
+    let found = SyntaxKind::spellings().iter().find(|(_, spelling)| *spelling == text);
+    found.unwrap_or_else(|| panic!("unknown token {text}")).0
 }
 
 fn generate_struct(out: &mut String, name: &str, fields: &[Field]) {
-    let kind = snake(name).to_uppercase();
-    let _ = write!(
-        out,
-        "
-        #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-        pub struct {name} {{ syntax: SyntaxNode }}
-        impl AstNode for {name} {{
-            fn can_cast(kind: SyntaxKind) -> bool {{ kind == {kind} }}
-            fn cast(syntax: SyntaxNode) -> Option<Self> {{
-                Self::can_cast(syntax.kind()).then_some(Self {{ syntax }})
-            }}
-            fn syntax(&self) -> &SyntaxNode {{ &self.syntax }}
-        }}
-        "
-    );
+    let _ = writeln!(out, "node! {{ {name}: {} }}", snake(name).to_uppercase());
     if fields.is_empty() {
         return;
     }
@@ -170,73 +147,19 @@ fn generate_struct(out: &mut String, name: &str, fields: &[Field]) {
         let _ = match shape {
             Shape::Token(kind) => writeln!(
                 out,
-                "pub fn {name}(&self) -> Option<SyntaxToken> {{ support::token(&self.syntax, {kind:?}) }}"
+                "pub fn {name}(&self) -> Option<SyntaxToken> {{ support::token(self.syntax(), {kind:?}) }}"
             ),
             Shape::Child(ty) => writeln!(
                 out,
-                "pub fn {name}(&self) -> Option<{ty}> {{ support::child(&self.syntax) }}"
+                "pub fn {name}(&self) -> Option<{ty}> {{ support::child(self.syntax()) }}"
             ),
             Shape::Children(ty) => writeln!(
                 out,
-                "pub fn {name}(&self) -> AstChildren<{ty}> {{ support::children(&self.syntax) }}"
+                "pub fn {name}(&self) -> AstChildren<{ty}> {{ support::children(self.syntax()) }}"
             ),
         };
     }
-    out.push_str("}\n");
-}
-
-fn generate_enum(
-    out: &mut String,
-    grammar: &Grammar,
-    name: &str,
-    variants: &[String],
-    enums: &HashMap<Node, Vec<String>>,
-) {
-    let nested = |variant: &str| {
-        grammar
-            .iter()
-            .find(|node| grammar[*node].name == variant)
-            .is_some_and(|grammar| enums.contains_key(&grammar))
-    };
-    let _ = writeln!(out, "\n#[derive(Debug, Clone, PartialEq, Eq, Hash)]\npub enum {name} {{");
-    for variant in variants {
-        let _ = writeln!(out, "{variant}({variant}),");
-    }
-    let _ = writeln!(out, "}}\nimpl AstNode for {name} {{");
-    let tests: Vec<String> = variants
-        .iter()
-        .map(|variant| {
-            if nested(variant) {
-                format!("{variant}::can_cast(kind)")
-            } else {
-                format!("kind == {}", snake(variant).to_uppercase())
-            }
-        })
-        .collect();
-    let _ = writeln!(out, "fn can_cast(kind: SyntaxKind) -> bool {{ {} }}", tests.join(" || "));
-    out.push_str("fn cast(syntax: SyntaxNode) -> Option<Self> { match syntax.kind() {\n");
-    for variant in variants {
-        let _ = if nested(variant) {
-            writeln!(
-                out,
-                "kind if {variant}::can_cast(kind) => {variant}::cast(syntax).map({name}::{variant}),"
-            )
-        } else {
-            let kind = snake(variant).to_uppercase();
-            writeln!(out, "{kind} => {variant}::cast(syntax).map({name}::{variant}),")
-        };
-    }
-    out.push_str("_ => None,\n} }\nfn syntax(&self) -> &SyntaxNode { match self {\n");
-    for variant in variants {
-        let _ = writeln!(out, "{name}::{variant}(node) => node.syntax(),");
-    }
-    out.push_str("} }\n}\n");
-    for variant in variants {
-        let _ = writeln!(
-            out,
-            "impl From<{variant}> for {name} {{ fn from(node: {variant}) -> {name} {{ {name}::{variant}(node) }} }}"
-        );
-    }
+    out.push_str("}\n\n");
 }
 
 fn snake(name: &str) -> String {
@@ -259,7 +182,7 @@ fn plural(name: &str) -> String {
 
 fn rustfmt(text: &str) -> String {
     let mut child = Command::new("rustfmt")
-        .args(["--edition", "2024", "--config", "use_field_init_shorthand=true"])
+        .args(["--edition", "2024", "--config", "use_small_heuristics=Max"])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()

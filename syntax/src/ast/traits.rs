@@ -17,6 +17,57 @@ pub trait AstNode: Sized {
     fn syntax(&self) -> &SyntaxNode;
 }
 
+/// Defines a typed node of a kind.
+macro_rules! node {
+    ($name:ident: $kind:ident) => {
+        #[derive(Debug, Clone, PartialEq, Eq, Hash)]
+        pub struct $name {
+            syntax: $crate::SyntaxNode,
+        }
+        impl AstNode for $name {
+            fn can_cast(kind: $crate::SyntaxKind) -> bool {
+                kind == $kind
+            }
+            fn cast(syntax: $crate::SyntaxNode) -> Option<Self> {
+                Self::can_cast(syntax.kind()).then_some(Self { syntax })
+            }
+            fn syntax(&self) -> &$crate::SyntaxNode {
+                &self.syntax
+            }
+        }
+    };
+}
+
+/// Defines a choice between typed nodes and other choices.
+macro_rules! choice {
+    ($name:ident: $($variant:ident),+) => {
+        #[derive(Debug, Clone, PartialEq, Eq, Hash)]
+        pub enum $name {
+            $($variant($variant)),+
+        }
+        impl AstNode for $name {
+            fn can_cast(kind: $crate::SyntaxKind) -> bool {
+                $($variant::can_cast(kind))||+
+            }
+            fn cast(syntax: $crate::SyntaxNode) -> Option<Self> {
+                match syntax.kind() {
+                    $(kind if $variant::can_cast(kind) => {
+                        $variant::cast(syntax).map(Self::$variant)
+                    })+
+                    _ => None,
+                }
+            }
+            fn syntax(&self) -> &$crate::SyntaxNode {
+                match self {
+                    $(Self::$variant(node) => node.syntax()),+
+                }
+            }
+        }
+    };
+}
+
+pub(super) use {choice, node};
+
 /// The children of one type, in text order.
 #[derive(Debug, Clone)]
 pub struct AstChildren<N> {
