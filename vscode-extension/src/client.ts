@@ -19,6 +19,7 @@ import {
 } from 'vscode-languageclient/node';
 import { SECTION, explicitSettings, serverSettingNames, serverSettings } from './config';
 import { previewed } from './manual';
+import type { OfferedCommands } from './offered';
 import { LANGUAGE, SCENARIO, TEMPLATE, documentText, verificationStatus, type InitializationOptions, type VerificationStatus } from './protocol';
 import { reviewed } from './review';
 import { locateServer, surroundings, type Located } from './server';
@@ -78,6 +79,7 @@ export class Server implements vscode.Disposable {
     private readonly log: vscode.LogOutputChannel,
     /** What the server writes, and the messages when they are traced. */
     readonly output: vscode.LogOutputChannel,
+    private readonly offered: OfferedCommands,
   ) {}
 
   private get settingNames(): string[] {
@@ -255,6 +257,16 @@ export class Server implements vscode.Disposable {
             }
           }
           return lenses;
+        },
+        provideCodeActions: async (document, range, context, token, next) => {
+          const actions = await next(document, range, context, token);
+          this.offered.keep(actions);
+          return actions;
+        },
+        resolveCodeAction: async (item, token, next) => {
+          const action = await next(item, token);
+          this.offered.keep(action && [action]);
+          return action;
         },
         handleDiagnostics: (uri, diagnostics, next) => next(uri, diagnostics.map((it) => this.linked(it))),
         provideDiagnostics: async (document, previous, token, next) => {

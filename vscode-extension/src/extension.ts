@@ -14,6 +14,7 @@ import { IdlAssociation } from './idl';
 import { openManual } from './manual';
 import { showMenu } from './menu';
 import { createComponent } from './newComponent';
+import { OfferedCommands } from './offered';
 import { InlineDiagrams } from './preview/inline';
 import { DiagramPreview } from './preview/panel';
 import type { Target } from './preview/target';
@@ -32,7 +33,7 @@ let server: Server | undefined;
 export async function activate(context: vscode.ExtensionContext): Promise<void> {
   const log = vscode.window.createOutputChannel('dotgen', { log: true });
   const output = vscode.window.createOutputChannel('dotgen Language Server', { log: true });
-  server = new Server(context.extension, context.globalStorageUri, log, output);
+  server = new Server(context.extension, context.globalStorageUri, log, output, new OfferedCommands(context.subscriptions));
   const it = server;
   const tree = new SyntaxTreeView(it);
   const macros = new MacroExpansion(it);
