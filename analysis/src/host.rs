@@ -357,21 +357,6 @@ impl Analysis {
         })
     }
 
-    /// Files whose diagnostics may differ after a change of a file: all files of every unit that contains it.
-    pub fn affected_files(&self, path: &Utf8Path) -> Cancellable<Vec<Utf8PathBuf>> {
-        self.with(|db| {
-            let mut out: Vec<Utf8PathBuf> = Vec::new();
-            for &root in unit::roots_of(db, db.file(path)) {
-                for file in unit::files(db, unit::unit_of_root(db, root)) {
-                    out.push(file.path(db).clone());
-                }
-            }
-            out.sort();
-            out.dedup();
-            out
-        })
-    }
-
     /// The unit that begins with a file, as compiled by the command line, even if other files include it.
     pub fn root_unit(&self, path: &Utf8Path) -> Cancellable<UnitResult> {
         self.with(|db| unit_result(db, unit::unit_of_root(db, db.file(path))))

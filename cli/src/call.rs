@@ -111,17 +111,6 @@ impl RunConnection {
             None => bail!("the run has ended"),
         }
     }
-
-    /// Returns the JSON Schema of the values of a port, given as COMPONENT/PORT. The schema is empty if there
-    /// is no such port.
-    pub(super) fn schema(&mut self, path: &str) -> anyhow::Result<Value> {
-        let (component, port) = path.split_once('/').unwrap_or((path, ""));
-        let mut all = self.components()?;
-        let found = all.iter_mut().find(|candidate| candidate["name"] == component);
-        let ports = found.and_then(|component| component["ports"].as_array_mut());
-        let port = ports.and_then(|all| all.iter_mut().find(|component| component["name"] == port));
-        Ok(port.map_or(json!({}), |port| port["schema"].take()))
-    }
 }
 
 pub(super) fn call(arguments: &Call) -> anyhow::Result<Outcome> {

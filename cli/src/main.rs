@@ -23,14 +23,12 @@ mod outputs;
 #[cfg(unix)]
 mod play;
 mod query;
-mod release;
 mod replay;
 mod report;
 mod run;
 mod session;
 mod suggestion;
 #[cfg(unix)]
-mod table;
 mod trace;
 mod tree;
 mod verify;
@@ -74,7 +72,6 @@ enum Command {
     Fmt(fmt::Arguments),
     Tree(tree::Arguments),
     Model(model::Arguments),
-    Release(release::Arguments),
     Verify(verify::Arguments),
     Run(Box<run::Arguments>),
     #[cfg(unix)]
@@ -190,7 +187,6 @@ fn main() -> ExitCode {
         Command::Fmt(arguments) => fmt::run(&arguments),
         Command::Tree(arguments) => tree::run(&arguments),
         Command::Model(arguments) => model::run(&arguments),
-        Command::Release(arguments) => release::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         #[cfg(unix)]

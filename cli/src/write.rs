@@ -3,36 +3,31 @@
 use std::io::BufRead as _;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use camino::Utf8PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::call::RunConnection;
-use super::{Outcome, failure, report, table};
+use super::{Outcome, failure, report};
 
 /// Write a value to an input port of a component that runs (`dotgen run --clock real`)
 ///
 /// No output port of the run may be connected to the input port. Each value is acknowledged by the run before
 /// the next one is sent. Codels that read the port get the newest value.
 ///
-/// Exit status: 0 if all values were written, 1 if lines of standard input were refused, 2 if the value, or
-/// a row of FILE, could not be written.
+/// Exit status: 0 if all values were written, 1 if lines of standard input were refused, 2 if the value could
+/// not be written.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Input port to write, as COMPONENT/PORT
     port: String,
 
     /// Value, as JSON; `-` reads values from standard input, one per line, and writes each as it comes
-    #[arg(value_name = "JSON", allow_negative_numbers = true, required_unless_present = "csv")]
-    value: Option<String>,
+    #[arg(value_name = "JSON", allow_negative_numbers = true)]
+    value: String,
 
-    /// Write the rows of a table: its header names members (`pos.x,pos.y`), its first column can be `time`,
-    /// in seconds
-    #[arg(long, value_name = "FILE", conflicts_with = "value")]
-    csv: Option<Utf8PathBuf>,
-
-    /// Write HZ values per second: the same value until Ctrl-C, or the lines or rows
+    /// Write HZ values per second: the same value until Ctrl-C, or the lines
     #[arg(long, value_name = "HZ", value_parser = rate)]
     rate: Option<f64>,
 
@@ -120,27 +115,17 @@ fn ended(which: &str) -> anyhow::Error {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let value = match arguments.value.as_deref() {
-        None | Some("-") => None,
-        Some(text) => Some(parse(text)?),
+    let value = match arguments.value.as_str() {
+        "-" => None,
+        text => Some(parse(text)?),
     };
     let mut talk = RunConnection::begin(arguments.socket.as_ref())?;
-    if let Some(path) = &arguments.csv {
-        let bytes = std::fs::read(path).with_context(|| format!("cannot read `{path}`"))?;
-        let schema = talk.schema(&arguments.port)?;
-        let rows =
-            table::read(&bytes, &schema).map_err(|error| anyhow::anyhow!("`{path}`: {error}"))?;
-        return write_rows(arguments, &mut input(arguments, &mut talk), path, &rows);
-    }
-    let mut input = input(arguments, &mut talk);
+    let (port, instance) = (arguments.port.clone(), arguments.instance.clone());
+    let mut input = Input { talk: &mut talk, port, instance };
     match value {
         Some(value) => write_value(arguments, &mut input, &value),
         None => write_lines(arguments, &mut input),
     }
-}
-
-fn input<'t>(arguments: &Arguments, talk: &'t mut RunConnection) -> Input<'t> {
-    Input { talk, port: arguments.port.clone(), instance: arguments.instance.clone() }
 }
 
 fn parse(text: &str) -> anyhow::Result<Value> {
@@ -193,36 +178,4 @@ fn write_lines(arguments: &Arguments, input: &mut Input<'_>) -> anyhow::Result<O
         }
     }
     Ok(outcome)
-}
-
-fn write_rows(
-    arguments: &Arguments,
-    input: &mut Input<'_>,
-    path: &Utf8PathBuf,
-    rows: &[table::Row],
-) -> anyhow::Result<Outcome> {
-    let timed = rows.iter().any(|row| row.time.is_some());
-    if timed && arguments.rate.is_some() {
-        bail!("`{path}` has a column `time`: leave --rate out, or the column");
-    }
-    let first = rows.first().and_then(|row| row.time).unwrap_or(0.0);
-    let mut pace = Pacer::begin();
-    for (number, row) in rows.iter().enumerate() {
-        let seconds = match (row.time, arguments.rate) {
-            (Some(time), _) => time - first,
-            (None, Some(rate)) => number as f64 / rate,
-            (None, None) => 0.0,
-        };
-        if seconds > 0.0 {
-            pace.wait(Duration::try_from_secs_f64(seconds)?);
-        }
-        let which = || format!("line {} of `{path}`", row.line);
-        let written = input.write(&row.value);
-        let written = written.with_context(|| format!("{} was not written", which()))?;
-        if !written {
-            return Err(ended(&which()));
-        }
-    }
-    pace.end();
-    Ok(Outcome::Fine)
 }

@@ -284,7 +284,7 @@ fn a_recording_is_played_into_input_ports() {
 }
 
 #[test]
-fn lines_and_rows_are_values() {
+fn lines_are_values() {
     let Some((directory, mut run)) = alone() else {
         return;
     };
@@ -307,26 +307,6 @@ fn lines_and_rows_are_values() {
     let told = stderr(&output);
     assert!(told.contains("line 4 was not written: the value is no JSON"), "{told}");
     assert!(told.contains("line 5 was not written: `reader/each`: the value has to be"), "{told}");
-    directory.write("trail.csv", b"time,[0].x,[0].y,[1].x\n100,1,2,3\n100.01,4,5,6\n");
-    written(&directory, &["reader/trail", "--csv", "trail.csv"]);
-    reads(&directory, "reader/seen", &json!([{"x": 6.0, "y": 0.0}, {"x": 4.0, "y": 5.0}]));
-    let wrong = |text: &str, words: &[&str], what: &str| {
-        directory.write("wrong.csv", text.as_bytes());
-        let told = refused(&directory, &[&["reader/trail", "--csv", "wrong.csv"], words].concat());
-        assert!(told.contains(what), "{told}");
-    };
-    wrong("time,[0].x\n1,2\n", &["--rate", "5"], "leave --rate out");
-    wrong(
-        "[0].x\n1\nfar\n",
-        &[],
-        "line 3 of `wrong.csv` was not written: `reader/trail`: `[0].x` has to be a number",
-    );
-    wrong("[0].x\n1,2\n", &[], "`wrong.csv`: line 2 has 2 cells");
-    reads(&directory, "reader/seen", &json!([{"x": 1.0, "y": 0.0}]));
-    let words = ["reader/each", "--csv", "each.csv", "--instance", "a", "--rate", "200"];
-    directory.write("each.csv", b"value\n1\n2\n3\n");
-    written(&directory, &words);
-    reads(&directory, "reader/sum", &json!(4));
     // The same value until the run ends.
     let words = ["write", "--socket", "s", "reader/each", "--instance", "a", "--rate", "200", "20"];
     let mut repeating = directory.command(&words).spawn().expect("it starts");

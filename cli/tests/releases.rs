@@ -1,7 +1,6 @@
 //! The release of GenoM3: who says it, that all commands follow it, and what changes between two.
 
 use crate::directory::{Directory, status, stderr, stdout};
-use serde_json::Value;
 
 const ARM: &str = "interface i {\n  typedef double d;\n  port out d pose;\n  exception lost;\n};\n\
                    component arm {\n  requires \"genom3 >= 2.99.26\";\n  provides i;\n\
@@ -123,31 +122,4 @@ fn generated_files_follow_the_release() {
     assert!(new.contains("typedef i_pose arm_pose;"));
     let version = directory.run(&["genom3", "--release=3.1", "--version"]);
     assert_eq!(stdout(&version), "3.1\n");
-}
-
-#[test]
-fn what_changes_between_two_releases_is_told() {
-    let directory = directory();
-    let output = directory.run(&["release", "diff", "--format", "json", "arm.gen"]);
-    assert_eq!(status(&output), 1, "{}", stderr(&output));
-    let report: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
-    let specification = &report["specifications"][0];
-    assert_eq!(
-        (&specification["from"], &specification["to"]),
-        (&"2.99.39".into(), &"2.99.41".into())
-    );
-    let digests = specification["digests"].as_array().expect("digests");
-    let of =
-        |service: Option<&str>| digests.iter().any(|digest| digest["service"].as_str() == service);
-    assert!(of(None) && of(Some("stop")), "{specification:#}");
-    let prototypes = specification["prototypes"].as_array().expect("prototypes");
-    assert_eq!(prototypes[0]["name"], "arm.armStart");
-    let types = specification["types"].as_array().expect("types");
-    assert!(types.iter().any(|ty| ty["name"] == "::arm::pose"), "{specification:#}");
-    let same =
-        directory.run(&["release", "diff", "--from", "2.99.41", "--to", "2.99.41", "arm.gen"]);
-    assert_eq!(status(&same), 0);
-    assert!(stdout(&same).contains("nothing changes"));
-    let text = stdout(&directory.run(&["release", "diff", "arm.gen"]));
-    assert!(text.contains("+ typedef i_pose arm_pose;"), "{text}");
 }

@@ -395,16 +395,6 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// [`Mapper::mapping`] of every type of the specification, in order of creation.
-    ///
-    /// # Errors
-    /// Fails like [`Mapper::mapping`].
-    pub fn mapping_all(&self, locations: bool) -> LangResult {
-        let objects: Vec<MapObject> =
-            (0..self.spec.types.len() as u32).map(|i| MapObject::Type(TypeId(i))).collect();
-        self.mapping(&objects, locations)
-    }
-
     /// A comment in the language.
     ///
     /// # Errors

@@ -12,7 +12,6 @@ pub mod frontend;
 pub mod lang;
 mod options;
 pub mod process;
-pub mod release_diff;
 pub mod template;
 
 /// The name of this crate in shared test code, which other crates' tests include as well.

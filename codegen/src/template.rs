@@ -30,11 +30,8 @@ pub mod throws;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use dotgen_analysis::model::Spec;
-
 use crate::disk::Disk;
 use crate::frontend::Frontend;
-use crate::lang::{Language, NoPlaces};
 use crate::process::Processes;
 use console::Console;
 use discover::SearchPath;
@@ -45,26 +42,6 @@ pub use notice::notice;
 pub(crate) use notice::notice_of;
 pub(crate) use output::Output;
 pub use output::{Modes, OutputSink, PreviewFile};
-
-/// The digests of a component, and of its services by name.
-pub(crate) fn component_digests(spec: &Spec, component: u32) -> Vec<(Option<String>, String)> {
-    let registry = object::Registry::default();
-    let model = model::Model {
-        spec,
-        places: &NoPlaces,
-        registry: &registry,
-        template: "",
-        language: Language::C,
-    };
-    let digest = |object| closure::digest(&model, &object, &mut |_| Ok(true)).ok();
-    let services = (0u32..).zip(&spec.components[component as usize].services);
-    let services = services.filter_map(|(index, service)| {
-        let digest = digest(object::Object::Service(component, index))?;
-        Some((Some(service.name.to_string()), digest))
-    });
-    let own = digest(object::Object::Component(component)).map(|digest| (None, digest));
-    own.into_iter().chain(services).collect()
-}
 
 /// The reason why a question of a template fails.
 #[derive(Debug, Clone, PartialEq, Eq)]

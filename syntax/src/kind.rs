@@ -403,11 +403,6 @@ impl SyntaxKind {
         self.is_reserved_word() || self.is_contextual()
     }
 
-    /// Operators and delimiters.
-    pub fn is_punct(self) -> bool {
-        (L_CURLY..=HASH2).contains(&self)
-    }
-
     /// A number, string, character or truth value.
     pub fn is_literal(self) -> bool {
         matches!(self, INT | FLOAT | FIXED | CHAR | STRING | OPEN_STRING | TRUE_KW | FALSE_KW)
@@ -492,7 +487,7 @@ mod tests {
     fn every_keyword_has_a_spelling_and_is_found_by_it() {
         for &kind in KINDS {
             assert_eq!(SyntaxKind::from_raw(kind as u16), kind);
-            if kind.is_keyword() || kind.is_punct() {
+            if kind.is_keyword() || (L_CURLY..=HASH2).contains(&kind) {
                 assert!(kind.spelling().is_some(), "{kind:?} has no spelling");
             }
         }

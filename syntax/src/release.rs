@@ -52,11 +52,6 @@ impl Release {
         self >= change.since()
     }
 
-    /// The changes from the older to the newer of two releases, in order of the table.
-    pub fn changes_between(self, other: Release) -> impl Iterator<Item = &'static Entry> {
-        CHANGES.iter().filter(move |change| self.has(change.change) != other.has(change.change))
-    }
-
     /// The least release that a requirement on the package `genom3` admits: `genom3 >= 2.99.41`. `None` if
     /// the text requires something else, or has no lower bound.
     pub fn lower_bound(requirement: &str) -> Option<Release> {
@@ -319,9 +314,5 @@ mod tests {
     fn the_table_is_in_order() {
         assert!(CHANGES.is_sorted_by_key(|change| change.since));
         assert!(CHANGES.iter().all(|change| change.since > Release::OLDEST));
-        let names = |from: Release, to| from.changes_between(to).count();
-        assert_eq!(names(Release::V2_99_39, Release::V3), CHANGES.len());
-        assert_eq!(names(Release::V2_99_41, Release::V2_99_41), 0);
-        assert_eq!(names(Release::V2_99_40, Release::V2_99_39), 2);
     }
 }

@@ -4,12 +4,6 @@ use rustc_hash::FxHashMap;
 
 use super::{Spec, TypeId, TypeKind};
 
-/// Returns true if values of a type always have the same size: no unbounded string or sequence and no native
-/// type inside. A type that contains itself through a sequence is not fixed.
-pub fn is_fixed(spec: &Spec, ty: TypeId) -> bool {
-    max_size(spec, ty).is_some()
-}
-
 /// The maximum size of a value of a type in bytes, without padding; `None` if there is no limit.
 ///
 /// Enums and lengths count 4 bytes, presence flags 1, strings one more than their bound.

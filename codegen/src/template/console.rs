@@ -112,15 +112,7 @@ pub struct CapturedConsole {
     input: std::io::Cursor<Vec<u8>>,
 }
 
-impl CapturedConsole {
-    /// A console whose standard input is a text.
-    pub fn with_input(input: &str) -> CapturedConsole {
-        CapturedConsole {
-            input: std::io::Cursor::new(input.as_bytes().to_vec()),
-            ..CapturedConsole::default()
-        }
-    }
-}
+impl CapturedConsole {}
 
 impl Console for CapturedConsole {
     fn out(&mut self, bytes: &[u8]) {

@@ -76,7 +76,7 @@ fn project<'p>(host: &'p mut AnalysisHost, files: &'p Counted) -> Project<'p> {
 /// The findings of both sides, the edits of their repairs, and the verdicts about fixes.
 fn everything(project: &mut Project<'_>) -> String {
     let found = project.diagnostics(&roots());
-    let mut out = format!("{found:#?}\n{}", check(project, &roots()).to_text("/".into()));
+    let mut out = format!("{found:#?}\n{:#?}", check(project, &roots()));
     for folder in project.folders(&roots(), &mut Vec::new()) {
         let all = folder.expected();
         for drift in project.findings(&folder, &all) {

@@ -269,17 +269,6 @@ impl Directive {
             _ => DirectiveKind::Unknown,
         }
     }
-
-    /// The kind of text that an `#include` at this place must hold. `None` if the included file would have to
-    /// start or end in the middle of a declaration.
-    pub fn include_context(&self) -> Option<Fragment> {
-        let parent = self.syntax().parent()?;
-        match parent.kind() {
-            SOURCE_FILE => Some(Fragment::Specification),
-            BODY => Body::cast(parent)?.fragment(),
-            _ => None,
-        }
-    }
 }
 
 impl Body {

@@ -25,7 +25,6 @@ OUTPUTS = [
     ("monitor", "monitor run.log run.log pump/pump.scn --bounds none --format json"),
     ("monitor", "monitor run.log other/pump.gen --format json"),
     ("query", "query start pump --format json"),
-    ("release", "release diff --from 2.99.26 quadcopter --format json"),
     ("replay", "replay run.mcap pump/pump.scn --format json"),
     ("replay", "replay run.mcap other/pump.scn --format json"),
     ("run", "run --simulate all --until 1s pump/pump.scn --format json"),

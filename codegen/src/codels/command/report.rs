@@ -1,8 +1,5 @@
 //! Findings as reports and as diagnostics of editors.
 
-use std::collections::BTreeMap;
-use std::fmt::Write as _;
-
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::source_map::Locations;
@@ -80,89 +77,6 @@ pub struct FindingPlace {
 }
 
 impl CheckReport {
-    /// The exit status: 0 without drift, 1 with drift (hints do not count), 2 if a specification could not be
-    /// compared.
-    pub fn exit_code(&self) -> u8 {
-        let drift = self.findings.iter().any(|finding| finding.severity != Severity::Hint);
-        match (self.errors.is_empty(), drift) {
-            (false, _) => 2,
-            (true, true) => 1,
-            (true, false) => 0,
-        }
-    }
-
-    /// Number of findings of each code.
-    pub fn counts(&self) -> BTreeMap<&'static str, usize> {
-        let mut out = BTreeMap::new();
-        for finding in &self.findings {
-            *out.entry(finding.code).or_default() += 1;
-        }
-        out
-    }
-
-    /// The report as text, one finding per paragraph. Paths below `base` are relative to it.
-    pub fn to_text(&self, base: &Utf8Path) -> String {
-        let short =
-            |path: &Utf8Path| -> String { path.strip_prefix(base).unwrap_or(path).to_string() };
-        let mut out = String::new();
-        for finding in &self.findings {
-            let severity = match finding.severity {
-                Severity::Error => "error",
-                Severity::Warning => "warning",
-                Severity::Information => "info",
-                Severity::Hint => "hint",
-            };
-            if let Some(at) = &finding.at {
-                let _ = write!(out, "{}:{}:{}: ", short(&at.path), at.line, at.column);
-            }
-            let _ = writeln!(out, "{severity}: {} [{}]", finding.message, finding.code);
-            for place in &finding.related {
-                let _ = writeln!(
-                    out,
-                    "  {}:{}:{}: codel of component {}",
-                    short(&place.path),
-                    place.line,
-                    place.column,
-                    finding.component
-                );
-            }
-            if let (Some(expected), Some(found)) = (&finding.expected, &finding.found)
-                && finding.code == "codel/signature-mismatch"
-            {
-                let _ = writeln!(out, "  expected: {}", one_line(expected));
-                let _ = writeln!(out, "  found:    {}", one_line(found));
-            }
-        }
-        for error in &self.errors {
-            let _ = writeln!(out, "{error}");
-        }
-        for folder in &self.folders {
-            let components = folder.components.join(", ");
-            let spec = short(&folder.specification);
-            let _ = if folder.exists {
-                writeln!(
-                    out,
-                    "{spec}: {components}: {} of {} codels defined in {} ({} sources)",
-                    folder.defined,
-                    folder.codels,
-                    short(&folder.folder),
-                    folder.sources
-                )
-                .and_then(|()| match folder.coverage.is_complete() {
-                    true => Ok(()),
-                    false => writeln!(out, "{spec}: {components}: {}", folder.coverage),
-                })
-            } else {
-                writeln!(
-                    out,
-                    "{spec}: {components}: no folder {}: nothing compared",
-                    short(&folder.folder)
-                )
-            };
-        }
-        out
-    }
-
     pub(super) fn add(&mut self, project: &Project<'_>, folder: &Folder) {
         let all = folder.expected();
         let files = || folder.sources.all();
@@ -212,8 +126,4 @@ impl CheckReport {
             });
         }
     }
-}
-
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
