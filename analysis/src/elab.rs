@@ -207,7 +207,7 @@ impl Elaborated {
 }
 
 /// Elaborates a translation unit. Total: bad input gives diagnostics.
-pub fn elaborate(unit: &UnitInput<'_>) -> Elaborated {
+pub(crate) fn elaborate(unit: &UnitInput<'_>) -> Elaborated {
     let mut elaborator = context::Elaborator::new(unit);
     if let Some(root) = unit.visits.first() {
         elaborator.for_each(&root.tree.items, |this, item| this.statement(item));

@@ -197,7 +197,7 @@ impl Finding {
     }
 
     /// Adds the place at which the reference compiler reports it.
-    pub fn compiler_at(mut self, at: Src) -> Finding {
+    pub(crate) fn compiler_at(mut self, at: Src) -> Finding {
         self.compiler_at = Some(at);
         self
     }

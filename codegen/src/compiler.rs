@@ -75,7 +75,7 @@ impl Compiler {
     }
 
     /// Relative names of files start at `base` instead of the current directory.
-    pub fn set_base(&mut self, base: Utf8PathBuf) {
+    pub(crate) fn set_base(&mut self, base: Utf8PathBuf) {
         self.base = base;
     }
 
@@ -87,7 +87,7 @@ impl Compiler {
     }
 
     /// The name of the program that messages about inputs begin with.
-    pub fn set_program(&mut self, name: &str) {
+    pub(crate) fn set_program(&mut self, name: &str) {
         name.clone_into(&mut self.program);
     }
 

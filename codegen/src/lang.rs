@@ -39,7 +39,7 @@ pub enum Language {
 
 impl Language {
     /// The language of a name as written in templates and specifications.
-    pub fn from_name(name: &str) -> Option<Language> {
+    pub(crate) fn from_name(name: &str) -> Option<Language> {
         match name {
             "c" => Some(Language::C),
             "c++" => Some(Language::Cxx),
@@ -142,7 +142,7 @@ impl PassingMode {
     ///
     /// # Errors
     /// Fails for any other word.
-    pub fn from_name(name: &str) -> Result<PassingMode, LangError> {
+    pub(crate) fn from_name(name: &str) -> Result<PassingMode, LangError> {
         match name {
             "value" => Ok(PassingMode::Value),
             "reference" => Ok(PassingMode::Reference),
@@ -228,7 +228,7 @@ impl<'a> Mapper<'a> {
     ///
     /// # Errors
     /// Fails in Tcl.
-    pub fn cname(&self, name: &str) -> LangResult {
+    pub(crate) fn cname(&self, name: &str) -> LangResult {
         match self.language {
             Language::C => Ok(text::c_name(name)),
             Language::Cxx => Ok(text::cxx_name(name)),
@@ -240,7 +240,7 @@ impl<'a> Mapper<'a> {
     ///
     /// # Errors
     /// Fails for an anonymous type, and in Tcl.
-    pub fn type_cname(&self, ty: TypeId) -> LangResult {
+    pub(crate) fn type_cname(&self, ty: TypeId) -> LangResult {
         self.cname(&self.full_name(ty)?)
     }
 
@@ -260,7 +260,7 @@ impl<'a> Mapper<'a> {
     ///
     /// # Errors
     /// Fails if a constructed type without a name is inside.
-    pub fn mangle(&self, ty: TypeId) -> LangResult {
+    pub(crate) fn mangle(&self, ty: TypeId) -> LangResult {
         let kind = self.kind(ty);
         Ok(match kind {
             TypeKind::Enum { .. }
@@ -353,7 +353,7 @@ impl<'a> Mapper<'a> {
     ///
     /// # Errors
     /// Fails for an unknown name, and like [`Mapper::return_value`].
-    pub fn return_value_by_name(&self, ty: TypeId, passing: &str, var: &str) -> LangResult {
+    pub(crate) fn return_value_by_name(&self, ty: TypeId, passing: &str, var: &str) -> LangResult {
         let parsed = PassingMode::from_name(passing);
         let pointer = matches!(
             self.final_kind(ty),
@@ -374,7 +374,7 @@ impl<'a> Mapper<'a> {
     ///
     /// # Errors
     /// Fails for types that the language cannot declare or return, and in Tcl.
-    pub fn return_value(&self, ty: TypeId, passing: PassingMode, var: &str) -> LangResult {
+    pub(crate) fn return_value(&self, ty: TypeId, passing: PassingMode, var: &str) -> LangResult {
         match self.language {
             Language::C => c::return_value(self, ty, passing, var),
             Language::Cxx => cxx::argument(self, ty, passing, var),
@@ -411,7 +411,7 @@ impl<'a> Mapper<'a> {
     ///
     /// # Errors
     /// Fails in Tcl.
-    pub fn file_extension(&self, header: bool) -> LangResult {
+    pub(crate) fn file_extension(&self, header: bool) -> LangResult {
         match (self.language, header) {
             (Language::C | Language::Cxx, true) => Ok(".h".into()),
             (Language::C, false) => Ok(".c".into()),

@@ -55,12 +55,12 @@ pub struct Rect {
 
 impl Rect {
     /// A rectangle around a centre.
-    pub fn centered(center: Point, width: f64, height: f64) -> Rect {
+    pub(crate) fn centered(center: Point, width: f64, height: f64) -> Rect {
         Rect { x: center.x - width / 2.0, y: center.y - height / 2.0, width, height }
     }
 
     /// The centre of the rectangle.
-    pub fn center(self) -> Point {
+    pub(crate) fn center(self) -> Point {
         Point { x: self.x + self.width / 2.0, y: self.y + self.height / 2.0 }
     }
 

@@ -20,7 +20,7 @@ pub struct Metrics {
 
 impl LineStyle {
     /// The metrics of lines of this style.
-    pub fn metrics(self) -> Metrics {
+    pub(crate) fn metrics(self) -> Metrics {
         match self {
             LineStyle::Title => Metrics { size: 13.0, height: 18.0, mono: false, bold: true },
             LineStyle::Code => Metrics { size: 11.0, height: 15.0, mono: true, bold: false },

@@ -56,13 +56,6 @@ impl RemoteComponents {
     }
 }
 
-/// Returns the name of this machine.
-#[cfg(unix)]
-pub fn host_name() -> String {
-    let name = rustix::system::uname();
-    name.nodename().to_string_lossy().into_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -156,7 +156,7 @@ impl Config {
     }
 
     /// Folders of codels, of the workspace and its projects.
-    pub fn codel_folders(&self) -> BTreeSet<Utf8PathBuf> {
+    pub(crate) fn codel_folders(&self) -> BTreeSet<Utf8PathBuf> {
         let projects = self.projects.iter().filter_map(|project| project.codels.as_ref());
         let all = self.codels.iter().chain(projects);
         all.map(|config| config.folder.clone()).collect()
@@ -164,7 +164,7 @@ impl Config {
 
     /// Adds the configuration of a directory, which applies to files below the directory. Its other settings
     /// apply everywhere, unless they are already set.
-    pub fn with_project(mut self, directory: &Utf8Path, mut own: Config) -> Config {
+    pub(crate) fn with_project(mut self, directory: &Utf8Path, mut own: Config) -> Config {
         self.projects.push(Project {
             directory: directory.to_owned(),
             include_paths: std::mem::take(&mut own.include_paths),

@@ -13,7 +13,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// The errors of the system, and `InvalidInput` for a file that is not regular.
-pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     let mut options = File::options();
     options.read(true);
     // Opening a pipe would wait for a writer. A read of a file of the kernel could wait for data.

@@ -241,7 +241,7 @@ impl Types {
     }
 
     /// The types that a type refers to, also indirectly, in order and without itself.
-    pub fn referenced(&self, name: &str) -> BTreeSet<&str> {
+    pub(crate) fn referenced(&self, name: &str) -> BTreeSet<&str> {
         let mut out = BTreeSet::new();
         let mut waiting = vec![name];
         while let Some(name) = waiting.pop() {

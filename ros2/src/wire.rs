@@ -79,7 +79,7 @@ impl NodeId<'_> {
     }
 
     /// The liveliness token of an endpoint of the node with its own number.
-    pub fn endpoint_token(
+    pub(crate) fn endpoint_token(
         &self,
         number: u32,
         kind: Kind,

@@ -140,7 +140,7 @@ impl<'p> RunChecker<'p> {
     }
 
     /// Records an event.
-    pub fn on_event(&mut self, stepper: &Stepper, seen: &Seen) {
+    pub(crate) fn on_event(&mut self, stepper: &Stepper, seen: &Seen) {
         let now = Moment { run: self.run, time: stepper.now() };
         match *seen {
             Seen::Missed { task } | Seen::Overdue { task } | Seen::Job { task, .. }
@@ -290,7 +290,7 @@ impl<'p> RunChecker<'p> {
     }
 
     /// Records that a run ends, or begins to: nothing that is awaited comes any more.
-    pub fn end_checks(&mut self, stepper: &Stepper, end: End) {
+    pub(crate) fn end_checks(&mut self, stepper: &Stepper, end: End) {
         let now = Moment { run: self.run, time: stepper.now() };
         if end == End::NothingLeft {
             self.each(now, |question| matches!(question, Question::Deadlock));
@@ -311,7 +311,7 @@ impl<'p> RunChecker<'p> {
     }
 
     /// Prepares for the next run.
-    pub fn next_run(&mut self) {
+    pub(crate) fn next_run(&mut self) {
         self.exceeded.fill(false);
         self.beyond.fill(false);
         self.gone.fill(false);
@@ -325,7 +325,7 @@ impl<'p> RunChecker<'p> {
     }
 
     /// Returns true if there was a violation.
-    pub fn has_violations(&self) -> bool {
+    pub(crate) fn has_violations(&self) -> bool {
         self.count > 0
     }
 

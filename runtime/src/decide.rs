@@ -184,7 +184,7 @@ impl Decide for RandomDecisions<'_> {
 }
 
 /// Returns the yield that an outcome of a state machine's codel stands for; `None` for an exception.
-pub fn yield_of_outcome(system: &TimedSystem, work: &Work, outcome: usize) -> Option<Yield> {
+pub(crate) fn yield_of_outcome(system: &TimedSystem, work: &Work, outcome: usize) -> Option<Yield> {
     match *work {
         Work::State { automaton, state, .. } => {
             let states = &system.machine_of(automaton).states;

@@ -180,27 +180,27 @@ impl<'p> Live<'p> {
     }
 
     /// Returns the violations since the last call.
-    pub fn take_broken(&mut self) -> Vec<CodelViolation> {
+    pub(crate) fn take_broken(&mut self) -> Vec<CodelViolation> {
         std::mem::take(&mut self.broken)
     }
 
     /// Keeps port data, for a recording of the run.
-    pub fn keep_data(&mut self) {
+    pub(crate) fn keep_data(&mut self) {
         self.keeps_data = true;
     }
 
     /// Returns the port data since the last call, if it is [kept](Self::keep_data).
-    pub fn take_published(&mut self) -> Vec<PortUpdate> {
+    pub(crate) fn take_published(&mut self) -> Vec<PortUpdate> {
         std::mem::take(&mut self.published)
     }
 
     /// Returns the output ports that were written since the last call.
-    pub fn take_written(&mut self) -> Vec<(ComponentId, u32)> {
+    pub(crate) fn take_written(&mut self) -> Vec<(ComponentId, u32)> {
         std::mem::take(&mut self.written)
     }
 
     /// Returns true if a component is not lost.
-    pub fn is_alive(&self, component: ComponentId) -> bool {
+    pub(crate) fn is_alive(&self, component: ComponentId) -> bool {
         self.alive.get(component).copied().unwrap_or(false)
     }
 
@@ -320,7 +320,7 @@ impl<'p> Live<'p> {
     }
 
     /// Returns true if a host executes work for an executor.
-    pub fn is_running(&self, executor: usize) -> bool {
+    pub(crate) fn is_running(&self, executor: usize) -> bool {
         let running = self.running.get(executor).and_then(Option::as_ref);
         running.is_some_and(|running| running.real && running.ran.is_none())
     }

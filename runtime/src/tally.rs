@@ -108,7 +108,7 @@ impl Tally {
     }
 
     /// Counts an event.
-    pub fn on_event(&mut self, system: &TimedSystem, stepper: &Stepper, seen: &Seen) {
+    pub(crate) fn on_event(&mut self, system: &TimedSystem, stepper: &Stepper, seen: &Seen) {
         let now = stepper.now();
         match *seen {
             Seen::Asked { executor, .. } => self.busy(executor).asked = now,

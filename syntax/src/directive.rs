@@ -222,7 +222,7 @@ impl Directive {
     }
 
     /// Opens a conditional group.
-    pub fn is_opening(&self) -> bool {
+    pub(crate) fn is_opening(&self) -> bool {
         matches!(
             self.kind,
             DirectiveKind::If(_) | DirectiveKind::Ifdef(_) | DirectiveKind::Ifndef(_)

@@ -19,7 +19,7 @@ fn escape_of(byte: u8) -> char {
 }
 
 /// The byte that a scalar stands for, if it is an escape.
-pub fn escaped_byte(c: char) -> Option<u8> {
+pub(crate) fn escaped_byte(c: char) -> Option<u8> {
     let byte = u32::from(c).checked_sub(BASE)?;
     u8::try_from(byte).ok().filter(|byte| !byte.is_ascii())
 }

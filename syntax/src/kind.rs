@@ -394,7 +394,7 @@ impl SyntaxKind {
     }
 
     /// A word that is a keyword only where the grammar expects it (language reference, 3.3).
-    pub fn is_contextual(self) -> bool {
+    pub(crate) fn is_contextual(self) -> bool {
         (ACTIVITY_KW..=YIELDS_KW).contains(&self)
     }
 

@@ -71,7 +71,7 @@ impl RawTokens {
 
     /// Returns true if the token `i` is broken by a backslash at the end of a line.
     #[inline]
-    pub fn has_splice(&self, i: usize) -> bool {
+    pub(crate) fn has_splice(&self, i: usize) -> bool {
         !self.spliced.is_empty() && self.spliced.binary_search(&(i as u32)).is_ok()
     }
 

@@ -106,7 +106,7 @@ impl Cancel {
     }
 
     /// Returns true if the verification was interrupted.
-    pub fn is_interrupted(&self) -> bool {
+    pub(crate) fn is_interrupted(&self) -> bool {
         self.interrupt.is_raised()
     }
 

@@ -146,7 +146,7 @@ pub struct Machine {
 
 impl Machine {
     /// Returns true if the machine runs for ever, from state to state, without a pause.
-    pub fn is_endless(&self) -> bool {
+    pub(crate) fn is_endless(&self) -> bool {
         let mut yields = self.states.iter().flat_map(|state| &state.yields);
         yields.all(|state| matches!(state, Yield::Next(_)))
     }
@@ -243,7 +243,7 @@ impl CodelSet {
     }
 
     /// Returns true if the two sets have a codel in common.
-    pub fn intersects(&self, other: &CodelSet) -> bool {
+    pub(crate) fn intersects(&self, other: &CodelSet) -> bool {
         self.0.iter().zip(&other.0).any(|(one, other)| one & other != 0)
     }
 

@@ -92,7 +92,7 @@ impl Spec {
     }
 
     /// Unknown interfaces that a component imports, each once.
-    pub fn missing_interfaces(&self, component: u32) -> Vec<&Name> {
+    pub(crate) fn missing_interfaces(&self, component: u32) -> Vec<&Name> {
         let mut out = Vec::new();
         for gap in self.gaps_of(component) {
             if let Missing::Interface { name, .. } = gap

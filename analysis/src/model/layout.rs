@@ -7,7 +7,7 @@ use super::{Spec, TypeId, TypeKind};
 /// The maximum size of a value of a type in bytes, without padding; `None` if there is no limit.
 ///
 /// Enums and lengths count 4 bytes, presence flags 1, strings one more than their bound.
-pub fn max_size(spec: &Spec, ty: TypeId) -> Option<u64> {
+pub(crate) fn max_size(spec: &Spec, ty: TypeId) -> Option<u64> {
     measure(spec, ty, &mut FxHashMap::default())
 }
 

@@ -165,7 +165,7 @@ pub fn service_exclusions(spec: &Spec, component: &Component, service: u32) -> V
 }
 
 /// For messages: ``task `t` ``, ``activity `a` ``.
-pub fn describe_owner(component: &Component, owner: Owner) -> String {
+pub(crate) fn describe_owner(component: &Component, owner: Owner) -> String {
     match owner {
         Owner::Task(task) => format!("task `{}`", component.tasks[task as usize].name),
         Owner::Service(index) => {

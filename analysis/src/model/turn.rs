@@ -34,7 +34,7 @@ impl<'m> Machine<'m> {
     }
 
     /// States in which a turn can begin: `start`, `stop`, and the targets of `pause::`.
-    pub fn turn_starts(&self) -> Vec<&'m str> {
+    pub(crate) fn turn_starts(&self) -> Vec<&'m str> {
         let mut out: Vec<&'m str> = Vec::new();
         for state in ["start", "stop"].into_iter().chain(self.resume_states()) {
             if self.position(state).is_some() && !out.contains(&state) {
@@ -45,7 +45,7 @@ impl<'m> Machine<'m> {
     }
 
     /// States in which a turn begins period after period: the targets of `pause::`.
-    pub fn resume_states(&self) -> Vec<&'m str> {
+    pub(crate) fn resume_states(&self) -> Vec<&'m str> {
         let mut out: Vec<&'m str> = Vec::new();
         let paused = self.codels.iter().flat_map(|(_, c)| &c.yields).filter(|s| s.paused);
         for state in paused.map(|s| s.name.as_str()) {
@@ -79,7 +79,7 @@ impl<'m> Machine<'m> {
 
     /// Cycles without `pause::`, one for each strongly connected group of states; each begins with its first
     /// vertex.
-    pub fn cycles_without_pause(&self) -> Vec<Vec<usize>> {
+    pub(crate) fn cycles_without_pause(&self) -> Vec<Vec<usize>> {
         let mut out: Vec<Vec<usize>> = Vec::new();
         for v in 0..self.codels.len() {
             let known = |v: &usize| out.iter().flatten().any(|seen| seen == v);

@@ -235,12 +235,12 @@ pub enum Repair {
 
 impl Repair {
     /// True if it changes the behaviour of code, to agree with the specification.
-    pub fn changes_code(&self) -> bool {
+    pub(crate) fn changes_code(&self) -> bool {
         matches!(self, Repair::ReturnDeclared(_) | Repair::RaiseDeclared(_))
     }
 
     /// True if it changes only the sources, and has no alternative that changes as little.
-    pub fn follows_specification(&self) -> bool {
+    pub(crate) fn follows_specification(&self) -> bool {
         matches!(
             self,
             Repair::Stub { .. }

@@ -78,7 +78,7 @@ impl<'a> Expected<'a> {
 
     /// The functions that a component requires with codels in a given language, whatever the specification
     /// says.
-    pub fn in_language(spec: &'a Spec, component: u32, language: Language) -> Expected<'a> {
+    pub(crate) fn in_language(spec: &'a Spec, component: u32, language: Language) -> Expected<'a> {
         let declaration = &spec.components[component as usize];
         let mut out = Expected {
             spec,
@@ -223,12 +223,12 @@ impl<'a> Expected<'a> {
     }
 
     /// True if the specification has a type of that spelling.
-    pub fn has_type(&self, base: &str) -> bool {
+    pub(crate) fn has_type(&self, base: &str) -> bool {
         self.knows_type(base) || self.named.contains(base)
     }
 
     /// True if the specification, the language or genom3 defines the base type.
-    pub fn knows_type(&self, base: &str) -> bool {
+    pub(crate) fn knows_type(&self, base: &str) -> bool {
         matches!(
             base,
             "bool"

@@ -95,7 +95,7 @@ pub fn select(listing: &[Utf8PathBuf], makefile: Option<&str>, config: &FilesCon
 
 /// Paths in the `*_SOURCES` variables of a `Makefile.am`, relative to its folder. Paths that contain a
 /// variable are skipped.
-pub fn makefile_sources(text: &str) -> Vec<Utf8PathBuf> {
+pub(crate) fn makefile_sources(text: &str) -> Vec<Utf8PathBuf> {
     let mut out: Vec<Utf8PathBuf> = Vec::new();
     let mut lines = text.lines();
     while let Some(line) = lines.next() {
@@ -332,7 +332,7 @@ impl Sources {
     }
 
     /// True if a function returns an event in the spelling of C++.
-    pub fn uses_cxx(&self) -> bool {
+    pub(crate) fn uses_cxx(&self) -> bool {
         let mut functions = self.sources.iter().flat_map(|source| &source.index().functions);
         functions.any(|function| function.result.base == "genom::event")
     }

@@ -167,7 +167,7 @@ pub fn is_refuted(finding: &Diagnostic, text: &str, sources: &Sources) -> bool {
 pub const NEVER_THROWN: &str = "unused/exception";
 
 /// Adds to each folder the codel names of the other specifications in the same folder.
-pub fn share_names(folders: &mut [Folder]) {
+pub(crate) fn share_names(folders: &mut [Folder]) {
     let mut names: FxHashMap<Utf8PathBuf, FxHashSet<Name>> = FxHashMap::default();
     for folder in folders.iter() {
         let known = names.entry(folder.sources.folder.clone()).or_default();

@@ -107,13 +107,13 @@ impl Reliability {
     }
 
     /// True if the declaration of a codel has errors, in any of its uses.
-    pub fn is_faulty(&self, expected: &Expected<'_>, function: &ExpectedFunction) -> bool {
+    pub(crate) fn is_faulty(&self, expected: &Expected<'_>, function: &ExpectedFunction) -> bool {
         let mut uses = function.uses.iter();
         uses.any(|&at| self.faulty.contains(&(expected.component, at)))
     }
 
     /// True if a name may be declared in text that could not be parsed.
-    pub fn may_declare(&self, name: &str) -> bool {
+    pub(crate) fn may_declare(&self, name: &str) -> bool {
         self.words.contains(name)
     }
 }

@@ -163,7 +163,7 @@ impl Repairs<'_> {
         all
     }
 
-    pub fn stub_file(&self, at: CodelRef) -> Utf8PathBuf {
+    pub(crate) fn stub_file(&self, at: CodelRef) -> Utf8PathBuf {
         let wanted = self.skeleton_file(at);
         let same = |file: &&IndexedFile| file.path.with_extension("") == wanted.with_extension("");
         if let Some(file) = self.sources.sources.iter().find(same) {

@@ -240,7 +240,7 @@ impl SourceIndex {
     }
 
     /// The function around an offset.
-    pub fn function_at(&self, offset: usize) -> Option<&Function> {
+    pub(crate) fn function_at(&self, offset: usize) -> Option<&Function> {
         self.functions
             .iter()
             .find(|function| function.span.start <= offset && offset <= function.span.end)
@@ -249,7 +249,7 @@ impl SourceIndex {
 
 impl Function {
     /// True if its symbol is its plain name: it is in no namespace or class, or is `extern "C"`.
-    pub fn is_global(&self) -> bool {
+    pub(crate) fn is_global(&self) -> bool {
         self.scope.is_empty() || self.extern_c
     }
 }

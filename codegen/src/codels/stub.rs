@@ -99,7 +99,7 @@ impl<'a> Stubs<'a> {
     }
 
     /// The beginning of a new file: notice and includes.
-    pub fn preamble(&self) -> String {
+    pub(crate) fn preamble(&self) -> String {
         let name = &self.expected.component().name;
         let mut out = String::new();
         if let Some(notice) = &self.options.notice {
@@ -214,7 +214,7 @@ impl<'a> Stubs<'a> {
     }
 
     /// `Codel f of task t`
-    pub fn comment_header(&self, at: CodelRef) -> String {
+    pub(crate) fn comment_header(&self, at: CodelRef) -> String {
         let component = self.expected.component();
         let codel = component.codel(at);
         let (kind, owner) = owner_words(component, at.owner);
@@ -226,7 +226,7 @@ impl<'a> Stubs<'a> {
     }
 
     /// `Triggered by …`, `Yields to …`, `Throws …`, each on a separate line, without comment marks.
-    pub fn comment_sentences(&self, at: CodelRef) -> String {
+    pub(crate) fn comment_sentences(&self, at: CodelRef) -> String {
         let codel = self.expected.component().codel(at);
         let events = |all: &[State]| {
             let names = all.iter().map(|state| self.expected.spelling(state.event).to_string());

@@ -20,7 +20,7 @@ impl Mapper<'_> {
     ///
     /// # Errors
     /// Fails like [`Mapper::member`].
-    pub fn member_path(&self, ty: TypeId, path: &[PathElement]) -> LangResult {
+    pub(crate) fn member_path(&self, ty: TypeId, path: &[PathElement]) -> LangResult {
         let path: Vec<String> = path
             .iter()
             .map(|element| match element {

@@ -106,7 +106,7 @@ impl Mapper<'_> {
     ///
     /// # Errors
     /// Fails for a wrong number of arguments, and in Tcl.
-    pub fn invoke(&self, component: u32, codel: &Codel, arguments: &[String]) -> LangResult {
+    pub(crate) fn invoke(&self, component: u32, codel: &Codel, arguments: &[String]) -> LangResult {
         let expected = match self.language {
             Language::C => codel.params.len() + 1,
             Language::Cxx => codel.params.len(),

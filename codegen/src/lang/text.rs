@@ -1,25 +1,25 @@
 //! Text helpers of the template language: names, comments, wrapping, rules, numbers.
 
 /// C name: leading `::` removed, scopes joined with `_`, blanks `_`, `+` as `x`.
-pub fn c_name(name: &str) -> String {
+pub(crate) fn c_name(name: &str) -> String {
     let name = name.strip_prefix("::").unwrap_or(name);
     name.replace("::", "_").replace(' ', "_").replace('+', "x")
 }
 
 /// C++ name: leading `::` removed, blanks `_`, `+` as `x`.
-pub fn cxx_name(name: &str) -> String {
+pub(crate) fn cxx_name(name: &str) -> String {
     let name = name.strip_prefix("::").unwrap_or(name);
     name.replace(' ', "_").replace('+', "x")
 }
 
 /// A C comment; `**/` inside closes as one `*/`.
-pub fn c_comment(text: &str) -> String {
+pub(crate) fn c_comment(text: &str) -> String {
     let lines: Vec<&str> = text.split('\n').collect();
     format!("/*{}*/", lines.join("\n *")).replace("**/", "*/")
 }
 
 /// A C++ comment. The lines are joined to one line, for identical output to GenoM3.
-pub fn cxx_comment(text: &str) -> String {
+pub(crate) fn cxx_comment(text: &str) -> String {
     let lines: Vec<&str> = text.split('\n').collect();
     // Words are joined as by Tcl's `concat`: trimmed.
     let joined = lines.join("// ");
@@ -28,7 +28,7 @@ pub fn cxx_comment(text: &str) -> String {
 }
 
 /// Puts `mark` before every line.
-pub fn marked_comment(mark: &str, text: &str) -> String {
+pub(crate) fn marked_comment(mark: &str, text: &str) -> String {
     let lines: Vec<&str> = text.split('\n').collect();
     format!("{mark}{}", lines.join(&format!("\n{mark}")))
 }
@@ -43,7 +43,7 @@ pub fn rule(text: &str, filler: Option<char>, column: i64) -> String {
 /// Cuts a text into lines of at most `column` characters at `separator`, each line after the first starting
 /// with `prefix`. A separator that is not blank stays at the end of its line; the character after a cut is
 /// dropped.
-pub fn wrap(text: &str, prefix: &str, separator: &str, column: usize) -> String {
+pub(crate) fn wrap(text: &str, prefix: &str, separator: &str, column: usize) -> String {
     let separator_chars: Vec<char> = separator.chars().collect();
     let prefix: Vec<char> = prefix.chars().collect();
     let blank = separator.chars().all(char::is_whitespace);
@@ -99,7 +99,7 @@ fn find_first(text: &[char], wanted: &[char], from: usize) -> Option<usize> {
 }
 
 /// A number as C `%g` prints it: six significant digits, no trailing zeros.
-pub fn format_g(value: f64) -> String {
+pub(crate) fn format_g(value: f64) -> String {
     if value.is_nan() {
         return if value.is_sign_negative() { "-nan" } else { "nan" }.into();
     }

@@ -61,7 +61,7 @@ pub fn script(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
 }
 
 /// Returns true if a text begins with a whole marker, after optional text.
-pub fn has_marker(text: &str) -> bool {
+pub(crate) fn has_marker(text: &str) -> bool {
     let open = ["<'", "<\""].map(|mark| text.find(mark));
     let Some(open) = open.into_iter().flatten().min() else {
         return false;

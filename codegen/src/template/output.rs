@@ -107,7 +107,7 @@ impl Modes {
     }
 
     /// Returns true if a mode is on.
-    pub fn is_on(&self, name: &str) -> bool {
+    pub(crate) fn is_on(&self, name: &str) -> bool {
         self.values.iter().any(|(text, on)| *text == name && *on)
     }
 

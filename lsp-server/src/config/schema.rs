@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use super::Settings;
 
 /// The schema of `dotgen.toml`, as committed in `docs/dotgen.schema.json`.
-pub fn settings_schema() -> Value {
+pub(crate) fn settings_schema() -> Value {
     let mut schema = schemars::schema_for!(Settings).to_value();
     let codes: Vec<&str> = codes().collect();
     schema["properties"]["severity"]["propertyNames"] = json!({ "enum": codes });

@@ -28,7 +28,7 @@ impl Settings {
     }
 
     /// The lenses to show: all, except those that are switched off.
-    pub fn lens_config(&self) -> LensConfig {
+    pub(crate) fn lens_config(&self) -> LensConfig {
         let [any, verdicts, machines, accesses, codels, _] =
             self.code_lenses().map(|lens| lens.unwrap_or(true));
         LensConfig {
@@ -40,7 +40,7 @@ impl Settings {
     }
 
     /// True if lenses that run components and scenarios are shown.
-    pub fn run_lenses(&self) -> bool {
+    pub(crate) fn run_lenses(&self) -> bool {
         self.code_lens.unwrap_or(true) && self.code_lens_runs.unwrap_or(true)
     }
 
@@ -68,7 +68,7 @@ impl Settings {
 
     /// The inlay hints to show: all, except those that are switched off. Types are shown only if they are
     /// inherited, unless all are switched on.
-    pub fn inlay_config(&self) -> InlayConfig {
+    pub(crate) fn inlay_config(&self) -> InlayConfig {
         let on = |setting: Option<bool>| setting.unwrap_or(true);
         InlayConfig {
             types: match (

@@ -219,7 +219,7 @@ impl Verification {
     }
 
     /// True if documents are verified on edit.
-    pub fn on_edit(&self) -> bool {
+    pub(crate) fn on_edit(&self) -> bool {
         self.enable != Some(false)
     }
 

@@ -172,7 +172,7 @@ impl<'s> HostedComponents<'s> {
     }
 
     /// Returns true if codels of a component may request services of others.
-    pub fn has_remotes(&self, component: ComponentId) -> bool {
+    pub(crate) fn has_remotes(&self, component: ComponentId) -> bool {
         let remotes = self.remotes.get(component);
         remotes.is_some_and(|remotes| !remotes.is_empty())
     }
@@ -191,7 +191,7 @@ impl<'s> HostedComponents<'s> {
     }
 
     /// Returns the client that sends the outside requests to a component.
-    pub fn client_of(&self, component: ComponentId) -> Option<ClientId> {
+    pub(crate) fn client_of(&self, component: ComponentId) -> Option<ClientId> {
         let first = usize::from(self.first_outside?);
         Some(ClientId::from(first + usize::from(component)))
     }

@@ -120,7 +120,7 @@ impl Delegations {
 
 impl Live<'_> {
     /// Permits delegations: the run is on the real clock.
-    pub fn permit_delegations(&mut self, time: ModelTime) {
+    pub(crate) fn permit_delegations(&mut self, time: ModelTime) {
         // Under a debugger a thread may stand still for any time, and a violation may end an activity.
         let allowed = !self.stops_activities && self.hosts.blocked_after_nanos().is_some();
         self.delegations.time = allowed.then_some(time);
@@ -132,13 +132,13 @@ impl Live<'_> {
     }
 
     /// Returns true if the thread of a task executes its cycles by itself.
-    pub fn is_delegated(&self, task: TaskId) -> bool {
+    pub(crate) fn is_delegated(&self, task: TaskId) -> bool {
         let mut tasks = self.delegations.tasks.iter();
         tasks.any(|delegated| delegated.task == task)
     }
 
     /// Returns true if the codels of an executor are executed by a thread by itself.
-    pub fn is_delegated_executor(&self, executor: usize) -> bool {
+    pub(crate) fn is_delegated_executor(&self, executor: usize) -> bool {
         let mut tasks = self.delegations.tasks.iter();
         tasks.any(|delegated| delegated.executor == executor)
     }

@@ -161,7 +161,7 @@ impl Live<'_> {
 
     /// Returns true if a client may proceed to a step after a delay. A client that stands for requests from
     /// outside waits for such a request.
-    pub fn may_proceed(&self, client: ClientId, step: usize) -> bool {
+    pub(crate) fn may_proceed(&self, client: ClientId, step: usize) -> bool {
         let Some(component) = self.parts.outside(client) else {
             return true;
         };

@@ -76,7 +76,7 @@ pub struct Preprocessed {
 
 impl Preprocessed {
     /// The `ordinal`-th `#define` of the file, active or not; see [`MacroSite`].
-    pub fn define_directive(&self, ordinal: u32) -> Option<&Directive> {
+    pub(crate) fn define_directive(&self, ordinal: u32) -> Option<&Directive> {
         self.directives.iter().find(
             |directive| matches!(&directive.kind, DirectiveKind::Define(define) if define.ordinal == ordinal),
         )

@@ -169,7 +169,7 @@ impl Run {
     }
 
     /// Returns the run in words, and the number of moments before the first step and after each step.
-    pub fn moments_by_step(&self, system: &TimedSystem) -> (Vec<Moment>, Vec<usize>) {
+    pub(crate) fn moments_by_step(&self, system: &TimedSystem) -> (Vec<Moment>, Vec<usize>) {
         told(&SystemRules::new(system), self)
     }
 }

@@ -276,7 +276,7 @@ impl Trigger {
     pub const AFTER: &str = "after_";
 
     /// Returns the label of the step that interrupts an activity.
-    pub fn abort_label(activity: &Path) -> String {
+    pub(crate) fn abort_label(activity: &Path) -> String {
         format!("abort_{}", activity.text().replace('.', "_"))
     }
 }

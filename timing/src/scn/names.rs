@@ -320,7 +320,7 @@ fn client_references(scenario: &Scenario, path: &Path, out: &mut Vec<Reference>)
 }
 
 /// Calls `each` with every path of a scenario.
-pub fn for_each_path<'s>(scenario: &'s Scenario, each: &mut impl FnMut(&'s Path)) {
+pub(crate) fn for_each_path<'s>(scenario: &'s Scenario, each: &mut impl FnMut(&'s Path)) {
     for item in &scenario.items {
         match item {
             Item::Duration(path, ..) | Item::Slots(path, _) => each(path),

@@ -24,7 +24,7 @@ pub enum Condition {
 
 impl Condition {
     /// Returns true if an execution time is missing.
-    pub fn is_wcet(&self) -> bool {
+    pub(crate) fn is_wcet(&self) -> bool {
         matches!(self, Condition::Wcet { .. })
     }
 }

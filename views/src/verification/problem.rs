@@ -97,7 +97,7 @@ pub fn diagnostic(entry: &dotgen_timing::diagnostic::Diagnostic, path: &Utf8Path
 
 /// The unit of a file for a scenario in `directory`, which is searched for includes after the
 /// configured directories.
-pub fn unit_for(
+pub(crate) fn unit_for(
     analysis: &Analysis,
     file: &Utf8Path,
     directory: &Utf8Path,

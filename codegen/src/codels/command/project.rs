@@ -121,7 +121,7 @@ impl<'a> Project<'a> {
     }
 
     /// Text of a file before all changes.
-    pub fn text_before(&self, path: &Utf8Path) -> Option<Arc<str>> {
+    pub(crate) fn text_before(&self, path: &Utf8Path) -> Option<Arc<str>> {
         self.replaced.get(path).cloned().unwrap_or_else(|| self.text(path))
     }
 

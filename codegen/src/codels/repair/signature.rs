@@ -57,7 +57,7 @@ impl ManualChange {
     }
 
     /// Sets the line, from the present text of its file.
-    pub fn set_line(&mut self, text: &str) {
+    pub(crate) fn set_line(&mut self, text: &str) {
         self.line = line_of(text, self.offset);
     }
 }
@@ -200,7 +200,7 @@ impl Repairs<'_> {
 
     /// The places that are not adapted to the new signature of a function: uses of removed parameters, and
     /// calls.
-    pub fn manual_changes(&self, name: &str, path: &Utf8Path, start: usize) -> Vec<ManualChange> {
+    pub(crate) fn manual_changes(&self, name: &str, path: &Utf8Path, start: usize) -> Vec<ManualChange> {
         let Some((file, function)) = self.function(path, start) else {
             return Vec::new();
         };

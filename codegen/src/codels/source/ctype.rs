@@ -47,7 +47,7 @@ impl CType {
 
     /// The type that the compiler uses for a function parameter: the outermost array is a pointer, and the
     /// outermost `const` is removed. The second part is the length of the array.
-    pub fn as_parameter(&self) -> (CType, Option<SmolStr>) {
+    pub(crate) fn as_parameter(&self) -> (CType, Option<SmolStr>) {
         let mut ty = self.clone();
         let mut length = None;
         match ty.layers.first_mut() {
@@ -65,7 +65,7 @@ impl CType {
     }
 
     /// The type without any `const`.
-    pub fn without_const(&self) -> CType {
+    pub(crate) fn without_const(&self) -> CType {
         let mut ty = self.clone();
         ty.constant = false;
         for layer in &mut ty.layers {

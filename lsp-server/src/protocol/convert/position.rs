@@ -21,7 +21,7 @@ pub enum Encoding {
 
 impl Encoding {
     /// UTF-8 if offered, because offsets are bytes here; else UTF-32; else UTF-16.
-    pub fn negotiate(offered: Option<&[PositionEncodingKind]>) -> Encoding {
+    pub(crate) fn negotiate(offered: Option<&[PositionEncodingKind]>) -> Encoding {
         let offered = offered.unwrap_or_default();
         if offered.contains(&PositionEncodingKind::UTF8) {
             Encoding::Utf8
@@ -66,7 +66,7 @@ impl Lines {
     }
 
     /// A text whose lines are already known.
-    pub fn with_index(text: Arc<str>, index: Arc<LineIndex>, encoding: Encoding) -> Lines {
+    pub(crate) fn with_index(text: Arc<str>, index: Arc<LineIndex>, encoding: Encoding) -> Lines {
         Lines { text, index, encoding }
     }
 
@@ -100,7 +100,7 @@ impl Lines {
     }
 
     /// Offsets of the range of a request. Positions after the end of the text give the end.
-    pub fn clamped(&self, range: Range) -> Option<ByteRange<usize>> {
+    pub(crate) fn clamped(&self, range: Range) -> Option<ByteRange<usize>> {
         let end = self.offset(range.end).unwrap_or(self.text.len());
         let range = self.offset(range.start)?..end;
         (range.start <= range.end).then_some(range)

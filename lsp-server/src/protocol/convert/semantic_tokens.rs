@@ -47,7 +47,7 @@ const MODIFIERS: [SemanticTokenModifier; 7] = [
 ];
 
 /// The legend of [`encode`].
-pub fn legend() -> SemanticTokensLegend {
+pub(crate) fn legend() -> SemanticTokensLegend {
     SemanticTokensLegend { token_types: TYPES.to_vec(), token_modifiers: MODIFIERS.to_vec() }
 }
 

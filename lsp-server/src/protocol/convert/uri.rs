@@ -10,7 +10,7 @@ use crate::protocol::types::Uri;
 const VIRTUAL: &str = "/dotgen-virtual";
 
 /// The absolute path of a document.
-pub fn to_path(uri: &Uri) -> Utf8PathBuf {
+pub(crate) fn to_path(uri: &Uri) -> Utf8PathBuf {
     if uri.scheme().as_str().eq_ignore_ascii_case("file")
         && let Some(path) = uri.to_file_path()
         && let Some(path) = Utf8Path::from_path(&path)
@@ -64,7 +64,7 @@ pub fn from_path(path: &Utf8Path) -> Option<Uri> {
 }
 
 /// True for the path of a document that is not a file.
-pub fn is_virtual(path: &Utf8Path) -> bool {
+pub(crate) fn is_virtual(path: &Utf8Path) -> bool {
     path.starts_with(VIRTUAL)
 }
 

@@ -53,7 +53,7 @@ impl Live<'_> {
 
     /// Ends codels that threads have executed by themselves, if the model has reached their times. `now` is
     /// the time of the model, in base units.
-    pub fn deliver(&mut self, now: u64) {
+    pub(crate) fn deliver(&mut self, now: u64) {
         self.delegations.now = now;
         let Some(time) = self.delegations.time else {
             return;
@@ -89,7 +89,7 @@ impl Live<'_> {
 
     /// Returns the time, in base units, until the model ends the next codel that a thread has executed by
     /// itself.
-    pub fn next_result(&self) -> Option<u64> {
+    pub(crate) fn next_result(&self) -> Option<u64> {
         let time = self.delegations.time?;
         let tasks = self.delegations.tasks.iter();
         let running = tasks.filter(|delegated| self.is_running(delegated.executor));
@@ -114,7 +114,7 @@ impl Live<'_> {
 
     /// Asks a thread for its results if its present codel began more than `after` nanoseconds before the
     /// present time of the hosts, `now`. Returns true if such a question will be due.
-    pub fn probe_long(&mut self, now: u64, after: u64) -> bool {
+    pub(crate) fn probe_long(&mut self, now: u64, after: u64) -> bool {
         let Some(time) = self.delegations.time else {
             return false;
         };
@@ -188,7 +188,7 @@ impl Live<'_> {
     }
 
     /// Expects no further reports of the threads of a component.
-    pub fn expect_loss(&mut self, component: ComponentId) {
+    pub(crate) fn expect_loss(&mut self, component: ComponentId) {
         for delegated in &mut self.delegations.tasks {
             delegated.lost |= delegated.component == component;
         }
