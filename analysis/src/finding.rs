@@ -103,8 +103,7 @@ impl FindingKind {
         match self {
             FindingKind::Preprocessing(preprocessing) => preprocessing.reference(),
             FindingKind::NameProblem(NameProblem::Clash { name, what }) => {
-                let kind = what.trim_start_matches("an ").trim_start_matches("a ");
-                format!("declaration of '{name}' clashes with existing {kind}")
+                format!("declaration of '{name}' clashes with existing {}", what.noun)
             }
             _ => self.words().what.replace('`', ""),
         }

@@ -250,7 +250,6 @@ fn preprocess_only(options: &Options, release: Release, env: &mut Environment<'_
             return 2;
         }
     }
-    let mut failed = false;
     for input in &options.rest {
         let path = Utf8PathBuf::from(&options.directory).join(input);
         match preprocessor.file(&path) {
@@ -261,11 +260,10 @@ fn preprocess_only(options: &Options, release: Release, env: &mut Environment<'_
             }
         }
     }
-    for error in std::mem::take(&mut preprocessor.errors) {
-        failed |= error.contains(": error: ");
-        env.console.err(&error);
+    for message in &preprocessor.messages {
+        env.console.err(message);
     }
-    i32::from(failed)
+    i32::from(preprocessor.has_errors)
 }
 
 fn usage(name: &str) -> String {

@@ -41,7 +41,7 @@ pub use host::{Limits, find_tclsh};
 pub use notice::notice;
 pub(crate) use notice::notice_of;
 pub(crate) use output::Output;
-pub use output::{Modes, OutputSink, PreviewFile};
+pub use output::{Concern, Modes, OutputSink, PreviewFile};
 
 /// The reason why a question of a template fails.
 #[derive(Debug, Clone, PartialEq, Eq)]

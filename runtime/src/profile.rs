@@ -56,7 +56,13 @@ impl<'s, W: Write> Profile<'s, W> {
 
     /// Writes the end of a codel. `offset`, in base units, is added to all times: it puts runs one after the
     /// other.
-    pub(crate) fn on_event(&mut self, tally: &mut Tally, stepper: &Stepper, seen: &Seen, offset: u64) {
+    pub(crate) fn on_event(
+        &mut self,
+        tally: &mut Tally,
+        stepper: &Stepper,
+        seen: &Seen,
+        offset: u64,
+    ) {
         let Seen::Ended { executor, work, outcome } = *seen else {
             return;
         };

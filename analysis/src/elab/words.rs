@@ -1,6 +1,7 @@
 //! Words for declarations and type objects.
 
 use crate::{
+    finding::names::Described,
     item_tree::Path,
     model::{Spec, TypeId, TypeKind},
 };
@@ -16,23 +17,24 @@ pub(super) fn path_text(path: &Path) -> String {
     text
 }
 
-/// The kind of a type object, with an article: "a constant".
-pub(super) fn describe(spec: &Spec, ty: TypeId) -> &'static str {
-    match &spec.ty(ty).kind {
-        TypeKind::Enum { .. } => "an enum",
-        TypeKind::Enumerator { .. } => "an enumerator",
-        TypeKind::Struct { .. } => "a struct",
-        TypeKind::StructMember { .. } | TypeKind::UnionMember { .. } => "a member",
-        TypeKind::Union { .. } => "a union",
-        TypeKind::Exception { .. } => "an exception",
-        TypeKind::Native => "a native type",
-        TypeKind::Typedef { .. } => "a typedef",
-        TypeKind::Const { .. } => "a constant",
-        TypeKind::ForwardStruct { .. } => "a struct",
-        TypeKind::ForwardUnion { .. } => "a union",
-        TypeKind::Event | TypeKind::PauseEvent => "a state",
-        TypeKind::Port { .. } => "a port",
-        TypeKind::Remote { .. } => "a remote service",
-        _ => "a type",
-    }
+/// The kind of a type object.
+pub(super) fn describe(spec: &Spec, ty: TypeId) -> Described {
+    let noun = match &spec.ty(ty).kind {
+        TypeKind::Enum { .. } => "enum",
+        TypeKind::Enumerator { .. } => "enumerator",
+        TypeKind::Struct { .. } => "struct",
+        TypeKind::StructMember { .. } | TypeKind::UnionMember { .. } => "member",
+        TypeKind::Union { .. } => "union",
+        TypeKind::Exception { .. } => "exception",
+        TypeKind::Native => "native type",
+        TypeKind::Typedef { .. } => "typedef",
+        TypeKind::Const { .. } => "constant",
+        TypeKind::ForwardStruct { .. } => "struct",
+        TypeKind::ForwardUnion { .. } => "union",
+        TypeKind::Event | TypeKind::PauseEvent => "state",
+        TypeKind::Port { .. } => "port",
+        TypeKind::Remote { .. } => "remote service",
+        _ => "type",
+    };
+    Described { noun }
 }

@@ -27,6 +27,19 @@ impl fmt::Display for Noun {
     }
 }
 
+/// What a declaration is, shown with its article: `an enum`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Described {
+    pub noun: &'static str,
+}
+
+impl fmt::Display for Described {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let article = if self.noun.starts_with(['a', 'e', 'i', 'o']) { "an" } else { "a" };
+        write!(f, "{article} {}", self.noun)
+    }
+}
+
 /// The scopes searched for the first part of a path.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum SearchedScope {
@@ -48,9 +61,9 @@ impl fmt::Display for SearchedScope {
 findings! {
     /// A name that is declared twice, not declared, or used as something else.
     pub enum NameProblem {
-        "name-clash" Clash { name: Name, what: &'static str }
+        "name-clash" Clash { name: Name, what: Described }
             => "`{name}` is already declared in this scope, as {what}";
-        "name-clash" ClashWithState { name: Name, what: &'static str }
+        "name-clash" ClashWithState { name: Name, what: Described }
             => "`{name}` is already {what}: every component has the states `ether`, `start` and `stop`";
         "name-clash-module" ClashWithScope { name: Name, what: &'static str }
             => "`{name}` is already the name of {what} in this scope";
@@ -81,13 +94,13 @@ findings! {
         "unknown-type" UnknownPath { noun: Noun, path: Name } => "there is no {noun} `{path}`";
         "unknown-type" Unknown { noun: Noun, name: Name }
             => "unknown {noun} `{name}`", "it must be declared before it is used";
-        "not-a-type" NotAType { path: Name, what: &'static str }
+        "not-a-type" NotAType { path: Name, what: Described }
             => "`{path}` is {what}, not a type: this is accepted, but the code generated from it \
                 does not compile";
         "void-exception-type" NoData { path: Name }
             => "exception `{path}` has no members, so it cannot be used as a data type",
                "give it members or use another type";
-        "throw-not-exception" NotAnException { path: Name, what: &'static str }
+        "throw-not-exception" NotAnException { path: Name, what: Described }
             => "`{path}` is {what}, not an exception",
                "only what is declared with `exception` can be thrown";
         "throw-duplicate" ThrownTwice { path: Name } => "`{path}` is already in this list", "remove it";

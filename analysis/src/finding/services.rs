@@ -5,6 +5,7 @@ use std::fmt;
 use dotgen_syntax::findings;
 
 use crate::{
+    finding::names::Described,
     fixes::{FixSite, TextFix},
     model::Name,
     release::Release,
@@ -115,7 +116,7 @@ findings! {
         "service-native" NativeParam { param: Name, service: Name }
             => "parameter `{param}` of `{service}` holds a native type",
                "native data stays inside a component (local variables and ids may hold it)";
-        "param-special" SpecialParam { name: Name, what: &'static str, ty: Name }
+        "param-special" SpecialParam { name: Name, what: Described, ty: Name }
             => "`{name}` cannot be {what}", "`{ty}` holds no data; use the type of its data";
         "param-duplicate" ParamTwice { what: &'static str, name: Name }
             => "a {what} called `{name}` exists already";

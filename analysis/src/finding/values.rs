@@ -5,6 +5,7 @@ use std::fmt;
 use dotgen_syntax::findings;
 
 use crate::{
+    finding::names::Described,
     fixes::{FixSite, TextFix},
     model::Name,
 };
@@ -65,7 +66,7 @@ findings! {
         "const-type" NoConstants { of: Purpose, ty: Name }
             => "{of}: `{ty}` cannot hold a constant",
                "only numbers, booleans, characters, strings and enums can";
-        "const-operand" HasNoValue { path: Name, what: &'static str }
+        "const-operand" HasNoValue { path: Name, what: Described }
             => "`{path}` is {what}", "only constants and enumerators have a value";
         "const-unary" Unary { op: &'static str, value: &'static str }
             => "`{op}` does not apply to {value}";

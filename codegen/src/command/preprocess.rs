@@ -20,8 +20,10 @@ pub(super) struct Preprocessor {
     pub(super) loader: Arc<dyn Loader>,
     pub(super) include_dirs: Vec<Utf8PathBuf>,
     pub(super) env: MacroEnv,
-    /// Messages: `FILE:LINE: TEXT`.
-    pub(super) errors: Vec<String>,
+    /// Messages, as `FILE:LINE: TEXT`.
+    pub(super) messages: Vec<String>,
+    /// True if one of the messages is an error.
+    pub(super) has_errors: bool,
     open: Vec<Utf8PathBuf>,
 }
 
@@ -35,7 +37,8 @@ impl Preprocessor {
             loader,
             include_dirs,
             env: MacroEnv::of_release(release),
-            errors: Vec::new(),
+            messages: Vec::new(),
+            has_errors: false,
             open: Vec::new(),
         }
     }
@@ -60,11 +63,10 @@ impl Preprocessor {
         for error in &result.errors {
             let before = text.get(..usize::from(error.range.start())).unwrap_or(&text);
             let line = 1 + before.matches('\n').count();
-            let warning = match error.severity {
-                preproc::Severity::Error => "error",
-                _ => "warning",
-            };
-            self.errors.push(format!("{path}:{line}: {warning}: {}", error.kind.wording()));
+            let is_error = error.severity == preproc::Severity::Error;
+            self.has_errors |= is_error;
+            let severity = if is_error { "error" } else { "warning" };
+            self.messages.push(format!("{path}:{line}: {severity}: {}", error.kind.wording()));
         }
         Ok(show(path, &text, &raw, &result, &texts))
     }

@@ -4,10 +4,10 @@ mod permissions;
 mod staged;
 
 use std::collections::BTreeMap;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
+use std::{fmt, io};
 
 use dotgen_syntax::encoding;
 
@@ -29,27 +29,41 @@ pub struct PreviewFile {
     /// Unix permissions, if the template sets any.
     pub mode: Option<u32>,
     /// The reason why the user must review the file: see [`Confirmation::Shown`].
-    pub concern: Option<&'static str>,
+    pub concern: Option<Concern>,
+}
+
+/// The reason why a result needs confirmation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Concern {
+    /// The file or a folder around it is hidden.
+    pub hidden: bool,
+    /// The file becomes executable.
+    pub executable: bool,
+}
+
+impl fmt::Display for Concern {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match (self.hidden, self.executable) {
+            (true, true) => "hidden and executable",
+            (true, false) => "hidden",
+            (false, _) => "executable",
+        })
+    }
 }
 
 /// Permission bits that make a file executable, or executable with the rights of others.
 const EXECUTABLE: u32 = 0o7111;
 
-/// The reason why a result needs confirmation: `hidden`, `executable`, or both. `mode` is the mode set by the
-/// template.
+/// The reason why a result needs confirmation, if any. `mode` is the mode set by the template.
 fn concern(
     disk: &dyn Disk,
     path: &Path,
     mode: Option<u32>,
     folders: &[PathBuf],
-) -> Option<&'static str> {
+) -> Option<Concern> {
     let executable = is_new_executable(disk, path, mode);
-    match (readable_files::is_hidden(disk, path, folders), executable) {
-        (true, true) => Some("hidden and executable"),
-        (true, false) => Some("hidden"),
-        (false, true) => Some("executable"),
-        (false, false) => None,
-    }
+    let hidden = readable_files::is_hidden(disk, path, folders);
+    (hidden || executable).then_some(Concern { hidden, executable })
 }
 
 /// Returns true if a file becomes executable.

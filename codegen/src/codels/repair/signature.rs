@@ -200,7 +200,12 @@ impl Repairs<'_> {
 
     /// The places that are not adapted to the new signature of a function: uses of removed parameters, and
     /// calls.
-    pub(crate) fn manual_changes(&self, name: &str, path: &Utf8Path, start: usize) -> Vec<ManualChange> {
+    pub(crate) fn manual_changes(
+        &self,
+        name: &str,
+        path: &Utf8Path,
+        start: usize,
+    ) -> Vec<ManualChange> {
         let Some((file, function)) = self.function(path, start) else {
             return Vec::new();
         };

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use camino::Utf8Path;
-use dotgen_codegen::template::PreviewFile;
+use dotgen_codegen::template::{Concern, PreviewFile};
 use similar::{Algorithm, DiffOp, capture_diff_slices};
 
 use crate::protocol::convert::{Encoding, Lines, uri};
@@ -21,7 +21,7 @@ pub(crate) struct FileChange {
     /// Unix permissions, if the template sets any.
     pub(crate) mode: Option<u32>,
     /// A warning for the user: the file is hidden, or becomes executable.
-    pub(crate) concern: Option<&'static str>,
+    pub(crate) concern: Option<Concern>,
 }
 
 /// The files that a run would change.

@@ -73,7 +73,7 @@ impl Plan {
             let name = terminal::name(path.file_name().unwrap_or_default()).into_owned();
             match change.concern {
                 // The name alone does not show that a folder is hidden.
-                Some(what) if what.starts_with("hidden") => {
+                Some(what) if what.hidden => {
                     format!("{} ({what})", terminal::name(path.as_str()))
                 }
                 Some(what) => format!("{name} ({what})"),
@@ -101,7 +101,7 @@ impl Plan {
                 "before": change.before,
                 "after": change.after,
                 "mode": change.mode,
-                "concern": change.concern,
+                "concern": change.concern.map(|concern| concern.to_string()),
             })
         });
         json!({
