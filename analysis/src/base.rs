@@ -254,12 +254,11 @@ impl RootDatabase {
                 continue;
             }
             let edited = lock(&self.tables.edited).contains(&file);
-            match edited {
-                true => {
-                    file.set_status(self).to(FileStatus::TooLarge(size));
-                    file.set_text(self).to("".into());
-                }
-                false => self.set_file(&path, None),
+            if edited {
+                file.set_status(self).to(FileStatus::TooLarge(size));
+                file.set_text(self).to("".into());
+            } else {
+                self.set_file(&path, None);
             }
         }
     }
@@ -277,9 +276,10 @@ impl RootDatabase {
             FileContent::Text(text) | FileContent::NotUtf8(text) => text.len() as u64,
             _ => 0,
         };
-        match size > self.max_bytes() {
-            true => (FileStatus::TooLarge(size), "".into()),
-            false => split(content),
+        if size > self.max_bytes() {
+            (FileStatus::TooLarge(size), "".into())
+        } else {
+            split(content)
         }
     }
 

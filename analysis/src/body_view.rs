@@ -28,7 +28,7 @@ impl BodyView {
             .map(|codel| codel.name.as_str())
             .collect();
         for (ty, id) in std::iter::zip(&spec.types, 0..) {
-            let name = ty.name.as_ref().map(|name| name.as_str());
+            let name = ty.name.as_ref().map(smol_str::SmolStr::as_str);
             if matches!(ty.kind, TypeKind::Exception { .. })
                 && name.is_some_and(|name| states.contains(name))
             {
@@ -51,13 +51,12 @@ impl BodyView {
             if !places.contains_key(&old) {
                 continue;
             }
-            let mut component = match own.take_if(|_| old == index) {
-                Some(component) => component,
-                None => {
-                    let mut component = component.clone();
-                    component.for_each_type_id(&mut |id| numbering.renumber(id));
-                    component
-                }
+            let mut component = if let Some(component) = own.take_if(|_| old == index) {
+                component
+            } else {
+                let mut component = component.clone();
+                component.for_each_type_id(&mut |id| numbering.renumber(id));
+                component
             };
             renumber_components(&mut component, |number| {
                 // Its references are visible, or out of range.

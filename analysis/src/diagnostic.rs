@@ -93,10 +93,7 @@ pub enum FixKind {
 impl FixKind {
     /// `Plain` for a fix without an alternative, `Guess` otherwise.
     pub(crate) fn of(plain: bool) -> FixKind {
-        match plain {
-            true => FixKind::Plain,
-            false => FixKind::Guess,
-        }
+        if plain { FixKind::Plain } else { FixKind::Guess }
     }
 }
 

@@ -210,7 +210,7 @@ impl Elaborated {
 pub(crate) fn elaborate(unit: &UnitInput<'_>) -> Elaborated {
     let mut elaborator = context::Elaborator::new(unit);
     if let Some(root) = unit.visits.first() {
-        elaborator.for_each(&root.tree.items, |this, item| this.statement(item));
+        elaborator.for_each(&root.tree.items, context::Elaborator::statement);
     }
     elaborator.finish()
 }

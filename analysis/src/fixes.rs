@@ -87,7 +87,7 @@ impl FixSite<'_> {
         let last = body.into_iter().flat_map(|body| body.syntax().children());
         let last = last.filter(|child| {
             let mut tokens =
-                child.children_with_tokens().filter_map(|element| element.into_token());
+                child.children_with_tokens().filter_map(dotgen_syntax::NodeOrToken::into_token);
             let first = tokens.find(|token| !token.kind().is_trivia());
             first.is_some_and(|token| words.contains(&token.text()))
         });
@@ -111,35 +111,31 @@ impl FixSite<'_> {
     fn add_property(&self, node: &SyntaxNode, property: &str, title: String) -> Option<TextFix> {
         let property = self.as_written(property);
         let outer = indent_of(node);
-        let edit = match node.children().find_map(ast::Body::cast) {
-            Some(body) => {
-                let last = body.syntax().children().last();
-                match last {
-                    // A body on one line stays on it.
-                    Some(last) if !starts_line(&last) => {
-                        (TextRange::empty(end_of(&last)), format!(" {property}"))
-                    }
-                    Some(last) => {
-                        let indent = indent_of(&last);
-                        (TextRange::empty(end_of(&last)), format!("\n{indent}{property}"))
-                    }
-                    None => {
-                        let open = body.syntax().first_token()?;
-                        (
-                            TextRange::empty(open.text_range().end()),
-                            format!("\n{outer}  {property}\n{outer}"),
-                        )
-                    }
+        let edit = if let Some(body) = node.children().find_map(ast::Body::cast) {
+            let last = body.syntax().children().last();
+            match last {
+                // A body on one line stays on it.
+                Some(last) if !starts_line(&last) => {
+                    (TextRange::empty(end_of(&last)), format!(" {property}"))
+                }
+                Some(last) => {
+                    let indent = indent_of(&last);
+                    (TextRange::empty(end_of(&last)), format!("\n{indent}{property}"))
+                }
+                None => {
+                    let open = body.syntax().first_token()?;
+                    (
+                        TextRange::empty(open.text_range().end()),
+                        format!("\n{outer}  {property}\n{outer}"),
+                    )
                 }
             }
-            None => {
-                let end =
-                    node.last_token().filter(|token| token.kind() == SyntaxKind::SEMICOLON)?;
-                (
-                    TextRange::empty(end.text_range().start()),
-                    format!(" {{\n{outer}  {property}\n{outer}}}"),
-                )
-            }
+        } else {
+            let end = node.last_token().filter(|token| token.kind() == SyntaxKind::SEMICOLON)?;
+            (
+                TextRange::empty(end.text_range().start()),
+                format!(" {{\n{outer}  {property}\n{outer}}}"),
+            )
         };
         Some(TextFix { kind: FixKind::Guess, title, edits: vec![edit] })
     }
@@ -305,9 +301,10 @@ impl FixSite<'_> {
             return pause;
         };
         let paused = format!("pause::{}", self.text(range));
-        match list.states().any(|state| state.syntax().text() == paused.as_str()) {
-            true => (with_comma(state.syntax()), String::new()),
-            false => pause,
+        if list.states().any(|state| state.syntax().text() == paused.as_str()) {
+            (with_comma(state.syntax()), String::new())
+        } else {
+            pause
         }
     }
 

@@ -168,7 +168,9 @@ impl AnalysisHost {
             }
         }
         if let Some(mut chosen) = change.chosen {
-            chosen.iter_mut().for_each(|pair| *pair = (normalize(&pair.0), normalize(&pair.1)));
+            for pair in &mut chosen {
+                *pair = (normalize(&pair.0), normalize(&pair.1));
+            }
             if *workspace.chosen(db) != chosen {
                 workspace.set_chosen(db).to(chosen);
             }

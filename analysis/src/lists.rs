@@ -40,10 +40,10 @@ pub fn append_to_list(
         if before.contains('\n') {
             return vec![here(end, format!("{before},{after}{item}"))];
         }
-        let line = match after.contains('\n') {
-            true => after,
-            // Below the item before.
-            false => format!("\n{}", " ".repeat(last.start - start_of_line(last.start))),
+        let line = if after.contains('\n') {
+            after
+        } else {
+            format!("\n{}", " ".repeat(last.start - start_of_line(last.start)))
         };
         return vec![here(last.end, ",".to_owned()), here(end, line + item)];
     }

@@ -62,12 +62,12 @@ pub fn code(text: &str) -> String {
 pub fn block(language: &str, text: &str) -> String {
     let ticks = ticks(text, 3);
     let text: Cow<'_, str> =
-        match text.chars().all(|character| character == '\n' || visible(character) == character) {
-            true => text.into(),
-            false => text
-                .chars()
+        if text.chars().all(|character| character == '\n' || visible(character) == character) {
+            text.into()
+        } else {
+            text.chars()
                 .map(|character| if character == '\n' { character } else { visible(character) })
-                .collect(),
+                .collect()
         };
     format!("{ticks}{language}\n{text}\n{ticks}")
 }

@@ -23,9 +23,10 @@ pub fn time_of(seconds: f64) -> String {
 /// A share of a time, both in seconds, with one unit if both have the same: `8 of 10 ms`, `500 µs of 10 ms`.
 pub fn share_of(seconds: f64, whole: f64) -> String {
     let (part, whole) = (number_and_unit(seconds), number_and_unit(whole));
-    match part.1 == whole.1 {
-        true => format!("{} of {} {}", part.0, whole.0, whole.1),
-        false => format!("{} {} of {} {}", part.0, part.1, whole.0, whole.1),
+    if part.1 == whole.1 {
+        format!("{} of {} {}", part.0, whole.0, whole.1)
+    } else {
+        format!("{} {} of {} {}", part.0, part.1, whole.0, whole.1)
     }
 }
 

@@ -390,9 +390,10 @@ fn remark<'db>(
 /// The finding for a code that a comment allows but that does not occur.
 pub(crate) fn unused_allowance(code: &str, known: bool) -> LintWarning {
     let code = code.into();
-    match known {
-        true => LintWarning::UnusedAllowance { code },
-        false => LintWarning::UnknownAllowance { code },
+    if known {
+        LintWarning::UnusedAllowance { code }
+    } else {
+        LintWarning::UnknownAllowance { code }
     }
 }
 

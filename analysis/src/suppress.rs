@@ -36,7 +36,7 @@ pub(crate) fn suppressions<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<S
         return Arc::default();
     }
     let root = parsed(db, key).syntax();
-    let tokens = root.descendants_with_tokens().filter_map(|element| element.into_token());
+    let tokens = root.descendants_with_tokens().filter_map(dotgen_syntax::NodeOrToken::into_token);
     Arc::new(tokens.filter_map(|token| suppression(&token)).collect())
 }
 
@@ -119,7 +119,7 @@ fn outermost_item_at(token: &SyntaxToken) -> Option<SyntaxNode> {
     let begins = |node: &SyntaxNode| {
         let first = node
             .descendants_with_tokens()
-            .filter_map(|element| element.into_token())
+            .filter_map(dotgen_syntax::NodeOrToken::into_token)
             .find(|token| !token.kind().is_trivia() && !token.text_range().is_empty());
         first.is_some_and(|other| other.text_range() == token.text_range())
     };

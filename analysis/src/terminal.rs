@@ -12,12 +12,11 @@ pub fn text(text: &str) -> Cow<'_, str> {
     }
     let mut out = String::with_capacity(text.len() + 8);
     for c in text.chars() {
-        match is_harmful(c) {
-            true => {
-                // Writing to a string cannot fail.
-                let _ = write!(out, "\\u{{{:x}}}", u32::from(c));
-            }
-            false => out.push(c),
+        if is_harmful(c) {
+            // Writing to a string cannot fail.
+            let _ = write!(out, "\\u{{{:x}}}", u32::from(c));
+        } else {
+            out.push(c);
         }
     }
     out.into()
@@ -41,9 +40,10 @@ pub fn styled(styled: &str) -> String {
         let after = &rest[start + 2..];
         let end = after.find(|c: char| !c.is_ascii_digit() && c != ';').unwrap_or(after.len());
         out += &text(&rest[..start]);
-        match after[end..].starts_with('m') {
-            true => out += &rest[start..start + 2 + end + 1],
-            false => out += &text(&rest[start..start + 2 + end]),
+        if after[end..].starts_with('m') {
+            out += &rest[start..=(start + 2 + end)];
+        } else {
+            out += &text(&rest[start..start + 2 + end]);
         }
         rest = &after[end + usize::from(after[end..].starts_with('m'))..];
     }

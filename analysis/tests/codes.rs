@@ -57,10 +57,10 @@ fn diagnostics(text: &str) -> Vec<(usize, &'static str, String)> {
     all.filter(|diagnostic| !is_hint(diagnostic) && codes::lints::find(diagnostic.code).is_none())
         .map(|diagnostic| {
             let in_header = diagnostic.path.file_name() == Some("node.idl");
-            let line = match in_header {
-                // Stands for the line of its `#include`.
-                true => 2,
-                false => 1 + text[..diagnostic.range.start].matches('\n').count(),
+            let line = if in_header {
+                2
+            } else {
+                1 + text[..diagnostic.range.start].matches('\n').count()
             };
             (line, diagnostic.code, diagnostic.message.clone())
         })
@@ -84,9 +84,12 @@ fn every_code_has_a_fixture_that_triggers_it() {
         let marked = |(index, line): (usize, &str)| line.contains("//!").then_some(index + 1);
         let wanted: Vec<usize> = bad.lines().enumerate().filter_map(marked).collect();
         // In a pragma, comments are words.
-        let unmarked = |line: &str| match line.starts_with("#pragma") {
-            true => line.replace(" //!", "") + "\n",
-            false => format!("{line}\n"),
+        let unmarked = |line: &str| {
+            if line.starts_with("#pragma") {
+                line.replace(" //!", "") + "\n"
+            } else {
+                format!("{line}\n")
+            }
         };
         let found = diagnostics(&bad.lines().map(unmarked).collect::<String>());
         let lines: Vec<usize> = found.iter().map(|diagnostic| diagnostic.0).collect();

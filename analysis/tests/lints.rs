@@ -348,7 +348,7 @@ fn real_specifications_are_healthy() {
     }
     if !report.is_empty() {
         // Reviewed: each line must be something its author would want to know.
-        expect![[r#"
+        expect![[r"
             arucotag.gen:91: hint fsm/busy-loop: state cycle without pause in task `detect`: poll → poll; the task can be kept busy by it for any time; yield `pause::poll` if each round may wait
             d435.gen:47: hint unused/exception: exception `e_mem` is never thrown
             d435.gen:69: hint fsm/busy-loop: state cycle without pause in task `main`: poll → pub → poll; the task can be kept busy by it for any time; yield `pause::poll` if each round may wait
@@ -388,6 +388,6 @@ fn real_specifications_are_healthy() {
             robmap.gen:18: hint ids/never-read: the ids member `explored_map` is written, but nothing ever reads it
             robmotion.gen:15: hint ids/never-read: the ids member `current_speed` is written, but nothing ever reads it
             robmotion.gen:85: hint fsm/missing-stop: activity `GotoPosition` can be interrupted (by `GotoPosition`) and writes the ids `goal_position`, but has no `codel<stop>` to leave it in a consistent state
-        "#]].assert_eq(&report);
+        "]].assert_eq(&report);
     }
 }

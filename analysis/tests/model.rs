@@ -69,7 +69,7 @@ fn types(text: &str) -> String {
 #[test]
 fn types_are_in_order_of_creation() {
     let found = types(
-        r#"
+        r"
 struct node;
 struct node { sequence<node> children; };
 enum mode { SLOW, FAST };
@@ -81,9 +81,9 @@ component arm {
   ids { mode m; };
   task main { period 2 ms; codel<start> run(in goal) yields tick; codel<tick> work() yields pause::tick, ether; };
 };
-"#,
+",
     );
-    expect_test::expect![[r#"
+    expect_test::expect![[r"
         ForwardStruct ::node
         Sequence
         StructMember ::node::children
@@ -111,19 +111,19 @@ component arm {
         PauseEvent ::arm::pause::tick
         Double
         Const
-    "#]]
+    "]]
     .assert_eq(&found);
 }
 
 #[test]
 fn imported_ids_keep_their_members() {
     let found = types(
-        r#"
+        r"
 interface base { ids { long a; }; };
 component arm { provides base; ids { long b; }; attribute get(out a, out b); };
-"#,
+",
     );
-    expect_test::expect![[r#"
+    expect_test::expect![[r"
         Long
         StructMember ::base::ids::a
         Struct ::base::ids
@@ -134,7 +134,7 @@ component arm { provides base; ids { long b; }; attribute get(out a, out b); };
         Long
         StructMember ::arm::ids::b
         Struct ::arm::ids
-    "#]]
+    "]]
     .assert_eq(&found);
 }
 

@@ -135,9 +135,6 @@ impl fmt::Display for Predicate {
             Predicate::Or(list) => (list, " or ", "false"),
         };
         let list: Vec<String> = list.iter().map(ToString::to_string).collect();
-        match list.is_empty() {
-            true => write!(f, "{none}"),
-            false => write!(f, "({})", list.join(word)),
-        }
+        if list.is_empty() { write!(f, "{none}") } else { write!(f, "({})", list.join(word)) }
     }
 }

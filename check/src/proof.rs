@@ -72,10 +72,7 @@ fn contradicts(tables: &Tables, case: &[Literal], work: &mut Work) -> Result<boo
         let atom = tables.atoms.get(name);
         let atom = atom.ok_or_else(|| format!("the atom `{name}` is not declared"))?;
         // Any one of several parts may make an atom true.
-        let tells = match holds {
-            true => atom.parts.len() == 1,
-            false => atom.exact,
-        };
+        let tells = if holds { atom.parts.len() == 1 } else { atom.exact };
         for (part, states) in atom.parts.iter().filter(|_| tells) {
             let all = || tables.parts[&**part].states.iter().collect();
             let own = left.entry(part).or_insert_with(all);

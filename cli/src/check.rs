@@ -99,9 +99,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
         writable.extend(session.writable());
         if arguments.fix || arguments.diff {
-            let which = match arguments.unsafe_fixes {
-                true => fix::Applied::AlsoGuesses,
-                false => fix::Applied::Plain,
+            let which = if arguments.unsafe_fixes {
+                fix::Applied::AlsoGuesses
+            } else {
+                fix::Applied::Plain
             };
             let found = fix::apply_fixes(&mut session, which, &mut changed, &mut made);
             trouble.ok_or_report(found);
@@ -240,10 +241,7 @@ fn add_config_problems(
     texts: &mut Texts,
 ) {
     let problems = config.problems.iter().map(|problem| {
-        let severity = match problem.kind.is_error() {
-            true => Severity::Error,
-            false => Severity::Warning,
-        };
+        let severity = if problem.kind.is_error() { Severity::Error } else { Severity::Warning };
         Diagnostic::new(
             problem.kind.code(),
             severity,

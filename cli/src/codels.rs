@@ -195,13 +195,12 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
     }
     report.finish();
     report::print(&report, arguments.format)?;
-    errors.into_iter().for_each(|error| trouble.tell(&anyhow::Error::msg(error)));
+    for error in errors {
+        trouble.tell(&anyhow::Error::msg(error));
+    }
     let differs = report.diagnostics.iter();
     let differs = differs.filter(|diagnostic| diagnostic.severity != Severity::Hint).count();
-    Ok(trouble.outcome(match differs == 0 && !broken {
-        true => Outcome::Fine,
-        false => Outcome::Errors,
-    }))
+    Ok(trouble.outcome(if differs == 0 && !broken { Outcome::Fine } else { Outcome::Errors }))
 }
 
 /// Prints a warning: the specification has errors, so not everything could be compared.
@@ -376,10 +375,7 @@ fn write(changes: &[FileChange], within: &[Utf8PathBuf], dry_run: bool) -> anyho
     };
     report::write_files(changes.iter().map(content).collect(), within)?;
     for change in changes {
-        let did = match change.before.is_some() {
-            true => "changed",
-            false => "created",
-        };
+        let did = if change.before.is_some() { "changed" } else { "created" };
         writeln!(out, "{did} {}", terminal::name(&session::display(&change.path)))?;
     }
     Ok(())

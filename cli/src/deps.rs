@@ -100,10 +100,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
     }
     let complete = all.iter().all(|dependencies| dependencies.complete);
-    Ok(trouble.outcome(match complete {
-        true => Outcome::Fine,
-        false => Outcome::Errors,
-    }))
+    Ok(trouble.outcome(if complete { Outcome::Fine } else { Outcome::Errors }))
 }
 
 /// Paths relative to the current directory.

@@ -87,10 +87,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if !arguments.check {
         trouble.ok_or_report(SystemDisk.write(&changed).map_err(Into::into));
     }
-    Ok(trouble.outcome(match arguments.check && differs {
-        true => Outcome::Errors,
-        false => Outcome::Fine,
-    }))
+    Ok(trouble.outcome(if arguments.check && differs { Outcome::Errors } else { Outcome::Fine }))
 }
 
 /// Returns the text of a file, and the formatted text.

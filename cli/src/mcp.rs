@@ -24,7 +24,7 @@ use dotgen_platform::process;
 const MAX_OUTPUT_BYTES: usize = 5_500;
 const MAX_MESSAGE_BYTES: usize = 1_300;
 /// Time after which a command is ended.
-const TIMEOUT: Duration = Duration::from_secs(120);
+const TIMEOUT: Duration = Duration::from_mins(2);
 /// Time limit of a verification, in seconds: what is answered by then is printed.
 const VERIFY_SECONDS: &str = "100";
 
@@ -197,12 +197,11 @@ impl Tools {
         Parameters(parameter): Parameters<Fixes>,
         context: Context,
     ) -> CallToolResult {
-        match parameter.unsafe_fixes {
-            false => self.command(["check", "--fix", "--", &parameter.path], &context).await,
-            true => {
-                let words = ["check", "--fix", "--unsafe-fixes", "--", &parameter.path];
-                self.command(words, &context).await
-            }
+        if parameter.unsafe_fixes {
+            let words = ["check", "--fix", "--unsafe-fixes", "--", &parameter.path];
+            self.command(words, &context).await
+        } else {
+            self.command(["check", "--fix", "--", &parameter.path], &context).await
         }
     }
 

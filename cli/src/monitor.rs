@@ -96,7 +96,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let trace = arguments.trace.iter();
     let written: Vec<Output<'_>> =
         trace.map(|path| Output { path, endings: &[PERFETTO] }).collect();
-    let read = problem.files().chain(files.logs.iter().map(|log| log.as_path()));
+    let read = problem.files().chain(files.logs.iter().map(camino::Utf8PathBuf::as_path));
     outputs::check(&written, read)?;
     let options = Options {
         cores: arguments.cores.map(|core| core.0),
@@ -200,10 +200,7 @@ fn print(
         bail!("the log has no line of a codel of {title}");
     }
     let deviates = reports.iter().any(|(_, report)| report.deviation_count > 0);
-    Ok(match deviates {
-        true => Outcome::Errors,
-        false => Outcome::Fine,
-    })
+    Ok(if deviates { Outcome::Errors } else { Outcome::Fine })
 }
 
 /// Deviations that were printed while the log was followed.
@@ -230,10 +227,7 @@ fn follow(
     interrupt: &Interrupt,
 ) -> anyhow::Result<()> {
     let wrong = || format!("cannot read `{path}`");
-    let mut file = match is_standard_input(path) {
-        true => None,
-        false => Some(open(path)?),
-    };
+    let mut file = if is_standard_input(path) { None } else { Some(open(path)?) };
     let is_file = file.as_ref().and_then(|file| file.metadata().ok());
     let is_file = is_file.is_some_and(|metadata| metadata.is_file());
     let mut piece = vec![0; CHUNK_BYTES];

@@ -157,20 +157,12 @@ fn targets(
             }
             let given = named.and_then(|to| port_of(to).1).or(instance);
             let instance = declaration.multiple.then(|| given.unwrap_or(component).to_owned());
-            match taken.get(&(number, instance.clone())) {
-                Some(other) => {
-                    let why = "choose one with --topic";
-                    topic.why = Some(format!("`{}` gets `{other}`; {why}", declaration.path));
-                }
-                None => {
-                    taken.insert((number, instance.clone()), name.to_owned());
-                    topic.targets.push(Target {
-                        port: number,
-                        instance,
-                        written: 0,
-                        refused: None,
-                    });
-                }
+            if let Some(other) = taken.get(&(number, instance.clone())) {
+                let why = "choose one with --topic";
+                topic.why = Some(format!("`{}` gets `{other}`; {why}", declaration.path));
+            } else {
+                taken.insert((number, instance.clone()), name.to_owned());
+                topic.targets.push(Target { port: number, instance, written: 0, refused: None });
             }
         }
         if topic.targets.is_empty() && topic.why.is_none() {
@@ -307,10 +299,14 @@ fn print(topics: &BTreeMap<u16, Topic>, ports: &[Port]) -> anyhow::Result<()> {
             match (&target.refused, target.written) {
                 (None, written) => writeln!(out, "{name}: {written} values to {to}")?,
                 (Some(why), 0) => {
-                    writeln!(out, "{name}: not played to {to}: {}", terminal::text(why))?
+                    writeln!(out, "{name}: not played to {to}: {}", terminal::text(why))?;
                 }
                 (Some(why), written) => {
-                    writeln!(out, "{name}: only {written} values to {to}: {}", terminal::text(why))?
+                    writeln!(
+                        out,
+                        "{name}: only {written} values to {to}: {}",
+                        terminal::text(why)
+                    )?;
                 }
             }
         }

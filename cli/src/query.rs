@@ -139,10 +139,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         let near = near.map_or_else(String::new, |text| format!("; did you mean `{text}`?"));
         super::failure(&anyhow::anyhow!("nothing is named `{}`{near}", arguments.name));
     }
-    Ok(trouble.outcome(match found.is_empty() {
-        true => Outcome::Errors,
-        false => Outcome::Fine,
-    }))
+    Ok(trouble.outcome(if found.is_empty() { Outcome::Errors } else { Outcome::Fine }))
 }
 
 impl Session {

@@ -220,10 +220,10 @@ fn print_text(
     match report.difference_count {
         0 => writeln!(out, "it is a run of the model")?,
         1 if report.violation_count == 1 => {
-            writeln!(out, "\n1 violation by a codel; all other steps follow the model")?
+            writeln!(out, "\n1 violation by a codel; all other steps follow the model")?;
         }
         count if report.violation_count == count => {
-            writeln!(out, "\n{count} violations by codels; all other steps follow the model")?
+            writeln!(out, "\n{count} violations by codels; all other steps follow the model")?;
         }
         _ if report.followed < report.steps => writeln!(
             out,
@@ -248,7 +248,8 @@ fn differs(difference: &Difference, time: &dyn Fn(u64) -> String) -> String {
             "is not possible there: nothing but time can pass".to_owned()
         }
         DifferenceKind::Impossible { possible } => {
-            let all: Vec<String> = possible.iter().map(|possible| possible.describe()).collect();
+            let all: Vec<String> =
+                possible.iter().map(dotgen_recording::replay::Step::describe).collect();
             format!("is not possible there; this is: {}", all.join(", or "))
         }
         DifferenceKind::Omitted { due } => format!("before it has to come: {}", due.describe()),

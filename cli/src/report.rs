@@ -155,9 +155,10 @@ pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFi
 pub(super) fn patch(text: &str) -> String {
     use std::io::IsTerminal;
     let shown = encoding::shown(text);
-    match std::io::stdout().is_terminal() {
-        true => terminal::text(&shown).into_owned(),
-        false => shown.into_owned(),
+    if std::io::stdout().is_terminal() {
+        terminal::text(&shown).into_owned()
+    } else {
+        shown.into_owned()
     }
 }
 

@@ -247,7 +247,7 @@ enum Format {
 }
 
 /// The longest bound on the end of a run.
-const MAX_STOP: std::time::Duration = std::time::Duration::from_secs(600);
+const MAX_STOP: std::time::Duration = std::time::Duration::from_mins(10);
 
 /// The least time for a sign of life: the engine waits for events up to 50 ms.
 const MIN_WATCHED: std::time::Duration = std::time::Duration::from_millis(200);
@@ -308,9 +308,10 @@ fn stop_within(text: &str) -> Result<std::time::Duration, String> {
 /// Parses the time in which the engine and a host expect a sign of each other.
 fn watched_within(text: &str) -> Result<std::time::Duration, String> {
     let within = stop_within(text)?;
-    match within >= MIN_WATCHED {
-        true => Ok(within),
-        false => Err(format!("give at least {} ms", MIN_WATCHED.as_millis())),
+    if within >= MIN_WATCHED {
+        Ok(within)
+    } else {
+        Err(format!("give at least {} ms", MIN_WATCHED.as_millis()))
     }
 }
 
@@ -446,7 +447,7 @@ impl Arguments {
         let format = self.format;
         Box::new(move |component, process| match format {
             Format::Text => {
-                report::note(&format!("`{component}` waits for a debugger: gdb -p {process}"))
+                report::note(&format!("`{component}` waits for a debugger: gdb -p {process}"));
             }
             Format::Json => {
                 let line = serde_json::json!({

@@ -203,7 +203,9 @@ impl NamedFiles {
                     };
                     bail!("no {all} file below `{argument}`");
                 }
-                found.into_iter().for_each(|file| self.push(file, &path, false, None));
+                for file in found {
+                    self.push(file, &path, false, None);
+                }
             }
             FileContent::Text(_) | FileContent::NotUtf8(_) => {
                 refuse_codels(argument)?;
@@ -309,10 +311,7 @@ impl ErrorReporter {
 
     /// Returns the outcome of the command: `otherwise` if there was no error.
     pub(super) fn outcome(&self, otherwise: Outcome) -> Outcome {
-        match self.any {
-            true => Outcome::Unusable,
-            false => otherwise,
-        }
+        if self.any { Outcome::Unusable } else { otherwise }
     }
 }
 

@@ -296,13 +296,11 @@ fn answer(
         cancel.limit(time);
     }
     let doing = format!("verifying {}", problem.scenario.name);
-    let first = match checks.is_empty() {
-        true => first::answers(&problem, &options, &cancel),
-        false => Vec::new(),
-    };
+    let first =
+        if checks.is_empty() { first::answers(&problem, &options, &cancel) } else { Vec::new() };
     let report = progress::during(&cancel, &doing, |tell| {
         problem.verify(&options, &cancel, &|report| {
-            tell(Activity { what: doing.clone(), how_far: report.how_far() })
+            tell(Activity { what: doing.clone(), how_far: report.how_far() });
         })
     });
     let told = |all: &[dotgen_timing::diagnostic::Diagnostic]| {
@@ -365,7 +363,7 @@ pub(super) fn problems(
     for file in files {
         match Language::of(&file.path) {
             Some(Language::Scenario) => {
-                out.extend(trouble.ok_or_report(of_scenario(&file, reading)))
+                out.extend(trouble.ok_or_report(of_scenario(&file, reading)));
             }
             _ if language::is_specification(&file.path) => specifications.push(file),
             _ => {
@@ -406,9 +404,8 @@ fn of_scenario(
     file: &SourceFile,
     reading: &SpecificationOptions,
 ) -> anyhow::Result<(Session, Problem)> {
-    let text = match vfs::read(&file.path) {
-        FileContent::Text(text) | FileContent::NotUtf8(text) => text,
-        _ => bail!("cannot read `{}`", session::display(&file.path)),
+    let (FileContent::Text(text) | FileContent::NotUtf8(text)) = vfs::read(&file.path) else {
+        bail!("cannot read `{}`", session::display(&file.path))
     };
     let session = session::around(&file.path, Vec::new(), reading);
     let problem = session.ask(&file.path, |analysis| {
@@ -441,10 +438,7 @@ fn of_specifications(
 impl Arguments {
     fn options(&self, checks: &[&str], problem: &Problem) -> anyhow::Result<Options> {
         let written = problem.is_written();
-        let most = match written {
-            true => Limits::default().states,
-            false => MAX_DEFAULT_STATES,
-        };
+        let most = if written { Limits::default().states } else { MAX_DEFAULT_STATES };
         let limits = Limits {
             states: self.max_states.unwrap_or(most),
             bytes: self.max_memory.saturating_mul(1 << 20),

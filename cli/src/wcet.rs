@@ -46,9 +46,10 @@ pub(super) fn read_log(
     path: &Utf8Path,
     mut each: impl FnMut(u64, &[u8], bool),
 ) -> anyhow::Result<()> {
-    let mut source: Box<dyn Read> = match is_standard_input(path) {
-        true => Box::new(std::io::stdin().lock()),
-        false => Box::new(open(path)?),
+    let mut source: Box<dyn Read> = if is_standard_input(path) {
+        Box::new(std::io::stdin().lock())
+    } else {
+        Box::new(open(path)?)
     };
     let mut piece = vec![0; CHUNK_BYTES];
     let mut lines = Lines::default();

@@ -116,7 +116,9 @@ impl Case {
         let scenario = format!("scenario s {{ use \"c.gen\"; {} }}\n", self.scenario);
         let files = [("c.gen", self.specification()), ("s.scn", scenario)];
         let directory = Directory::new(&[]);
-        files.iter().for_each(|(name, text)| directory.write(name, text.as_bytes()));
+        for (name, text) in &files {
+            directory.write(name, text.as_bytes());
+        }
         if self.more.contains("provides") {
             directory.write(".dotgen/standins/i.gen", b"interface i {\n};\n");
         }

@@ -16,7 +16,7 @@ use crate::running::{compilers, installed};
 const PAGE: &str = include_str!("../../docs/ten-minutes.md");
 
 /// The longest time that a command may take.
-const LIMIT: Duration = Duration::from_secs(60);
+const LIMIT: Duration = Duration::from_mins(1);
 
 /// A command of the page, and the lines that the page shows below the command.
 struct Step {

@@ -336,14 +336,14 @@ fn how_far_a_system_is_from_missing_a_deadline() {
     let text = stdout(&output);
     let start = text.find("with every deadline met").expect("the table");
     let table = text[start..].split("\n\n").next().unwrap_or_default();
-    expect_test::expect![[r#"
+    expect_test::expect![[r"
         with every deadline met
           smallest number of cores: 1
           smallest period lift.sense        4 ms (now 10 ms, not known to be the limit)
           largest WCET    lift.sense.start  8 ms (now 2 ms, not known to be the limit)
           smallest period lift.move         5 ms (now 20 ms, not known to be the limit)
           largest WCET    lift.move.start   15 ms (now 3 ms, not known to be the limit)
-          next to break: the period of lift.sense, below 4 ms (now 10 ms)"#]]
+          next to break: the period of lift.sense, below 4 ms (now 10 ms)"]]
     .assert_eq(table);
 
     let output =

@@ -94,7 +94,7 @@ pub fn options(usage: &str) -> Vec<TemplateOption> {
             if let Some(last) = all.last_mut()
                 && indent > 8
             {
-                last.help = format!("{} {text}", last.help).trim().to_owned();
+                format!("{} {text}", last.help).trim().clone_into(&mut last.help);
             }
             continue;
         }

@@ -144,10 +144,7 @@ fn support_dir(env: &Environment<'_>) -> Option<PathBuf> {
 
 fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>) -> i32 {
     let search = env.search_path(options);
-    let (name, arguments) = match options.rest.split_first() {
-        Some((name, arguments)) => (name, arguments),
-        None => return 1,
-    };
+    let Some((name, arguments)) = options.rest.split_first() else { return 1 };
     if env.has_project_templates(options) && crate::builtin::names().contains(&name.as_str()) {
         let mut compiler = env.compiler(options, release);
         let status = crate::builtin::run(name, arguments, options, &mut compiler, env);

@@ -77,10 +77,7 @@ pub trait Disk: fmt::Debug + Send + Sync {
 
     /// The absolute path, with the current directory as prefix of a relative one.
     fn absolute(&self, path: &Path) -> PathBuf {
-        match path.is_absolute() {
-            true => path.to_owned(),
-            false => self.current_dir().join(path),
-        }
+        if path.is_absolute() { path.to_owned() } else { self.current_dir().join(path) }
     }
 }
 
@@ -247,10 +244,7 @@ pub(crate) fn resolve(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
     for ancestor in path.ancestors() {
         if let Ok(real) = disk.canonical(ancestor) {
             let rest = path.strip_prefix(ancestor).ok()?;
-            return Some(match rest.as_os_str().is_empty() {
-                true => real,
-                false => real.join(rest),
-            });
+            return Some(if rest.as_os_str().is_empty() { real } else { real.join(rest) });
         }
         if disk.is_link(ancestor) {
             return None;

@@ -345,7 +345,7 @@ template parse args [list [[dotgen types *m::all] types]] \\
     std::fs::write(dir.path().join("data.gen"), types).unwrap();
     let (status, _, err) = run(dir.path(), &["-t", "DIR/templates", "json", "DIR/data.gen"]);
     assert_eq!((status, err.as_str()), (0, ""));
-    let program = r##"
+    let program = r#"
 #include "types.h"
 #include "json.h"
 int main(int argc, char **argv)
@@ -360,7 +360,7 @@ int main(int argc, char **argv)
   fputs(text, stdout);
   return 0;
 }
-"##;
+"#;
     std::fs::write(dir.path().join("main.c"), program).unwrap();
     let compiled = std::process::Command::new("cc")
         .current_dir(dir.path())

@@ -239,12 +239,13 @@ fn frames(graph: &Graph, nodes: &[Rect]) -> Vec<Frame> {
     for (node, rect) in graph.nodes.iter().zip(nodes) {
         let Some(name) = &node.group else { continue };
         let mut known = frames.iter_mut().zip(&columns);
-        match known.find(|(frame, column)| frame.name == *name && **column == node.column) {
-            Some((frame, _)) => frame.rect = frame.rect.union(*rect),
-            None => {
-                columns.push(node.column);
-                frames.push(Frame { name: name.clone(), rect: *rect });
-            }
+        if let Some((frame, _)) =
+            known.find(|(frame, column)| frame.name == *name && **column == node.column)
+        {
+            frame.rect = frame.rect.union(*rect);
+        } else {
+            columns.push(node.column);
+            frames.push(Frame { name: name.clone(), rect: *rect });
         }
     }
     for Frame { name, rect } in &mut frames {

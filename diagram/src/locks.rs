@@ -67,13 +67,13 @@ struct Exclusions<'a> {
 
 impl Exclusions<'_> {
     fn add(&mut self, holder: Holder, other: Holder, shared: &Shared, param: u32) {
-        let resource = match self.resources.iter().position(|resource| resource == shared) {
-            Some(known) => known,
-            None => {
+        let resource =
+            if let Some(known) = self.resources.iter().position(|resource| resource == shared) {
+                known
+            } else {
                 self.resources.push(shared.clone());
                 self.resources.len() - 1
-            }
-        };
+            };
         let component = self.component;
         let entry = self.uses.entry((holder, resource)).or_default();
         if let Some(param) = params(component, holder).get(param as usize) {

@@ -37,7 +37,7 @@ use typed_index_collections::TiVec;
 const REPLY_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// The same for a host under a debugger. No run takes longer.
-const DEBUGGER_TIMEOUT: Duration = Duration::from_secs(100 * 365 * 24 * 60 * 60);
+const DEBUGGER_TIMEOUT: Duration = Duration::from_hours(876_000);
 
 /// Maximum time between the end of the output of a process and the end of the process.
 const EXIT_TIMEOUT: Duration = Duration::from_millis(20);
@@ -270,9 +270,10 @@ impl Children {
 
     /// Returns true if the run must end without what is under way.
     fn must_end(&self) -> bool {
-        match self.running {
-            true => self.interrupt.is_over(self.stop_within),
-            false => self.interrupt.is_raised(),
+        if self.running {
+            self.interrupt.is_over(self.stop_within)
+        } else {
+            self.interrupt.is_raised()
         }
     }
 

@@ -104,7 +104,7 @@ struct Waiting {
 fn remote_call(output: Output, waiting: Arc<Mutex<Waiting>>) -> RemoteCall {
     Box::new(move |remote, inputs| {
         let (sender, answer) = channel();
-        let mut all = waiting.lock().unwrap_or_else(|error| error.into_inner());
+        let mut all = waiting.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         all.next = all.next.wrapping_add(1);
         let ask = all.next;
         all.all.insert(ask, sender);
@@ -165,10 +165,11 @@ fn follow(host: &Arc<Host>, mut input: impl Read) -> io::Result<()> {
     while let Some(command) = HostCommand::receive(&mut input)? {
         match command {
             HostCommand::Make { service, instance, inputs } => {
-                host.component.make(service, instance, &inputs)
+                host.component.make(service, instance, &inputs);
             }
             HostCommand::Answered { ask, error, outputs } => {
-                let mut waiting = host.waiting.lock().unwrap_or_else(|error| error.into_inner());
+                let mut waiting =
+                    host.waiting.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 let result = match error {
                     0 => Ok(outputs),
                     error => Err(c_int::try_from(error).unwrap_or(libc::EIO)),
@@ -229,6 +230,6 @@ fn tell(output: &Output, message: HostMessage) -> io::Result<()> {
 }
 
 fn tell_all(output: &Output, messages: &[HostMessage]) -> io::Result<()> {
-    let mut output = output.lock().unwrap_or_else(|error| error.into_inner());
+    let mut output = output.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     HostMessage::send_all(messages, &mut *output)
 }

@@ -51,10 +51,10 @@ unsafe extern "C" fn ask(
     let Some(bring) = REMOTE_CALL.get() else {
         return libc::ENOSYS;
     };
-    let inputs = match inputs.is_null() {
-        true => &[],
-        // SAFETY: the glue has `size` bytes at this address, and waits.
-        false => unsafe { std::slice::from_raw_parts(inputs.cast::<u8>(), size) },
+    let inputs = if inputs.is_null() {
+        &[]
+    } else {
+        unsafe { std::slice::from_raw_parts(inputs.cast::<u8>(), size) }
     };
     match bring(remote, inputs) {
         Ok(outputs) => {
@@ -128,7 +128,7 @@ impl Component {
         let id = CString::new(id)?;
         let view = View::open(path)?;
         let address = view.address();
-        let mut views = self.views.lock().unwrap_or_else(|error| error.into_inner());
+        let mut views = self.views.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         views.push(view);
         // SAFETY: the name ends with a zero and is only read. The view keeps its address until the glue
         // returns it.
@@ -155,14 +155,14 @@ impl Component {
 
     fn filled(&self, fill: impl FnOnce(*mut Buffer)) -> Vec<u8> {
         let mut buffer = Buffer { bytes: std::ptr::null_mut(), size: 0, room: 0 };
-        fill(&mut buffer);
+        fill(&raw mut buffer);
         if buffer.bytes.is_null() {
             return Vec::new();
         }
         // SAFETY: the glue has allocated at least `size` bytes, and frees them only in `forget`.
         unsafe {
             let bytes = std::slice::from_raw_parts(buffer.bytes, buffer.size).to_vec();
-            (self.forget)(&mut buffer);
+            (self.forget)(&raw mut buffer);
             bytes
         }
     }

@@ -183,7 +183,7 @@ impl Input {
         };
         let bytes = sample.payload().to_bytes();
         let data = from_cdr(Values::new(&self.spec), self.ty, &bytes);
-        let mut heard = self.state.lock().unwrap_or_else(|error| error.into_inner());
+        let mut heard = self.state.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let tell_once = |told: &mut BTreeSet<String>, what: &str| {
             if told.len() < SOURCES && told.insert(key.to_owned()) {
                 (self.tell)(what);

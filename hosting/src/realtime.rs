@@ -50,7 +50,7 @@ pub fn lock_memory(pages: Pages) -> bool {
     // SAFETY: the calls take numbers, and a structure that they fill.
     unsafe {
         let mut limit: libc::rlimit = std::mem::zeroed();
-        let known = libc::getrlimit(libc::RLIMIT_MEMLOCK, &mut limit) == 0;
+        let known = libc::getrlimit(libc::RLIMIT_MEMLOCK, &raw mut limit) == 0;
         // Under a limit, a codel that allocates memory later would fail.
         if libc::geteuid() != 0 && !(known && limit.rlim_cur == libc::RLIM_INFINITY) {
             return false;
@@ -89,7 +89,7 @@ pub fn raise_priority(priority: u8) -> bool {
         let mut parameter: libc::sched_param = std::mem::zeroed();
         parameter.sched_priority = priority.into();
         let policy = libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK;
-        return libc::sched_setscheduler(0, policy, &parameter) == 0;
+        return libc::sched_setscheduler(0, policy, &raw const parameter) == 0;
     }
     #[cfg(not(target_os = "linux"))]
     let _ = priority;
@@ -116,7 +116,7 @@ pub(crate) fn pin(core: u32) -> bool {
             return false;
         }
         libc::CPU_SET(core as usize, &mut set);
-        return libc::sched_setaffinity(0, size_of::<libc::cpu_set_t>(), &set) == 0;
+        return libc::sched_setaffinity(0, size_of::<libc::cpu_set_t>(), &raw const set) == 0;
     }
     #[allow(unreachable_code, reason = "elsewhere nothing is asked for")]
     {

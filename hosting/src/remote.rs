@@ -18,7 +18,7 @@ pub struct RemoteComponents(Arc<Mutex<Providers>>);
 
 impl RemoteComponents {
     fn all(&self) -> MutexGuard<'_, Providers> {
-        self.0.lock().unwrap_or_else(|error| error.into_inner())
+        self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
     /// Records that a session provides a component from now on, or provides it no longer. Returns true if the
@@ -54,6 +54,13 @@ impl RemoteComponents {
         });
         list.collect()
     }
+}
+
+/// Returns the name of this machine.
+#[cfg(unix)]
+pub fn host_name() -> String {
+    let name = rustix::system::uname();
+    name.nodename().to_string_lossy().into_owned()
 }
 
 #[cfg(test)]

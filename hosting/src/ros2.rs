@@ -319,7 +319,7 @@ impl Input {
         let Ok(data) = data else {
             return;
         };
-        let mut newest = self.newest.lock().unwrap_or_else(|error| error.into_inner());
+        let mut newest = self.newest.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if newest.len() >= SOURCES && !newest.contains_key(name) {
             return;
         }

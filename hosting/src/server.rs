@@ -160,7 +160,7 @@ struct Watcher {
 
 impl Shared {
     fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(|error| error.into_inner())
+        self.state.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 }
 
@@ -282,10 +282,10 @@ fn read_requests(
                 client.say(json!({"event": "error", "message": why}), &Value::Null);
                 // A page in a browser can connect to the port too, but its request begins with text that is
                 // not JSON.
-                match stream.is_private() {
-                    true => continue,
-                    false => return false,
+                if stream.is_private() {
+                    continue;
                 }
+                return false;
             }
         };
         let id = request.get("id").cloned().unwrap_or(Value::Null);
@@ -328,11 +328,12 @@ fn admit(state: &State, client: &Client, id: &Value) -> Result<(), String> {
         }
         waiting += 1;
     }
-    match waiting < MAX_WAITING {
-        true => Ok(()),
-        false => Err(format!(
+    if waiting < MAX_WAITING {
+        Ok(())
+    } else {
+        Err(format!(
             "too many requests: {MAX_WAITING} of this connection have not ended; wait for some of them"
-        )),
+        ))
     }
 }
 
@@ -465,12 +466,11 @@ fn call(
     );
     drop(state);
     let wanted = OutsideRequest { id: number, service: wanted, inputs };
-    match shared.inbox.bring(Message::OutsideRequest(wanted)) {
-        true => Ok(()),
-        false => {
-            shared.state().requests.remove(&number);
-            Err("the run has ended".to_owned())
-        }
+    if shared.inbox.bring(Message::OutsideRequest(wanted)) {
+        Ok(())
+    } else {
+        shared.state().requests.remove(&number);
+        Err("the run has ended".to_owned())
     }
 }
 

@@ -76,7 +76,9 @@ impl HostCommand {
             HostCommand::Probe { lane, probe } => out.byte(7).number(*lane).number(*probe),
             HostCommand::WatchEngine(machines) => {
                 out.byte(8).index(machines.len());
-                machines.iter().for_each(|machine| out.machine(machine));
+                for machine in machines {
+                    out.machine(machine);
+                }
                 &mut out
             }
             HostCommand::End { service, instance } => {

@@ -27,7 +27,7 @@ use dotgen_analysis::host::Cancellable;
 use tower_lsp::LspServiceBuilder;
 
 use crate::protocol::messages::DocumentParams;
-use crate::protocol::types::Result;
+use crate::protocol::types::{DidChangeTextDocumentParams, Result};
 use crate::session::backend::Backend;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -36,6 +36,7 @@ pub(crate) fn custom_methods(builder: LspServiceBuilder<Backend>) -> LspServiceB
     builder
         .custom_method("test/text", Backend::test_text)
         .custom_method("test/panic", Backend::test_panic)
+        .custom_method("test/broken", Backend::test_broken)
         .custom_method("test/forever", Backend::test_forever)
         .custom_method("test/second", Backend::test_second)
         .custom_method("test/everywhere", Backend::test_everywhere)
@@ -62,6 +63,12 @@ impl Backend {
         }
         let uri = params.text_document.uri.clone();
         self.dispatch.document(uri, params, handle).await
+    }
+
+    /// A panic in the writer, in the middle of a change.
+    #[expect(clippy::unused_async, reason = "the library calls handlers that are asynchronous")]
+    async fn test_broken(&self, params: DidChangeTextDocumentParams) {
+        self.broken(params);
     }
 
     /// Works until it is cancelled.

@@ -133,19 +133,16 @@ pub(crate) fn finish(moves: &[Move]) -> Option<CleanupGuard> {
 }
 
 fn command(program: &Program) -> io::Result<Command> {
-    let mut command = match OWN_PATH.get() {
-        Some(own) => {
-            // A missing program is reported as such, not as a failure of `dotgen confined`.
-            find(&program.path, &program.directory)?;
-            let mut command = again(own);
-            command.args(launch::arguments(program));
-            command
-        }
-        None => {
-            let mut command = Command::new(&program.path);
-            command.args(&program.arguments);
-            command
-        }
+    let mut command = if let Some(own) = OWN_PATH.get() {
+        // A missing program is reported as such, not as a failure of `dotgen confined`.
+        find(&program.path, &program.directory)?;
+        let mut command = again(own);
+        command.args(launch::arguments(program));
+        command
+    } else {
+        let mut command = Command::new(&program.path);
+        command.args(&program.arguments);
+        command
     };
     if !program.directory.as_os_str().is_empty() {
         command.current_dir(&program.directory);
@@ -167,9 +164,10 @@ fn again(own: &Path) -> Command {
 /// # Errors
 /// The file does not exist.
 fn find(name: &Path, directory: &Path) -> io::Result<PathBuf> {
-    let found = match name.components().count() > 1 {
-        true => Some(directory.join(name)).filter(|path| path.is_file()),
-        false => find_in_path(name),
+    let found = if name.components().count() > 1 {
+        Some(directory.join(name)).filter(|path| path.is_file())
+    } else {
+        find_in_path(name)
     };
     found.ok_or_else(|| io::ErrorKind::NotFound.into())
 }

@@ -293,9 +293,10 @@ pub struct TruncationCheck {
 impl TruncationCheck {
     /// Reads a line of a log. `ended`: the line has its line break.
     pub fn line(&mut self, number: u64, text: &[u8], ended: bool) {
-        match ended {
-            true => self.last = number,
-            false => self.cut = true,
+        if ended {
+            self.last = number;
+        } else {
+            self.cut = true;
         }
         match origin(text).filter(|_| ended) {
             Some(Origin::Measured | Origin::Simulated) => self.open = true,

@@ -115,10 +115,7 @@ fn of_machine(
     let in_service = service.and_then(|it_is| in_state(component, Owner::Service(it_is), state));
     if let (Some(service), Some(codel)) = (service, in_service) {
         let of = component.services.get(service as usize).and_then(|service| service.task);
-        return match of == Some(task) {
-            true => Ok(codel),
-            false => Err(Mismatch::WrongTask),
-        };
+        return if of == Some(task) { Ok(codel) } else { Err(Mismatch::WrongTask) };
     }
     // Recorders differ in their name for the service of a permanent activity. No service has such a name.
     match service {
@@ -140,10 +137,7 @@ fn of_control(component: &Component, kind: &LineKind) -> Option<CodelRef> {
     let owner = Owner::Service(service as u32);
     let validates = kind.from == "validate";
     let index = component.codels_of(owner).iter().position(|codel| {
-        let wanted = match validates {
-            true => CodelKind::Validate,
-            false => CodelKind::Simple,
-        };
+        let wanted = if validates { CodelKind::Validate } else { CodelKind::Simple };
         codel.kind == wanted && codel.name == kind.function
     })?;
     Some(CodelRef { owner, index: index as u32 })
@@ -156,10 +150,7 @@ fn without(component: &Component, kind: &LineKind) -> Mismatch {
         let attribute = service.kind == dotgen_analysis::model::ServiceKind::Attribute;
         attribute && service.codels.iter().all(|codel| codel.kind == CodelKind::Validate)
     };
-    match service.is_some_and(of) {
-        true => Mismatch::NoCodel,
-        false => Mismatch::State,
-    }
+    if service.is_some_and(of) { Mismatch::NoCodel } else { Mismatch::State }
 }
 
 /// Returns `component.task.state`, `component.service.state` or `component.service.codel`, as in scenarios.

@@ -27,10 +27,7 @@ impl Margin {
         let scale = 10i128.pow(u32::try_from(fraction.len()).map_err(|_| wrong())?);
         let number: i128 = digits.parse().map_err(|_| wrong())?;
         let margin = Ratio::new(number, scale);
-        match margin >= Ratio::from_integer(1) {
-            true => Ok(Margin(margin)),
-            false => Err(wrong()),
-        }
+        if margin >= Ratio::from_integer(1) { Ok(Margin(margin)) } else { Err(wrong()) }
     }
 }
 

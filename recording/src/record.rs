@@ -125,19 +125,16 @@ impl<W: Write> Writer<W> {
         value: &[u8],
         schema: impl FnOnce() -> (String, Vec<u8>),
     ) -> McapResult<()> {
-        let (channel, count) = match self.ports.get_mut(topic) {
-            Some((channel, count)) => {
-                *count = count.wrapping_add(1);
-                (*channel, *count)
-            }
-            None => {
-                let (name, schema) = schema();
-                let schema = self.out.add_schema(&name, "jsonschema", &schema)?;
-                let none = BTreeMap::new();
-                let channel = self.out.add_channel(schema, topic, "json", &none)?;
-                self.ports.insert(topic.to_owned(), (channel, 1));
-                (channel, 1)
-            }
+        let (channel, count) = if let Some((channel, count)) = self.ports.get_mut(topic) {
+            *count = count.wrapping_add(1);
+            (*channel, *count)
+        } else {
+            let (name, schema) = schema();
+            let schema = self.out.add_schema(&name, "jsonschema", &schema)?;
+            let none = BTreeMap::new();
+            let channel = self.out.add_channel(schema, topic, "json", &none)?;
+            self.ports.insert(topic.to_owned(), (channel, 1));
+            (channel, 1)
         };
         self.write(channel, count, at, value)
     }

@@ -175,10 +175,14 @@ impl<'s> Replay<'s> {
             let due = possible.first().filter(|_| self.possible.is_committed());
             return match due.cloned() {
                 Some(due) => {
-                    self.record_difference(step, due.rule, DifferenceKind::Omitted { due })
+                    self.record_difference(step, due.rule, DifferenceKind::Omitted { due });
                 }
                 None => {
-                    self.record_difference(step, step.rule, DifferenceKind::Impossible { possible })
+                    self.record_difference(
+                        step,
+                        step.rule,
+                        DifferenceKind::Impossible { possible },
+                    );
                 }
             };
         };
@@ -342,11 +346,7 @@ impl<'s> Replay<'s> {
         };
         let Some(took) = took else { return };
         let whose = self.end_of(executor);
-        let step = match step.what.is_empty() && step.of.is_empty() {
-            // The recording ended before the work.
-            true => &whose,
-            false => step,
-        };
+        let step = if step.what.is_empty() && step.of.is_empty() { &whose } else { step };
         self.record_difference(&step.clone(), whose.rule, DifferenceKind::Longer { took, limit });
     }
 

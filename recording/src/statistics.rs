@@ -428,9 +428,8 @@ fn group_key(group: &Group) -> String {
 /// Returns words as a Tcl list: a text that would not be one word gets braces.
 fn list(words: &[String]) -> String {
     let special = |character: char| character.is_whitespace() || "{}\"[]$;\\".contains(character);
-    let words = words.iter().map(|word| match word.is_empty() || word.contains(special) {
-        true => format!("{{{word}}}"),
-        false => word.clone(),
+    let words = words.iter().map(|word| {
+        if word.is_empty() || word.contains(special) { format!("{{{word}}}") } else { word.clone() }
     });
     words.collect::<Vec<_>>().join(" ")
 }

@@ -232,32 +232,25 @@ impl Requests {
             _ => (open.iter().rposition(|request| request.awaited == from.name))
                 .or_else(|| open.iter().position(|request| request.awaited.is_empty())),
         };
-        let mut request = match place {
-            Some(place) => open.remove(place),
-            None => {
-                self.flows += 1;
-                Request {
-                    flow: self.flows,
-                    begin: run.asked,
-                    end: run.ended,
-                    awaited: String::new(),
-                }
-            }
+        let mut request = if let Some(place) = place {
+            open.remove(place)
+        } else {
+            self.flows += 1;
+            Request { flow: self.flows, begin: run.asked, end: run.ended, awaited: String::new() }
         };
         request.end = request.end.max(run.ended);
         let flow = request.flow;
         let to = event(&kind.to);
-        let goes_on = match kind.task.as_str() {
-            CONTROL => kind.from == "validate" && kind.to == "::genom::ok",
-            // Exceptions and `ether` end the activity: no codel starts from them.
-            _ => {
-                request.awaited = to.name.to_owned();
-                to.name != "ether" && to.component == from.component
-            }
+        let goes_on = if kind.task.as_str() == CONTROL {
+            kind.from == "validate" && kind.to == "::genom::ok"
+        } else {
+            to.name.clone_into(&mut request.awaited);
+            to.name != "ether" && to.component == from.component
         };
-        match goes_on {
-            true => open.push(request),
-            false => out.push(slice_of(kind.instance.clone(), kind.service.clone(), &request)),
+        if goes_on {
+            open.push(request);
+        } else {
+            out.push(slice_of(kind.instance.clone(), kind.service.clone(), &request));
         }
         Some(flow)
     }
@@ -299,14 +292,13 @@ impl Tracks {
     /// Writes a slice, after the description of its track if that is new.
     fn write(&mut self, slice: &Slice, out: &mut Message) {
         let place = &slice.place;
-        let parent = match self.groups.get(&place.group) {
-            Some(&parent) => parent,
-            None => {
-                self.uuid += 1;
-                describe(out, self.uuid, None, &place.group, 0);
-                self.groups.insert(place.group.clone(), self.uuid);
-                self.uuid
-            }
+        let parent = if let Some(&parent) = self.groups.get(&place.group) {
+            parent
+        } else {
+            self.uuid += 1;
+            describe(out, self.uuid, None, &place.group, 0);
+            self.groups.insert(place.group.clone(), self.uuid);
+            self.uuid
         };
         let lanes = match self.lanes.get_mut(place) {
             Some(lanes) => lanes,
@@ -314,22 +306,19 @@ impl Tracks {
         };
         // Slices come as they end. The free lane that was used last is the one that leads to the fewest.
         let free = lanes.iter_mut().filter(|lane| lane.1 <= slice.begin);
-        let lane = match free.max_by_key(|lane| lane.1) {
-            Some(lane) => {
-                lane.1 = slice.end;
-                lane.0
-            }
-            None => {
-                self.uuid += 1;
-                let name = match (place.track.as_str(), lanes.len()) {
-                    ("core", number) => format!("core {number}"),
-                    (track, 0) => track.to_owned(),
-                    (track, number) => format!("{track} ({})", number + 1),
-                };
-                describe(out, self.uuid, Some(parent), &name, place.rank);
-                lanes.push((self.uuid, slice.end));
-                self.uuid
-            }
+        let lane = if let Some(lane) = free.max_by_key(|lane| lane.1) {
+            lane.1 = slice.end;
+            lane.0
+        } else {
+            self.uuid += 1;
+            let name = match (place.track.as_str(), lanes.len()) {
+                ("core", number) => format!("core {number}"),
+                (track, 0) => track.to_owned(),
+                (track, number) => format!("{track} ({})", number + 1),
+            };
+            describe(out, self.uuid, Some(parent), &name, place.rank);
+            lanes.push((self.uuid, slice.end));
+            self.uuid
         };
         out.message(1, &begin(slice, lane));
         out.message(1, &end(slice, lane));

@@ -71,10 +71,7 @@ pub fn conversions(
             Err(some) => errors.extend(some),
         }
     }
-    match errors.is_empty() {
-        true => Ok(out),
-        false => Err(errors),
-    }
+    if errors.is_empty() { Ok(out) } else { Err(errors) }
 }
 
 impl Conversion {
@@ -87,9 +84,10 @@ impl Conversion {
             };
             let added = find(spec, port.data, path).and_then(|(steps, ty)| {
                 fits(&spec.ty(ty).kind, path, leaf, port.dir)?;
-                match members.add(&steps, at) || port.dir == PortDir::Out {
-                    true => Ok(()),
-                    false => Err(format!("the member `{path}` has two fields: remove one")),
+                if members.add(&steps, at) || port.dir == PortDir::Out {
+                    Ok(())
+                } else {
+                    Err(format!("the member `{path}` has two fields: remove one"))
                 }
             });
             // A field of many leaves has one error.
@@ -100,14 +98,10 @@ impl Conversion {
                 errors.push(RuleError { keys, why });
             }
         }
-        match errors.is_empty() {
-            true => Ok(Conversion {
-                message: plan.message,
-                ty: port.data,
-                leaves: plan.leaves,
-                members,
-            }),
-            false => Err(errors),
+        if errors.is_empty() {
+            Ok(Conversion { message: plan.message, ty: port.data, leaves: plan.leaves, members })
+        } else {
+            Err(errors)
         }
     }
 
@@ -129,7 +123,13 @@ impl Conversion {
                 Source::Default if leaf.base == Base::String => Scalar::Text(Vec::new()),
                 Source::Default => Scalar::Integer(leaf.default.into()),
                 Source::Constant(value) => Scalar::constant(value),
-                Source::Now if leaf.path.ends_with(".sec") => Scalar::Integer(now.sec.into()),
+                Source::Now
+                    if std::path::Path::new(&leaf.path)
+                        .extension()
+                        .is_some_and(|ext| ext.eq_ignore_ascii_case("sec")) =>
+                {
+                    Scalar::Integer(now.sec.into())
+                }
                 Source::Now => Scalar::Integer(now.nanosec.into()),
                 Source::Member(..) => match member {
                     Some(value) => value,
@@ -260,7 +260,9 @@ fn read(
         }
         (_, Some(Members::Scalar(leaves))) => {
             let value = Scalar::read(kind, from)?;
-            leaves.iter().for_each(|&leaf| found[leaf] = Some(value.clone()));
+            for &leaf in leaves {
+                found[leaf] = Some(value.clone());
+            }
         }
         // The value is skipped.
         _ => CdrWriter::new(Unions::Branches).value(Values::new(spec), ty, from)?,

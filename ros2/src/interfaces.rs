@@ -72,11 +72,10 @@ pub fn interfaces(
                 let mut text = heading(&mapping, name);
                 for (constant, value) in constants {
                     // The field of the enumeration has the value also without a constant.
-                    let _ = match names::is_macro(constant) {
-                        true => {
-                            writeln!(text, "# {constant}={value}: a macro of C, not a constant")
-                        }
-                        false => writeln!(text, "uint32 {constant}={value}"),
+                    let _ = if names::is_macro(constant) {
+                        writeln!(text, "# {constant}={value}: a macro of C, not a constant")
+                    } else {
+                        writeln!(text, "uint32 {constant}={value}")
                     };
                 }
                 let path = format!("{path}.msg");

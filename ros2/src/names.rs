@@ -60,10 +60,7 @@ fn snake(name: &str) -> String {
 
 /// The begin of a message about a name.
 fn becomes(of: &str, name: &str) -> String {
-    match of == name {
-        true => format!("`{name}` is"),
-        false => format!("`{of}` becomes `{name}`,"),
-    }
+    if of == name { format!("`{name}` is") } else { format!("`{of}` becomes `{name}`,") }
 }
 
 /// The name if it can be used.
@@ -120,9 +117,10 @@ pub fn field(name: &str) -> Result<String, String> {
 /// In words: the name does not begin with a letter.
 pub fn constant(name: &str) -> Result<String, String> {
     let out = snake(name).to_ascii_uppercase();
-    match out.starts_with(|c: char| c.is_ascii_uppercase()) {
-        true => Ok(out),
-        false => Err(format!("`{name}` has no name in ROS 2: begin it with a letter")),
+    if out.starts_with(|c: char| c.is_ascii_uppercase()) {
+        Ok(out)
+    } else {
+        Err(format!("`{name}` has no name in ROS 2: begin it with a letter"))
     }
 }
 
@@ -161,9 +159,10 @@ pub fn camel(name: &str) -> Result<String, String> {
         out.extend(letters.next().map(|letter| letter.to_ascii_uppercase()));
         out.extend(letters);
     }
-    match out.starts_with(|c: char| c.is_ascii_uppercase()) {
-        true => Ok(out),
-        false => Err(format!("`{name}` has no name in ROS 2: begin it with a letter")),
+    if out.starts_with(|c: char| c.is_ascii_uppercase()) {
+        Ok(out)
+    } else {
+        Err(format!("`{name}` has no name in ROS 2: begin it with a letter"))
     }
 }
 
@@ -173,13 +172,15 @@ pub fn camel(name: &str) -> Result<String, String> {
 /// In words: its class in C++ has a member of this name, or the name does not begin with a letter.
 pub fn service(name: &str, is_action: bool) -> Result<String, String> {
     let local = camel(name)?;
-    let members: &[&str] = match is_action {
-        true => &["Feedback", "Goal", "Impl", "Result"],
-        false => &["Event", "Request", "Response"],
+    let members: &[&str] = if is_action {
+        &["Feedback", "Goal", "Impl", "Result"]
+    } else {
+        &["Event", "Request", "Response"]
     };
-    match members.contains(&local.as_str()) {
-        false => Ok(local),
-        true => Err(format!("`{name}` becomes `{local}`, a member of its class in C++: rename it")),
+    if members.contains(&local.as_str()) {
+        Err(format!("`{name}` becomes `{local}`, a member of its class in C++: rename it"))
+    } else {
+        Ok(local)
     }
 }
 

@@ -175,19 +175,16 @@ impl Offer<'_, '_> {
         let obstacle = |why| Obstacle { why, src: port.src };
         let topic = [self.component.name.as_str(), port.name.as_str()];
         let topic = names::topic(topic).map_err(obstacle)?;
-        let message = match conversion {
-            Some(conversion) => {
-                common::add(&conversion.message, &mut self.mapping.types);
-                conversion.message.clone()
-            }
-            None => {
-                let place = Place {
-                    package: self.package.clone(),
-                    local: names::camel(&port.name).map_err(obstacle)?,
-                    src: port.src,
-                };
-                self.mapping.message(port.data, &place)?
-            }
+        let message = if let Some(conversion) = conversion {
+            common::add(&conversion.message, &mut self.mapping.types);
+            conversion.message.clone()
+        } else {
+            let place = Place {
+                package: self.package.clone(),
+                local: names::camel(&port.name).map_err(obstacle)?,
+                src: port.src,
+            };
+            self.mapping.message(port.data, &place)?
         };
         // A port keeps its data: who joins later reads it too.
         let (kind, qos) = match port.dir {

@@ -35,9 +35,10 @@ impl std::fmt::Display for RuleError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "`ros2.messages")?;
         for key in &self.keys {
-            match key.contains(|c: char| !c.is_ascii_alphanumeric() && c != '_' && c != '-') {
-                true => write!(f, ".\"{key}\"")?,
-                false => write!(f, ".{key}")?,
+            if key.contains(|c: char| !c.is_ascii_alphanumeric() && c != '_' && c != '-') {
+                write!(f, ".\"{key}\"")?;
+            } else {
+                write!(f, ".{key}")?;
             }
         }
         write!(f, "`: {}", self.why)
@@ -117,10 +118,7 @@ impl Rule {
             let stamps = leaves.iter_mut().filter(|(leaf, _)| stamp(leaf));
             stamps.for_each(|(_, source)| *source = Source::Now);
         }
-        match errors.is_empty() {
-            true => Ok(Plan { message, leaves }),
-            false => Err(errors),
-        }
+        if errors.is_empty() { Ok(Plan { message, leaves }) } else { Err(errors) }
     }
 }
 
@@ -215,10 +213,7 @@ fn assign((leaf, source): &mut (Leaf, Source), value: Source) -> Result<(), Stri
 fn targets(field: &str, leaves: &[(Leaf, Source)]) -> Result<Vec<usize>, String> {
     let found: Vec<usize> =
         (0..leaves.len()).filter(|&at| below(field, &leaves[at].0.path).is_some()).collect();
-    match found.is_empty() {
-        true => Err(unknown(field, leaves)),
-        false => Ok(found),
-    }
+    if found.is_empty() { Err(unknown(field, leaves)) } else { Ok(found) }
 }
 
 /// The rest of the path of a leaf of a field.
@@ -261,9 +256,7 @@ fn unknown(field: &str, leaves: &[(Leaf, Source)]) -> String {
 /// The first name or index of a path.
 pub(crate) fn first(path: &str) -> &str {
     let path = path.strip_prefix('.').unwrap_or(path);
-    let end = match path.starts_with('[') {
-        true => path.find(']').map(|at| at + 1),
-        false => path.find(['.', '[']),
-    };
+    let end =
+        if path.starts_with('[') { path.find(']').map(|at| at + 1) } else { path.find(['.', '[']) };
     &path[..end.unwrap_or(path.len())]
 }

@@ -416,12 +416,11 @@ impl<'p> RunChecker<'p> {
             }
             (a, b) => a == b,
         };
-        match self.violations.iter().position(|violation| same(&violation.1)) {
-            Some(place) => self.times[place] += 1,
-            None => {
-                self.violations.push((now, violation));
-                self.times.push(1);
-            }
+        if let Some(place) = self.violations.iter().position(|violation| same(&violation.1)) {
+            self.times[place] += 1;
+        } else {
+            self.violations.push((now, violation));
+            self.times.push(1);
         }
     }
 }

@@ -366,7 +366,7 @@ impl<'p> Live<'p> {
             }
             Message::Abort(id) => self.defer_abort(id),
             Message::Asked { component, ask, remote, inputs } => {
-                self.call_remote(component, ask, remote, inputs)
+                self.call_remote(component, ask, remote, inputs);
             }
             Message::Connect(connection) => {
                 let other = |known: &Connection| {

@@ -180,9 +180,10 @@ impl Clock {
         }
         let at = |after: u64| self.time.nanos(stepper.now().saturating_add(after));
         let until = at(own).min(at(due).saturating_add(FOLLOW_NANOS));
-        let longest = match live.probe_long(now, FOLLOW_NANOS) {
-            true => now.saturating_add(FOLLOW_NANOS),
-            false => now.saturating_add(MAX_WAIT_NANOS),
+        let longest = if live.probe_long(now, FOLLOW_NANOS) {
+            now.saturating_add(FOLLOW_NANOS)
+        } else {
+            now.saturating_add(MAX_WAIT_NANOS)
         };
         // If the time is over, the model waits for the report of a thread.
         let until = if until > now { until.min(longest) } else { longest };
@@ -206,9 +207,10 @@ impl Clock {
             Message::Recalled { .. } | Message::Probed { .. } => true,
             _ => false,
         };
-        match is_report {
-            true => live.message(message),
-            false => self.messages.push_back((self.now(live), message)),
+        if is_report {
+            live.message(message);
+        } else {
+            self.messages.push_back((self.now(live), message));
         }
     }
 }

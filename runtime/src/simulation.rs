@@ -196,12 +196,12 @@ pub fn simulate_recorded<'p, W: Write>(
 }
 
 /// Runs the system once, on the clock of the execution or else on the virtual clock.
-fn one_run<'p>(
+fn one_run(
     stepper: &mut Stepper,
     dice: &mut RandomDecisions,
     until: u64,
     observer: &mut dyn RunObserver,
-    execution: Option<&mut Execution<'_, 'p>>,
+    execution: Option<&mut Execution<'_, '_>>,
     interrupted: &dyn Fn() -> bool,
 ) -> End {
     match execution {
@@ -281,9 +281,10 @@ impl<W: Write> Observer<'_, '_, '_, '_, W> {
         self.tally.busy.clear();
         if self.first {
             if let Some(run) = &mut self.recorded {
-                run.end = match run.left_out {
-                    true => run.steps.last().map_or(0, |step| step.0),
-                    false => stepper.now(),
+                run.end = if run.left_out {
+                    run.steps.last().map_or(0, |step| step.0)
+                } else {
+                    stepper.now()
                 };
             }
             if let Some(record) = &mut self.record {
@@ -328,9 +329,10 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
             record.on_action(stepper, action, executed);
         }
         if let Some(run) = self.recorded.as_mut().filter(|_| self.first) {
-            match run.steps.len() < MAX_RECORDED_ACTIONS {
-                true => run.steps.push((now, action)),
-                false => run.left_out = true,
+            if run.steps.len() < MAX_RECORDED_ACTIONS {
+                run.steps.push((now, action));
+            } else {
+                run.left_out = true;
             }
         }
     }

@@ -246,35 +246,35 @@ const PLANTS: &[Plant] = &[
     }),
     ("an undeclared transition", "transition", |rows| {
         let at = place(rows, "fast_main");
-        rows[at].names[5] = "::plant::ether".to_owned();
+        "::plant::ether".clone_into(&mut rows[at].names[5]);
     }),
     ("a pause that is not declared", "transition", |rows| {
         let at = place(rows, "go_start");
-        rows[at].names[5] = "::plant::pause::wait".to_owned();
+        "::plant::pause::wait".clone_into(&mut rows[at].names[5]);
     }),
     ("an exception that is not declared", "transition", |rows| {
         let at = place(rows, "go_wait");
-        rows[at].names[5] = "::plant::e_other".to_owned();
+        "::plant::e_other".clone_into(&mut rows[at].names[5]);
     }),
     ("a request refused with another exception", "transition", |rows| {
         let at = place(rows, "go_check");
-        rows[at].names[5] = "::plant::e_other".to_owned();
+        "::plant::e_other".clone_into(&mut rows[at].names[5]);
     }),
     ("an unknown state", "unknown", |rows| {
         let at = place(rows, "fast_main");
-        rows[at].names[4] = "::plant::nowhere".to_owned();
+        "::plant::nowhere".clone_into(&mut rows[at].names[4]);
     }),
     ("an unknown function", "unknown", |rows| {
         let at = place(rows, "fast_main");
-        rows[at].names[3] = "somebody".to_owned();
+        "somebody".clone_into(&mut rows[at].names[3]);
     }),
     ("an unknown task", "unknown", |rows| {
         let at = place(rows, "side_start");
-        rows[at].names[1] = "back".to_owned();
+        "back".clone_into(&mut rows[at].names[1]);
     }),
     ("an activity in another task", "unknown", |rows| {
         let at = place(rows, "go_wait");
-        rows[at].names[1] = "side".to_owned();
+        "side".clone_into(&mut rows[at].names[1]);
     }),
     ("a transition that is missing", "elsewhere", |rows| {
         let at = place(rows, "slow_second");
@@ -286,8 +286,8 @@ const PLANTS: &[Plant] = &[
     }),
     ("a start again", "elsewhere", |rows| {
         let at = place(rows, "fast_main");
-        rows[at].names[3] = "fast_start".to_owned();
-        rows[at].names[4] = "::plant::start".to_owned();
+        "fast_start".clone_into(&mut rows[at].names[3]);
+        "::plant::start".clone_into(&mut rows[at].names[4]);
     }),
     ("two at once that share something", "together", |rows| {
         let at = place(rows, "fast_main");
@@ -440,7 +440,7 @@ scenario plant {
         };
         preempted += 1;
         // On another core the codel would not have waited.
-        rows[at].times[2] = (times[1] + times[2]) / 2;
+        rows[at].times[2] = i64::midpoint(times[1], times[2]);
         let report = recorder.monitor(&prepared, &written(rows));
         assert_eq!(report.counts.get("same-core"), Some(&1), "{:?}", report.counts);
     }

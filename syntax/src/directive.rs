@@ -241,7 +241,9 @@ impl Pragma {
         }
         let raw = lex(&content);
         let mut words = Line { text: &content, raw: &raw, at: 0, end: raw.len() }.pragma_words();
-        words.iter_mut().for_each(|word| word.range = range);
+        for word in &mut words {
+            word.range = range;
+        }
         Pragma::from_words(words, true)
     }
 

@@ -140,10 +140,7 @@ impl LineEnd {
     pub fn of(text: &str) -> LineEnd {
         let all = text.bytes().filter(|byte| *byte == b'\n').count();
         let crlf = text.matches("\r\n").count();
-        match crlf * 2 > all {
-            true => LineEnd::CrLf,
-            false => LineEnd::Lf,
-        }
+        if crlf * 2 > all { LineEnd::CrLf } else { LineEnd::Lf }
     }
 
     /// The characters of the line end.

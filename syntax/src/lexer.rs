@@ -287,16 +287,15 @@ fn lex_plain(text: &str) -> RawTokens {
     let mut lexer = Token::lexer(text);
     while let Some(token) = lexer.next() {
         let kind = match token {
-            Ok(Token::CommentStart) => match lexer.remainder().find("*/") {
-                Some(at) => {
+            Ok(Token::CommentStart) => {
+                if let Some(at) = lexer.remainder().find("*/") {
                     lexer.bump(at + 2);
                     BLOCK_COMMENT
-                }
-                None => {
+                } else {
                     lexer.bump(lexer.remainder().len());
                     OPEN_COMMENT
                 }
-            },
+            }
             Ok(Token::Quote) => {
                 let spans_lines = strings_span_lines && line != Line::Include;
                 let (len, closed) = literal(lexer.remainder(), b'"', spans_lines);

@@ -10,7 +10,7 @@ use dotgen_syntax::{
 };
 
 fn specifications(folder: &Path, out: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).expect("a folder").filter_map(|entry| entry.ok()) {
+    for entry in std::fs::read_dir(folder).expect("a folder").filter_map(std::result::Result::ok) {
         let path = entry.path();
         if path.is_dir() {
             specifications(&path, out);
@@ -46,7 +46,7 @@ fn names(parse: &Parse) -> Vec<String> {
 /// The braces of a kind around bodies.
 fn braces(parse: &Parse, kind: SyntaxKind) -> Vec<usize> {
     let tokens = parse.syntax().descendants_with_tokens();
-    let tokens = tokens.filter_map(|token| token.into_token());
+    let tokens = tokens.filter_map(rowan::NodeOrToken::into_token);
     tokens
         .filter(|token| token.kind() == kind && !token.text_range().is_empty())
         .filter(|token| {

@@ -112,13 +112,13 @@ enum e{A,B,\nC};union w switch(e){case A:case B:long x;default:double y;};};\n\n
 fn a_broken_declaration_is_left_alone() {
     check(
         "component c {\n   task   t { period 5ms ;};\n   codel   <<  broken   here ;\n   function   f( ) ;\n};\n",
-        expect![[r#"
+        expect![[r"
             component c {
               task t { period 5ms; };
               codel   <<  broken   here ;
               function f();
             };
-        "#]],
+        "]],
     );
 }
 
@@ -126,7 +126,7 @@ fn a_broken_declaration_is_left_alone() {
 fn comments_stay() {
     check(
         "/* head */\n\n// one\ncomponent c { // open\n    // own line\n\n\n  task t; // t\n  function long_name(in long a, // first\n     in long b /* second */ );   // f\n  /* last */ };\n// end",
-        expect![[r#"
+        expect![[r"
             /* head */
 
             // one
@@ -140,7 +140,7 @@ fn comments_stay() {
               /* last */
             };
             // end
-        "#]],
+        "]],
     );
 }
 
@@ -149,7 +149,7 @@ fn comments_stay() {
 fn a_broken_declaration_beside_a_brace_settles_at_once() {
     check(
         "component c {\n  ; struct s{long y,z;}task t{};\n};\nmodule m {\n  const   long b =}\n;\n",
-        expect![[r#"
+        expect![[r"
             component c {
               ;
               struct s { long y, z; }
@@ -158,7 +158,7 @@ fn a_broken_declaration_beside_a_brace_settles_at_once() {
             module m {
               const long b =
             };
-        "#]],
+        "]],
     );
 }
 
@@ -205,9 +205,9 @@ fn a_line_end_with_a_joined_line_in_it_stays() {
 fn a_comment_that_is_continued_by_nothing() {
     check(
         "task  t;\n// \\",
-        expect![[r#"
+        expect![[r"
         task  t;
-        // \"#]],
+        // \"]],
     );
 }
 
@@ -411,24 +411,24 @@ codel f(in x,in y,in z);
 };
 };
 ";
-    let expected = expect![[r#"
+    let expected = expect![[r"
         component c {
           function move(in double x,
               in double y, in double z) {
             codel f(in x, in y, in z);
           };
         };
-    "#]];
+    "]];
     // Its second line was over the width before.
     expected.assert_eq(&with(narrow, text));
-    let expected = expect![[r#"
+    let expected = expect![[r"
         component c {
           function move(in double x, in double y,
               in double z) {
             codel f(in x, in y, in z);
           };
         };
-    "#]];
+    "]];
     let wide = Options { width: 52, ..Options::default() };
     let once = with(wide, text);
     expected.assert_eq(&once);
@@ -470,7 +470,7 @@ fn what_an_author_lays_out_stays() {
 fn block_comments_move_as_a_block() {
     check(
         "component c {\n  task u;\n      /* one\n       *   two\n\n   three */\n      task t;\n};\n",
-        expect![[r#"
+        expect![[r"
             component c {
               task u;
               /* one
@@ -479,7 +479,7 @@ fn block_comments_move_as_a_block() {
             three */
               task t;
             };
-        "#]],
+        "]],
     );
 }
 

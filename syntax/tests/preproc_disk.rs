@@ -71,9 +71,8 @@ impl Host for Disk {
             return Err(IncludeError::TooDeep);
         }
         let beside = self.open.last().and_then(|path| path.parent()).filter(|_| !request.angled);
-        let dirs = beside
-            .into_iter()
-            .chain(self.include_dirs.iter().map(|include_dir| include_dir.as_path()));
+        let dirs =
+            beside.into_iter().chain(self.include_dirs.iter().map(camino::Utf8PathBuf::as_path));
         let candidates: Vec<Utf8PathBuf> =
             dirs.map(|dir| dir.join(request.path.as_str())).collect();
         match candidates.iter().find(|candidate| candidate.is_file()) {

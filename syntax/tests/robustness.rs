@@ -25,7 +25,7 @@ fn check(text: &str) -> Parse {
     }
     for token in root
         .descendants_with_tokens()
-        .filter_map(|element| element.into_token())
+        .filter_map(rowan::NodeOrToken::into_token)
         .filter(|token| token.text_range().is_empty())
     {
         assert!(parse.expansion.virtual_token(&token).is_some(), "empty token without text");

@@ -98,9 +98,10 @@ fn configuration(code: &Code) -> String {
          # or \"hint\", \"information\", \"warning\", \"error\"\n```\n"
     );
     if !of_verification(id) {
-        let places = match id.starts_with(codes::CODEL) {
-            true => "above the declaration, or in front of or inside the function",
-            false => "above the declaration",
+        let places = if id.starts_with(codes::CODEL) {
+            "above the declaration, or in front of or inside the function"
+        } else {
+            "above the declaration"
         };
         let _ = write!(
             out,
@@ -200,7 +201,11 @@ fn every_code_of_scenarios_is_in_the_table() {
         for entry in files.flatten() {
             let path = entry.path();
             let table = path.to_string_lossy().replace('\\', "/");
-            if !table.ends_with(".rs") || table.contains("/scn/codes.rs") {
+            if !std::path::Path::new(&table)
+                .extension()
+                .is_some_and(|ext| ext.eq_ignore_ascii_case("rs"))
+                || table.contains("/scn/codes.rs")
+            {
                 continue;
             }
             let text = std::fs::read_to_string(path).unwrap();

@@ -89,7 +89,9 @@ pub fn abstract_bounds(
             match model.and_then(|model| bounds(&model, budget, cancel)) {
                 Ok(found) => tasks.iter().zip(found).for_each(|(&task, result)| out[task] = result),
                 Err(refusal) => {
-                    tasks.iter().for_each(|&task| out[task] = Err(refusal));
+                    for &task in &tasks {
+                        out[task] = Err(refusal);
+                    }
                     if let Some(task) =
                         refusal.task().filter(|&task| servers && left[task].is_none())
                     {

@@ -173,7 +173,9 @@ impl<'s> Analysis<'s> {
                 None => vec![machine.start],
             };
             more = states.iter().any(|&state| state != machine.start);
-            states.iter().for_each(|&state| add(machine.states[state].codel));
+            for &state in &states {
+                add(machine.states[state].codel);
+            }
             let own = match definition.period {
                 Some(_) => self.start_up(a, &|codel| self.upper(codel)),
                 None => self.upper(machine.states[machine.start].codel),

@@ -262,12 +262,11 @@ impl<'a> DerivationContext<'a> {
             }
             step = step.saturating_mul(2);
         }
-        match bad {
-            Some(bad) => out.found(grid, good, bad, holds, value),
-            None => {
-                out.extreme = Some(Value::Unbounded);
-                out.exact = false;
-            }
+        if let Some(bad) = bad {
+            out.found(grid, good, bad, holds, value);
+        } else {
+            out.extreme = Some(Value::Unbounded);
+            out.exact = false;
         }
         Ok(out)
     }

@@ -88,9 +88,10 @@ impl ReductionUse {
                 n => parts.push(format!("used in {n} of {} explorations", self.explorations)),
             }
             for (reason, count) in &reduction.off {
-                parts.push(match *count == self.explorations {
-                    true => format!("not used: {reason}"),
-                    false => format!("not used in {count} of {}: {reason}", self.explorations),
+                parts.push(if *count == self.explorations {
+                    format!("not used: {reason}")
+                } else {
+                    format!("not used in {count} of {}: {reason}", self.explorations)
                 });
             }
             (reduction.kind.name(), parts.join("; "))

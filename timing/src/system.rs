@@ -446,9 +446,12 @@ impl TimedSystem {
     /// task states one, the task with the shorter period goes first, and tasks without a period go last.
     pub fn priorities(&self) -> Vec<u64> {
         let stated = self.tasks.iter().any(|task| task.priority.is_some());
-        let of_task = |task: &Task| match stated {
-            true => u64::from(task.priority.unwrap_or(UNSTATED)),
-            false => task.period.map_or(u64::MAX, u64::from),
+        let of_task = |task: &Task| {
+            if stated {
+                u64::from(task.priority.unwrap_or(UNSTATED))
+            } else {
+                task.period.map_or(u64::MAX, u64::from)
+            }
         };
         let controls = self.components.iter().map(|component| {
             let own = component.tasks.iter().map(|&task| of_task(&self.tasks[task]));
@@ -484,7 +487,9 @@ impl TimedSystem {
         for automaton in &self.automata {
             if automaton.service.is_none_or(|service| requested[service]) {
                 let states = &self.machines[automaton.machine].states;
-                states.iter().for_each(|state| out[state.codel] = true);
+                for state in states {
+                    out[state.codel] = true;
+                }
             }
         }
         for (service, _) in self.services.iter().zip(&requested).filter(|pair| *pair.1) {

@@ -300,13 +300,14 @@ impl Group<'_> {
     /// Returns the limits for some checks. If each of them has a bound that answers it, exact values are
     /// worth less effort.
     fn limits_for(&self, checks: &[Single], part: &[usize], analysed: &ResponseBounds) -> Limits {
-        match part.iter().all(|&i| self.is_settled(&checks[i], analysed)) {
-            true => Limits {
+        if part.iter().all(|&i| self.is_settled(&checks[i], analysed)) {
+            Limits {
                 states: self.limits.states / SETTLED,
                 steps: self.limits.steps.min(STEPS_IF_SETTLED),
                 ..self.limits
-            },
-            false => self.limits,
+            }
+        } else {
+            self.limits
         }
     }
 

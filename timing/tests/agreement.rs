@@ -333,11 +333,12 @@ fn excess(
     let (Some(limit), Some(run)) = (limit, run) else {
         // Brute force knows nothing beyond the cap.
         let unknown = limit == Some(CAP) && expected.is_none();
-        return match expected.is_some() == run.is_some() || unknown {
-            true => Ok(()),
-            false => Err(format!(
+        return if expected.is_some() == run.is_some() || unknown {
+            Ok(())
+        } else {
+            Err(format!(
                 "{what} {i}, limit {limit:?}: brute exceeds it at {expected:?}, found {run:?}"
-            )),
+            ))
         };
     };
     let reached = replay(run)?;
@@ -477,10 +478,7 @@ fn compare_reachable(seed: u64) -> Option<Result<(), String>> {
             reached: found.reached.iter().map(Option::is_some).collect(),
             deadlock: found.deadlock.is_some(),
             // After all questions are answered, the exploration stops.
-            refused: match answered {
-                true => expected.refused.clone(),
-                false => found.refused,
-            },
+            refused: if answered { expected.refused.clone() } else { found.refused },
         };
         if all != expected {
             return Err(format!("brute {expected:?}, found {all:?}"));

@@ -231,7 +231,7 @@ fn slots_are_for_activities_whether_requested_or_not() {
         ");
     let wrong = report.diagnostics.iter().map(|diagnostic| diagnostic.range.len());
     let names = ["recrod", "sensor.reset"];
-    assert_eq!(Vec::from_iter(wrong), names.map(str::len));
+    assert_eq!(wrong.collect::<Vec<_>>(), names.map(str::len));
 }
 
 #[test]

@@ -205,10 +205,7 @@ fn system_picture(
         interrupts: wish.interrupts,
         locks: wish.locks,
         opened: wish.opened.clone(),
-        chains: match wish.chains {
-            true => around.chains.clone(),
-            false => Vec::new(),
-        },
+        chains: if wish.chains { around.chains.clone() } else { Vec::new() },
     };
     let graph = system::graph(&parts, &options);
     let mut drawn = Picture {

@@ -79,7 +79,7 @@ pub fn server_program(profile: Profile) -> PathBuf {
 pub fn install_packages(directory: &Path) -> Result<()> {
     // Suites install side by side.
     static ONE: Mutex<()> = Mutex::new(());
-    let _one = ONE.lock().unwrap_or_else(|error| error.into_inner());
+    let _one = ONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     tools::ensure_node()?;
     let modified =
         |path: &str| directory.join(path).metadata().and_then(|metadata| metadata.modified());

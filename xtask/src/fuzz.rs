@@ -96,9 +96,10 @@ fn one(program: &Path, name: &str, options: &Options) -> Result<bool> {
     arguments.extend(limits);
     let examples = xtask::root().join("examples");
     let seeds = target().join("fuzz").join(format!("{name}-seeds"));
-    let seeds = match seeded(&examples, name, &seeds)? {
-        true => seeds.to_string_lossy().into_owned(),
-        false => kept.clone(),
+    let seeds = if seeded(&examples, name, &seeds)? {
+        seeds.to_string_lossy().into_owned()
+    } else {
+        kept.clone()
     };
     arguments.push(&seeds);
     let mut command = run::command(xtask::root(), &program.to_string_lossy(), &arguments);

@@ -169,10 +169,7 @@ fn npm_packages() -> Result<Vec<Part>> {
         open.extend(names.map(|(name, _)| {
             // Node searches next to the package first, then in outer folders.
             let own = format!("{place}/node_modules/{name}");
-            match packages.contains_key(&own) {
-                true => own,
-                false => format!("node_modules/{name}"),
-            }
+            if packages.contains_key(&own) { own } else { format!("node_modules/{name}") }
         }));
     }
     let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
@@ -231,7 +228,12 @@ fn licence_texts(directory: &Path) -> Result<BTreeSet<String>> {
         for entry in std::fs::read_dir(&folder)? {
             let entry = entry?;
             let name = entry.file_name().to_string_lossy().to_lowercase();
-            let source = name.ends_with(".rs") || name.ends_with(".js");
+            let source = std::path::Path::new(&name)
+                .extension()
+                .is_some_and(|ext| ext.eq_ignore_ascii_case("rs"))
+                || std::path::Path::new(&name)
+                    .extension()
+                    .is_some_and(|ext| ext.eq_ignore_ascii_case("js"));
             let named = WORDS.iter().any(|word| name.contains(word)) || FONTS.contains(&&*name);
             if entry.file_type()?.is_file() && named && !source {
                 let text = String::from_utf8_lossy(&std::fs::read(entry.path())?).into_owned();

@@ -232,7 +232,9 @@ mod tests {
     fn the_summary_of_node_is_read() {
         let mut outcome = Outcome::default();
         let lines = ["ok 1 - # pass 3 of it", "# pass 10", "# fail 2", "# suites 0"];
-        lines.iter().for_each(|line| super::editors::tap(line, &mut outcome));
+        for line in &lines {
+            super::editors::tap(line, &mut outcome);
+        }
         assert_eq!((outcome.passed, outcome.failed), (10, 2));
     }
 

@@ -47,9 +47,10 @@ impl Tool {
 
     /// A program on `PATH`, or an absolute path.
     fn is_installed(&self) -> bool {
-        match self.program.starts_with('/') {
-            true => Path::new(self.program).exists(),
-            false => find(self.program).is_some(),
+        if self.program.starts_with('/') {
+            Path::new(self.program).exists()
+        } else {
+            find(self.program).is_some()
         }
     }
 }

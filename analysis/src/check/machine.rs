@@ -69,7 +69,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
     }
     reached.extend(from_stop);
     let misnamed = misnamed(&machine);
-    for (&(state, src), used) in misnamed.iter() {
+    for (&(state, src), used) in &misnamed {
         let kind = CodelProblem::Misnamed { state: state.clone(), owner: owner.name() };
         found.push(Finding::new(kind, src).near(Some(Near::new(src, used))));
     }
@@ -154,7 +154,7 @@ fn undefined(owner: &Owner<'_>, machine: &Machine<'_>, codel: &Codel, state: &St
             .related(codel.src, Role::Codel)
             .near(Some(near));
     }
-    let states = machine.states().map(|state| state.as_str());
+    let states = machine.states().map(smol_str::SmolStr::as_str);
     let near = dotgen_syntax::suggestion::nearest(&state.name, states.chain(["ether"]));
     let near = near.map(|name| {
         let pause = if state.paused { "pause::" } else { "" };

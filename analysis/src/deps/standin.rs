@@ -284,12 +284,11 @@ struct RedeclaredService {
 
 impl Module {
     fn module(&mut self, name: &str) -> &mut Module {
-        let at = match self.modules.iter().position(|module| module.0 == name) {
-            Some(at) => at,
-            None => {
-                self.modules.push((name.to_owned(), Module::default()));
-                self.modules.len() - 1
-            }
+        let at = if let Some(at) = self.modules.iter().position(|module| module.0 == name) {
+            at
+        } else {
+            self.modules.push((name.to_owned(), Module::default()));
+            self.modules.len() - 1
         };
         &mut self.modules[at].1
     }
@@ -341,17 +340,16 @@ impl Module {
     /// Adds a local variable of a service.
     fn local(&mut self, service: &Service, params: Vec<String>, name: &Name) {
         let all = &mut self.declared_again;
-        let at = match all.iter().position(|other| other.name == service.name) {
-            Some(at) => at,
-            None => {
-                all.push(RedeclaredService {
-                    name: service.name.clone(),
-                    kind: service.kind,
-                    params,
-                    locals: Vec::new(),
-                });
-                all.len() - 1
-            }
+        let at = if let Some(at) = all.iter().position(|other| other.name == service.name) {
+            at
+        } else {
+            all.push(RedeclaredService {
+                name: service.name.clone(),
+                kind: service.kind,
+                params,
+                locals: Vec::new(),
+            });
+            all.len() - 1
         };
         if !all[at].locals.contains(name) {
             all[at].locals.push(name.clone());

@@ -192,7 +192,7 @@ impl<'a> Elaborator<'a> {
         let (def, first) = (known.def, known.src);
         // An imported codel keeps its meaning at the point of import, and is not compared.
         if known.signature.is_none() || (self.importing.is_some() && complete) {
-            known.signature = signature.clone();
+            known.signature.clone_from(&signature);
         }
         self.refer_as(at, def, Access::None, true);
         let Some(known) = self.codels.get(&name.text) else {

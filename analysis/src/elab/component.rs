@@ -160,15 +160,14 @@ impl<'a> Elaborator<'a> {
     /// The scope `pause` of a component.
     fn pause_scope(&mut self, scope: ScopeId, at: Src) -> ScopeId {
         let pause_name = Text::new_static("pause");
-        match self.scopes.get(scope).children.get(&pause_name) {
-            Some(&pause) => pause,
-            None => {
-                if let Some(clash) = self.scopes.clash(scope, &pause_name, true) {
-                    // The component is called `pause`, or its module has a member of that name.
-                    self.report_clash(scope, &pause_name, at, clash);
-                }
-                self.scopes.open(scope, &pause_name, ScopeKind::Module, None, false)
+        if let Some(&pause) = self.scopes.get(scope).children.get(&pause_name) {
+            pause
+        } else {
+            if let Some(clash) = self.scopes.clash(scope, &pause_name, true) {
+                // The component is called `pause`, or its module has a member of that name.
+                self.report_clash(scope, &pause_name, at, clash);
             }
+            self.scopes.open(scope, &pause_name, ScopeKind::Module, None, false)
         }
     }
 
@@ -178,7 +177,7 @@ impl<'a> Elaborator<'a> {
             Item::Property(property) => self.component_property(index, property),
             Item::Ids { members, keyword, .. } => self.ids(index, members, *keyword),
             Item::Task { name: Some(name), properties, ptr } => {
-                self.task(index, name, properties, *ptr)
+                self.task(index, name, properties, *ptr);
             }
             Item::Port(decl) => self.port(index, decl),
             Item::Service(decl) => self.service(index, decl),
@@ -216,10 +215,7 @@ impl<'a> Elaborator<'a> {
         let def = self.scopes.get(scope).def;
         // The ids can be used as a type once they have members.
         let (outer, name) = (self.components[index as usize].scope, Text::new_static("ids"));
-        let hidden = match first {
-            true => self.scopes.get_mut(outer).names.remove(&name),
-            false => None,
-        };
+        let hidden = if first { self.scopes.get_mut(outer).names.remove(&name) } else { None };
         let members = self.within(scope, def, |this| this.members(items, DefKind::IdsMember));
         if let Some(ids) = hidden {
             self.scopes.get_mut(outer).names.insert(name, ids);
@@ -312,14 +308,13 @@ impl<'a> Elaborator<'a> {
                 Item::Pragma(pragma) => return this.pragma(pragma),
                 _ => return,
             };
-            match &property.kind {
-                PropertyKind::Doc(text) => this.add_doc(&mut docs, text),
-                _ => {
-                    let at = this.src(property.ptr);
-                    let word = super::property::keyword(&property.kind);
+            if let PropertyKind::Doc(text) = &property.kind {
+                this.add_doc(&mut docs, text);
+            } else {
+                let at = this.src(property.ptr);
+                let word = super::property::keyword(&property.kind);
 
-                    this.error(at, DeclarationProblem::NotInPort { word });
-                }
+                this.error(at, DeclarationProblem::NotInPort { word });
             }
         });
         let dir = if out { PortDir::Out } else { PortDir::In };
@@ -370,10 +365,7 @@ impl<'a> Elaborator<'a> {
         }
         let provided = port.imported_from.is_some() && !used;
         let alias = provided && self.spec.release.has(Change::ProvidedPortTypes);
-        let kind = match alias {
-            true => TypeKind::Typedef { ty: port.ty },
-            false => kind,
-        };
+        let kind = if alias { TypeKind::Typedef { ty: port.ty } } else { kind };
         let ty = self.named(kind, scope, port.name.clone(), port.src);
         self.type_defs[ty.0 as usize] = Some(def);
         if port.imported_from.is_none() {

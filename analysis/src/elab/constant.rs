@@ -101,22 +101,19 @@ impl<'a> Elaborator<'a> {
 
     /// The value of an integer literal.
     fn integer(&mut self, text: &Name, at: Src) -> Const {
-        match parse_integer(text) {
-            Some((value, odd)) => {
-                if odd {
-                    self.error(at, ValueProblem::OctalDigit { text: text.clone(), value });
-                }
-                if value > i128::from(i32::MAX) {
-                    // GenoM3 keeps the low 32 bits, as a signed integer.
-                    let kept = value as u32 as i32;
-                    self.deviation(at, LintWarning::WideInteger { text: text.clone(), kept });
-                }
-                Const::unsigned(value)
+        if let Some((value, odd)) = parse_integer(text) {
+            if odd {
+                self.error(at, ValueProblem::OctalDigit { text: text.clone(), value });
             }
-            None => {
-                self.error(at, ValueProblem::TooLong { text: text.clone() });
-                Const::Unknown
+            if value > i128::from(i32::MAX) {
+                // GenoM3 keeps the low 32 bits, as a signed integer.
+                let kept = value as u32 as i32;
+                self.deviation(at, LintWarning::WideInteger { text: text.clone(), kept });
             }
+            Const::unsigned(value)
+        } else {
+            self.error(at, ValueProblem::TooLong { text: text.clone() });
+            Const::Unknown
         }
     }
 

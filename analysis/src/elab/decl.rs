@@ -26,7 +26,7 @@ impl<'a> Elaborator<'a> {
     pub(super) fn statement(&mut self, item: &'a Item) {
         match item {
             Item::Component { interface, name: Some(name), body, ptr } => {
-                self.component(*interface, name, body.as_deref(), *ptr)
+                self.component(*interface, name, body.as_deref(), *ptr);
             }
             _ => {
                 self.idl_statement(item);

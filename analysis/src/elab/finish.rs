@@ -96,7 +96,7 @@ impl Elaborator<'_> {
     fn apply_wcet_pragmas(&mut self) {
         for pragma in std::mem::take(&mut self.pragma_wcet) {
             let Some(def) = self.codel_def(&pragma.codel) else {
-                let names = self.codels.keys().map(|key| key.as_str());
+                let names = self.codels.keys().map(smol_str::SmolStr::as_str);
                 let near = self.near(pragma.name, &pragma.codel, names);
 
                 self.unresolved(

@@ -28,9 +28,10 @@ impl<'a> Elaborator<'a> {
         at: Src,
         otherwise: Finding,
     ) {
-        match self.spec.release.has(change) {
-            true => self.newer(change, what, at),
-            false => self.report(otherwise),
+        if self.spec.release.has(change) {
+            self.newer(change, what, at);
+        } else {
+            self.report(otherwise);
         }
     }
 

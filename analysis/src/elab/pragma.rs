@@ -39,7 +39,7 @@ impl<'a> Elaborator<'a> {
                 self.masquerade(arguments, ty.as_ref(), *ptr);
             }
             Pragma::Wcet { codel, duration, ptr } => {
-                self.pragma_wcet(codel.as_ref(), duration.as_ref(), *ptr)
+                self.pragma_wcet(codel.as_ref(), duration.as_ref(), *ptr);
             }
         }
     }

@@ -213,18 +213,15 @@ impl<'a> Elaborator<'a> {
         word: &'static str,
         at: Src,
     ) -> bool {
-        match given.get(word) {
-            Some(&first) => {
-                self.report(
-                    Finding::new(DeclarationProblem::PropertyTwice { word }, at)
-                        .related(first, Role::FirstGiven),
-                );
-                false
-            }
-            None => {
-                given.insert(word, at);
-                true
-            }
+        if let Some(&first) = given.get(word) {
+            self.report(
+                Finding::new(DeclarationProblem::PropertyTwice { word }, at)
+                    .related(first, Role::FirstGiven),
+            );
+            false
+        } else {
+            given.insert(word, at);
+            true
         }
     }
 
@@ -396,13 +393,12 @@ impl<'a> Elaborator<'a> {
             Some((Unit::M, _)) => 1 << 20,
             _ => 1,
         };
-        match value.checked_mul(factor) {
-            Some(bytes) => Some(self.amount(bytes, src)),
-            None => {
-                let at = self.src(size.value.ptr);
-                self.error(at, ValueProblem::StackTooLarge);
-                None
-            }
+        if let Some(bytes) = value.checked_mul(factor) {
+            Some(self.amount(bytes, src))
+        } else {
+            let at = self.src(size.value.ptr);
+            self.error(at, ValueProblem::StackTooLarge);
+            None
         }
     }
 

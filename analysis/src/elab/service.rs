@@ -49,29 +49,26 @@ impl<'a> Elaborator<'a> {
         }
         let params = self.service_params(index, decl);
         let known = self.components[index as usize].service_by_name.get(&name.text).copied();
-        let service = match known {
-            Some(service) => {
-                let def = self.components[index as usize].services[service as usize].def;
-                self.refer_as(at, def, Access::None, true);
-                if !self.check_kind(index, service, decl.kind, at) {
-                    return;
-                }
-                self.merge_params(index, service, &params, at);
-                self.spec.components[index as usize].services[service as usize].src = at;
-                service
+        let service = if let Some(service) = known {
+            let def = self.components[index as usize].services[service as usize].def;
+            self.refer_as(at, def, Access::None, true);
+            if !self.check_kind(index, service, decl.kind, at) {
+                return;
             }
-            None => {
-                let service = self.new_service(index, decl, name);
-                let outer = self
-                    .container
-                    .replace(self.components[index as usize].services[service as usize].def);
-                for NewParam { param, name_src } in params {
-                    let node = param.src;
-                    self.add_param(index, service, param, name_src, node, DefKind::Parameter);
-                }
-                self.container = outer;
-                service
+            self.merge_params(index, service, &params, at);
+            self.spec.components[index as usize].services[service as usize].src = at;
+            service
+        } else {
+            let service = self.new_service(index, decl, name);
+            let outer = self
+                .container
+                .replace(self.components[index as usize].services[service as usize].def);
+            for NewParam { param, name_src } in params {
+                let node = param.src;
+                self.add_param(index, service, param, name_src, node, DefKind::Parameter);
             }
+            self.container = outer;
+            service
         };
         if decl.kind == ServiceKind::Attribute && known.is_none() {
             let (visit, scope) = (self.visit, self.scope);
@@ -235,7 +232,7 @@ impl<'a> Elaborator<'a> {
                 }
             }
             PropertyKind::Before(list) | PropertyKind::After(list) => {
-                self.order(index, service, name, list, word, at)
+                self.order(index, service, name, list, word, at);
             }
             PropertyKind::Task(task) => {
                 if kind != ServiceKind::Activity {
@@ -395,7 +392,7 @@ impl<'a> Elaborator<'a> {
                 self.lack_of(index, Missing::Task { name });
                 return None;
             }
-            let names = state.task_by_name.keys().map(|key| key.as_str());
+            let names = state.task_by_name.keys().map(smol_str::SmolStr::as_str);
             let near = self.near(self.src(task.ptr), &task.text, names);
 
             self.unresolved(at, DeclarationProblem::UnknownTask { name: task.text.clone() }, near);
@@ -466,14 +463,15 @@ impl<'a> Elaborator<'a> {
                     self.lack_of(index, Missing::Service { name });
                 }
                 None => {
-                    let candidates = state.service_by_name.keys().map(|key| key.as_str());
+                    let candidates = state.service_by_name.keys().map(smol_str::SmolStr::as_str);
                     let near = self.near(*at, name, candidates);
                     let remote = state.remote_by_name.contains_key(name);
                     let name = name.clone();
                     let component = self.spec.components[index as usize].name.clone();
-                    let kind = match remote {
-                        true => DeclarationProblem::OnlyRemote { name, component },
-                        false => DeclarationProblem::UnknownService { name, component },
+                    let kind = if remote {
+                        DeclarationProblem::OnlyRemote { name, component }
+                    } else {
+                        DeclarationProblem::UnknownService { name, component }
                     };
 
                     self.unresolved(*at, kind, near);

@@ -21,22 +21,19 @@ impl<'a> Elaborator<'a> {
     pub(super) fn task(&mut self, index: u32, name: &'a Name, properties: &'a [Item], ptr: Ptr) {
         let at = self.src(name.ptr);
         let known = self.components[index as usize].task_by_name.get(&name.text);
-        let task = match known.copied() {
-            Some(task) => {
-                let def = self.components[index as usize].tasks[task as usize].def;
-                self.refer_as(at, def, Access::None, true);
-                if self.spec.release.has(Change::ReopenedTaskPlaces) {
-                    self.spec.components[index as usize].tasks[task as usize].src = at;
-                }
-                task
+        let task = if let Some(task) = known.copied() {
+            let def = self.components[index as usize].tasks[task as usize].def;
+            self.refer_as(at, def, Access::None, true);
+            if self.spec.release.has(Change::ReopenedTaskPlaces) {
+                self.spec.components[index as usize].tasks[task as usize].src = at;
             }
-            None => {
-                let node = self.src(ptr);
-                let def = self.define(DefKind::Task, &name.text, at, node, None);
-                let task = self.new_task(index, &name.text, at, def, None);
-                self.set_entity(def, Entity::Task(index, task));
-                task
-            }
+            task
+        } else {
+            let node = self.src(ptr);
+            let def = self.define(DefKind::Task, &name.text, at, node, None);
+            let task = self.new_task(index, &name.text, at, def, None);
+            self.set_entity(def, Entity::Task(index, task));
+            task
         };
         let node = self.src(ptr);
         self.spec.owner_bodies.push(OwnerBody { component: index, owner: Owner::Task(task), node });

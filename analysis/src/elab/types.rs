@@ -159,7 +159,7 @@ impl<'a> Elaborator<'a> {
         } else if followed + 1 < names.len() {
             let missing = names[followed];
             let inner = self.scopes.get(scope);
-            let candidates = inner.children.keys().map(|key| key.as_str());
+            let candidates = inner.children.keys().map(smol_str::SmolStr::as_str);
             let near = self.near(self.src(token(followed)), missing, candidates);
             let inside = match followed {
                 0 => SearchedScope::Here,
@@ -204,10 +204,8 @@ impl<'a> Elaborator<'a> {
             .filter(|(_, ty)| wanted(&self.spec.ty(*ty).kind))
             .map(|(name, _)| name.as_str());
         let at = self.src(last.ptr);
-        let foreign = match types {
-            true => foreign::type_of(&last.text),
-            false => foreign::constant_of(&last.text),
-        };
+        let foreign =
+            if types { foreign::type_of(&last.text) } else { foreign::constant_of(&last.text) };
         let basic: &[&str] = if types { &foreign::TYPES } else { &[] };
         match foreign {
             Some(name) => Some(Near { plain: true, ..Near::new(at, name) }),

@@ -40,10 +40,8 @@ impl FixSite<'_> {
             first.is_some_and(|token| token.text() == name)
         };
         let mut uses = component.syntax().descendants().filter_map(ast::PathParam::cast);
-        let direction = match uses.any(|usage| usage.in_token().is_none() && same(&usage)) {
-            true => "out",
-            false => "in",
-        };
+        let direction =
+            if uses.any(|usage| usage.in_token().is_none() && same(&usage)) { "out" } else { "in" };
         let at = before_comments(component.syntax())?;
         let indent = indent_of(component.syntax());
         let mut fix = self.declare(name, SyntaxKind::PORT, |name| {
@@ -146,21 +144,21 @@ impl FixSite<'_> {
         let (text, title) = text(name);
         let text = self.as_written(&text);
         let mut before = std::iter::successors(item.prev_sibling(), SyntaxNode::prev_sibling);
-        let edit = match before.find(|sibling| sibling.kind() == kind && starts_line(sibling)) {
-            Some(last) => {
-                let indent = indent_of(&last);
-                (TextRange::empty(end_of(&last)), format!("\n{indent}{text}"))
-            }
-            None => {
-                let first = item
-                    .descendants_with_tokens()
-                    .filter_map(|element| element.into_token())
-                    .find(|token| !token.kind().is_trivia())?;
-                let at = TextRange::empty(first.text_range().start());
-                match starts_line(&item) {
-                    true => (at, format!("{text}\n\n{}", indent_of(&item))),
-                    false => (at, format!("{text} ")),
-                }
+        let edit = if let Some(last) =
+            before.find(|sibling| sibling.kind() == kind && starts_line(sibling))
+        {
+            let indent = indent_of(&last);
+            (TextRange::empty(end_of(&last)), format!("\n{indent}{text}"))
+        } else {
+            let first = item
+                .descendants_with_tokens()
+                .filter_map(dotgen_syntax::NodeOrToken::into_token)
+                .find(|token| !token.kind().is_trivia())?;
+            let at = TextRange::empty(first.text_range().start());
+            if starts_line(&item) {
+                (at, format!("{text}\n\n{}", indent_of(&item)))
+            } else {
+                (at, format!("{text} "))
             }
         };
         Some(TextFix { kind: FixKind::Guess, title, edits: vec![edit] })
@@ -215,7 +213,7 @@ fn members_of(item: &SyntaxNode, ty: &str) -> Vec<String> {
 /// The start of an item, including the comments right before it.
 fn before_comments(item: &SyntaxNode) -> Option<TextSize> {
     let tokens = item.descendants_with_tokens();
-    let mut tokens = tokens.filter_map(|token| token.into_token());
+    let mut tokens = tokens.filter_map(dotgen_syntax::NodeOrToken::into_token);
     let first = tokens.find(|token| !token.kind().is_trivia())?;
     let mut at = first.text_range().start();
     let mut ends = 0;

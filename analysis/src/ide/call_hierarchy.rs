@@ -137,39 +137,34 @@ fn calls(view: &FileView<'_>, key: &CallKey, incoming: bool) -> Vec<Call> {
             None => out.push(Call { item, ranges: range.into_iter().collect() }),
         }
     };
-    match &key.state {
-        Some(state) => {
-            for codel in component.codels_of(owner) {
-                let bound =
-                    |codel: &Codel| codel.triggers.iter().any(|trigger| trigger.name == *state);
-                if incoming {
-                    for to in codel.yields.iter().filter(|candidate| candidate.name == *state) {
-                        for from in &codel.triggers {
-                            let item = item(view, component, owner, Some(&from.name));
-                            add(item, Some(to.src));
-                        }
+    if let Some(state) = &key.state {
+        for codel in component.codels_of(owner) {
+            let bound = |codel: &Codel| codel.triggers.iter().any(|trigger| trigger.name == *state);
+            if incoming {
+                for to in codel.yields.iter().filter(|candidate| candidate.name == *state) {
+                    for from in &codel.triggers {
+                        let item = item(view, component, owner, Some(&from.name));
+                        add(item, Some(to.src));
                     }
-                } else if bound(codel) {
-                    for to in &codel.yields {
-                        add(item(view, component, owner, Some(&to.name)), Some(to.src));
-                    }
+                }
+            } else if bound(codel) {
+                for to in &codel.yields {
+                    add(item(view, component, owner, Some(&to.name)), Some(to.src));
                 }
             }
         }
-        None => {
-            let Owner::Service(own) = owner else {
-                return out;
-            };
-            for (index, service) in (0..).zip(&component.services) {
-                let (from, to) = if incoming { (index, own) } else { (own, index) };
-                let list = &component.services[from as usize].interrupts;
-                if list.all || list.services.contains(&to) {
-                    let mention =
-                        mention(view, component, from, &component.services[to as usize].name);
-                    add(item(view, component, Owner::Service(index), None), mention);
-                }
-                _ = service;
+    } else {
+        let Owner::Service(own) = owner else {
+            return out;
+        };
+        for (index, service) in (0..).zip(&component.services) {
+            let (from, to) = if incoming { (index, own) } else { (own, index) };
+            let list = &component.services[from as usize].interrupts;
+            if list.all || list.services.contains(&to) {
+                let mention = mention(view, component, from, &component.services[to as usize].name);
+                add(item(view, component, Owner::Service(index), None), mention);
             }
+            _ = service;
         }
     }
     out

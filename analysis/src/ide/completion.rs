@@ -303,11 +303,10 @@ impl Completions {
     fn wcet(&mut self, context: &Context) {
         use dotgen_syntax::SyntaxKind::{FLOAT, INT};
         let next = context.after.next();
-        match next.is_some_and(|word| matches!(word.kind, INT | FLOAT)) {
-            true => self.keywords(&["wcet"], 1),
-            false => {
-                self.snippet("wcet", "wcet ${1:1} ms", 1);
-            }
+        if next.is_some_and(|word| matches!(word.kind, INT | FLOAT)) {
+            self.keywords(&["wcet"], 1);
+        } else {
+            self.snippet("wcet", "wcet ${1:1} ms", 1);
         }
     }
 

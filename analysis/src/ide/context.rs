@@ -255,10 +255,7 @@ pub(crate) fn word_at(view: &FileView<'_>, at: usize) -> Range<usize> {
         return at..at;
     }
     let i = raw.token_at(at - 1).min(raw.len() - 1);
-    match is_word(raw.kind(i), raw.text(text, i)) {
-        true => raw.range(i),
-        false => at..at,
-    }
+    if is_word(raw.kind(i), raw.text(text, i)) { raw.range(i) } else { at..at }
 }
 
 fn tokens_before(view: &FileView<'_>, end: usize) -> Vec<Word> {

@@ -29,12 +29,13 @@ fn item_symbols(view: &FileView<'_>, item: &ast::Item, out: &mut Vec<DocumentSym
     match item {
         ast::Item::Directive(directive) => out.extend(macro_symbol(view, directive)),
         ast::Item::Module(module) => {
-            out.extend(with_body(view, module, module.name(), SymbolKind::Module))
+            out.extend(with_body(view, module, module.name(), SymbolKind::Module));
         }
         ast::Item::Component(component) => {
-            let kind = match component.is_interface() {
-                true => SymbolKind::Interface,
-                false => SymbolKind::Component,
+            let kind = if component.is_interface() {
+                SymbolKind::Interface
+            } else {
+                SymbolKind::Component
             };
             out.extend(with_body(view, component, component.name(), kind));
         }
@@ -353,7 +354,7 @@ mod tests {
     #[test]
     fn types() {
         check(
-            r#"
+            r"
 #define N 3
 #define F(x, y) x
 module m {
@@ -365,8 +366,8 @@ module m {
   exception x, z { string<4> why; };
   native n;
 };
-"#,
-            expect![[r#"
+",
+            expect![[r"
                 Macro N [N] 
                 Macro F [F] (x, y)
                 Module m [m] 
@@ -387,7 +388,7 @@ module m {
                   Exception z [z] 
                     Member why [why] string<4>
                   Native n [n] 
-            "#]],
+            "]],
         );
     }
 
@@ -410,7 +411,7 @@ component c {
   };
 };
 "#,
-            expect![[r#"
+            expect![[r"
                 Interface i [i] 
                   Port q [q] multiple in long
                 Component c [c] 
@@ -427,7 +428,7 @@ component c {
                     Local tmp [tmp] long
                     Codel check [check] 
                     Codel begin [begin] <start, step> yield pause::start, ether
-            "#]],
+            "]],
         );
     }
 
@@ -435,25 +436,25 @@ component c {
     fn names_from_macros_and_unfinished_text() {
         check(
             "#define T(n) task n { period 1 ms; }\ncomponent c { T(fast); };\n",
-            expect![[r#"
+            expect![[r"
             Macro T [T] (n)
             Component c [c] 
               Task fast [fast] period 1 ms
-        "#]],
+        "]],
         );
         check(
             "component c { ids { long ; }; port in long",
-            expect![[r#"
+            expect![[r"
             Component c [c] 
               Ids ids [ids] 
-        "#]],
+        "]],
         );
         check(
             "component { task t; };",
-            expect![[r#"
+            expect![[r"
             Component (component without name) [component] 
               Task t [t] 
-        "#]],
+        "]],
         );
     }
 }

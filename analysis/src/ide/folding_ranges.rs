@@ -203,14 +203,14 @@ component c {
     B };
 };
 ",
-            expect![[r#"
+            expect![[r"
                 1-2 Some(Comment)
                 5-6 Some(Comment)
                 7-8 Some(Imports)
                 11-19 None
                 14-16 None
                 17-18 None
-            "#]],
+            "]],
         );
     }
 
@@ -227,12 +227,12 @@ const long d = 1;
 #endif
 #endif
 ",
-            expect![[r#"
+            expect![[r"
                 1-8 Some(Region)
                 3-5 Some(Region)
                 4-5 Some(Region)
                 6-7 Some(Region)
-            "#]],
+            "]],
         );
     }
 }

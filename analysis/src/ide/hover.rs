@@ -157,9 +157,10 @@ fn declaration_text(view: &FileView<'_>, definition: &Definition) -> Option<Stri
 
 /// A file as the unit of a view sees it.
 fn view_of<'db>(view: &FileView<'db>, file: SourceFile) -> Option<FileView<'db>> {
-    let key = match file == view.file {
-        true => view.key,
-        false => crate::unit::serving_visit(view.db, view.unit, file)?.1,
+    let key = if file == view.file {
+        view.key
+    } else {
+        crate::unit::serving_visit(view.db, view.unit, file)?.1
     };
     Some(FileView { db: view.db, file, unit: view.unit, key })
 }

@@ -28,9 +28,7 @@ pub(crate) fn implementations(view: &FileView<'_>, at: usize) -> Option<RangeInf
         let home = [wanted.file];
         for_each_unit(view, home, |unit| {
             let elaborated = elaborated(view.db, unit);
-            for id in
-                find_identities(view.db, unit, elaborated, std::slice::from_ref(&wanted)).iter()
-            {
+            for id in &find_identities(view.db, unit, elaborated, std::slice::from_ref(&wanted)) {
                 let definition = elaborated.definition(*id);
                 for (src, name) in completions(elaborated, definition) {
                     let Some((file, found)) = place(view.db, unit, src) else {

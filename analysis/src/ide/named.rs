@@ -19,9 +19,10 @@ pub(crate) fn named(db: &dyn Db, names: &[&str]) -> Vec<NamedDeclaration> {
     let roots: Vec<SourceFile> = paths.iter().map(|path| db.file(path)).collect();
     let found = parallel::over(db, &roots, |db, &root| {
         // The declarations of a file that is included elsewhere are found there.
-        match roots_of(db, root).first() == Some(&root) {
-            true => of_unit(db, root, names, roots.len()),
-            false => Vec::new(),
+        if roots_of(db, root).first() == Some(&root) {
+            of_unit(db, root, names, roots.len())
+        } else {
+            Vec::new()
         }
     });
     let mut found: Vec<NamedDeclaration> = found.into_iter().flatten().collect();
@@ -62,7 +63,7 @@ fn has_name(all: &[Definition], declaration: &Definition, names: &[&str]) -> boo
     for name in names.iter().rev() {
         match declaration {
             Some(definition) if definition.name == *name => {
-                declaration = definition.container.and_then(|container| at(all, container))
+                declaration = definition.container.and_then(|container| at(all, container));
             }
             _ => return false,
         }

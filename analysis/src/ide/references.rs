@@ -34,7 +34,7 @@ pub(crate) fn references(
         })
         .collect();
     let mut roots: Vec<SourceFile> = view.unit.inputs(view.db).clone();
-    let mut seen = FxHashSet::from_iter(roots.iter().copied());
+    let mut seen = roots.iter().copied().collect::<FxHashSet<_>>();
     let others = identities.iter().flat_map(|identity| roots_of(view.db, identity.file));
     roots.extend(others.copied().filter(|root| seen.insert(*root)));
     let found = parallel::over(view.db, &roots, |db, &root| {
@@ -108,10 +108,8 @@ fn named(db: &dyn Db, unit: UnitKey<'_>, wanted: &[Identity], count: usize) -> V
     let used = elaborated.references.iter();
     let used = used.filter(|reference| ids.contains(&reference.target));
     let used = used.filter_map(|reference| {
-        let access = match reference.declaration {
-            true => AccessKind::Declaration,
-            false => reference.access.into(),
-        };
+        let access =
+            if reference.declaration { AccessKind::Declaration } else { reference.access.into() };
         at(reference.at, access)
     });
     declared.chain(used).collect()

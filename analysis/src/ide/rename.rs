@@ -117,9 +117,10 @@ pub(crate) fn rename(
         return refuse("There is no name here that can be changed");
     };
     let is_macro = targets.iter().any(|target| matches!(target, Target::Macro(..)));
-    let places = match is_macro {
-        true => macro_places(view, at, &old),
-        false => places_of(view, &targets, &old, new_name, progress)?,
+    let places = if is_macro {
+        macro_places(view, at, &old)
+    } else {
+        places_of(view, &targets, &old, new_name, progress)?
     };
     let db = view.db;
     let mut edits = Vec::with_capacity(places.len());

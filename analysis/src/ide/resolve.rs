@@ -60,9 +60,10 @@ pub(crate) fn occurrences<'db>(
             out.push(Occurrence {
                 range,
                 target: reference.target,
-                access: match reference.declaration {
-                    true => AccessKind::Declaration,
-                    false => reference.access.into(),
+                access: if reference.declaration {
+                    AccessKind::Declaration
+                } else {
+                    reference.access.into()
                 },
             });
         }
@@ -261,8 +262,5 @@ pub(crate) fn elaborated_of_many<'db>(
     unit: UnitKey<'db>,
     count: usize,
 ) -> Arc<Elaborated> {
-    match count > MANY {
-        true => Arc::new(elaborate(db, unit)),
-        false => elaborated(db, unit).clone(),
-    }
+    if count > MANY { Arc::new(elaborate(db, unit)) } else { elaborated(db, unit).clone() }
 }

@@ -135,7 +135,7 @@ fn list(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<Signat
                 out.parameter(&parameter(spec, param, false));
             }
             let mut help = out.finish(")", active);
-            help.documentation = service.doc.clone();
+            help.documentation.clone_from(&service.doc);
             Some(help)
         }
     }

@@ -28,13 +28,12 @@ pub(crate) fn workspace_symbols(db: &dyn Db, query: &str, limit: usize) -> Vec<W
     let roots: Vec<SourceFile> = paths.iter().map(|path| db.file(path)).collect();
     let found = parallel::over(db, &roots, |db, &root| {
         // A file that is included elsewhere is listed there.
-        match roots_of(db, root).first() == Some(&root) {
-            true => {
-                let mut found = of_unit(db, root, query, roots.len());
-                best(&mut found, limit);
-                found
-            }
-            false => Vec::new(),
+        if roots_of(db, root).first() == Some(&root) {
+            let mut found = of_unit(db, root, query, roots.len());
+            best(&mut found, limit);
+            found
+        } else {
+            Vec::new()
         }
     });
     let mut seen = FxHashSet::default();

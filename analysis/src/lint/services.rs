@@ -107,7 +107,9 @@ fn order_cycles(lint: &mut Lint) {
         if reported[start] || !find_cycle(&next, start, start, &mut vec![false; count], &mut path) {
             continue;
         }
-        path.iter().for_each(|&i| reported[i] = true);
+        for &i in &path {
+            reported[i] = true;
+        }
         let round = CyclePath(path.iter().map(|&i| services[i].name.clone()).collect());
         let related: Vec<(Src, Role)> = path[1..]
             .iter()

@@ -205,13 +205,17 @@ impl Spec {
                 && !interfaces.is_empty()
                 && self.gaps_of(component).any(is_source)
             {
-                interfaces.into_iter().for_each(|interface| add(&mut out.interfaces, interface));
+                for interface in interfaces {
+                    add(&mut out.interfaces, interface);
+                }
                 continue;
             }
             let own = &self.components[component as usize].name;
             let outermost = ty.scope.first().map(|scope| &scope.name);
             let name = outermost.filter(|name| *name != own).or(ty.name.as_ref());
-            name.into_iter().for_each(|name| add(&mut out.types, name));
+            if let Some(name) = name {
+                add(&mut out.types, name);
+            }
         }
         out
     }

@@ -145,7 +145,7 @@ impl Writer<'_> {
             }
             _ => None,
         };
-        out.put_some("of", of.map(|name| name.as_str()));
+        out.put_some("of", of.map(smol_str::SmolStr::as_str));
         out.put_some("init", param.init.as_ref().map(|init| self.initializer(init)));
         self.place(&mut out, param.src);
         out.done()

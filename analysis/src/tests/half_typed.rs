@@ -27,7 +27,9 @@ fn ask(fixture: &Fixture, path: &Utf8Path, text: &str, offset: usize) {
     };
     let disjoint = |edits: &[FileEdit]| {
         let mut own: Vec<&FileEdit> = edits.iter().filter(|edit| edit.path == path).collect();
-        own.iter().for_each(|edit| fits(&edit.range));
+        for edit in &own {
+            fits(&edit.range);
+        }
         own.sort_by_key(|edit| (edit.range.start, edit.range.end));
         for pair in own.windows(2) {
             assert!(pair[0].range.end <= pair[1].range.start, "{pair:?}");

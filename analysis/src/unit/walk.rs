@@ -168,7 +168,7 @@ struct VisitHost<'a, 'db> {
     file: SourceFile,
 }
 
-impl<'db> Walker<'db> {
+impl Walker<'_> {
     /// Visits a file; returns its visit and the environment after it.
     fn visit(
         &mut self,
@@ -245,7 +245,7 @@ impl<'db> Walker<'db> {
             // The file may be in the missing package, which is reported.
             None if self.packages_missing => IncludeError::Silent,
             None => IncludeError::NotFound {
-                searched: dirs.iter().map(|directory| directory.to_string()).collect(),
+                searched: dirs.iter().map(std::string::ToString::to_string).collect(),
             },
         })
     }
@@ -293,7 +293,7 @@ impl Host for VisitHost<'_, '_> {
     ) -> Result<RequiredPackages, String> {
         let walker = &mut *self.walker;
         let arguments: Vec<String> =
-            arguments.iter().map(|argument| argument.to_string()).collect();
+            arguments.iter().map(std::string::ToString::to_string).collect();
         let packages = walker.db.packages(&arguments);
         let result = packages.flags(walker.db).as_ref().map_err(Clone::clone).map(|flags| {
             for dir in &flags.include_dirs {

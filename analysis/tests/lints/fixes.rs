@@ -56,7 +56,7 @@ fn fixes_write_as_the_author_does() {
              };\n};\n",
         ),
     ]);
-    expect![[r#"
+    expect![[r"
         === throw/undeclared-use
         --- Throw `m::far` instead of yielding it
         module m { exception far, near; };
@@ -95,7 +95,7 @@ fn fixes_write_as_the_author_does() {
             codel <stop> go_stop() yields ether;
           };
         };
-    "#]]
+    "]]
     .assert_eq(&all);
 }
 
@@ -118,7 +118,7 @@ fn slips_have_a_fix() {
             "component c {\n  task t { codel<start> f() yield ether, ether; };\n};\n",
         ),
     ]);
-    expect![[r#"
+    expect![[r"
         === missing-semicolon
         --- Insert `;`
         const long a = 1; // one
@@ -144,7 +144,7 @@ fn slips_have_a_fix() {
         component c {
           task t { codel<start> f() yield ether; };
         };
-    "#]]
+    "]]
     .assert_eq(&all);
 }
 

@@ -92,9 +92,10 @@ struct Place {
 /// A text after inserting an item, and the offset of its cursor.
 fn taken(before: &str, item: &CompletionItem) -> String {
     let mut out = before[..item.replace.start.min(before.len())].to_owned();
-    match item.snippet {
-        true => out.push_str(&plain_snippet(&item.insert)),
-        false => out.push_str(&item.insert),
+    if item.snippet {
+        out.push_str(&plain_snippet(&item.insert));
+    } else {
+        out.push_str(&item.insert);
     }
     out
 }
@@ -161,11 +162,10 @@ const OF_DIRECTIVES: [&str; 5] = [
 /// Returns true if an error does not make an item illegal at a place.
 fn is_beside(code: &str, place: &Place) -> bool {
     let line = place.before.rsplit('\n').next().unwrap_or_default();
-    match line.trim_start().starts_with('#') {
-        true => OF_DIRECTIVES.contains(&code),
-        // In an interface, everything that its component may also declare; elsewhere, disagreements of two
-        // uses.
-        false => OF_TWO[..if place.in_interface { 10 } else { 6 }].contains(&code),
+    if line.trim_start().starts_with('#') {
+        OF_DIRECTIVES.contains(&code)
+    } else {
+        OF_TWO[..if place.in_interface { 10 } else { 6 }].contains(&code)
     }
 }
 
@@ -268,7 +268,7 @@ fn places(text: &str, tokens: &[(std::ops::Range<usize>, String)]) -> Vec<Place>
 
 fn tokens(text: &str) -> Vec<(std::ops::Range<usize>, String)> {
     let root = dotgen_syntax::parse_text(text).syntax();
-    let all = root.descendants_with_tokens().filter_map(|element| element.into_token());
+    let all = root.descendants_with_tokens().filter_map(dotgen_syntax::NodeOrToken::into_token);
     let live = all.filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty());
     let ranges = live.map(|token| std::ops::Range::<usize>::from(token.text_range()));
     ranges.map(|range| (range.clone(), text[range].to_owned())).collect()
@@ -288,9 +288,10 @@ fn tried(component: &Component, count: usize, random: &mut fastrand::Rng) -> Tri
     let text = &component.text;
     let tokens = tokens(text);
     let all = places(text, &tokens);
-    let chosen: Vec<usize> = match count >= all.len() {
-        true => (0..all.len()).collect(),
-        false => (0..count).map(|_| random.usize(..all.len().max(1))).collect(),
+    let chosen: Vec<usize> = if count >= all.len() {
+        (0..all.len()).collect()
+    } else {
+        (0..count).map(|_| random.usize(..all.len().max(1))).collect()
     };
     let mut tried = Tried::default();
     for place in chosen.into_iter().map(|place| &all[place]) {

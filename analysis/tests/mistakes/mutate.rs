@@ -11,7 +11,7 @@ fn mutated(text: &str, random: &mut fastrand::Rng) -> String {
     let root = parse.syntax();
     let tokens: Vec<_> = root
         .descendants_with_tokens()
-        .filter_map(|element| element.into_token())
+        .filter_map(dotgen_syntax::NodeOrToken::into_token)
         .filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty())
         .collect();
     let index = random.usize(..tokens.len().saturating_sub(1).max(1));
@@ -29,7 +29,7 @@ fn mutated(text: &str, random: &mut fastrand::Rng) -> String {
             let word = &text[here.clone()];
             let cut = word.len() / 2;
             if word.is_char_boundary(cut) && word.len() > 2 && word.is_ascii() {
-                out.replace_range(here.start + cut..here.start + cut + 1, "");
+                out.replace_range((here.start + cut)..=(here.start + cut), "");
             }
         }
     }

@@ -244,7 +244,9 @@ fn the_first_fix_restores_what_was_meant() {
     }
     let Score { all, restored, on_line, alone } = score;
     if print {
-        notes.iter().for_each(|note| println!("{note}"));
+        for note in &notes {
+            println!("{note}");
+        }
         println!(
             "{all} mistakes: {restored} restored, {on_line} on their line, {alone} are one error"
         );

@@ -226,10 +226,7 @@ pub(super) fn print(changed: &ChangedTexts) -> anyhow::Result<Outcome> {
     for (path, (old, new)) in changed {
         fmt::print_diff(&session::display(path), old, new)?;
     }
-    Ok(match changed.is_empty() {
-        true => Outcome::Fine,
-        false => Outcome::Errors,
-    })
+    Ok(if changed.is_empty() { Outcome::Fine } else { Outcome::Errors })
 }
 
 /// Writes the new texts: all of them, or none.

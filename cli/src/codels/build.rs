@@ -109,10 +109,8 @@ pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
     for error in errors {
         trouble.tell(&anyhow::Error::msg(error));
     }
-    let outcome = match whole && report.count(Severity::Error) == 0 {
-        true => Outcome::Fine,
-        false => Outcome::Errors,
-    };
+    let outcome =
+        if whole && report.count(Severity::Error) == 0 { Outcome::Fine } else { Outcome::Errors };
     Ok(trouble.outcome(outcome))
 }
 
@@ -414,14 +412,15 @@ impl Builder<'_> {
                         }
                         let result = work(step);
                         counter.count_one();
-                        let mut results = results.lock().unwrap_or_else(|error| error.into_inner());
+                        let mut results =
+                            results.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                         results.push((&step.output, result));
                     }
                 });
             }
         });
         drop(counter);
-        let mut results = results.into_inner().unwrap_or_else(|error| error.into_inner());
+        let mut results = results.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
         results.sort_by_key(|mutex| mutex.0);
         let (mut said, mut other) = (Vec::new(), Vec::new());
         let mut failed = false;

@@ -90,9 +90,10 @@ fn summary(report: &FileReports) -> String {
         found.push(counted(report.incomplete, "file lacks codels", "files lack codels"));
     }
     let files = counted(report.checked, "file", "files");
-    let mut out = match found.is_empty() {
-        true => format!("checked {files}: no problems"),
-        false => format!("checked {files}: {}", found.join(", ")),
+    let mut out = if found.is_empty() {
+        format!("checked {files}: no problems")
+    } else {
+        format!("checked {files}: {}", found.join(", "))
     };
     for waiting in &report.waiting {
         let (names, wait) = match waiting.names.len() {
@@ -205,9 +206,10 @@ fn add_excerpt<'d>(
     };
     let marks = excerpt.marks.iter().enumerate();
     let annotations = marks.map(|(index, (range, label))| {
-        let kind = match index == 0 && is_primary {
-            true => AnnotationKind::Primary,
-            false => AnnotationKind::Context,
+        let kind = if index == 0 && is_primary {
+            AnnotationKind::Primary
+        } else {
+            AnnotationKind::Context
         };
         let annotation: Annotation<'_> = kind.span(window.span(lines, range));
         annotation.label(label.map(terminal::text))

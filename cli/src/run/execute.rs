@@ -316,16 +316,17 @@ impl Context<'_, '_> {
         notes.extend(parts.unlike.iter().cloned());
         let pace = real.then(|| Pace { nanos: hosted::nanos(&opened) });
         if real {
-            match real_time() {
-                true => children.raise_priorities(),
-                false => notes.push(format!(
-                    "the system does not grant the real-time priority {}: times depend on what else runs",
-                    dotgen_hosting::realtime::ENGINE_PRIORITY
-                )),
+            if real_time() {
+                children.raise_priorities();
+            } else {
+                notes.push(format!(
+                "the system does not grant the real-time priority {}: times depend on what else runs",
+                dotgen_hosting::realtime::ENGINE_PRIORITY
+            ));
             }
         }
-        let serving = match real {
-            true => Some(super::serve::start(
+        let serving = if real {
+            Some(super::serve::start(
                 arguments,
                 #[cfg(feature = "zenoh")]
                 self.session,
@@ -334,8 +335,9 @@ impl Context<'_, '_> {
                 &opened,
                 &parts,
                 &mut children,
-            )?),
-            false => None,
+            )?)
+        } else {
+            None
         };
         let server = serving.as_ref().map(|start| &start.server);
         let plan = arguments.plan(&opened);

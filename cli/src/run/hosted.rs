@@ -57,10 +57,7 @@ pub(super) fn build<'s>(
             if folder.sources.sources.is_empty() {
                 continue;
             }
-            let optimization = match debug {
-                true => Optimization::None,
-                false => Optimization::Some,
-            };
+            let optimization = if debug { Optimization::None } else { Optimization::Some };
             let built = build::hosts(&folder, session.packages(), optimization, interrupt)?;
             failed |= built.failed;
             note_errors(&mut said, built.diagnostics);
@@ -117,7 +114,7 @@ fn simulated_note(name: &str, part: Option<&HostedComponent<'_>>) -> Option<Stri
             "`{name}` is simulated: it has no sources of codels; `dotgen codels stub` writes them"
         ));
     };
-    let mut missing: Vec<&str> = part.missing.iter().map(|text| text.as_str()).collect();
+    let mut missing: Vec<&str> = part.missing.iter().map(AsRef::as_ref).collect();
     missing.sort_unstable();
     (!missing.is_empty()).then(|| {
         format!(

@@ -59,9 +59,9 @@ pub(super) fn one(
     let names = Names::new(&input.specs);
     let paths = Paths::of(arguments);
     let mut files = Files::open(
-        paths.log.map(|log| log.as_path()),
-        paths.perfetto.map(|path| path.as_path()),
-        paths.recording.map(|recording| recording.as_path()),
+        paths.log.map(camino::Utf8PathBuf::as_path),
+        paths.perfetto.map(camino::Utf8PathBuf::as_path),
+        paths.recording.map(camino::Utf8PathBuf::as_path),
         &names,
     )?;
     let context = execute::Context {
@@ -75,12 +75,11 @@ pub(super) fn one(
         interrupt,
     };
     let Some(mut run) = context.run_while_proving(arguments, prepared, &mut files)? else {
-        return Ok(Ended::Stopped(match interrupt.is_raised() {
-            true => {
-                report::note("interrupted before it ran");
-                Outcome::GaveUp
-            }
-            false => Outcome::Unusable,
+        return Ok(Ended::Stopped(if interrupt.is_raised() {
+            report::note("interrupted before it ran");
+            Outcome::GaveUp
+        } else {
+            Outcome::Unusable
         }));
     };
     run.report.notes.extend(untimed);
@@ -135,17 +134,18 @@ impl<'a> Paths<'a> {
         if let (Some(path), Some(recording_result)) =
             (self.recording, trouble.ok_or_report(messages).flatten())
         {
-            match recording_result.whole {
-                true => written.push((
+            if recording_result.whole {
+                written.push((
                     path.clone(),
                     recording_result.data,
                     Contents::Messages(recording_result.steps),
-                )),
-                false => trouble.told(),
+                ));
+            } else {
+                trouble.told();
             }
         }
         let recorded = std::mem::replace(&mut run.lines, Ok(0)).and_then(|lines| {
-            let whole = files.runs.map(|run| run.finish()).transpose()?;
+            let whole = files.runs.map(super::recorder::Recorder::finish).transpose()?;
             Ok((lines, whole))
         });
         if let Some((lines, Some(whole))) = trouble.ok_or_report(recorded.map_err(Into::into)) {
@@ -179,9 +179,10 @@ impl Answer {
             events: &run.events,
             ending: Ending::Fine,
             cycle: None,
-            notes: match run.left_out {
-                true => vec!["the run goes on, but not here: it is too long".to_owned()],
-                false => Vec::new(),
+            notes: if run.left_out {
+                vec!["the run goes on, but not here: it is too long".to_owned()]
+            } else {
+                Vec::new()
             },
         };
         trace::write(path, recorded, &self.problem, &self.options)

@@ -44,19 +44,16 @@ pub(super) fn start(
     parts: &HostedComponents<'_>,
     children: &mut Children,
 ) -> anyhow::Result<RunServer> {
-    let path = match &arguments.socket {
-        Some(path) => {
-            let folder = path.parent().filter(|parent| !parent.as_str().is_empty());
-            if let Some(folder) = folder.filter(|folder| !folder.exists()) {
-                let made = std::fs::DirBuilder::new().mode(0o700).create(folder);
-                made.with_context(|| format!("cannot make the folder `{folder}` for the socket"))?;
-            }
-            path.clone().into_std_path_buf()
+    let path = if let Some(path) = &arguments.socket {
+        let folder = path.parent().filter(|parent| !parent.as_str().is_empty());
+        if let Some(folder) = folder.filter(|folder| !folder.exists()) {
+            let made = std::fs::DirBuilder::new().mode(0o700).create(folder);
+            made.with_context(|| format!("cannot make the folder `{folder}` for the socket"))?;
         }
-        None => {
-            let name = problem.path.file_stem().unwrap_or("run");
-            sockets::socket(name)?
-        }
+        path.clone().into_std_path_buf()
+    } else {
+        let name = problem.path.file_stem().unwrap_or("run");
+        sockets::socket(name)?
     };
     let params = arguments.params.as_ref();
     let params = params.map(|path| Params::read(path, names)).transpose()?;
@@ -83,7 +80,7 @@ pub(super) fn start(
     }
     let remote = RemoteComponents::default();
     #[cfg(feature = "zenoh")]
-    let _network = join(arguments, session, &known, parts, children, &remote)?;
+    let network = join(arguments, session, &known, parts, children, &remote)?;
     #[cfg(not(feature = "zenoh"))]
     if arguments.has_network() || arguments.ros2 {
         anyhow::bail!(crate::report::NO_ZENOH);
@@ -93,10 +90,7 @@ pub(super) fn start(
         listen(&path, known, feeds, inbox, remote).map_err(anyhow::Error::msg)?;
     children.tell(outside);
     if let Some(port) = arguments.listen {
-        let clients = match arguments.listen_anyone {
-            true => Clients::Anyone,
-            false => Clients::OfThisUser,
-        };
+        let clients = if arguments.listen_anyone { Clients::Anyone } else { Clients::OfThisUser };
         let (address, token) =
             server.listen_on_loopback(port, clients).map_err(anyhow::Error::msg)?;
         report::note(&match token {
@@ -111,7 +105,7 @@ pub(super) fn start(
     Ok(RunServer {
         server,
         #[cfg(feature = "zenoh")]
-        _network,
+        _network: network,
     })
 }
 
@@ -187,10 +181,7 @@ fn conversions(
             ));
         }
     }
-    match errors.is_empty() {
-        true => Ok(out),
-        false => Err(told_rules(config, &errors)),
-    }
+    if errors.is_empty() { Ok(out) } else { Err(told_rules(config, &errors)) }
 }
 
 /// `pump.goal=planner/goal`

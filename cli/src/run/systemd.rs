@@ -115,7 +115,9 @@ fn text(argument: OsString) -> anyhow::Result<String> {
         Ok(text) => anyhow::bail!(
             "{text:?} has a line end or another control character: a unit cannot contain it"
         ),
-        Err(argument) => anyhow::bail!("{argument:?} is not UTF-8: a unit cannot contain it"),
+        Err(argument) => {
+            anyhow::bail!("{} is not UTF-8: a unit cannot contain it", argument.display())
+        }
     }
 }
 

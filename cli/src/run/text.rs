@@ -296,9 +296,10 @@ pub(super) fn violated(what: &Violated, unit: TimeUnit) -> String {
             unit.show_value(*bound)
         ),
         Violated::Undeclared { codel, function, event } => {
-            let what = match event.is_empty() {
-                true => "something that is not an event of its component".to_owned(),
-                false => format!("`{event}`, which its specification does not declare"),
+            let what = if event.is_empty() {
+                "something that is not an event of its component".to_owned()
+            } else {
+                format!("`{event}`, which its specification does not declare")
             };
             format!("the transitions of {codel}: `{function}` returned {what}")
         }

@@ -15,10 +15,7 @@ const ENDED: i32 = 130;
 /// Returns an interrupt that Ctrl-C raises, if the process has a terminal. Otherwise the signal ends the
 /// process.
 pub(crate) fn on_terminal() -> Interrupt {
-    match std::io::stderr().is_terminal() {
-        true => watched(false),
-        false => Interrupt::default(),
-    }
+    if std::io::stderr().is_terminal() { watched(false) } else { Interrupt::default() }
 }
 
 /// Returns an interrupt that Ctrl-C, TERM and HUP raise, whatever their source. The second signal forces it,

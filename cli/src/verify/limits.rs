@@ -28,9 +28,8 @@ pub(super) fn found(
     // Lines that are printed one by one show the progress themselves.
     let shows = prints && std::io::stdout().is_terminal();
     type Work<'a> = &'a mut dyn FnMut(&(dyn Fn(Activity) + Sync));
-    let during = |doing: &str, work: Work<'_>| match shows {
-        true => work(&|_| {}),
-        false => progress::during(cancel, doing, work),
+    let during = |doing: &str, work: Work<'_>| {
+        if shows { work(&|_| {}) } else { progress::during(cancel, doing, work) }
     };
     let (problem, options, report) = (&answer.problem, &answer.options, &answer.report);
     let mut repairs = changes::Repairs::default();
@@ -56,7 +55,7 @@ pub(super) fn found(
             InterimResult::Cores(core) => print(&|out| lines.cores(out, core)),
             InterimResult::Wcet(wcet) => print(&|out| lines.extreme(out, "largest WCET", wcet)),
             InterimResult::Period(period) => {
-                print(&|out| lines.extreme(out, "smallest period", period))
+                print(&|out| lines.extreme(out, "smallest period", period));
             }
         };
         // Errors of the scenario were reported.

@@ -85,18 +85,14 @@ impl Shared {
 /// `verifying hover: 5 of 7 checks answered, 1203456 states, 12 s, 340 MB`
 fn words(Activity { what, how_far }: &Activity, effort: Effort, elapsed: Duration) -> String {
     let Effort { states, bytes } = effort;
-    let how_far = match how_far.is_empty() {
-        true => String::new(),
-        false => format!("{how_far}, "),
-    };
+    let how_far = if how_far.is_empty() { String::new() } else { format!("{how_far}, ") };
     let so_far = format!(": {how_far}{states} states, {} s, {} MB", elapsed.as_secs(), bytes >> 20);
     let left = WIDTH.saturating_sub(so_far.len());
-    match what.char_indices().nth(left) {
-        None => format!("{what}{so_far}"),
-        Some(_) => {
-            let start: String = what.chars().take(left.saturating_sub(2)).collect();
-            format!("{start} …{so_far}")
-        }
+    if what.char_indices().nth(left).is_none() {
+        format!("{what}{so_far}")
+    } else {
+        let start: String = what.chars().take(left.saturating_sub(2)).collect();
+        format!("{start} …{so_far}")
     }
 }
 

@@ -69,9 +69,10 @@ fn first_answers(out: &mut impl Write, answers: &[FirstAnswer]) -> std::io::Resu
     let width = answers.iter().map(|answer| answer.assuming.len()).max();
     let width = width.unwrap_or_default();
     for answer in answers {
-        let open = match answer.open.is_empty() {
-            true => String::new(),
-            false => format!(": {}", answer.open.join(", ")),
+        let open = if answer.open.is_empty() {
+            String::new()
+        } else {
+            format!(": {}", answer.open.join(", "))
         };
         let (assuming, counted) = (&answer.assuming, answer.outcome.counted());
         writeln!(out, "  {assuming:<width$}  {counted}{open}")?;
@@ -140,10 +141,7 @@ pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
         .filter(|&outcome| count(outcome) > 0)
         .map(|outcome| format!("{} {}", count(outcome), outcome.counted()))
         .collect();
-    let counts = match counts.is_empty() {
-        true => "nothing checked".to_owned(),
-        false => counts.join(", "),
-    };
+    let counts = if counts.is_empty() { "nothing checked".to_owned() } else { counts.join(", ") };
     let by_analysis = report.checks.iter().any(|check| check.by.is_some());
     let how = match report.states {
         0 if by_analysis && !report.unknown() => "by analysis".to_owned(),
@@ -155,10 +153,7 @@ pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
         report.seconds,
         report.memory as f64 / 1e6
     )?;
-    match explained {
-        true => explain::print(out, &report.reductions),
-        false => Ok(()),
-    }
+    if explained { explain::print(out, &report.reductions) } else { Ok(()) }
 }
 
 /// Prints the lines of `--sensitivity`, each when it is found.
@@ -184,9 +179,10 @@ impl Limits {
         if let [smallest, _, ..] = &all.all[..] {
             writeln!(out, "  {TITLE}smallest{TITLE:#} {}", smallest.words)?;
         }
-        match all.incomplete {
-            true => writeln!(out, "  {FAINT}not every change was tried{FAINT:#}"),
-            false => Ok(()),
+        if all.incomplete {
+            writeln!(out, "  {FAINT}not every change was tried{FAINT:#}")
+        } else {
+            Ok(())
         }
     }
 
@@ -227,11 +223,10 @@ impl Limits {
             let next = summary::next_to_break(next, self.unit);
             writeln!(out, "  next to break: {next}")?;
         }
-        match sensitivity.incomplete {
-            true => {
-                writeln!(out, "  {FAINT}given up here: time is up, or it was interrupted{FAINT:#}")
-            }
-            false => Ok(()),
+        if sensitivity.incomplete {
+            writeln!(out, "  {FAINT}given up here: time is up, or it was interrupted{FAINT:#}")
+        } else {
+            Ok(())
         }
     }
 }
@@ -386,10 +381,8 @@ fn run(
 ) -> std::io::Result<()> {
     let time = |step: usize| unit.show(events[step].time);
     let lines = lines(events, cycle);
-    let left_out = match lines.len() > MAX_LINES {
-        true => HEAD_LINES..lines.len() - TAIL_LINES,
-        false => 0..0,
-    };
+    let left_out =
+        if lines.len() > MAX_LINES { HEAD_LINES..lines.len() - TAIL_LINES } else { 0..0 };
     let shown = lines.iter().enumerate().filter(|pair| !left_out.contains(&pair.0));
     let steps = shown.filter_map(|pair| match pair.1 {
         Line::Step(step) => Some(*step),
@@ -436,9 +429,10 @@ fn run(
             MomentKind::Tick | MomentKind::Release | MomentKind::Grant => FAINT,
             _ => Style::new(),
         };
-        let rule = match explained {
-            true => format!("  {FAINT}[{}]{FAINT:#}", rule(event.kind)),
-            false => String::new(),
+        let rule = if explained {
+            format!("  {FAINT}[{}]{FAINT:#}", rule(event.kind))
+        } else {
+            String::new()
         };
         writeln!(
             out,

@@ -150,10 +150,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         let files = files.map(|(path, (old, new))| report::edited(path, Some(old), new)).collect();
         report::write_files(files, &session.writable())?;
     }
-    Ok(match answer.refused.is_empty() {
-        true => Outcome::Fine,
-        false => Outcome::Errors,
-    })
+    Ok(if answer.refused.is_empty() { Outcome::Fine } else { Outcome::Errors })
 }
 
 /// Returns the only specification of the current directory.
@@ -242,9 +239,10 @@ fn rows(
             continue;
         };
         let codel = member.component.codel(site.codel);
-        let of = match sidecar {
-            true => (measure.runs > 0).then_some(measure.greatest),
-            false => greatest.get(&(site.component, site.codel)).copied(),
+        let of = if sidecar {
+            (measure.runs > 0).then_some(measure.greatest)
+        } else {
+            greatest.get(&(site.component, site.codel)).copied()
         };
         let path = path(names, &site);
         let of_scenario = sidecar.then(|| declared_bound(&problem.scenario, &path)).flatten();
@@ -255,9 +253,10 @@ fn rows(
         let proposed = of.map(|number| micros(number, arguments.margin));
         // A duration without an upper bound is greater than any other.
         let endless = of_scenario == Some(None);
-        let decision = match endless && proposed.is_some() && !arguments.replace {
-            true => Decision::Kept,
-            false => decide(declared, proposed, arguments.replace),
+        let decision = if endless && proposed.is_some() && !arguments.replace {
+            Decision::Kept
+        } else {
+            decide(declared, proposed, arguments.replace)
         };
         if let (true, Some(micros)) = (decision.must_write(), proposed) {
             wanted.push((site.clone(), micros));

@@ -64,10 +64,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             }
             let text = lines(&groups);
             // In a pipe, names are not escaped.
-            match std::io::stdout().is_terminal() {
-                true => terminal::text(&text).into_owned(),
-                false => text,
-            }
+            if std::io::stdout().is_terminal() { terminal::text(&text).into_owned() } else { text }
         }
         Format::Json => {
             let document = Document { format: 1, groups: &groups, left: &collector.left };
@@ -88,10 +85,7 @@ fn print(groups: &[Group], left: &SkippedLines) -> anyhow::Result<Outcome> {
             2 => group.key.join(" "),
             _ => group.key.last().cloned().unwrap_or_default(),
         };
-        let name = match name.is_empty() {
-            true => "(missing)".to_owned(),
-            false => name,
-        };
+        let name = if name.is_empty() { "(missing)".to_owned() } else { name };
         let function = group.function.as_ref().filter(|function| !function.is_empty());
         let function = function.map_or(String::new(), |function| format!(" ({function})"));
         let indent = "  ".repeat(depth.saturating_sub(2));

@@ -31,7 +31,7 @@ type Slip = fn(&str, &mut fastrand::Rng) -> Option<String>;
 fn tokens(text: &str) -> Vec<(usize, String)> {
     let root = dotgen_syntax::parse_text(text).syntax();
     let all = root.descendants_with_tokens();
-    let tokens = all.filter_map(|element| element.into_token());
+    let tokens = all.filter_map(dotgen_syntax::NodeOrToken::into_token);
     let tokens = tokens.filter(|token| !token.kind().is_trivia());
     tokens.map(|token| (token.text_range().start().into(), token.text().to_owned())).collect()
 }

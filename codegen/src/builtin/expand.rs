@@ -122,10 +122,7 @@ impl Remote {
     ) -> Result<Option<Remote>, String> {
         let mut resources = limits.resources();
         let memory = *resources.memory.get_or_insert(MEMORY);
-        let started = match processes.renderer(resources) {
-            Some(started) => started,
-            None => return Ok(None),
-        };
+        let Some(started) = processes.renderer(resources) else { return Ok(None) };
         let mut process = started.map_err(|error| format!("cannot start the renderer: {error}"))?;
         // The error output is not read: it has at most one line.
         let (Some(to), Some(from)) = (process.child.stdin.take(), process.child.stdout.take())

@@ -84,11 +84,12 @@ fn class_name(component: &str) -> String {
         out.extend(letters.next().map(|letter| letter.to_ascii_uppercase()));
         out.push_str(letters.as_str());
     }
-    match out.starts_with(|character: char| character.is_ascii_alphabetic())
+    if out.starts_with(|character: char| character.is_ascii_alphabetic())
         && !RESERVED_NAMES.contains(&out.as_str())
     {
-        true => out,
-        false => format!("Component{out}"),
+        out
+    } else {
+        format!("Component{out}")
     }
 }
 
@@ -143,10 +144,7 @@ impl Types<'_> {
             // Inputs can be passed in order, or as a dictionary with `**`.
             false => "*args: Any, ".to_owned(),
         };
-        let rest = match inputs.iter().all(plain) {
-            true => "",
-            false => ", **inputs: Any",
-        };
+        let rest = if inputs.iter().all(plain) { "" } else { ", **inputs: Any" };
         // An input hides an option of the same name.
         let is_free = |option: &str| !inputs.iter().any(|input| input.name == option);
         let mut options = String::new();
@@ -225,9 +223,10 @@ impl Types<'_> {
                 let names =
                     enumerators.iter().filter_map(|enumerator| spec.ty(*enumerator).name.as_ref());
                 let names: Vec<String> = names.map(|name| quoted(name.as_str())).collect();
-                match names.is_empty() {
-                    true => "str".to_owned(),
-                    false => format!("Literal[{}]", names.join(", ")),
+                if names.is_empty() {
+                    "str".to_owned()
+                } else {
+                    format!("Literal[{}]", names.join(", "))
                 }
             }
             TypeKind::Struct { members } => {

@@ -50,7 +50,7 @@ pub(super) fn run(
     let mut output = Output::new(name.to_owned(), env.base.clone(), general.debug, disk, sink);
     output.confined = match texts {
         Texts::Folder(_) => env.confined.clone(),
-        _ => env.confined.clone().map(super::of_dotgen),
+        Texts::Embedded(_) => env.confined.clone().map(super::of_dotgen),
     };
     if let Texts::Folder(_) = texts {
         output.rights = Rights::MiniJinja(env.allowed(general));
@@ -178,11 +178,12 @@ fn check_result(path: &str, texts: &Texts, output: &Output) -> Result<(), String
             &folder.join(path),
             std::slice::from_ref(&folder),
         );
-    match plain && !linked {
-        true => Ok(()),
-        false => Err(format!(
+    if plain && !linked {
+        Ok(())
+    } else {
+        Err(format!(
             "template.toml: the path \"{path}\" of a result is not below the output directory"
-        )),
+        ))
     }
 }
 

@@ -263,23 +263,22 @@ impl<'a> Expected<'a> {
             let awaits = self.spec.unknown_dependencies(self.component, codel);
             let may_throw_more = self.spec.lacks_exceptions(self.component, at.owner);
             let known = self.functions.iter_mut().find(|function| function.name == codel.name);
-            let function = match known {
-                Some(known) => known,
-                None => {
-                    let signature = self.mapper().prototype(self.component, codel, " ");
-                    self.functions.push(ExpectedFunction {
-                        name: codel.name.clone(),
-                        uses: Vec::new(),
-                        signature: signature.map_err(|error| error.message),
-                        shape: None,
-                        returns: FxHashSet::default(),
-                        throws: FxHashSet::default(),
-                        awaits: UnknownDependencies::default(),
-                        may_throw_more: false,
-                    });
-                    let last = self.functions.len() - 1;
-                    &mut self.functions[last]
-                }
+            let function = if let Some(known) = known {
+                known
+            } else {
+                let signature = self.mapper().prototype(self.component, codel, " ");
+                self.functions.push(ExpectedFunction {
+                    name: codel.name.clone(),
+                    uses: Vec::new(),
+                    signature: signature.map_err(|error| error.message),
+                    shape: None,
+                    returns: FxHashSet::default(),
+                    throws: FxHashSet::default(),
+                    awaits: UnknownDependencies::default(),
+                    may_throw_more: false,
+                });
+                let last = self.functions.len() - 1;
+                &mut self.functions[last]
             };
             function.uses.push(at);
             function.returns.extend(returns);

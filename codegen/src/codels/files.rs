@@ -306,12 +306,11 @@ impl Sources {
             let mut out = Vec::new();
             for path in paths {
                 let path = folder.join(path);
-                match files.read(&path) {
-                    Some(text) => out.push(index(path, text, cxx)),
-                    None => {
-                        incomplete = true;
-                        unreadable.push(format!("cannot read `{path}` as UTF-8 text"));
-                    }
+                if let Some(text) = files.read(&path) {
+                    out.push(index(path, text, cxx));
+                } else {
+                    incomplete = true;
+                    unreadable.push(format!("cannot read `{path}` as UTF-8 text"));
                 }
             }
             out

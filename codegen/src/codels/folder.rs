@@ -56,9 +56,10 @@ impl Folder {
             .map(|&component| {
                 // The language of a missing interface is read from the sources.
                 let unsaid = spec.gaps_of(component).any(|gap| *gap == Missing::Language);
-                match unsaid && self.sources.uses_cxx() {
-                    true => Expected::in_language(spec, component, Language::Cxx),
-                    false => Expected::new(spec, component),
+                if unsaid && self.sources.uses_cxx() {
+                    Expected::in_language(spec, component, Language::Cxx)
+                } else {
+                    Expected::new(spec, component)
                 }
             })
             .collect()
@@ -67,7 +68,9 @@ impl Folder {
     /// The part of the codels that can be compared.
     pub fn coverage(&self, all: &[Expected<'_>]) -> Coverage {
         let mut out = Coverage::default();
-        all.iter().for_each(|expected| out.add(expected, &self.trust));
+        for expected in all {
+            out.add(expected, &self.trust);
+        }
         out
     }
 

@@ -73,7 +73,9 @@ pub fn source(expected: &Expected<'_>, missing: &FxHashSet<Name>) -> LangResult 
     }
     for ty in 0..expected.spec.types.len() as u32 {
         if let TypeKind::Exception { members } = &expected.spec.ty(TypeId(ty)).kind {
-            members.iter().for_each(|&member| _ = glue.number(member));
+            for &member in members {
+                _ = glue.number(member);
+            }
         }
     }
     let mut out = format!("#include \"{}\"\n\n{PRELUDE}", types_header(expected));
@@ -118,11 +120,15 @@ impl<'a> Glue<'a, '_> {
         self.order.push(ty);
         match &self.expected.spec.ty(ty).kind {
             TypeKind::Struct { members } | TypeKind::Exception { members } => {
-                members.iter().for_each(|&member| _ = self.number(member));
+                for &member in members {
+                    _ = self.number(member);
+                }
             }
             TypeKind::Union { switch, members } => {
                 self.number(*switch);
-                members.iter().for_each(|&member| _ = self.number(member));
+                for &member in members {
+                    _ = self.number(member);
+                }
             }
             TypeKind::Array { element, .. }
             | TypeKind::Sequence { element, .. }

@@ -47,9 +47,10 @@ pub fn body_start(path: &Utf8Path, text: &str, codel: &str) -> Option<Range<usiz
     let inside = text.get(start..braces.end.checked_sub(1)?)?;
     let blank = inside.len() - inside.trim_start().len();
     let line = inside[blank..].lines().next().map_or("", str::trim_end);
-    match line.is_empty() {
-        true => Some(start..start),
-        false => Some(start + blank..start + blank + line.len()),
+    if line.is_empty() {
+        Some(start..start)
+    } else {
+        Some(start + blank..start + blank + line.len())
     }
 }
 

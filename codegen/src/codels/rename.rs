@@ -261,9 +261,10 @@ impl<'a> File<'a> {
                     let name = self.text(&span);
                     let bare = qualifiers(node, &self.file.text).is_empty();
                     let homonym = bare && self.declares(name);
-                    match homonym {
-                        true => self.leave(span.start, name, UnchangedReason::Homonym),
-                        false => self.edit(span, &to),
+                    if homonym {
+                        self.leave(span.start, name, UnchangedReason::Homonym);
+                    } else {
+                        self.edit(span, &to);
                     }
                 }
             }

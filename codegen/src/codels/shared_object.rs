@@ -45,10 +45,7 @@ pub fn hosted(
         let text = glue::source(expected, &missing).map_err(|error| error.message)?;
         let name = &expected.component().name;
         let is_cxx = expected.language == Language::Cxx;
-        let (compiler, extension) = match is_cxx {
-            true => (&tools.cxx, "cc"),
-            false => (&tools.c, "c"),
-        };
+        let (compiler, extension) = if is_cxx { (&tools.cxx, "cc") } else { (&tools.c, "c") };
         let path = place.join(format!("{name}-glue.{extension}"));
         let object = place.join("objects").join(format!("{name}-glue.o"));
         let codels = &folder.sources.folder;
@@ -71,17 +68,15 @@ pub fn hosted(
         let output = place.join(format!("{name}-run.so"));
         let mut inputs = plan.link.inputs.clone();
         inputs.push(object);
-        let linker = match is_cxx {
-            true => tools.cxx.clone(),
-            // The linker of the plan depends on C++ sources in the folder.
-            false => {
-                let words = plan.link.command.iter();
-                words.take_while(|word| *word != "-shared").cloned().collect()
-            }
+        let linker = if is_cxx {
+            tools.cxx.clone()
+        } else {
+            let words = plan.link.command.iter();
+            words.take_while(|word| *word != "-shared").cloned().collect()
         };
         let mut command: Vec<String> = linker;
         command.extend(["-shared", "-o", output.as_str()].map(str::to_owned));
-        command.extend(inputs.iter().map(|input| input.to_string()));
+        command.extend(inputs.iter().map(std::string::ToString::to_string));
         command.extend(packages.link.iter().cloned());
         command.extend(["-lm", "-lpthread"].map(str::to_owned));
         Ok(SharedObject {

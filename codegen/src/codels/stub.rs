@@ -175,12 +175,11 @@ impl<'a> Stubs<'a> {
                     }
                 };
                 out += &self.comment(at);
-                match written.get(&name) {
-                    Some(before) => out += &format!("/* already defined in {before} */\n\n"),
-                    None => {
-                        out += &self.function(at)?;
-                        written.insert(name, place);
-                    }
+                if let Some(before) = written.get(&name) {
+                    out += &format!("/* already defined in {before} */\n\n");
+                } else {
+                    out += &self.function(at)?;
+                    written.insert(name, place);
                 }
             }
         }

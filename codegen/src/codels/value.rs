@@ -33,9 +33,10 @@ pub struct ValueError {
 
 impl std::fmt::Display for ValueError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.at.is_empty() {
-            true => write!(f, "the value {}", self.what),
-            false => write!(f, "`{}` {}", self.at, self.what),
+        if self.at.is_empty() {
+            write!(f, "the value {}", self.what)
+        } else {
+            write!(f, "`{}` {}", self.at, self.what)
         }
     }
 }
@@ -239,7 +240,7 @@ impl<'s> Values<'s> {
 
     fn name(&self, ty: TypeId) -> String {
         let name = self.spec.ty(ty).name.as_ref();
-        name.map(|name| name.to_string()).unwrap_or_default()
+        name.map(std::string::ToString::to_string).unwrap_or_default()
     }
 
     /// The member of a union that a discriminator selects.

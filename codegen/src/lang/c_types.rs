@@ -250,9 +250,10 @@ impl Writer<'_, '_> {
                 needed += &self.anonymous(self.m.inner_or_error(*member)?)?;
             }
             // Raising an exception copies its detail.
-            let detail = match self.m.has(Change::ConstExceptionDetails) {
-                true => format!("const {n}_detail"),
-                false => format!("{n}_detail"),
+            let detail = if self.m.has(Change::ConstExceptionDetails) {
+                format!("const {n}_detail")
+            } else {
+                format!("{n}_detail")
             };
             body += &format!(
                 "\n}};\nstatic inline genom_event\n{n}({detail} *d, genom_context self) {{\

@@ -52,11 +52,10 @@ pub(crate) fn wrap(text: &str, prefix: &str, separator: &str, column: usize) -> 
     let mut first = true;
     while text.len() > column {
         let head = &text[..(column + 1).min(text.len())];
-        let at = match find_last(head, &separator_chars)
-            .or_else(|| find_first(&text, &separator_chars, 0))
-        {
-            Some(at) => at,
-            None => break,
+        let Some(at) =
+            find_last(head, &separator_chars).or_else(|| find_first(&text, &separator_chars, 0))
+        else {
+            break;
         };
         // A cut inside the prefix would never shorten the text: cut after the word.
         let at = if !first && at < prefix.len() {
@@ -134,13 +133,13 @@ mod tests {
             (0.004, "0.004"),
             (1.0, "1"),
             (1e-5, "1e-05"),
-            (123456.0, "123456"),
-            (1234567.0, "1.23457e+06"),
+            (123_456.0, "123456"),
+            (1_234_567.0, "1.23457e+06"),
             (0.0001, "0.0001"),
-            (0.00001234567, "1.23457e-05"),
+            (0.000_012_345_67, "1.23457e-05"),
             (-2.5, "-2.5"),
-            (999999.5, "1e+06"),
-            (100000.0, "100000"),
+            (999_999.5, "1e+06"),
+            (100_000.0, "100000"),
             (1e100, "1e+100"),
         ] {
             assert_eq!(format_g(value), text);

@@ -139,19 +139,19 @@ impl Model<'_> {
             let mut starting = (0..4).filter(|number| words[*number].starts_with(wanted.as_str()));
             starting.next().filter(|_| !wanted.is_empty() && starting.next().is_none())
         });
-        match found {
-            Some(found) => Ok(Some(Answer::pure(all[found].clone()))),
-            None => {
-                let problem = match words.iter().any(|word| word.starts_with(wanted.as_str()))
-                    && !wanted.is_empty()
-                {
-                    true => "ambiguous",
-                    false => "bad",
-                };
-                Err(Failure::Error(format!(
-                    "{problem} element \"{wanted}\": must be file, line, column, or context"
-                )))
-            }
+        if let Some(found) = found {
+            Ok(Some(Answer::pure(all[found].clone())))
+        } else {
+            let problem = if words.iter().any(|word| word.starts_with(wanted.as_str()))
+                && !wanted.is_empty()
+            {
+                "ambiguous"
+            } else {
+                "bad"
+            };
+            Err(Failure::Error(format!(
+                "{problem} element \"{wanted}\": must be file, line, column, or context"
+            )))
         }
     }
 

@@ -36,12 +36,11 @@ struct Types {
 
 impl Types {
     fn set(&mut self, key: String, ty: TypeId) {
-        match self.places.get(&key) {
-            Some(place) => self.order[*place] = ty,
-            None => {
-                self.places.insert(key, self.order.len());
-                self.order.push(ty);
-            }
+        if let Some(place) = self.places.get(&key) {
+            self.order[*place] = ty;
+        } else {
+            self.places.insert(key, self.order.len());
+            self.order.push(ty);
         }
     }
 }
@@ -302,7 +301,7 @@ impl Chunks {
             | TypeKind::StructMember { ty: inner }
             | TypeKind::ForwardStruct { definition: Some(inner) }
             | TypeKind::ForwardUnion { definition: Some(inner) } => {
-                self.type_(spec, *inner, filter, depth)?
+                self.type_(spec, *inner, filter, depth)?;
             }
             TypeKind::Array { element, .. }
             | TypeKind::Sequence { element, .. }

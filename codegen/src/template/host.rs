@@ -41,7 +41,7 @@ impl Limits {
     /// Limits for running a template from an editor: 60 s, 1 GiB, 64 MiB.
     pub fn preview() -> Limits {
         Limits {
-            time: Some(Duration::from_secs(60)),
+            time: Some(Duration::from_mins(1)),
             memory: Some(1 << 30),
             output: Some(64 << 20),
             cancel: None,
@@ -118,10 +118,7 @@ impl Host {
                 path: tclsh.clone(),
                 arguments: Vec::new(),
                 directory: dir.to_owned(),
-                channels: match capture {
-                    true => Channels::Pipes,
-                    false => Channels::PipesBut,
-                },
+                channels: if capture { Channels::Pipes } else { Channels::PipesBut },
                 resources: limits.resources(),
                 access,
                 outlives: std::time::Duration::ZERO,
@@ -268,10 +265,7 @@ pub(crate) fn watch(
                 Some(deadline) => deadline.saturating_duration_since(Instant::now()),
                 None => Duration::MAX,
             };
-            let step = match cancel.is_some() || space.is_some() {
-                true => step.min(STEP),
-                false => step,
-            };
+            let step = if cancel.is_some() || space.is_some() { step.min(STEP) } else { step };
             match stop.recv_timeout(step) {
                 Err(RecvTimeoutError::Timeout) => {}
                 _ => return,

@@ -260,9 +260,10 @@ impl Output {
             let Confirmation::Only(confirmed) = &confined.confirmed else {
                 return Ok(());
             };
-            let mode = match permissions.is_empty() {
-                true => None,
-                false => Some(self.files.mode(&*self.disk, path, permissions)?),
+            let mode = if permissions.is_empty() {
+                None
+            } else {
+                Some(self.files.mode(&*self.disk, path, permissions)?)
             };
             let concern = concern(&*self.disk, path, mode, &confined.results);
             return match concern {
@@ -289,10 +290,8 @@ impl Output {
     fn check_free(&self, shown: &str, path: &Path, permissions: &str) -> Result<(), Failure> {
         let disk = &*self.disk;
         let named = readable_files::plain(disk, path);
-        let base = match self.base.as_os_str().is_empty() {
-            true => PathBuf::from("."),
-            false => self.base.clone(),
-        };
+        let base =
+            if self.base.as_os_str().is_empty() { PathBuf::from(".") } else { self.base.clone() };
         let around: Vec<PathBuf> = [base.join(&self.dir), base]
             .into_iter()
             .filter(|folder| named.starts_with(readable_files::plain(disk, folder)))
@@ -318,9 +317,10 @@ impl Output {
         }
         let root = [PathBuf::from("/")];
         let folders = if around.is_empty() { &root[..] } else { &around[..] };
-        let mode = match permissions.is_empty() {
-            true => None,
-            false => Some(self.files.mode(disk, path, permissions)?),
+        let mode = if permissions.is_empty() {
+            None
+        } else {
+            Some(self.files.mode(disk, path, permissions)?)
         };
         let what = match () {
             () if readable_files::is_control(disk, path, folders) => {
@@ -478,11 +478,7 @@ impl Output {
         let (new, old) = (env.temporary(), env.temporary());
         self.disk.put(&new, text.as_bytes()).map_err(failed)?;
         self.disk.put(&old, &before).map_err(failed)?;
-        let channels = match env.console().is_terminal() {
-            true => Channels::Shared,
-            // If the engine's own channels are pipes to another program, a tool must not read or write them.
-            false => Channels::Pipes,
-        };
+        let channels = if env.console().is_terminal() { Channels::Shared } else { Channels::Pipes };
         let process = env.processes().start(&Program {
             path: tool.into(),
             arguments: vec![new.clone().into(), old.clone().into()],

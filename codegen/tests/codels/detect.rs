@@ -384,9 +384,10 @@ fn with_port(lang: &str, f: &str, g: Option<&str>, around: &str) -> Vec<String> 
     );
     let cxx = !lang.is_empty();
     let function = |name: &str, body: &str| {
-        let [event, context, end] = match cxx {
-            true => ["genom::event", "", "c::ether"],
-            false => ["genom_event", ", const genom_context self", "c_ether"],
+        let [event, context, end] = if cxx {
+            ["genom::event", "", "c::ether"]
+        } else {
+            ["genom_event", ", const genom_context self", "c_ether"]
         };
         format!("{event} c_{name}(const c_p *out{context})\n{{\n  {body}\n  return {end};\n}}\n")
     };

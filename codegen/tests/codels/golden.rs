@@ -69,7 +69,7 @@ fn run(golden: &Utf8Path, entry: &Value) -> Option<Run> {
         match word {
             "-I" => out.input.include_dirs.push(folder(words.next()?)),
             "-D" => out.input.defines.push(define(words.next()?)),
-            "-C" => out.output = words.next()?.to_owned(),
+            "-C" => words.next()?.clone_into(&mut out.output),
             "-l" => out.cxx = words.next()? == "c++",
             "-t" if !template => {
                 words.next()?;
@@ -80,7 +80,12 @@ fn run(golden: &Utf8Path, entry: &Value) -> Option<Run> {
             _ if word.starts_with("-D") => out.input.defines.push(define(&word[2..])),
             _ if word.starts_with('-') => return None,
             // The name of a component.
-            _ if !word.ends_with(".gen") => return None,
+            _ if !std::path::Path::new(word)
+                .extension()
+                .is_some_and(|ext| ext.eq_ignore_ascii_case("gen")) =>
+            {
+                return None;
+            }
             _ => out.input.inputs.push(Input::File(source(golden, entry, word)?)),
         }
     }
@@ -197,7 +202,7 @@ fn compiles(name: &str, spec: &Spec, failures: &mut Vec<String>) -> usize {
             for stub in stubs.iter().chain([&alone]) {
                 // Modules may be called `or`.
                 let extra: &[&str] =
-                    if stub.path.extension() != Some("c") { &["-fno-operator-names"] } else { &[] };
+                    if stub.path.extension() == Some("c") { &[] } else { &["-fno-operator-names"] };
                 count += 1;
                 if let Err(error) = compile(command, &folder, &folder.join(&stub.path), extra) {
                     failures.push(format!("{name} {command}: {error}"));

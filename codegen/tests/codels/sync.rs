@@ -265,9 +265,10 @@ fn random_edits_compile_after_one_sync() {
         } else {
             let named = named(&report);
             let unnamed: Vec<_> = said.iter().filter(|pair| !named.contains(&pair.0)).collect();
-            match unnamed.is_empty() {
-                true => numbers[2] += 1,
-                false => bad.push(format!("{}: {unnamed:?} not among {named:?}", what())),
+            if unnamed.is_empty() {
+                numbers[2] += 1;
+            } else {
+                bad.push(format!("{}: {unnamed:?} not among {named:?}", what()));
             }
         }
     }

@@ -31,7 +31,8 @@ fn items(text: &str) -> Vec<(usize, Vec<usize>)> {
     let root = dotgen_syntax::parse_text(text).syntax();
     let items = root.descendants().filter(|node| Item::can_cast(node.kind()));
     let items = items.map(|item| {
-        let tokens = item.descendants_with_tokens().filter_map(|element| element.into_token());
+        let tokens =
+            item.descendants_with_tokens().filter_map(dotgen_syntax::NodeOrToken::into_token);
         let tokens = tokens.filter(|token| !token.kind().is_trivia());
         let ends = tokens.map(|token| token.text_range().end().into()).collect();
         (item.text_range().start().into(), ends)

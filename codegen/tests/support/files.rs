@@ -16,10 +16,7 @@ impl Disk for Files {
     fn status(&self, path: &Path) -> Option<Status> {
         let metadata = std::fs::metadata(path).ok()?;
         Some(Status {
-            kind: match metadata.is_dir() {
-                true => Kind::Directory,
-                false => Kind::File,
-            },
+            kind: if metadata.is_dir() { Kind::Directory } else { Kind::File },
             mode: mode(&metadata),
             modified: metadata.modified().ok(),
         })

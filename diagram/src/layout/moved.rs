@@ -44,8 +44,8 @@ fn shift(path: &mut EdgePath, by: Point) {
 fn between(from: Rect, to: Rect, label: &str) -> EdgePath {
     let (a, b) = (from.center(), to.center());
     // The horizontal and vertical distances between the nodes.
-    let aside = (b.x - a.x).abs() - (from.width + to.width) / 2.0;
-    let above = (b.y - a.y).abs() - (from.height + to.height) / 2.0;
+    let aside = (b.x - a.x).abs() - f64::midpoint(from.width, to.width);
+    let above = (b.y - a.y).abs() - f64::midpoint(from.height, to.height);
     let end = |of: Rect, towards: Point| {
         let middle = of.center();
         if aside >= above {
@@ -57,7 +57,7 @@ fn between(from: Rect, to: Rect, label: &str) -> EdgePath {
         }
     };
     let (first, last) = (end(from, b), end(to, a));
-    let middle = Point { x: (first.x + last.x) / 2.0, y: (first.y + last.y) / 2.0 };
+    let middle = Point { x: f64::midpoint(first.x, last.x), y: f64::midpoint(first.y, last.y) };
     let (leave, arrive) = if aside >= above {
         (Point { x: middle.x, y: first.y }, Point { x: middle.x, y: last.y })
     } else {

@@ -99,13 +99,13 @@ fn median(near: &[usize]) -> Option<f64> {
     Some(match n {
         0 => return None,
         1 => at(0),
-        2 => (at(0) + at(1)) / 2.0,
+        2 => f64::midpoint(at(0), at(1)),
         _ if n % 2 == 1 => at(n / 2),
         _ => {
             let left = at(n / 2 - 1) - at(0);
             let right = at(n - 1) - at(n / 2);
             if left + right == 0.0 {
-                (at(n / 2 - 1) + at(n / 2)) / 2.0
+                f64::midpoint(at(n / 2 - 1), at(n / 2))
             } else {
                 (at(n / 2 - 1) * right + at(n / 2) * left) / (left + right)
             }

@@ -26,7 +26,9 @@ pub(super) fn positions(graph: &RankedGraph, gap: f64) -> Vec<f64> {
             let root = alignment(&layers, above, &conflicts, graph.rank.len());
             let mut x = compaction(graph, &layers, &root, gap, rightward);
             if rightward {
-                x.iter_mut().for_each(|v| *v = -*v);
+                for v in &mut x {
+                    *v = -*v;
+                }
             }
             candidates.push(x);
         }
@@ -40,7 +42,9 @@ fn oriented(layers: &[Vec<usize>], upward: bool, rightward: bool) -> Vec<Vec<usi
         layers.reverse();
     }
     if rightward {
-        layers.iter_mut().for_each(|l| l.reverse());
+        for l in &mut layers {
+            l.reverse();
+        }
     }
     layers
 }
@@ -209,13 +213,15 @@ fn balance(graph: &RankedGraph, candidates: &mut [Vec<f64>]) -> Vec<f64> {
     for (i, x) in candidates.iter_mut().enumerate() {
         let rightward = i % 2 == 1;
         let shift = if rightward { high - all[i].1 } else { low - all[i].0 };
-        x.iter_mut().for_each(|v| *v += shift);
+        for v in x.iter_mut() {
+            *v += shift;
+        }
     }
     (0..graph.rank.len())
         .map(|v| {
             let mut values: Vec<f64> = candidates.iter().map(|x| x[v]).collect();
             values.sort_by(f64::total_cmp);
-            (values[1] + values[2]) / 2.0
+            f64::midpoint(values[1], values[2])
         })
         .collect()
 }
@@ -234,9 +240,10 @@ pub(super) fn pack_groups(graph: &RankedGraph, gap: f64, x: &mut [f64]) {
         let mut offset = vec![0.0; layer.len()];
         for i in 1..layer.len() {
             let (left, right) = (layer[i - 1], layer[i]);
-            let frame = match graph.group_of(left) == graph.group_of(right) {
-                true => 0.0,
-                false => FRAME_PADDING + LABEL_HEIGHT,
+            let frame = if graph.group_of(left) == graph.group_of(right) {
+                0.0
+            } else {
+                FRAME_PADDING + LABEL_HEIGHT
             };
             let passing = graph.is_dummy(left) && graph.is_dummy(right);
             let gap = if passing { EDGE_GAP } else { gap };

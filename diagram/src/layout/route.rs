@@ -11,7 +11,7 @@ pub(super) struct Bands {
 impl Bands {
     pub(super) fn middle(&self, rank: usize) -> f64 {
         let (top, bottom) = self.bands[rank];
-        (top + bottom) / 2.0
+        f64::midpoint(top, bottom)
     }
 }
 
@@ -82,7 +82,7 @@ pub(super) fn edges(
                 let (top, bottom) = bands.bands[graph.rank[vertex]];
                 // An edge may cross a rank of labels at a slant, since the rank is low.
                 if bottom - top <= LABEL_RANK && graph.label_at[i] != Some(vertex) {
-                    through.push(Point { x: x[vertex], y: (top + bottom) / 2.0 });
+                    through.push(Point { x: x[vertex], y: f64::midpoint(top, bottom) });
                 } else {
                     through.extend([top, bottom].map(|y| Point { x: x[vertex], y }));
                 }

@@ -52,7 +52,7 @@ fn an_svg_has_its_own_elements_and_attributes_only() {
         "svg", "title", "style", "rect", "g", "text", "path", "line", "circle", "polygon", "mask",
         "defs",
     ];
-    for node in document.descendants().filter(|node| node.is_element()) {
+    for node in document.descendants().filter(roxmltree::Node::is_element) {
         assert!(elements.contains(&node.tag_name().name()), "{node:?}");
         for attribute in node.attributes() {
             assert!(

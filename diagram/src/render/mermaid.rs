@@ -67,7 +67,7 @@ fn write_node(node: &Node, id: &str, out: &mut String) {
         Shape::Octagon => ("{{", "}}"),
     };
     let text = if text.is_empty() { " ".to_owned() } else { text };
-    let _ = writeln!(out, "  {}{open}\"{text}\"{close}", id);
+    let _ = writeln!(out, "  {id}{open}\"{text}\"{close}");
 }
 
 fn write_edge(edge: &Edge, from: &str, to: &str, out: &mut String) {

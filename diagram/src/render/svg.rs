@@ -22,10 +22,7 @@ pub fn svg(graph: &Graph, layout: &Layout, theme: Theme) -> String {
         escape(&graph.title)
     ));
     out.line(&format!("<title>{}</title>", escape(&graph.title)));
-    let marks = match graph.has_marks() {
-        true => theme::mark_style(theme),
-        false => String::new(),
-    };
+    let marks = if graph.has_marks() { theme::mark_style(theme) } else { String::new() };
     out.line(&format!("<style>\n{}{marks}</style>", theme::style(theme)));
     out.line(&format!("<rect class=\"ground\" width=\"{w}\" height=\"{h}\"/>"));
     for frame in &layout.frames {
@@ -79,10 +76,7 @@ impl Svg {
         let label = escape(if node.description.is_empty() { &node.id } else { &node.description });
         // A node with lines that can be focused on their own is more than a symbol.
         let parts = node.lines.iter().any(|line| line.origin.is_some());
-        let role = match parts {
-            true => "graphics-object",
-            false => "graphics-symbol",
-        };
+        let role = if parts { "graphics-object" } else { "graphics-symbol" };
         self.line(&format!(
             "<g {attributes} tabindex=\"0\" role=\"{role}\" aria-label=\"{label}\"><title>{label}</title>"
         ));
@@ -151,7 +145,7 @@ impl Svg {
     fn lines(&mut self, node: &Node, rect: Rect) {
         let total: f64 = node.lines.iter().map(|l| l.style.metrics().height).sum();
         let card = node.shape == Shape::Card && node.lines.len() > 1;
-        let mut top = rect.center().y - (total + if card { CARD_HEADER } else { 0.0 }) / 2.0;
+        let mut top = rect.center().y - f64::midpoint(total, if card { CARD_HEADER } else { 0.0 });
         for (i, line) in node.lines.iter().enumerate() {
             let metrics = line.style.metrics();
             let baseline = top + metrics.height / 2.0 + metrics.size * 0.36;

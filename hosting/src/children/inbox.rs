@@ -34,7 +34,7 @@ impl InputSlot {
     }
 
     pub(super) fn swap(&self, data: Option<Vec<u8>>) -> Option<Vec<u8>> {
-        let mut held = self.data.lock().unwrap_or_else(|error| error.into_inner());
+        let mut held = self.data.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         std::mem::replace(&mut held, data)
     }
 }

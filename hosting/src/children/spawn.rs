@@ -46,9 +46,10 @@ impl Children {
             raised: self.raised,
             debug: self.debug.is_some(),
             // Under a debugger, or without a clock, the engine may stand still for any time.
-            engine_within: match self.real && self.debug.is_none() {
-                true => self.engine_within,
-                false => Duration::ZERO,
+            engine_within: if self.real && self.debug.is_none() {
+                self.engine_within
+            } else {
+                Duration::ZERO
             },
             stop_within: self.stop_within,
         };
@@ -95,8 +96,5 @@ impl Children {
 /// The path by which this program can be started again.
 fn own() -> PathBuf {
     let own = PathBuf::from("/proc/self/exe");
-    match own.exists() {
-        true => own,
-        false => std::env::current_exe().unwrap_or(own),
-    }
+    if own.exists() { own } else { std::env::current_exe().unwrap_or(own) }
 }

@@ -58,7 +58,7 @@ struct Activity {
 
 impl Activities {
     fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(|error| error.into_inner())
+        self.state.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
     /// Sets the machines of the component.
@@ -70,7 +70,7 @@ impl Activities {
     pub(super) fn begin(&self, codel: u32, instance: u32) {
         let mut state = self.lock();
         while state.alone {
-            state = self.changed.wait(state).unwrap_or_else(|error| error.into_inner());
+            state = self.changed.wait(state).unwrap_or_else(std::sync::PoisonError::into_inner);
         }
         state.running += 1;
         state.begin(codel, instance);
@@ -96,11 +96,11 @@ impl Activities {
     fn leave_alone(&self, within: Duration) -> Vec<(Activity, HostMachine)> {
         let mut state = self.lock();
         while state.alone {
-            state = self.changed.wait(state).unwrap_or_else(|error| error.into_inner());
+            state = self.changed.wait(state).unwrap_or_else(std::sync::PoisonError::into_inner);
         }
         state.alone = true;
         let waited = self.changed.wait_timeout_while(state, within, |state| state.running > 0);
-        let state = waited.unwrap_or_else(|error| error.into_inner()).0;
+        let state = waited.unwrap_or_else(std::sync::PoisonError::into_inner).0;
         let with_machine = |activity: &Activity| {
             let machine = state.machines.get(activity.machine)?;
             Some((activity.clone(), machine.clone()))
@@ -185,7 +185,7 @@ pub(super) fn watch(host: &Arc<Host>) {
         if host.options.raised {
             realtime::raise_priority(realtime::ENGINE_PRIORITY);
         }
-        let beats = || host.executing.as_ref().map_or(0, |executing| executing.beats());
+        let beats = || host.executing.as_ref().map_or(0, super::super::executing::Executing::beats);
         let (mut last, mut quiet) = (beats(), 0);
         while quiet < LOOKS {
             std::thread::sleep(within / LOOKS);
@@ -204,7 +204,7 @@ pub(super) fn watch(host: &Arc<Host>) {
 pub(super) fn stop(host: &Arc<Host>, why: &str) -> ! {
     let until = Instant::now() + host.options.stop_within;
     // Codels that wait for other components get no answer any more.
-    host.waiting.lock().unwrap_or_else(|error| error.into_inner()).all.clear();
+    host.waiting.lock().unwrap_or_else(std::sync::PoisonError::into_inner).all.clear();
     let all = host.activities.leave_alone(host.options.stop_within / 2);
     let (mut stopped, mut left) = (Vec::new(), Vec::new());
     let count = all.len();
@@ -212,9 +212,10 @@ pub(super) fn stop(host: &Arc<Host>, why: &str) -> ! {
         let name = machine.name.clone();
         let remaining = u32::try_from(count - number).unwrap_or(u32::MAX);
         let share = until.saturating_duration_since(Instant::now()) / remaining;
-        match !activity.running && stop_one(host, activity, machine, share) {
-            true => stopped.push(name),
-            false => left.push(name),
+        if !activity.running && stop_one(host, activity, machine, share) {
+            stopped.push(name);
+        } else {
+            left.push(name);
         }
     }
     if count > 0 {
@@ -239,10 +240,7 @@ fn stop_one(host: &Arc<Host>, activity: Activity, machine: HostMachine, within: 
         if let Some(task) = task {
             realtime::raise_priority(task.priority);
         }
-        let mut state = match activity.stopping {
-            true => Some(activity.state),
-            false => machine.stop,
-        };
+        let mut state = if activity.stopping { Some(activity.state) } else { machine.stop };
         let codel = |state: usize| machine.states.get(state).map(|state| state.codel);
         while let Some((at, codel)) = state.and_then(|at| Some((at, codel(at)?))) {
             if codel == HostMachine::SIMULATED {

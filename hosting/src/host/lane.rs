@@ -33,7 +33,7 @@ struct Reports {
 
 impl Reports {
     fn lock(&self) -> MutexGuard<'_, Vec<CodelResult>> {
-        self.unsent.lock().unwrap_or_else(|error| error.into_inner())
+        self.unsent.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
     /// Sends the results, in order, also if two threads do so.

@@ -11,7 +11,7 @@ use zenoh::query::ConsolidationMode;
 use super::config;
 
 /// Maximum time for the end of a service.
-const REQUEST_TIMEOUT: Duration = Duration::from_secs(24 * 60 * 60);
+const REQUEST_TIMEOUT: Duration = Duration::from_hours(24);
 
 /// Requests a service of a run that listens at one of the endpoints, or of one that is connected to a router
 /// there. Calls `hear` with each reply until the service has ended, or `hear` breaks.
@@ -51,8 +51,9 @@ pub fn request(
             return Ok(());
         }
     }
-    match accepted {
-        true => Err("the run has ended before the service has, or its machine is gone".to_owned()),
-        false => Err(format!("no run there provides `{component}.{service}`, or it has ended")),
+    if accepted {
+        Err("the run has ended before the service has, or its machine is gone".to_owned())
+    } else {
+        Err(format!("no run there provides `{component}.{service}`, or it has ended"))
     }
 }

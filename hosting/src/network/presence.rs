@@ -59,10 +59,7 @@ pub(super) fn follow(
         };
         let provides = sample.kind() == SampleKind::Put;
         if session != own && remote.set(host, component, session, provides) {
-            let what = match provides {
-                true => "has appeared",
-                false => "has disappeared",
-            };
+            let what = if provides { "has appeared" } else { "has disappeared" };
             match notes.fetch_add(1, Ordering::Relaxed) {
                 ..MAX_NOTES => tell(&format!("`{component}` of the machine `{host}` {what}")),
                 MAX_NOTES => tell("further changes of other machines are only in `progress`"),

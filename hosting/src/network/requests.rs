@@ -65,7 +65,7 @@ impl Requests {
     }
 
     fn pending(&self) -> MutexGuard<'_, HashMap<u64, (ComponentId, usize, Query)>> {
-        self.pending.lock().unwrap_or_else(|error| error.into_inner())
+        self.pending.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
     fn hear(&self, component: ComponentId, index: usize, query: Query) {
@@ -133,11 +133,10 @@ fn send(queue: &Receiver<(Query, Value)>, unsent: &AtomicUsize) {
     for (query, reply) in queue {
         let text = reply.to_string();
         // The client may be gone.
-        let _ = match reply["event"] == "error" {
-            true => query.reply_err(text).encoding(Encoding::APPLICATION_JSON).wait(),
-            false => {
-                query.reply(query.key_expr(), text).encoding(Encoding::APPLICATION_JSON).wait()
-            }
+        let _ = if reply["event"] == "error" {
+            query.reply_err(text).encoding(Encoding::APPLICATION_JSON).wait()
+        } else {
+            query.reply(query.key_expr(), text).encoding(Encoding::APPLICATION_JSON).wait()
         };
         unsent.fetch_sub(1, Ordering::Relaxed);
     }

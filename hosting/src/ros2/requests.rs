@@ -92,7 +92,7 @@ impl Requests {
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(|error| error.into_inner())
+        self.state.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
     /// Adds the topic of the status of an activity.
@@ -228,15 +228,14 @@ impl Requests {
             let unknown = self.result(component, service, 0, FORGOTTEN);
             return self.replies.send(asked, unknown);
         };
-        match &goal.result {
-            Some(bytes) => self.replies.send(asked, bytes.clone()),
-            None => {
-                // The oldest request has most likely been given up.
-                if goal.waiting.len() >= RESULT_REQUESTS {
-                    goal.waiting.remove(0);
-                }
-                goal.waiting.push(asked);
+        if let Some(bytes) = &goal.result {
+            self.replies.send(asked, bytes.clone());
+        } else {
+            // The oldest request has most likely been given up.
+            if goal.waiting.len() >= RESULT_REQUESTS {
+                goal.waiting.remove(0);
             }
+            goal.waiting.push(asked);
         }
     }
 

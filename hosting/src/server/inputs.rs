@@ -68,9 +68,10 @@ pub(super) fn connect(
         return Err(format!("`{local}`: {INSTANCES} instances of the port are connected"));
     }
     state.connected.insert(place, source);
-    match shared.inbox.bring(Message::Connect(connection)) {
-        true => Ok(json!({"event": "done", "output": {}})),
-        false => Err(ENDED.to_owned()),
+    if shared.inbox.bring(Message::Connect(connection)) {
+        Ok(json!({"event": "done", "output": {}}))
+    } else {
+        Err(ENDED.to_owned())
     }
 }
 
@@ -123,10 +124,10 @@ pub(super) fn write(shared: &Shared, path: &str, request: &Value) -> Result<Valu
     }
     let new = || Arc::new(InputSlot::new(at, number, instance.to_owned()));
     let newest = state.written.entry(place).or_insert_with(new);
-    match shared.inbox.feed(newest, bytes) {
-        true => Ok(json!({"event": "written"})),
-        // This event lets clients that write until the end distinguish the end from a refused value.
-        false => Ok(json!({"event": "lost", "message": ENDED})),
+    if shared.inbox.feed(newest, bytes) {
+        Ok(json!({"event": "written"}))
+    } else {
+        Ok(json!({"event": "lost", "message": ENDED}))
     }
 }
 

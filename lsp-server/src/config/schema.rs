@@ -17,7 +17,7 @@ pub(crate) fn codes() -> impl Iterator<Item = &'static str> {
     let codels = dotgen_codegen::codels::drift::DriftCode::ALL;
     let mut all: Vec<&str> = dotgen_analysis::codes::all()
         .map(|code| code.id)
-        .chain(codels.map(|codel| codel.as_str()))
+        .chain(codels.map(dotgen_codegen::codels::drift::DriftCode::as_str))
         .collect();
     all.sort_unstable();
     all.into_iter()

@@ -56,10 +56,7 @@ fn tab_width(shared: &ec4rs::Properties) -> usize {
 
 fn editor_unit(editor: &FormattingOptions) -> Unit {
     let columns = (editor.tab_size as usize).clamp(1, 16);
-    match editor.insert_spaces {
-        true => Unit::Spaces(columns),
-        false => Unit::Tabs(columns),
-    }
+    if editor.insert_spaces { Unit::Spaces(columns) } else { Unit::Tabs(columns) }
 }
 
 #[cfg(test)]

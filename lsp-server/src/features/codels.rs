@@ -128,9 +128,10 @@ impl Files for Texts<'_> {
 
     fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {
         let is_saved = || self.read(path).as_deref() == Disk.read(path).as_deref();
-        match self.snapshot.open.contains_key(path) && !is_saved() {
-            true => Some(ModificationTime::Unsaved),
-            false => self.changed_on_disk(path),
+        if self.snapshot.open.contains_key(path) && !is_saved() {
+            Some(ModificationTime::Unsaved)
+        } else {
+            self.changed_on_disk(path)
         }
     }
 }
@@ -186,8 +187,7 @@ fn of_unit(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<Arc<ComparedFold
         let mut before = known.iter().flat_map(|lock| &lock.folders);
         let findings = before
             .find(|other| same(&other.0, &folder))
-            .map(|folder| folder.1.clone())
-            .unwrap_or_else(|| differences(&folder));
+            .map_or_else(|| differences(&folder), |folder| folder.1.clone());
         fresh.folders.push((folder, findings));
     }
     let fresh = Arc::new(fresh);

@@ -54,10 +54,7 @@ pub fn files(
     let uses = answers.uses.iter().map(|usage| (usage, true));
     for ((name, path), reversed) in provides.chain(uses) {
         let interface = interface(host, folder, name, path, reversed)?;
-        let all = match reversed {
-            true => &mut wanted.uses,
-            false => &mut wanted.provides,
-        };
+        let all = if reversed { &mut wanted.uses } else { &mut wanted.provides };
         all.push(interface);
     }
     let made = wanted.texts().map_err(|error| error.to_string())?;
@@ -273,10 +270,7 @@ struct Unwritten<'a>(Texts<'a>);
 
 impl Files for Unwritten<'_> {
     fn read(&self, path: &Utf8Path) -> Option<Arc<str>> {
-        match self.0.is_open(path) {
-            true => self.0.read(path),
-            false => Disk.read(path),
-        }
+        if self.0.is_open(path) { self.0.read(path) } else { Disk.read(path) }
     }
 
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
@@ -284,9 +278,6 @@ impl Files for Unwritten<'_> {
     }
 
     fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {
-        match self.0.is_open(path) {
-            true => self.0.changed(path),
-            false => self.0.changed_on_disk(path),
-        }
+        if self.0.is_open(path) { self.0.changed(path) } else { self.0.changed_on_disk(path) }
     }
 }

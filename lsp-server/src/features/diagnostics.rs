@@ -173,9 +173,10 @@ pub(crate) fn survived<R>(
 /// The lowest severity that is reported for a file. Files that are not open and not in the workspace have
 /// errors reported only.
 pub(crate) fn least(snapshot: &Snapshot, path: &Utf8Path) -> Severity {
-    match snapshot.open.contains_key(path) || snapshot.in_workspace(path) {
-        true => Severity::Hint,
-        false => Severity::Error,
+    if snapshot.open.contains_key(path) || snapshot.in_workspace(path) {
+        Severity::Hint
+    } else {
+        Severity::Error
     }
 }
 

@@ -100,9 +100,10 @@ pub(crate) fn handle(
     let units = units(snapshot, subject, &wish)?;
     let around = SystemContext {
         connections: snapshot.config.connections.clone(),
-        chains: match wish.kind == Kind::System && wish.chains {
-            true => chains(snapshot, &units),
-            false => Vec::new(),
+        chains: if wish.kind == Kind::System && wish.chains {
+            chains(snapshot, &units)
+        } else {
+            Vec::new()
         },
     };
     let drawn = pictures::draw(&units, &around, &wish);
@@ -196,7 +197,7 @@ fn chains(snapshot: &Snapshot, units: &[UnitResult]) -> Vec<Chain> {
     for entry in snapshot.verification.values() {
         let problem = entry.places();
         let of_system = |path: &Utf8PathBuf| units.iter().any(|unit| unit.files.contains(path));
-        let mut used = problem.units.iter().flat_map(|unit| unit.files.first());
+        let mut used = problem.units.iter().filter_map(|unit| unit.files.first());
         if !used.any(of_system) {
             continue;
         }

@@ -65,10 +65,10 @@ pub(crate) fn renames(
             let unit = snapshot.analysis.root_unit(&root)?;
             Renamed { unit: &unit, edits }.mentions(&text, &words, &mut found);
         }
-        let (renamed, left) = match is_ours {
-            true => (found.renamed, found.left),
-            // A file outside of the workspace is not edited.
-            false => (BTreeSet::new(), found.renamed.into_iter().chain(found.left).collect()),
+        let (renamed, left) = if is_ours {
+            (found.renamed, found.left)
+        } else {
+            (BTreeSet::new(), found.renamed.into_iter().chain(found.left).collect())
         };
         out.edits.extend(renamed.into_iter().map(|(start, end)| FileEdit {
             path: file.clone(),
@@ -112,10 +112,7 @@ fn words(text: &str) -> Vec<Word> {
         let (start, end) = (event.span().start(), event.span().end());
         let spelled = text.get(start..end).unwrap_or_default();
         let is_quoted = spelled.len() > 1 && spelled.starts_with(['"', '\'']);
-        let range = match is_quoted {
-            true => start + 1..end - 1,
-            false => start..end,
-        };
+        let range = if is_quoted { start + 1..end - 1 } else { start..end };
         match event.kind() {
             EventKind::StdTableOpen | EventKind::ArrayTableOpen => {
                 is_header = true;

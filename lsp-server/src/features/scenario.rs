@@ -224,19 +224,20 @@ fn hover(
     let names = Names::new(&specs);
     let found = describe::describe(text, scenario, &names, cursor.offset);
     Ok(found.map(|description| Hover {
-        contents: HoverContents::Markup(match snapshot.client.markdown_hover {
-            true => MarkupContent {
+        contents: HoverContents::Markup(if snapshot.client.markdown_hover {
+            MarkupContent {
                 kind: MarkupKind::Markdown,
                 value: format!(
                     "{}\n{}",
                     markdown::block("", &description.form),
                     description.meaning
                 ),
-            },
-            false => MarkupContent {
+            }
+        } else {
+            MarkupContent {
                 kind: MarkupKind::PlainText,
                 value: format!("{}\n{}", description.form, description.meaning),
-            },
+            }
         }),
         range: Some(cursor.lines.range(&description.range)),
     }))

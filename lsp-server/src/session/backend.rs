@@ -96,6 +96,12 @@ impl Backend {
         self.mutate(Mutation::Unreadable(document));
     }
 
+    /// Changes a document, with a panic before the database has the change.
+    #[cfg(test)]
+    pub(crate) fn broken(&self, params: DidChangeTextDocumentParams) {
+        self.mutate(Mutation::Broken(params));
+    }
+
     /// Waits for a change. False if the client has closed its end.
     async fn changed(&self, revisions: &mut watch::Receiver<u64>) -> bool {
         let mut closed = self.closed.clone();

@@ -29,7 +29,7 @@ use dotgen_platform::panic;
 /// The pause in typing before a computation.
 const DEBOUNCE: Duration = Duration::from_millis(60);
 /// Maximum delay of diagnostics while the user types without a pause.
-const MAX_DELAY: Duration = Duration::from_millis(1000);
+const MAX_DELAY: Duration = Duration::from_secs(1);
 
 /// Messages to the writer.
 pub(crate) enum News {
@@ -273,10 +273,8 @@ impl Run {
         let Some(left) = &mut self.left else {
             let open = snapshot.open.keys().cloned().collect();
             self.compute_files(open, snapshot, events)?;
-            let mut left = match self.push {
-                true => diagnostics::listing(snapshot, &())?.rest,
-                false => Vec::new(),
-            };
+            let mut left =
+                if self.push { diagnostics::listing(snapshot, &())?.rest } else { Vec::new() };
             left.reverse();
             self.left = Some(left);
             return Ok(());
@@ -340,13 +338,15 @@ fn file(
         return Ok(None);
     }
     let own = features.is_own;
-    let diagnostics = match push || !own {
-        true => Some(file_diagnostics(snapshot, path, least(snapshot, path))?),
-        false => None,
+    let diagnostics = if push || !own {
+        Some(file_diagnostics(snapshot, path, least(snapshot, path))?)
+    } else {
+        None
     };
-    let regions = match regions && open.is_some() && own {
-        true => Some(inactive_ranges(snapshot, path)?),
-        false => None,
+    let regions = if regions && open.is_some() && own {
+        Some(inactive_ranges(snapshot, path)?)
+    } else {
+        None
     };
     Ok(Some(FileResult {
         path: path.to_owned(),

@@ -70,10 +70,7 @@ impl Verifier {
 
     /// The pause in typing before the next verification: short if the last ones were quick.
     pub(crate) fn debounce(&self) -> Duration {
-        match self.is_quick {
-            true => QUICK_DEBOUNCE,
-            false => DEBOUNCE,
-        }
+        if self.is_quick { QUICK_DEBOUNCE } else { DEBOUNCE }
     }
 
     /// Handles changes of files: results computed from them become stale, and work on them is cancelled.

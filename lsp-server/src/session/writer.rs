@@ -197,10 +197,14 @@ impl State {
         });
     }
 
-    /// Serves one event. A panic in it does not end the writer.
+    /// Serves one event. A panic in it does not end the writer. The change may be half done: the database
+    /// gets every file and setting again.
     fn isolate_panic(&mut self, work: impl FnOnce(&mut State)) {
         if let Err(message) = panic::isolate(|| work(self)) {
             tracing::error!("the writer panicked: {message}");
+            let open = self.documents.open_files().keys().cloned();
+            let files = self.host.known_at("".into()).into_iter().chain(open).collect();
+            self.pending = Pending::everything(files);
         }
     }
 }

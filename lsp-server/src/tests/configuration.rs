@@ -108,10 +108,7 @@ async fn folders_come_and_go() {
     let mut client = Client::start(json!({ "capabilities": pulling() })).await;
     let change = |added: bool| {
         let value = json!([{ "uri": folder.uri(""), "name": "test" }]);
-        let (added, removed) = match added {
-            true => (value, json!([])),
-            false => (json!([]), value),
-        };
+        let (added, removed) = if added { (value, json!([])) } else { (json!([]), value) };
         json!({ "event": { "added": added, "removed": removed } })
     };
     let method = "workspace/didChangeWorkspaceFolders";

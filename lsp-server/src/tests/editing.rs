@@ -349,12 +349,11 @@ component c {
     ];
     for (i, (right, wrong)) in broken.into_iter().enumerate() {
         let text = RIGHT.replacen(right, wrong, 1);
-        match i {
-            0 => client.open(&uri, &text).await,
-            _ => {
-                let changes = json!([{ "text": text }]);
-                client.change(&uri, i as i32 + 1, changes).await;
-            }
+        if i == 0 {
+            client.open(&uri, &text).await;
+        } else {
+            let changes = json!([{ "text": text }]);
+            client.change(&uri, i as i32 + 1, changes).await;
         }
         let found = client.ok("textDocument/diagnostic", document(&uri)).await;
         let mut found = found["items"].as_array().expect("diagnostics").clone();

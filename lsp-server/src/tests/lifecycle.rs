@@ -64,6 +64,20 @@ async fn a_panic_costs_one_request_and_is_shown_once() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_panic_in_a_change_leaves_the_text_of_the_client() {
+    let mut client = Client::start(json!({ "capabilities": pulling() })).await;
+    client.open(URI, "struct s { long x; };").await;
+    let change = json!({
+        "textDocument": { "uri": URI, "version": 2 },
+        "contentChanges": [{ "text": "struct s { long y; };" }],
+    });
+    client.notify("test/broken", change).await;
+    let text = client.ok("test/text", document(URI)).await;
+    assert_eq!(text, "struct s { long y; };");
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn unknown_documents_have_nothing_to_show() {
     let mut client = Client::start(json!({ "capabilities": pulling() })).await;
     for uri in ["file:///nowhere/missing.gen", "untitled:Untitled-9"] {

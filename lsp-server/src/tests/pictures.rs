@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::client::{Client, Folder, document, pulling};
 
-const LIFT: &str = r#"component lift {
+const LIFT: &str = r"component lift {
   ids { double height; };
   port in height_s wanted;
   task move {
@@ -20,7 +20,7 @@ const LIFT: &str = r#"component lift {
   };
   attribute get(out height);
 };
-"#;
+";
 
 fn text() -> String {
     format!("struct height_s {{ double h; }};\n{LIFT}")
@@ -253,7 +253,7 @@ async fn a_hover_over_a_codel_tells_what_it_is_in_both_languages() {
     params["position"] = position("raise(inout");
     let hover = client.ok("textDocument/hover", params).await;
     let text = hover["contents"]["value"].as_str().expect("Markdown");
-    expect_test::expect![[r#"
+    expect_test::expect![[r"
         ```genom
         codel<up> raise(inout height) wcet 2 ms yield pause::up, ether;
         ```
@@ -268,7 +268,7 @@ async fn a_hover_over_a_codel_tells_what_it_is_in_both_languages() {
 
         ```cpp
         genom::event raise(double &height);
-        ```"#]]
+        ```"]]
     .assert_eq(text);
     client.finish().await;
 }

@@ -219,7 +219,7 @@ async fn a_run_goes_on_with_chosen_steps() {
     assert!(steps(&first).len() < steps(&whole).len());
     assert_eq!(steps(&whole)[..4], steps(&first)[..4]);
     let choices = first["next"]["choices"].as_array().expect("a list");
-    assert!(choices.iter().all(|choice| choice.is_string()) && !choices.is_empty());
+    assert!(choices.iter().all(serde_json::Value::is_string) && !choices.is_empty());
     let taken = client.ok("dotgen/trace", asked(&[choices.len() - 1])).await;
     assert_eq!(taken["next"]["taken"], json!([steps(&first).len()]));
     assert!(taken["title"].as_str().expect("a title").ends_with("with chosen steps"));

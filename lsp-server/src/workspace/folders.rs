@@ -237,9 +237,10 @@ impl Workspace {
             let lines = Lines::new(folder.file.text.as_str().into(), encoding);
             let diagnostics = folder.file.problems.iter().map(|problem| Diagnostic {
                 range: lines.range(&problem.range.clone().unwrap_or(0..0)),
-                severity: Some(match problem.kind.is_error() {
-                    true => DiagnosticSeverity::ERROR,
-                    false => DiagnosticSeverity::WARNING,
+                severity: Some(if problem.kind.is_error() {
+                    DiagnosticSeverity::ERROR
+                } else {
+                    DiagnosticSeverity::WARNING
                 }),
                 code: Some(NumberOrString::String(problem.kind.code().to_owned())),
                 source: Some(types::SOURCE.to_owned()),

@@ -233,7 +233,7 @@ impl Snapshot {
                 beside || self.open.contains_key(*root)
             })
             .filter(|root| self.config.project(root) == project)
-            .map(|root| root.as_path())
+            .map(camino::Utf8PathBuf::as_path)
             .collect();
         if paths.is_empty() {
             paths.push(path);

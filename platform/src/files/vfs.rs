@@ -227,10 +227,7 @@ pub fn read(path: &Utf8Path) -> FileContent {
             }
             let valid = std::str::from_utf8(&bytes).is_ok();
             let text = encoding::decode(bytes);
-            match valid {
-                true => FileContent::Text(text),
-                false => FileContent::NotUtf8(text),
-            }
+            if valid { FileContent::Text(text) } else { FileContent::NotUtf8(text) }
         }
         Err(error) if missing(&error) => FileContent::Missing,
         Err(error) => FileContent::Unreadable(super::reason(&error)),

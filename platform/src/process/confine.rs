@@ -177,11 +177,8 @@ mod linux {
             all.insert(call | 0x4000_0000, conditions.clone());
             all.insert(call, conditions);
         }
-        let action = match all.is_empty() {
-            // A filter needs two different actions, even if it refuses nothing.
-            true => SeccompAction::Errno(libc::EPERM.cast_unsigned()),
-            false => action,
-        };
+        let action =
+            if all.is_empty() { SeccompAction::Errno(libc::EPERM.cast_unsigned()) } else { action };
         let architecture = std::env::consts::ARCH.try_into().map_err(io::Error::other)?;
         let filter = SeccompFilter::new(all, SeccompAction::Allow, action, architecture);
         let program: BpfProgram = filter.and_then(TryInto::try_into).map_err(io::Error::other)?;

@@ -13,7 +13,7 @@ use super::watcher::{CleanupGuard, Watcher};
 /// called so.
 const PREFIX: &str = "dotgen-temporary-";
 /// Minimum age of leftovers: a younger folder may not be locked yet.
-const MIN_LEFTOVER_AGE: Duration = Duration::from_secs(60);
+const MIN_LEFTOVER_AGE: Duration = Duration::from_mins(1);
 /// Minimum space of a file on usual file systems, in bytes.
 const BLOCK: u64 = 4096;
 
@@ -101,9 +101,10 @@ fn clean_up_in(parent: &Path) {
 fn lock(path: &Path, alone: bool) -> Option<File> {
     use rustix::fs::{FlockOperation, flock};
     let file = File::open(path).ok()?;
-    let how = match alone {
-        true => FlockOperation::NonBlockingLockExclusive,
-        false => FlockOperation::NonBlockingLockShared,
+    let how = if alone {
+        FlockOperation::NonBlockingLockExclusive
+    } else {
+        FlockOperation::NonBlockingLockShared
     };
     flock(&file, how).ok().map(|()| file)
 }

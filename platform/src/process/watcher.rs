@@ -117,7 +117,9 @@ pub(super) fn serve(mut pipe: impl Read) {
     }
     groups.sort_unstable();
     let since = Instant::now();
-    groups.into_iter().for_each(|(outlives, id)| end_group(id, since + outlives));
+    for (outlives, id) in groups {
+        end_group(id, since + outlives);
+    }
     // Folders come last, when no process writes in them.
     for item in &items {
         if let Some((b'f', path)) = item.split_first() {

@@ -193,51 +193,45 @@ impl<'s> Model<'s> {
         let Some((component, parts)) = named else {
             return ResolvedKind::Mismatch(Mismatch::Component);
         };
-        match &site.state {
-            Some(state) => {
-                let (automaton, permanent) = match site.codel.owner {
-                    Owner::Task(task) => {
-                        let task = parts.tasks.get(task as usize);
-                        let task = task.and_then(|&task| self.system.tasks.get(task));
-                        (task.and_then(|task| task.permanent), true)
-                    }
-                    Owner::Service(service) => {
-                        let service = parts.services.get(service as usize);
-                        let service =
-                            service.and_then(|&service| self.system.services.get(service));
-                        (service.and_then(|service| service.slots.first().copied()), false)
-                    }
-                };
-                let automaton = automaton.and_then(|automaton| self.system.automata.get(automaton));
-                let Some(automaton) = automaton else {
-                    return none;
-                };
-                let at = self.at(usize::from(automaton.task), automaton.machine, state, kind);
-                at.map_or(none, |at| {
-                    ResolvedKind::State(StateOutcome { instance, permanent, ..at })
-                })
-            }
-            None => {
-                let Owner::Service(service) = site.codel.owner else {
-                    return none;
-                };
-                let service = parts.services.get(service as usize);
-                let service = service.and_then(|&service| self.system.services.get(service));
-                let Some(service) = service else { return none };
-                let mut all = service.validate.iter().chain(&service.simple).copied();
-                let is = |index: &CodelId| {
-                    let codel = self.system.codels.get(*index);
-                    codel.is_some_and(|codel| codel.site.is_some_and(|other| other.1 == site.codel))
-                };
-                let Some(codel) = all.find(is) else {
-                    return none;
-                };
-                ResolvedKind::Control {
-                    codel,
-                    component,
-                    instance,
-                    declared: kind.to == "::genom::ok" || self.throws(codel, &kind.to),
+        if let Some(state) = &site.state {
+            let (automaton, permanent) = match site.codel.owner {
+                Owner::Task(task) => {
+                    let task = parts.tasks.get(task as usize);
+                    let task = task.and_then(|&task| self.system.tasks.get(task));
+                    (task.and_then(|task| task.permanent), true)
                 }
+                Owner::Service(service) => {
+                    let service = parts.services.get(service as usize);
+                    let service = service.and_then(|&service| self.system.services.get(service));
+                    (service.and_then(|service| service.slots.first().copied()), false)
+                }
+            };
+            let automaton = automaton.and_then(|automaton| self.system.automata.get(automaton));
+            let Some(automaton) = automaton else {
+                return none;
+            };
+            let at = self.at(usize::from(automaton.task), automaton.machine, state, kind);
+            at.map_or(none, |at| ResolvedKind::State(StateOutcome { instance, permanent, ..at }))
+        } else {
+            let Owner::Service(service) = site.codel.owner else {
+                return none;
+            };
+            let service = parts.services.get(service as usize);
+            let service = service.and_then(|&service| self.system.services.get(service));
+            let Some(service) = service else { return none };
+            let mut all = service.validate.iter().chain(&service.simple).copied();
+            let is = |index: &CodelId| {
+                let codel = self.system.codels.get(*index);
+                codel.is_some_and(|codel| codel.site.is_some_and(|other| other.1 == site.codel))
+            };
+            let Some(codel) = all.find(is) else {
+                return none;
+            };
+            ResolvedKind::Control {
+                codel,
+                component,
+                instance,
+                declared: kind.to == "::genom::ok" || self.throws(codel, &kind.to),
             }
         }
     }

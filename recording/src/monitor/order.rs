@@ -106,10 +106,8 @@ impl RunOrder {
             let one_process = earlier.instance == run.instance
                 || component(earlier.codel) != component(run.codel);
             let overlaps = earlier.overlaps(&run);
-            let (first, second) = match earlier.began <= run.began {
-                true => (earlier, &run),
-                false => (&run, earlier),
-            };
+            let (first, second) =
+                if earlier.began <= run.began { (earlier, &run) } else { (&run, earlier) };
             if overlaps && one_process && excludes(second.codel, first.codel) {
                 together = true;
                 out.push((second.codel, OrderViolation::Together(first.codel)));

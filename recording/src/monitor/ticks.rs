@@ -50,9 +50,10 @@ impl TickPhase {
         if off <= CLOCK_TOLERANCE_NANOS {
             return None;
         }
-        let what = match known.latest == last {
-            true => DeviationKind::Early { by: off, period },
-            false => DeviationKind::Late { by: off, period },
+        let what = if known.latest == last {
+            DeviationKind::Early { by: off, period }
+        } else {
+            DeviationKind::Late { by: off, period }
         };
         self.known = Some(fresh);
         Some(what)

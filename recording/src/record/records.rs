@@ -48,9 +48,10 @@ pub(super) fn each(
     let zeros = bytes.iter().rev().take_while(|&&byte| byte == 0 && !ended).count();
     let there = &bytes[..bytes.len() - zeros];
     let Some(rest) = there.strip_prefix(MAGIC) else {
-        return Err(match bytes.is_empty() {
-            true => "it is empty".to_owned(),
-            false => "it is no MCAP file".to_owned(),
+        return Err(if bytes.is_empty() {
+            "it is empty".to_owned()
+        } else {
+            "it is no MCAP file".to_owned()
         });
     };
     let (cause, place) = match records(rest, Some(there), each) {
@@ -129,9 +130,10 @@ fn chunk<'b>(
 ) -> Flow<'b> {
     let end = |cause| ControlFlow::Break((cause, at));
     let Some((head, content)) = body.split_first_chunk::<CHUNK>() else {
-        return end(match whole {
-            true => Cause::Wrong("a chunk is too short".to_owned()),
-            false => Cause::Cut("a chunk is cut"),
+        return end(if whole {
+            Cause::Wrong("a chunk is too short".to_owned())
+        } else {
+            Cause::Cut("a chunk is cut")
         });
     };
     let number = |from: usize| {

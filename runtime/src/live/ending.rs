@@ -44,7 +44,9 @@ impl Live<'_> {
             let mut refused: Vec<u64> =
                 self.wanted[component].drain(..).map(|request| request.id).collect();
             refused.extend(self.take_deferred(component));
-            refused.into_iter().for_each(|id| self.answer_failed(id, requests::STOPPING));
+            for id in refused {
+                self.answer_failed(id, requests::STOPPING);
+            }
         }
         self.recall_all();
     }

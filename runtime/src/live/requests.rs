@@ -65,14 +65,12 @@ impl Live<'_> {
         self.next_instance += 1;
         // Clients for requests from outside follow the clients of the scenario.
         let outside = self.parts.outside(client) == Some(component);
-        let wanted = match outside {
-            // The outside request may have been aborted meanwhile.
-            true => {
-                let all = &mut self.wanted[component];
-                let first = all.front().is_some_and(|request| request.service == service);
-                first.then(|| all.pop_front()).flatten()
-            }
-            false => None,
+        let wanted = if outside {
+            let all = &mut self.wanted[component];
+            let first = all.front().is_some_and(|request| request.service == service);
+            first.then(|| all.pop_front()).flatten()
+        } else {
+            None
         };
         let (_, index) = self.parts.services[service];
         let inputs = match &wanted {
@@ -109,9 +107,10 @@ impl Live<'_> {
             if let (true, Some(copies)) = (well, self.parts.copies[instance.service]) {
                 self.copy(component, copies, instance.number);
             }
-            outputs = match self.alive[component] {
-                true => self.hosts.end(component, index, instance.number),
-                false => None,
+            outputs = if self.alive[component] {
+                self.hosts.end(component, index, instance.number)
+            } else {
+                None
             };
         }
         let Some(id) = instance.wanted else { return };
@@ -167,7 +166,7 @@ impl Live<'_> {
         };
         let wanted = self.wanted.get(component).and_then(|requests| requests.front());
         let steps = &self.system.clients[client].steps;
-        let requests = steps.get(step).and_then(|step| step.requests());
+        let requests = steps.get(step).and_then(dotgen_timing::system::ClientStep::requests);
         !self.ending && wanted.is_some_and(|request| requests == Some(request.service))
     }
 

@@ -90,7 +90,7 @@ fn defines() {
     );
     check(
         "%: define F(a, b) a##b",
-        expect![[r##""%: define F(a, b) a##b": define Some("F") Some("(a b)") as "a##b""##]],
+        expect![[r#""%: define F(a, b) a##b": define Some("F") Some("(a b)") as "a##b""#]],
     );
     check(
         "#define F(a, ...) x\\\n y",

@@ -128,7 +128,9 @@ pub(super) fn targets(page: &Page<'_>, runs: &mut AlignedColumns) -> Vec<Option<
         };
         let wanted = least.max(old);
         let column = if over(wanted) { least } else { wanted };
-        run.iter().for_each(|&i| out[i] = Some(column));
+        for &i in run {
+            out[i] = Some(column);
+        }
     }
     out
 }
@@ -140,7 +142,7 @@ fn consecutive_parts(numbers: &[usize], page: &Page<'_>, run: &[usize]) -> Vec<V
     for i in run.iter().copied().filter(in_line) {
         match out.last_mut() {
             Some(part) if part.last().is_some_and(|&index| numbers[i] - numbers[index] == 1) => {
-                part.push(i)
+                part.push(i);
             }
             _ => out.push(vec![i]),
         }

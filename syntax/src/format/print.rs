@@ -81,10 +81,7 @@ impl<'a> Printer<'a> {
             options,
             old_unit,
             old_ends: old_ends.collect(),
-            line_end: match text.contains("\r\n") {
-                true => "\r\n",
-                false => "\n",
-            },
+            line_end: if text.contains("\r\n") { "\r\n" } else { "\n" },
             targets: vec![None; chunks.len()],
             column: 0,
             open: Vec::new(),
@@ -131,9 +128,10 @@ impl<'a> Printer<'a> {
     /// White space up to a column. The mixture in the text stays if it reaches the same column.
     fn padding(&self, i: usize, column: usize) -> String {
         let original = self.page.original(i);
-        match advance(self.column, original, self.page.unit.tab()) == column {
-            true => original.to_owned(),
-            false => " ".repeat(column.saturating_sub(self.column).max(1)),
+        if advance(self.column, original, self.page.unit.tab()) == column {
+            original.to_owned()
+        } else {
+            " ".repeat(column.saturating_sub(self.column).max(1))
         }
     }
 
@@ -205,13 +203,12 @@ impl<'a> Printer<'a> {
     /// A line break inside a list or statement: as in the text, if that is one of the known continuations;
     /// otherwise like the line before, or the usual continuation.
     fn line_break_inside(&mut self, i: usize) -> String {
-        let (anchor, first, usual) = match self.open.last() {
-            Some(open) => (open.anchor, Some(open.first), open.last.unwrap_or(open.usual)),
-            None => {
-                let item = self.item;
-                let anchor = (self.page.old_columns[item], self.page.printed[item].column);
-                (anchor, None, Continuation::Units(1))
-            }
+        let (anchor, first, usual) = if let Some(open) = self.open.last() {
+            (open.anchor, Some(open.first), open.last.unwrap_or(open.usual))
+        } else {
+            let item = self.item;
+            let anchor = (self.page.old_columns[item], self.page.printed[item].column);
+            (anchor, None, Continuation::Units(1))
         };
         let old = self.page.old_columns[i];
         let units = |count: usize| anchor.0 + count * self.old_unit.columns() == old;

@@ -78,9 +78,9 @@ fn within_line(before: &Chunk, chunk: &Chunk) -> Gap {
     };
     // Line breaks in the text stay where a list or statement may be broken.
     let breakable = match () {
-        _ if chunk.flat => Gap::Space,
-        _ if chunk.newlines > 0 => Gap::Continue,
-        _ => Gap::Break,
+        () if chunk.flat => Gap::Space,
+        () if chunk.newlines > 0 => Gap::Continue,
+        () => Gap::Break,
     };
     match (last, kind) {
         (_, R_PAREN) if chunk.newlines > 0 && chunk.parent == PARAM_LIST => Gap::Continue,
@@ -125,7 +125,7 @@ fn within_line(before: &Chunk, chunk: &Chunk) -> Gap {
             _ => Gap::Author,
         },
         (_, YIELDS_KW | WCET_KW) => breakable,
-        (COMMA, _) | (_, EQ) | (EQ, _) | (STRING, STRING) => breakable,
+        (COMMA | EQ, _) | (_, EQ) | (STRING, STRING) => breakable,
         (L_CURLY, _) | (_, R_CURLY) => breakable,
         _ => Gap::Space,
     }

@@ -241,9 +241,8 @@ fn semicolon_or(p: &mut Parser<'_>, after: &str, others: &'static str) {
             // The missing quote is at the start of the string.
             p.error_before(Parsing::NoSemicolonOrQuote { after, others, found });
             return;
-        } else {
-            Parsing::NoSemicolon { after, others, found }
         }
+        Parsing::NoSemicolon { after, others, found }
     };
     let another = spec::at_item(p) || types::begins_member(p);
     if p.error_here(kind) {

@@ -276,16 +276,13 @@ impl<'a> Expander<'a> {
 
     /// The value of `__FILE__` or `__LINE__`.
     fn position(&mut self, kind: &MacroKind, at: u32, name: &Token) -> Token {
-        let (kind, text) = match kind {
-            MacroKind::File => {
-                let escaped = self.file.replace('\\', "\\\\").replace('"', "\\\"");
-                (STRING, format!("\"{escaped}\""))
-            }
-            _ => {
-                let lines = self.lines.get_or_insert_with(|| LineIndex::new(self.text));
-                let offset = self.raw.start(at as usize) as u32;
-                (INT, (lines.line(offset.into()) + 1).to_string())
-            }
+        let (kind, text) = if kind == &MacroKind::File {
+            let escaped = self.file.replace('\\', "\\\\").replace('"', "\\\"");
+            (STRING, format!("\"{escaped}\""))
+        } else {
+            let lines = self.lines.get_or_insert_with(|| LineIndex::new(self.text));
+            let offset = self.raw.start(at as usize) as u32;
+            (INT, (lines.line(offset.into()) + 1).to_string())
         };
         let text = text.into();
         Token { kind, text, spaced: name.spaced, origin: Origin::Synthetic, painted: true }

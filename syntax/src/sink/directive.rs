@@ -171,7 +171,7 @@ impl Sink<'_> {
                 self.builder.finish_node();
             }
             rowan::NodeOrToken::Token(token) => {
-                self.builder.token(SyntaxKind::from_raw(token.kind().0), token.text())
+                self.builder.token(SyntaxKind::from_raw(token.kind().0), token.text());
             }
         }
     }

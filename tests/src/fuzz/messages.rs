@@ -19,7 +19,7 @@ pub(super) const SESSION: &str = r#"{"jsonrpc":"2.0","method":"initialized","par
 "#;
 
 /// A session that takes longer has lost a message.
-const SESSION_TIMEOUT: Duration = Duration::from_secs(60);
+const SESSION_TIMEOUT: Duration = Duration::from_mins(1);
 
 /// A server is initialised and gets each line as one message; then its input ends. It must end too, and what
 /// it wrote must be frames of JSON.

@@ -38,7 +38,7 @@ pub(super) fn analyse(input: &[u8]) {
     let path = Utf8Path::new("/text.gen");
     let mut host = AnalysisHost::new(Arc::new(InterfaceLoader));
     host.apply(Change {
-        files: vec![(path.to_owned(), Some(text.to_string()))],
+        files: vec![(path.to_owned(), Some(text.clone()))],
         roots: Some(vec![path.to_owned()]),
         ..Change::default()
     });

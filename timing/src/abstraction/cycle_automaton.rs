@@ -251,9 +251,10 @@ impl Builder<'_> {
 
     /// Returns the state of an activity that has ended.
     fn over(&self, activity: usize) -> ActivityPosition {
-        match self.activities[activity].again {
-            true => ActivityPosition::Before,
-            false => ActivityPosition::Over,
+        if self.activities[activity].again {
+            ActivityPosition::Before
+        } else {
+            ActivityPosition::Over
         }
     }
 

@@ -124,11 +124,9 @@ pub(super) fn models<'s>(
         let lent = system.tasks.keys().filter(lends).count();
         if cores.is_some_and(|cores| cores <= lent) {
             // The reason that counts is that of a task with a period, if there is one.
-            let periodic = system.tasks.keys().filter(|&task| system.tasks[task].period.is_some());
-            return Err(periodic
-                .filter_map(|task| left[task])
-                .next()
-                .unwrap_or(Refusal::Aperiodic));
+            let mut periodic =
+                system.tasks.keys().filter(|&task| system.tasks[task].period.is_some());
+            return Err(periodic.find_map(|task| left[task]).unwrap_or(Refusal::Aperiodic));
         }
         Ok(Model {
             system,
@@ -212,10 +210,8 @@ fn thread(
         [] => None,
         _ => Some(cycle_automaton(system, activities)?),
     };
-    let first = match servers {
-        true => first_tick(system, task),
-        false => period + i64::from(definition.delay),
-    };
+    let first =
+        if servers { first_tick(system, task) } else { period + i64::from(definition.delay) };
     let paused = match (servers, activities, &cycle_automaton) {
         (true, ..) => Vec::new(),
         (false, [only], Some(cycle_automaton)) => {

@@ -117,20 +117,17 @@ impl<'m> Search<'m> {
 
     fn add(&mut self, s: State) {
         let key = s.key();
-        let number = match self.known.get(&key) {
-            Some(&number) => {
-                if !self.states[number].widen(&s) {
-                    return;
-                }
-                number
+        let number = if let Some(&number) = self.known.get(&key) {
+            if !self.states[number].widen(&s) {
+                return;
             }
-            None => {
-                let number = self.states.len();
-                self.known.insert(key, number);
-                self.states.push(s);
-                self.open.push(false);
-                number
-            }
+            number
+        } else {
+            let number = self.states.len();
+            self.known.insert(key, number);
+            self.states.push(s);
+            self.open.push(false);
+            number
         };
         self.reopen(number);
     }

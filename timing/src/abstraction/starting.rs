@@ -72,7 +72,9 @@ impl Model<'_> {
         }
         let settled = all.into_iter().flat_map(|s| self.settle(s));
         let mut out: Vec<State> = settled.collect();
-        out.iter_mut().for_each(|state| state.normalise(self));
+        for state in &mut out {
+            state.normalise(self);
+        }
         out
     }
 
@@ -89,10 +91,7 @@ impl Model<'_> {
         let skips = cycle == Cycle::Measured
             && self.cycle_automaton(thread).is_some_and(|automaton| automaton.rests[at].skips);
         let progress = &mut s.done[thread];
-        progress.stage = match skips {
-            true => Stage::Idle,
-            false => Stage::Waiting,
-        };
+        progress.stage = if skips { Stage::Idle } else { Stage::Waiting };
         progress.cycle = cycle;
         progress.at = at as u16;
         progress.next = next as i32;
@@ -171,12 +170,11 @@ impl Model<'_> {
                 let least = if late < 0 { 0 } else { entry.period };
                 out.worst[thread] = response.max(least).max(out.worst[thread]);
             }
-            match how {
-                End::Pauses(at) => all.extend(self.rest(&s, thread, end, at)),
-                _ => {
-                    self.leave(&mut s, thread);
-                    all.push(s);
-                }
+            if let End::Pauses(at) = how {
+                all.extend(self.rest(&s, thread, end, at));
+            } else {
+                self.leave(&mut s, thread);
+                all.push(s);
             }
         }
         if cycle == Cycle::FirstPass
@@ -316,12 +314,11 @@ impl Model<'_> {
             return vec![s];
         }
         let first = s.done[thread].cycle == Cycle::FirstPass;
-        let all = match how {
-            End::Pauses(rest) => self.rest(&s, thread, when, rest),
-            _ => {
-                self.leave(&mut s, thread);
-                vec![s]
-            }
+        let all = if let End::Pauses(rest) = how {
+            self.rest(&s, thread, when, rest)
+        } else {
+            self.leave(&mut s, thread);
+            vec![s]
         };
         match self.threads[thread].successor.filter(|_| first) {
             Some(next) => all.into_iter().flat_map(|s| self.start(s, next, when, how)).collect(),

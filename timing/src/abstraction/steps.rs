@@ -112,7 +112,7 @@ impl Model<'_> {
         });
         let holders =
             others.filter(|&other| codels.contains(CodelId::from(s.done[other].held as usize - 1)));
-        holders.map(|other| s.when[other].held).reduce(|one, other| one.max(other))
+        holders.map(|other| s.when[other].held).reduce(super::span::Span::max)
     }
 
     /// Returns the earliest time of the next step of an active task: taking a ticket, or beginning.
@@ -182,9 +182,10 @@ impl Model<'_> {
             let others: Vec<usize> = s.all(Stage::Active).filter(others).collect();
             for other in others {
                 let ready = &mut s.when[other].ready;
-                match self.queue {
-                    true => ready.from = ready.from.max(ticket.from),
-                    false => *ready = ready.max(begin),
+                if self.queue {
+                    ready.from = ready.from.max(ticket.from);
+                } else {
+                    *ready = ready.max(begin);
                 }
             }
             s.begun[entry.group] = begin;

@@ -132,7 +132,7 @@ pub fn repairs(
                 done,
                 of: candidates.len(),
                 trying: candidate.describe(&trial),
-            })
+            });
         },
         &|candidate| candidate.tried(&trial),
         &|change| change.iter().for_each(tell),

@@ -10,26 +10,22 @@ pub(super) fn suspects(check: &CheckReport) -> Vec<CodelName> {
     let longest = check.reason.iter();
     let longest = longest.max_by(|a, b| length(a).total_cmp(&length(b)));
     let mut all: Vec<(f64, CodelName)> = Vec::new();
-    match longest {
-        Some(delay) => {
-            for holder in &delay.held {
-                match &holder.codel {
-                    Some(codel) => all.push((holder.until - holder.from, codel.clone())),
-                    None => {
-                        all.extend(executed(check.run(), &holder.by, holder.from, holder.until))
-                    }
+    if let Some(delay) = longest {
+        for holder in &delay.held {
+            match &holder.codel {
+                Some(codel) => all.push((holder.until - holder.from, codel.clone())),
+                None => {
+                    all.extend(executed(check.run(), &holder.by, holder.from, holder.until));
                 }
             }
         }
-        None => {
-            let Some(task) = &check.task else {
-                return Vec::new();
-            };
-            let begins =
-                |event: &&Event| event.kind == MomentKind::Release && event.thread == *task;
-            let job = check.run().iter().rev().find(begins).map_or(0.0, |run| run.time);
-            all.extend(executed(check.run(), task, job, f64::INFINITY));
-        }
+    } else {
+        let Some(task) = &check.task else {
+            return Vec::new();
+        };
+        let begins = |event: &&Event| event.kind == MomentKind::Release && event.thread == *task;
+        let job = check.run().iter().rev().find(begins).map_or(0.0, |run| run.time);
+        all.extend(executed(check.run(), task, job, f64::INFINITY));
     }
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     distinct(all.into_iter().map(|pair| pair.1))

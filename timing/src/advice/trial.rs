@@ -78,7 +78,7 @@ impl<'t> Trial<'t> {
             Verdict::Unknown
         } else if let Some(check) = checks.iter().find(|check| !check.verdict.holds()) {
             check.verdict
-        } else if checks.iter().any(|check| check.exceeds()) {
+        } else if checks.iter().any(super::super::report::CheckReport::exceeds) {
             Verdict::Refuted
         } else {
             Verdict::Proved

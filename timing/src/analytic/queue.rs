@@ -66,7 +66,7 @@ fn core_wait(
     let held = others.iter().filter(|cycle| cycle.is_none()).count();
     let left = cores?.checked_sub(held).filter(|&left| left > 0)?;
     let mut ahead = others.into_iter().flatten();
-    let ahead = ahead.try_fold(0u32, |sum, cycle| sum.checked_add(cycle))?;
+    let ahead = ahead.try_fold(0u32, u32::checked_add)?;
     Some(ahead / left as Ticks)
 }
 

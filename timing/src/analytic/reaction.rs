@@ -126,9 +126,10 @@ impl Tasks<'_> {
             let tick = definition.period?.checked_add(definition.delay)?;
             at = at.checked_add(tick)?.checked_add(self.length(task)?)?;
         }
-        match meets(stage.machine, stage.machine.start, stage.first) {
-            true => Some(at),
-            false => at.checked_add(self.round(stage.task)?),
+        if meets(stage.machine, stage.machine.start, stage.first) {
+            Some(at)
+        } else {
+            at.checked_add(self.round(stage.task)?)
         }
     }
 }

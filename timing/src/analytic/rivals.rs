@@ -68,16 +68,15 @@ impl Analysis<'_> {
         if excluded.is_empty() {
             return out;
         }
-        let cost = |codel: CodelId| match excluded.contains(codel) {
-            true => self.upper(codel),
-            false => Some(0),
-        };
+        let cost =
+            |codel: CodelId| if excluded.contains(codel) { self.upper(codel) } else { Some(0) };
         for (task, entry) in self.system.tasks.iter_enumerated().filter(|pair| of(pair.0)) {
             if entry.period.is_some() {
                 let start = entry.permanent.map_or(Some(0), |a| self.start_up(a, &cost));
-                let parties = match own == Some(task) && !self.system.runs_apart(task) {
-                    true => &[],
-                    false => &self.parties[task][..],
+                let parties = if own == Some(task) && !self.system.runs_apart(task) {
+                    &[]
+                } else {
+                    &self.parties[task][..]
                 };
                 let jobs = parties.iter().map(|party| self.turns(party, &cost));
                 let most = jobs.max_by_key(|job| job.unwrap_or(u64::MAX));

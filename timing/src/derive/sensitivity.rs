@@ -105,7 +105,7 @@ pub fn sensitivity(
                 done,
                 of: questions.len(),
                 asking: parameter.describe(),
-            }))
+            }));
         },
         &|parameter| asked.one(parameter),
         &|derived_value| match derived_value {

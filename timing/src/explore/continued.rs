@@ -109,10 +109,8 @@ impl<R: Rules> Walk<'_, R> {
 
     fn steps(&self) -> Vec<NextStep> {
         let actions = self.enabled.actions.iter().copied();
-        let wait = match self.enabled.is_calm() {
-            true => self.rules.next_moment(&self.s, &|_| false),
-            false => None,
-        };
+        let wait =
+            if self.enabled.is_calm() { self.rules.next_moment(&self.s, &|_| false) } else { None };
         let wait = wait.map(NextStep::Wait);
         actions.map(NextStep::Action).chain(wait).collect()
     }

@@ -62,9 +62,10 @@ impl Run {
                     });
                     let work = &mut works[place];
                     work.times += u32::from(!known);
-                    match rules.progresses(&s, executor) {
-                        true => work.executed += passed,
-                        false => work.preempted += passed,
+                    if rules.progresses(&s, executor) {
+                        work.executed += passed;
+                    } else {
+                        work.preempted += passed;
                     }
                     *open = Some(codel);
                 }

@@ -141,15 +141,14 @@ impl<R: Rules> Graph<'_, R> {
                         Edge::Act(_) => 0,
                     };
                     let time = visits[at].time + jump;
-                    let id = match ids.get(&encoding) {
-                        Some(&id) => id,
-                        None => {
-                            bytes += weight(&encoding);
-                            let state = Rc::new(encoding);
-                            ids.insert(state.clone(), visits.len() as u32);
-                            visits.push(Visit { state, parent: at as u32, edge, time });
-                            visits.len() as u32 - 1
-                        }
+                    let id = if let Some(&id) = ids.get(&encoding) {
+                        id
+                    } else {
+                        bytes += weight(&encoding);
+                        let state = Rc::new(encoding);
+                        ids.insert(state.clone(), visits.len() as u32);
+                        visits.push(Visit { state, parent: at as u32, edge, time });
+                        visits.len() as u32 - 1
                     };
                     next_ids.push(id);
                 }

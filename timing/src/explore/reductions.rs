@@ -82,9 +82,10 @@ pub(crate) trait Reduction: Sized {
 
     /// Applies the reduction unless it is switched off, and records the outcome in `notes`.
     fn examine(setting: &Setting, notes: &mut Vec<Activity>) -> Option<Self> {
-        let result = match setting.without.contains(Self::KIND) {
-            true => Err(Reason::SwitchedOff),
-            false => Self::applies(setting),
+        let result = if setting.without.contains(Self::KIND) {
+            Err(Reason::SwitchedOff)
+        } else {
+            Self::applies(setting)
         };
         notes.push(Activity { kind: Self::KIND, off: result.as_ref().err().copied() });
         result.ok()

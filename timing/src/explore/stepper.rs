@@ -395,7 +395,7 @@ impl<R: Rules> Walk for Walker<R> {
             Action::Request { client, .. } => {
                 let at = self.rules.position(&self.before, client);
                 let step = self.rules.system().clients[client].steps.get(at);
-                if let Some(service) = step.and_then(|step| step.requests()) {
+                if let Some(service) = step.and_then(super::super::system::ClientStep::requests) {
                     seen.push(Seen::Requested { client, service });
                 }
             }

@@ -243,19 +243,18 @@ impl Store {
             let key = &self.keys[k as usize];
             key.hash == hash && self.bytes_of(key) == encoding.key
         });
-        let k = match found {
-            Some(k) => k,
-            None => {
-                let k = self.keys.push(Key {
-                    start: self.key_bytes.extend(&encoding.key),
-                    len: encoding.key.len() as u32,
-                    hash,
-                    first: NONE,
-                }) as u32;
-                let keys = &self.keys;
-                self.table.insert(hash, k, |k| keys[k as usize].hash);
-                k
-            }
+        let k = if let Some(k) = found {
+            k
+        } else {
+            let k = self.keys.push(Key {
+                start: self.key_bytes.extend(&encoding.key),
+                len: encoding.key.len() as u32,
+                hash,
+                first: NONE,
+            }) as u32;
+            let keys = &self.keys;
+            self.table.insert(hash, k, |k| keys[k as usize].hash);
+            k
         };
 
         let mut cover = self.keys[k as usize].first;

@@ -363,10 +363,7 @@ fn is_set(s: &State, (word, bit): (usize, u16)) -> bool {
 }
 
 fn set(s: &mut State, (word, bit): (usize, u16), value: bool) {
-    match value {
-        true => s.d[word] |= bit,
-        false => s.d[word] &= !bit,
-    }
+    if value { s.d[word] |= bit } else { s.d[word] &= !bit }
 }
 
 impl<R: Rules> Reduced for Tracked<'_, R> {

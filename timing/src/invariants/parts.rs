@@ -150,15 +150,8 @@ impl<'s> Parts<'s> {
     pub(super) fn about(&self, atom: &Atom, holds: bool) -> Vec<&Part> {
         let all = self.parts.iter();
         let parts: Vec<&Part> = all.filter(|part| self.is_about(part, atom)).collect();
-        let tells = match holds {
-            // Any one of several parts may make an atom true.
-            true => parts.len() == 1,
-            false => is_exact(atom),
-        };
-        match tells {
-            true => parts,
-            false => Vec::new(),
-        }
+        let tells = if holds { parts.len() == 1 } else { is_exact(atom) };
+        if tells { parts } else { Vec::new() }
     }
 
     /// Returns the value of an atom in a local state of a part that the atom restricts.

@@ -121,9 +121,10 @@ impl Predicate {
                 let [one, other] =
                     [one, other].map(|predicate| predicate.is_settled(absent, value));
                 // A conjunction is true if all operands are, a disjunction if one is.
-                match matches!(self, Predicate::And(..)) == value {
-                    true => one && other,
-                    false => one || other,
+                if matches!(self, Predicate::And(..)) == value {
+                    one && other
+                } else {
+                    one || other
                 }
             }
         }

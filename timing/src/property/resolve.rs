@@ -108,10 +108,7 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
                 };
                 Atom::Slot(service, status)
             } else {
-                let phase = match phase(word) {
-                    Some(phase) => phase,
-                    None => return wrong(),
-                };
+                let Some(phase) = phase(word) else { return wrong() };
                 Atom::Handling { service, codel: None, phase }
             }
         }

@@ -367,10 +367,7 @@ impl ChainPath {
     /// Returns normalised text.
     pub fn text(&self) -> String {
         let via: Vec<String> = self.via.iter().map(Path::text).collect();
-        let via = match via.is_empty() {
-            true => String::new(),
-            false => format!(" via {}", via.join(", ")),
-        };
+        let via = if via.is_empty() { String::new() } else { format!(" via {}", via.join(", ")) };
         format!("{} -> {}{via}", self.from.text(), self.to.text())
     }
 

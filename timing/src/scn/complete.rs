@@ -117,7 +117,7 @@ fn statement<'t, 's>(text: &str, tokens: &'s [&'t Token]) -> (Block, &'s [&'t To
         match token.kind {
             Kind::OpenBrace => {
                 let inner = match (blocks.last(), word(text, tokens.get(start))) {
-                    (Some(Block::File), _) | (None, _) => Block::Items,
+                    (Some(Block::File) | None, _) => Block::Items,
                     _ => Block::Steps,
                 };
                 blocks.push(inner);
@@ -151,7 +151,7 @@ struct Finder<'f> {
     items: Vec<Completion>,
 }
 
-impl<'f> Finder<'f> {
+impl Finder<'_> {
     fn fill(&mut self, block: Block, mut statement: &[&Token]) {
         // `NAME :` before a step.
         if block == Block::Steps
@@ -163,10 +163,13 @@ impl<'f> Finder<'f> {
         match block {
             Block::File if statement.is_empty() => self.words(&["scenario"]),
             Block::File => {}
-            Block::Items => match statement.is_empty() {
-                true => self.words(ITEMS),
-                false => self.item(first, &statement[1..]),
-            },
+            Block::Items => {
+                if statement.is_empty() {
+                    self.words(ITEMS);
+                } else {
+                    self.item(first, &statement[1..]);
+                }
+            }
             Block::Steps if statement.is_empty() => {
                 let mut steps = STEPS.to_vec();
                 if self.after_choice() {

@@ -158,9 +158,8 @@ fn of_codel(codel: &Codel, state: Option<&str>) -> String {
         None => "has no `wcet`: takes no time".to_owned(),
     });
     if !codel.yields.is_empty() {
-        let yields = codel.yields.iter().map(|state| match state.paused {
-            true => format!("pause::{}", state.name),
-            false => state.name.to_string(),
+        let yields = codel.yields.iter().map(|state| {
+            if state.paused { format!("pause::{}", state.name) } else { state.name.to_string() }
         });
         parts.push(format!("yields {}", yields.collect::<Vec<_>>().join(", ")));
     }

@@ -167,13 +167,12 @@ impl<'a> Names<'a> {
         };
         let candidates: Vec<String> =
             self.after(followed.last()).into_iter().map(|(name, _)| name).collect();
-        let place = match followed.last() {
-            None => "the system has no component".to_owned(),
-            Some(_) => {
-                let before: Vec<&str> =
-                    path.names[..followed.len()].iter().map(|name| name.value.as_str()).collect();
-                format!("`{}` has nothing called", before.join("."))
-            }
+        let place = if followed.last().is_none() {
+            "the system has no component".to_owned()
+        } else {
+            let before: Vec<&str> =
+                path.names[..followed.len()].iter().map(|name| name.value.as_str()).collect();
+            format!("`{}` has nothing called", before.join("."))
         };
         let mut message = format!("{place} `{}`", name.value);
         let near = nearest(&name.value, candidates.iter().map(String::as_str));
@@ -295,7 +294,9 @@ fn aborted_labels(client: &str, list: &[Step], out: &mut Vec<Reference>) {
             }
             StepKind::Repeat(_, body) => aborted_labels(client, body, out),
             StepKind::Choice(branches) => {
-                (branches.iter()).for_each(|branch| aborted_labels(client, branch, out));
+                for branch in branches {
+                    aborted_labels(client, branch, out);
+                }
             }
             _ => {}
         }

@@ -148,9 +148,10 @@ impl Semantics {
         let others = points.iter().filter(|(_, this, usual)| this != usual);
         let others: Vec<String> =
             others.map(|(point, this, _)| format!("{point} {this}")).collect();
-        match others.is_empty() {
-            true => self.preset.name().to_owned(),
-            false => format!("{} with {}", self.preset.name(), others.join(", ")),
+        if others.is_empty() {
+            self.preset.name().to_owned()
+        } else {
+            format!("{} with {}", self.preset.name(), others.join(", "))
         }
     }
 }

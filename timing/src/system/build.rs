@@ -104,7 +104,9 @@ fn build_with(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> boo
     let out = &mut builder.out;
     exclude_codels(names, settings, &included, out);
     if let Some((one, others)) = &settings.apart {
-        others.iter().for_each(|name| out.system.separate(one, name));
+        for name in others {
+            out.system.separate(one, name);
+        }
     }
     let preempts = settings.preempts();
     // If an operating system grants cores, control tasks need cores as well.

@@ -90,14 +90,11 @@ pub(crate) fn chain(
     let mut shared: BTreeMap<&Key, usize> = BTreeMap::new();
     let mut local: BTreeMap<(usize, u32), Vec<&Key>> = BTreeMap::new();
     for key in &relevant {
-        match &key.0 {
-            Root::Variable(c, s, _) => {
-                local.entry((*c, *s)).or_default().push(key);
-            }
-            _ => {
-                let number = shared.len();
-                shared.insert(key, number);
-            }
+        if let Root::Variable(c, s, _) = &key.0 {
+            local.entry((*c, *s)).or_default().push(key);
+        } else {
+            let number = shared.len();
+            shared.insert(key, number);
         }
     }
     let place = |key: &Key| match &key.0 {
@@ -132,10 +129,7 @@ pub(crate) fn chain(
 
 fn no_path_diagnostic(asked: &ChainQuery) -> Diagnostic {
     let (from, to) = (asked.from.text(), asked.to.text());
-    let via = match asked.via.is_empty() {
-        true => "",
-        false => " by these codels",
-    };
+    let via = if asked.via.is_empty() { "" } else { " by these codels" };
     let message = format!(
         "no data go from `{from}` to `{to}`{via}: no codel that is executed reads what depends on the one and writes the \
          other; request the activities that do, `connect` the ports between, or name other ports"

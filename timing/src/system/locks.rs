@@ -54,9 +54,10 @@ pub(crate) fn exclude_codels(
     }
     for &(port, one) in &users {
         for &(other_port, other) in &users {
-            let fits = match semantics.is_published() {
-                true => !same_automaton(out, one, other),
-                false => out.system.codels[one].component != out.system.codels[other].component,
+            let fits = if semantics.is_published() {
+                !same_automaton(out, one, other)
+            } else {
+                out.system.codels[one].component != out.system.codels[other].component
             };
             if port == other_port && one < other && fits {
                 out.system.exclude(one, other);
@@ -202,7 +203,9 @@ fn exclude_data(names: &Names, c: usize, live: &TiSlice<CodelId, bool>, out: &mu
                 continue;
             }
             for other in ids(other, out) {
-                own.iter().for_each(|&own| out.system.exclude(own, other));
+                for &own in &own {
+                    out.system.exclude(own, other);
+                }
             }
         }
     }
@@ -258,7 +261,9 @@ fn tickets(names: &Names, c: usize, out: &mut Built) {
                 Excluded::Service(s) => copy_of(s, out).into_iter().collect(),
             };
             let conflicts = &mut out.system.codels[id].conflicts;
-            others.into_iter().for_each(|codel| conflicts.insert(codel));
+            for codel in others {
+                conflicts.insert(codel);
+            }
         }
     }
     for s in 0..component.services.len() as u32 {
@@ -270,7 +275,9 @@ fn tickets(names: &Names, c: usize, out: &mut Built) {
             let same: Vec<CodelId> =
                 (own.iter().copied()).filter(|&codel| function(codel, out) == what).collect();
             let conflicts = &mut out.system.codels[copy].conflicts;
-            same.into_iter().for_each(|codel| conflicts.insert(codel));
+            for codel in same {
+                conflicts.insert(codel);
+            }
         }
     }
 }

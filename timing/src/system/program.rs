@@ -95,7 +95,9 @@ pub(crate) fn labelled<'s>(steps: &'s [Step], out: &mut Vec<(&'s str, &'s Path)>
             (Some(label), StepKind::Send(path)) => out.push((&label.value, path)),
             (_, StepKind::Repeat(_, body)) => labelled(body, out),
             (_, StepKind::Choice(branches)) => {
-                branches.iter().for_each(|branch| labelled(branch, out))
+                for branch in branches {
+                    labelled(branch, out);
+                }
             }
             _ => {}
         }

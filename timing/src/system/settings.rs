@@ -139,10 +139,7 @@ impl Settings {
 
     /// Returns the order in which cores are granted.
     pub fn policy(&self) -> Policy {
-        let usual = match self.semantics().is_published() {
-            true => Policy::Fifo,
-            false => Policy::Priority,
-        };
+        let usual = if self.semantics().is_published() { Policy::Fifo } else { Policy::Priority };
         self.stated_policy.unwrap_or(usual)
     }
 }

@@ -174,9 +174,10 @@ impl Group<'_> {
         let (machine, cycle) = free
             .find_map(|machine| Some((machine, pauseless_cycles(machine).into_iter().next()?)))?;
         let names: Vec<&str> = cycle.iter().map(|&at| &*machine.states[at].name).collect();
-        let advice = match can_be_limited(machine) {
-            true => format!("`loop once {};` in a scenario limits its rounds", machine.name),
-            false => "a `pause::` or `ether` among its yields ends it".to_owned(),
+        let advice = if can_be_limited(machine) {
+            format!("`loop once {};` in a scenario limits its rounds", machine.name)
+        } else {
+            "a `pause::` or `ether` among its yields ends it".to_owned()
         };
         let loops = names.join(" → ");
         Some(format!("{} may go round {loops} without a pause; {advice}", machine.name))
@@ -233,19 +234,16 @@ impl Group<'_> {
         let found = liveness(&self.built.system, &query, self.limits, self.cancel);
         report.states += found.states;
         report.memory = report.memory.max(found.bytes);
-        match &found.counterexample {
-            Some(run) => {
-                self.refute(run, &mut out);
-                if out.cycle.is_none() {
-                    out.note = Some("after the end of the run nothing ever happens".to_owned());
-                }
+        if let Some(run) = &found.counterexample {
+            self.refute(run, &mut out);
+            if out.cycle.is_none() {
+                out.note = Some("after the end of the run nothing ever happens".to_owned());
             }
-            None => {
-                let size = (found.states, found.bytes);
-                self.unless_stopped(found.stopped, size, Verdict::Proved, &mut out);
-                let never = (!found.triggered).then(|| NEVER_TRUE.to_owned());
-                self.mark_vacuous(never, &mut out);
-            }
+        } else {
+            let size = (found.states, found.bytes);
+            self.unless_stopped(found.stopped, size, Verdict::Proved, &mut out);
+            let never = (!found.triggered).then(|| NEVER_TRUE.to_owned());
+            self.mark_vacuous(never, &mut out);
         }
         out
     }

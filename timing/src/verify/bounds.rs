@@ -102,10 +102,7 @@ impl<'b> ResponseBounds<'b> {
             }
             What::NoOverdue(of) => {
                 let task = self.built.tasks[&of];
-                let bound = match system.needs_core(task) {
-                    true => self.bounds[task],
-                    false => Some(0),
-                };
+                let bound = if system.needs_core(task) { self.bounds[task] } else { Some(0) };
                 bound.filter(|&bound| Some(bound) < system.tasks[task].period)
             }
             _ => None,

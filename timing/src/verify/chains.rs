@@ -73,13 +73,12 @@ impl Group<'_> {
             names.join(" → ")
         };
         let ways: Vec<String> = found.ways.iter().map(one).collect();
-        match (&ways[..], found.more) {
-            ([way], false) => format!("by {way}"),
-            _ => {
-                let more = if found.more { ", and more" } else { "" };
-                let all = ways.join("; ");
-                format!("by any of these ways{more} (`via` chooses): {all}")
-            }
+        if let ([way], false) = (&ways[..], found.more) {
+            format!("by {way}")
+        } else {
+            let more = if found.more { ", and more" } else { "" };
+            let all = ways.join("; ");
+            format!("by any of these ways{more} (`via` chooses): {all}")
         }
     }
 }

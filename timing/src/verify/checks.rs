@@ -129,15 +129,19 @@ pub(super) fn expand<'c>(
         };
         let result: Result<(), Diagnostic> = match &check.kind {
             CheckKind::Schedulable(path) => tasks(path, true).map(|task| {
-                task.into_iter()
-                    .for_each(|task| push(What::Schedulable(task), vec![task.component]))
+                for task in task {
+                    push(What::Schedulable(task), vec![task.component]);
+                }
             }),
             CheckKind::NoOverdue(path) => tasks(path, true).map(|task| {
-                task.into_iter().for_each(|task| push(What::NoOverdue(task), vec![task.component]))
+                for task in task {
+                    push(What::NoOverdue(task), vec![task.component]);
+                }
             }),
             CheckKind::Response(path, bound) => tasks(path, false).map(|task| {
-                task.into_iter()
-                    .for_each(|task| push(What::Response(task, *bound), vec![task.component]));
+                for task in task {
+                    push(What::Response(task, *bound), vec![task.component]);
+                }
             }),
             CheckKind::Within(p, responses, bound) => {
                 let list: Vec<&Pred> = std::iter::once(p).chain(responses).collect();

@@ -115,7 +115,9 @@ fn answer_small(exact: &[Parted], of_whole: Group, checks: &[Single], report: &m
                 report.checks[i] = check.clone();
             }
         }
-        std::mem::take(&mut tried.notes).into_iter().for_each(|note| report.note(note));
+        for note in std::mem::take(&mut tried.notes) {
+            report.note(note);
+        }
         add_effort(report, &mut tried);
     }
 }

@@ -93,7 +93,7 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
         diagnostics,
         ..Report::default()
     };
-    Prepared { checks, report, built }
+    Prepared { built, checks, report }
 }
 
 /// Returns the note about checks of chains, which cannot be checked along a run.

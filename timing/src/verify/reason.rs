@@ -130,8 +130,9 @@ impl Intervals {
                 }
                 MomentKind::End | MomentKind::Complete => {
                     let mut all = out.possessions.iter_mut().rev();
-                    let had = all.find(|had| had.codel == moment.codel && had.by == by);
-                    had.into_iter().for_each(|had| had.until = moment.time);
+                    if let Some(had) = all.find(|had| had.codel == moment.codel && had.by == by) {
+                        had.until = moment.time;
+                    }
                 }
                 _ => {}
             }

@@ -40,10 +40,7 @@ fn answer(report: &CheckReport) -> Json {
         Verdict::Refuted => "refuted",
         other => return json!(format!("{other:?}: {:?}", report.note)),
     };
-    match report.kind.is_time() {
-        true => value,
-        false => json!(verdict),
-    }
+    if report.kind.is_time() { value } else { json!(verdict) }
 }
 
 /// Systems with an exploration that used symmetry.
@@ -59,11 +56,7 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
     let shown = || format!("{name}\n{}\n{scenario}", specifications.join("\n"));
     let units: Result<Vec<UnitResult>, String> =
         specifications.iter().map(|file| unit(file)).collect();
-    let units = match units {
-        Ok(unit) => unit,
-        // Machines are random, so that some specifications are invalid.
-        Err(_) => return None,
-    };
+    let Ok(units) = units else { return None };
     let specs: Vec<_> = units.iter().map(|unit| &*unit.spec).collect();
     let parsed = parse(scenario);
     if !parsed.errors.is_empty() {
@@ -111,19 +104,14 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
         if says_nothing || found.soundness == Soundness::UpperBound {
             continue;
         }
-        let want = match found.kind.is_time() {
-            true => want["value"].clone(),
-            false => want["verdict"].clone(),
-        };
+        let want =
+            if found.kind.is_time() { want["value"].clone() } else { want["verdict"].clone() };
         let got = answer(found);
         if want != got {
             wrong.push(format!("{check}: expected {want}, found {got}"));
         }
     }
-    Some(match wrong.is_empty() {
-        true => Ok(()),
-        false => Err(format!("{}\n{}", wrong.join("\n"), shown())),
-    })
+    Some(if wrong.is_empty() { Ok(()) } else { Err(format!("{}\n{}", wrong.join("\n"), shown())) })
 }
 
 /// Reports bounds of response-time analysis and of the middle tier that some run exceeds, and bounds although
@@ -241,9 +229,10 @@ fn the_middle_tier_is_never_below_the_interpreter_of_the_servers() {
     all_agree(first(), cases(), 3, |seed| {
         let texts = periodic(&mut systems::Dice::new(seed));
         // Answers with and without the middle tier are compared.
-        match seed.is_multiple_of(2) {
-            true => compare(&format!("seed {seed}"), &texts),
-            false => compare_without(&format!("seed {seed}"), &texts, Kinds::NONE),
+        if seed.is_multiple_of(2) {
+            compare(&format!("seed {seed}"), &texts)
+        } else {
+            compare_without(&format!("seed {seed}"), &texts, Kinds::NONE)
         }
     });
     let (abstracted, reached) =
@@ -322,10 +311,7 @@ fn compare_chains(seed: u64) -> Option<Result<(), String>> {
     // Many have errors, or no path for the data.
     let steadily = seed.is_multiple_of(2);
     (0..3).find_map(|_| {
-        let texts = match steadily {
-            true => chained_steadily(&mut dice),
-            false => chained(&mut dice),
-        };
+        let texts = if steadily { chained_steadily(&mut dice) } else { chained(&mut dice) };
         compare_chain(seed, &texts)
     })
 }

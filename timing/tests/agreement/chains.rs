@@ -27,10 +27,7 @@ fn chain(system: &TimedSystem, dice: &mut Dice) -> Chain {
         (0..n).map(|_| of_codel()).collect()
     };
     let reads = some(4, &[]);
-    let writes = match external {
-        true => some(4, &[DataPlace::Shared(0)]),
-        false => some(4, &[]),
-    };
+    let writes = if external { some(4, &[DataPlace::Shared(0)]) } else { some(4, &[]) };
     Chain {
         kind: dice.pick(&[ChainKind::Reaction, ChainKind::Age]),
         shared,

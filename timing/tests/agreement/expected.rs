@@ -79,10 +79,10 @@ pub(crate) fn answers(
                 out.push((name.unwrap_or_default(), verdict(holds)));
             }
             CheckKind::Schedulable(None) => {
-                of_tasks(system, &mut out, "schedulable", |c, t| verdict(!found.missed[c][t]))
+                of_tasks(system, &mut out, "schedulable", |c, t| verdict(!found.missed[c][t]));
             }
             CheckKind::NoOverdue(None) => {
-                of_tasks(system, &mut out, "no-overdue", |c, t| verdict(!found.overdue[c][t]))
+                of_tasks(system, &mut out, "no-overdue", |c, t| verdict(!found.overdue[c][t]));
             }
             CheckKind::Response(None, None) => {
                 of_tasks(system, &mut out, "response", |c, t| response(&found, c, t));

@@ -61,10 +61,7 @@ fn atom(system: &TimedSystem, dice: &mut Dice) -> Atom {
 
 fn literal(system: &TimedSystem, dice: &mut Dice) -> Predicate {
     let atom = Predicate::Atom(atom(system, dice));
-    match dice.in_ten(2) {
-        true => Predicate::Not(Box::new(atom)),
-        false => atom,
-    }
+    if dice.in_ten(2) { Predicate::Not(Box::new(atom)) } else { atom }
 }
 
 /// Returns the pairs of codels, in states of machines, of which one waits for the other: often in one

@@ -78,10 +78,7 @@ fn compare(name: &str, texts: &Texts) -> Option<Result<(), String>> {
             wrong.push(format!("{} {}: step {step} is impossible", one.kind, one.of));
         }
     }
-    Some(match wrong.is_empty() {
-        true => Ok(()),
-        false => Err(format!("{}\n{}", wrong.join("\n"), shown())),
-    })
+    Some(if wrong.is_empty() { Ok(()) } else { Err(format!("{}\n{}", wrong.join("\n"), shown())) })
 }
 
 /// Number of answers with rounded times.

@@ -49,9 +49,10 @@ fn holds(texts: &Texts, scenario: &str, codel: &str, time: u32) -> Option<bool> 
         let report = verify(input, &parsed.scenario, &options(), &Cancel::default());
         let mut verdicts = report.checks.iter().map(|check| check.verdict);
         let unknown = |verdict: Verdict| verdict == Verdict::Unknown;
-        match verdicts.clone().any(unknown) || report.has_errors() {
-            true => None,
-            false => Some(verdicts.all(|verdict| verdict == Verdict::Proved)),
+        if verdicts.clone().any(unknown) || report.has_errors() {
+            None
+        } else {
+            Some(verdicts.all(|verdict| verdict == Verdict::Proved))
         }
     })?
 }
@@ -64,10 +65,7 @@ fn bisected(texts: &Texts, scenario: &str, codel: &str) -> Option<u32> {
     }
     while bad - good > 1 {
         let middle = good.midpoint(bad);
-        match holds(texts, scenario, codel, middle)? {
-            true => good = middle,
-            false => bad = middle,
-        }
+        if holds(texts, scenario, codel, middle)? { good = middle } else { bad = middle }
     }
     Some(good)
 }

@@ -84,7 +84,7 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
                 name: format!("t{t}"),
                 component,
                 period: (!aperiodic).then(|| 3 + dice.below(5)),
-                delay: if dice.in_ten(1) { 1 } else { 0 },
+                delay: u32::from(dice.in_ten(1)),
                 keep_idle_tick: dice.in_ten(3),
                 permanent,
                 slots: Vec::new(),
@@ -111,7 +111,7 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
         }
     }
     if services > 0 {
-        for k in 0..1 + dice.below(5) / 4 {
+        for k in 0..=(dice.below(5) / 4) {
             let client = client(&system, dice, k);
             system.clients.push(client);
         }
@@ -158,9 +158,10 @@ pub(crate) fn aperiodic(dice: &mut Dice) -> (TimedSystem, Vec<Predicate>) {
     let goals = (0..4)
         .map(|_| {
             let random = predicate(&system, dice);
-            match dice.in_ten(6) {
-                true => Predicate::And(Box::new(random), Box::new(predicate(&system, dice))),
-                false => random,
+            if dice.in_ten(6) {
+                Predicate::And(Box::new(random), Box::new(predicate(&system, dice)))
+            } else {
+                random
             }
         })
         .collect();
@@ -355,7 +356,7 @@ fn machine(
         .map(|i| {
             let codel = codel(system, dice, component, format!("{name}.s{i}"));
             let mut yields = Vec::new();
-            for _ in 0..1 + dice.below(2) {
+            for _ in 0..=dice.below(2) {
                 let to = dice.below(n as u32) as usize;
                 let end = match dice.below(4) {
                     0 => Yield::End,
@@ -395,7 +396,7 @@ fn service(system: &mut TimedSystem, dice: &mut Dice, v: usize) {
     let mut simple = Vec::new();
     if activity {
         let machine = machine(system, dice, component, path);
-        for _ in 0..1 + dice.below(2) {
+        for _ in 0..=dice.below(2) {
             slots.push(automaton(system, task, machine, Some(system.services.next_key())));
         }
         system.tasks[TaskId::from(task)].slots.extend(&slots);

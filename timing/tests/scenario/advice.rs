@@ -20,10 +20,7 @@ const LIFT: &str = "component lift { version \"1\"; lang \"c\"; ids { long level
 };";
 
 fn scenario(items: &str) -> String {
-    let semantics = match items.contains("semantics") {
-        true => "",
-        false => "semantics published;",
-    };
+    let semantics = if items.contains("semantics") { "" } else { "semantics published;" };
     format!("scenario s {{ {semantics} {items} check schedulable *; }}")
 }
 
@@ -204,7 +201,7 @@ fn limits_come_by_use_without_what_nobody_asks_for_and_say_what_breaks_first() {
                     InterimResult::Wcet(wcet) | InterimResult::Period(wcet) => {
                         Some(wcet.of.clone())
                     }
-                })
+                });
             };
             let cancel = Cancel::default();
             let found = sensitivity(input, scenario, &Options::default(), &cancel, &tell).unwrap();

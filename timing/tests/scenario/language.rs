@@ -32,9 +32,10 @@ fn slots_are_some_and_not_too_many() {
         let parsed = parse(&text);
         let wrong = parsed.errors.iter();
         let wrong: Vec<_> = wrong.map(|wrong| (wrong.code, &text[wrong.range.clone()])).collect();
-        match allowed {
-            true => assert_eq!(wrong, []),
-            false => assert_eq!(wrong, [("scn-slots", number)]),
+        if allowed {
+            assert_eq!(wrong, []);
+        } else {
+            assert_eq!(wrong, [("scn-slots", number)]);
         }
         assert_eq!(parsed.scenario.items.len(), 2 + usize::from(allowed));
     }

@@ -170,11 +170,11 @@ fn jobs_on_the_same_core_do_not_wait_for_locks_of_each_other() {
 fn on_cores_given_in_order_each_other_task_goes_first_at_most_once() {
     // `a` misses its deadlines: one core has more work than time. Nevertheless `b` and `c` wait for at most
     // one cycle of each other task.
-    let specification = r#"
+    let specification = r"
         component one { task a { period 10 ms; codel <start> f() yield pause::start wcet 11 ms; }; };
         component two { task b { period 20 ms; codel <start> g() yield pause::start wcet 3 ms; }; };
         component three { task c { period 40 ms; codel <start> h() yield pause::start wcet 2 ms; }; };
-    "#;
+    ";
     let servers = |scenario| bounds_under(Preset::Servers, specification, scenario);
     insta::assert_snapshot!(servers("cores 1; policy fifo;"), @r"
     one.a -
@@ -202,7 +202,7 @@ fn on_cores_given_in_order_each_other_task_goes_first_at_most_once() {
 fn a_task_without_a_period_may_keep_its_core_for_ever() {
     // A request that comes during the cycle of `a` prolongs it: `p` waits longer than one turn of `f` and one
     // of the activity.
-    let specification = r#"
+    let specification = r"
         component bg { ids { long x; };
           task a { codel <start> f() yield pause::start wcet 5 ms; };
           activity act() { task a;
@@ -212,7 +212,7 @@ fn a_task_without_a_period_may_keep_its_core_for_ever() {
           };
         };
         component tt { task p { period 20 ms; codel <start> g() yield pause::start wcet 1 ms; }; };
-    "#;
+    ";
     let servers = |scenario| bounds_under(Preset::Servers, specification, scenario);
     insta::assert_snapshot!(servers("cores 1; policy fifo; client c { send bg.act; }"), @r"
     bg.a -

@@ -20,7 +20,9 @@ fn with_runs(each: impl Fn(&SystemInput, &Report, &CheckReport)) {
         let report = verify(&input, &parsed.scenario, &options, &Cancel::default());
         let runs: Vec<_> = report.checks.iter().filter(|check| check.kept.is_some()).collect();
         assert_eq!(runs.len(), 2);
-        runs.iter().for_each(|run| each(&input, &report, run));
+        for run in &runs {
+            each(&input, &report, run);
+        }
     }
 }
 
@@ -80,10 +82,10 @@ fn every_choice_goes_on_and_is_the_event_that_was_offered() {
             let after = run.simulate(input, report.unit, 0, &take);
             match &before.choices[choice] {
                 Choice::Step(_, what) => {
-                    assert_eq!(after.events[before.events.len()].what, *what)
+                    assert_eq!(after.events[before.events.len()].what, *what);
                 }
                 Choice::Wait(time) => {
-                    assert!(after.end > before.end && after.end - before.end <= *time + before.end)
+                    assert!(after.end > before.end && after.end - before.end <= *time + before.end);
                 }
                 Choice::Silent(_) => {}
             }

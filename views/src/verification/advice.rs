@@ -61,9 +61,10 @@ pub fn of(
     };
     let smaller = smaller(&problem.scenario, problem.is_written());
     // Without a scenario, a longer time limit rarely helps.
-    Some(match problem.is_written() {
-        true => format!("raise {limits}{place}, or {smaller}"),
-        false => format!("{smaller}, or raise {limits}{place}"),
+    Some(if problem.is_written() {
+        format!("raise {limits}{place}, or {smaller}")
+    } else {
+        format!("{smaller}, or raise {limits}{place}")
     })
 }
 
@@ -124,12 +125,12 @@ mod tests {
             say("s.scn", quiet, &[Stop::Time, Stop::States], Names::Settings),
             say("s.scn", quiet, &[Stop::Cancelled], Names::Settings),
         ];
-        expect_test::expect![[r#"
+        expect_test::expect![[r"
             write a scenario whose client sends only the requests that matter, or raise `--max-states`
             raise `--max-memory`, or let the clients of the scenario send less
             raise `verification.time-limit` in the settings, or explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, to which a first exploration rounds durations
             raise `verification.time-limit` and `verification.max-states` in the settings, or explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, to which a first exploration rounds durations
-        "#]]
+        "]]
         .assert_eq(&all.join("\n"));
     }
 }

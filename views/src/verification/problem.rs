@@ -38,7 +38,7 @@ impl Problem {
     /// Every file that the problem was read from.
     pub fn files(&self) -> impl Iterator<Item = &Utf8Path> {
         let used = self.units.iter().flat_map(|unit| &unit.files);
-        std::iter::once(&self.path).chain(used).map(|path| path.as_path())
+        std::iter::once(&self.path).chain(used).map(camino::Utf8PathBuf::as_path)
     }
 }
 
@@ -73,10 +73,7 @@ pub fn diagnostic(entry: &dotgen_timing::diagnostic::Diagnostic, path: &Utf8Path
     };
     let fixes = entry.suggestion.iter().map(|suggestion| Fix {
         title: format!("Change to `{}`", suggestion.text),
-        kind: match suggestion.is_word {
-            true => FixKind::Plain,
-            false => FixKind::Guess,
-        },
+        kind: if suggestion.is_word { FixKind::Plain } else { FixKind::Guess },
         edits: vec![FileEdit {
             path: path.to_owned(),
             range: entry.range.clone(),
@@ -174,7 +171,9 @@ impl Problem {
         units: Vec<UnitResult>,
     ) -> Problem {
         let mut errors = Vec::new();
-        units.iter().for_each(|unit| add_errors_of(unit, &mut errors));
+        for unit in &units {
+            add_errors_of(unit, &mut errors);
+        }
         let members: Vec<&Component> =
             units.iter().flat_map(|unit| components(&unit.spec)).collect();
         let text = default_text_on(&members, files, platform);

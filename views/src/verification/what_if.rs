@@ -106,11 +106,10 @@ impl WhatIf {
 
 fn choose<T: Copy>(word: Option<&str>, of: &[(&str, T)]) -> Result<Option<T>, String> {
     let Some(word) = word else { return Ok(None) };
-    match of.iter().find(|entry| entry.0 == word) {
-        Some(pair) => Ok(Some(pair.1)),
-        None => {
-            let words: Vec<&str> = of.iter().map(|pair| pair.0).collect();
-            Err(format!("`{word}` is none of {}", words.join(", ")))
-        }
+    if let Some(pair) = of.iter().find(|entry| entry.0 == word) {
+        Ok(Some(pair.1))
+    } else {
+        let words: Vec<&str> = of.iter().map(|pair| pair.0).collect();
+        Err(format!("`{word}` is none of {}", words.join(", ")))
     }
 }

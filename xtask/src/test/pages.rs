@@ -48,9 +48,10 @@ pub(super) fn grammar() -> Result<Outcome> {
         + files(&snapshots, "gen")?.len();
     let succeeded =
         run::watch(extension::npm(&directory, &["run", "--silent", "test:grammar"]), |_| ())?;
-    Ok(match succeeded {
-        true => Outcome { passed: tests, ..Outcome::default() },
-        false => Outcome::one(false),
+    Ok(if succeeded {
+        Outcome { passed: tests, ..Outcome::default() }
+    } else {
+        Outcome::one(false)
     })
 }
 

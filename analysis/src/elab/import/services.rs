@@ -13,7 +13,7 @@ use crate::{
     release::Change,
 };
 
-impl<'a> Elaborator<'a> {
+impl Elaborator<'_> {
     /// Adds the services of an interface, without their codels. Returns the pairs of their index in the
     /// interface and in the component, for adding the codels.
     pub(super) fn import_services(
@@ -30,39 +30,36 @@ impl<'a> Elaborator<'a> {
             }
             let params = self.imported_params(index, interface, number, &service);
             let known = self.components[index as usize].service_by_name.get(&service.name).copied();
-            let own = match known {
-                Some(own) => {
-                    if !self.check_kind(index, own, service.kind, at) {
-                        continue;
-                    }
-                    let plain: Vec<&Param> = params
-                        .iter()
-                        .map(|(param, _)| param)
-                        .filter(|param| param.dir != ParamDir::Local)
-                        .collect();
-                    self.compare_params(index, own, &plain, at, Some(at));
-                    self.merge_locals(index, own, &params, at);
-                    let known = &mut self.spec.components[index as usize].services[own as usize];
-                    known.src = service.src;
-                    own
+            let own = if let Some(own) = known {
+                if !self.check_kind(index, own, service.kind, at) {
+                    continue;
                 }
-                None => {
-                    let def = self.components[interface as usize].services[number].def;
-                    let own = self.insert_service(
-                        index,
-                        &service.name,
-                        service.kind,
-                        service.src,
-                        def,
-                        Some(interface),
-                    );
-                    for (param, def) in params {
-                        self.push_param(index, own, param, def);
-                    }
-                    let paths = self.components[interface as usize].services[number].paths.clone();
-                    self.components[index as usize].services[own as usize].paths = paths;
-                    own
+                let plain: Vec<&Param> = params
+                    .iter()
+                    .map(|(param, _)| param)
+                    .filter(|param| param.dir != ParamDir::Local)
+                    .collect();
+                self.compare_params(index, own, &plain, at, Some(at));
+                self.merge_locals(index, own, &params, at);
+                let known = &mut self.spec.components[index as usize].services[own as usize];
+                known.src = service.src;
+                own
+            } else {
+                let def = self.components[interface as usize].services[number].def;
+                let own = self.insert_service(
+                    index,
+                    &service.name,
+                    service.kind,
+                    service.src,
+                    def,
+                    Some(interface),
+                );
+                for (param, def) in params {
+                    self.push_param(index, own, param, def);
                 }
+                let paths = self.components[interface as usize].services[number].paths.clone();
+                self.components[index as usize].services[own as usize].paths = paths;
+                own
             };
             self.import_service_properties(index, interface, number, own, &service, at);
             let codels = &self.components[interface as usize].services[number].codels;
@@ -96,7 +93,7 @@ impl<'a> Elaborator<'a> {
                 });
                 let Some(mut param) = param else { continue };
                 if let Some(known) = names.iter().position(|name| *name == param.name) {
-                    param.init = inits[known].clone();
+                    param.init.clone_from(&inits[known]);
                 }
                 params.push(param);
             }

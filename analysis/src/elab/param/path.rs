@@ -28,9 +28,10 @@ impl<'a> Elaborator<'a> {
                         return None;
                     }
                     let Some(member) = self.select(last, name) else {
-                        match self.is_from_stand_in(last) {
-                            true => self.lack_member(last, &written.rest[number..]),
-                            false => self.report_no_member(ty, last, name, written.at),
+                        if self.is_from_stand_in(last) {
+                            self.lack_member(last, &written.rest[number..]);
+                        } else {
+                            self.report_no_member(ty, last, name, written.at);
                         }
                         return None;
                     };
@@ -87,18 +88,14 @@ impl<'a> Elaborator<'a> {
     fn report_no_member(&mut self, ty: TypeId, last: TypeId, name: &Name, at: Src) {
         let members = types::members(&self.spec, last);
         let ty = types::display(&self.spec, ty).into();
-        let (kind, near) = match members {
-            Some(members) => {
-                let names =
-                    members.iter().filter_map(|member| self.spec.ty(*member).name.as_deref());
-                let near = self.near(self.src(name.ptr), &name.text, names);
-                let name = name.text.clone();
-                (CodelProblem::NoMember { ty, name }, near)
-            }
-            None => {
-                let name = name.text.clone();
-                (CodelProblem::NoMembers { ty, name }, None)
-            }
+        let (kind, near) = if let Some(members) = members {
+            let names = members.iter().filter_map(|member| self.spec.ty(*member).name.as_deref());
+            let near = self.near(self.src(name.ptr), &name.text, names);
+            let name = name.text.clone();
+            (CodelProblem::NoMember { ty, name }, near)
+        } else {
+            let name = name.text.clone();
+            (CodelProblem::NoMembers { ty, name }, None)
         };
 
         self.unresolved(at, kind, near);

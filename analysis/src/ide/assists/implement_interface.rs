@@ -45,10 +45,7 @@ pub(super) fn implement_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
     }
     // On a line of its own, before the brace.
     let before = cx.slice(0..close).trim_end_matches([' ', '\t']).len();
-    let (at, lead) = match cx.slice(0..before).ends_with('\n') {
-        true => (before, ""),
-        false => (close, "\n"),
-    };
+    let (at, lead) = if cx.slice(0..before).ends_with('\n') { (before, "") } else { (close, "\n") };
     Some(Assist {
         id: "implement-interface",
         title: format!("Implement interface `{interface}`"),
@@ -87,9 +84,10 @@ fn completion(spec: &Spec, service: &Service, task: Option<&str>) -> Option<Stri
                 (None, None) => "    task main;\n".to_owned(),
                 (Some(_), _) => String::new(),
             };
-            let codel = match starts {
-                true => String::new(),
-                false => format!("    codel<start> {name}_start({uses})\n      yield ether;\n"),
+            let codel = if starts {
+                String::new()
+            } else {
+                format!("    codel<start> {name}_start({uses})\n      yield ether;\n")
             };
             if task_line.is_empty() && codel.is_empty() {
                 return None;

@@ -51,12 +51,11 @@ pub(super) fn inline_typedef(cx: &Cx<'_, '_>) -> Option<Assist> {
     for reference in references(cx.view, name.start().into(), false)? {
         let path = reference.place.path;
         let other;
-        let there = match path == *cx.view.file.path(cx.view.db) {
-            true => cx.view,
-            false => {
-                other = FileView::new(cx.view.db, cx.view.db.file(&path))?;
-                &other
-            }
+        let there = if path == *cx.view.file.path(cx.view.db) {
+            cx.view
+        } else {
+            other = FileView::new(cx.view.db, cx.view.db.file(&path))?;
+            &other
         };
         let node = parent(&there.root(), text_range(&reference.place.range))?;
         let used = node.ancestors().find_map(ast::NamedType::cast)?;

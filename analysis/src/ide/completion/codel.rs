@@ -92,10 +92,7 @@ pub(super) fn name(
         _ if state.is_some() => (true, "\n\tyield ${2:ether};$0"),
         _ => (true, ";$0"),
     };
-    let insert = match parameters {
-        true => format!("{name}($1){tail}"),
-        false => name.clone(),
-    };
+    let insert = if parameters { format!("{name}($1){tail}") } else { name.clone() };
     let item = out.snippet(name, insert, 0);
     item.kind = CompletionKind::Symbol(SymbolKind::Codel);
     item.codel = Some(CodelPlace { parameters, tail });

@@ -63,9 +63,10 @@ pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Com
             if CONDITIONAL.contains(word) && !open {
                 continue;
             }
-            match bare {
-                true => out.add(*word, CompletionKind::Keyword, 0),
-                false => out.snippet(*word, *insert, 0),
+            if bare {
+                out.add(*word, CompletionKind::Keyword, 0)
+            } else {
+                out.snippet(*word, *insert, 0)
             }
             .kind = CompletionKind::Keyword;
         }
@@ -310,11 +311,14 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
             if entry.is_dir {
                 out.add(format!("{}/", entry.name), CompletionKind::Directory, 2);
             } else if !own && specification {
-                let rank = if entry.name.ends_with(".idl") || entry.name.ends_with(".gen") {
-                    0
-                } else {
-                    1
-                };
+                let rank = u8::from(
+                    !(std::path::Path::new(&entry.name)
+                        .extension()
+                        .is_some_and(|ext| ext.eq_ignore_ascii_case("idl"))
+                        || std::path::Path::new(&entry.name)
+                            .extension()
+                            .is_some_and(|ext| ext.eq_ignore_ascii_case("gen"))),
+                );
                 out.add(entry.name, CompletionKind::Symbol(SymbolKind::File), rank).detail =
                     Some(dir.to_string());
             }

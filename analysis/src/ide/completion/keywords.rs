@@ -191,9 +191,10 @@ pub(super) fn statements(
             if once && (given(word) || in_component && names.is_reopened()) {
                 continue;
             }
-            let inserted = match goes_on {
-                true => Some((*word).to_owned()).filter(|_| *word != "task aperiodic"),
-                false => fill_clause(names, context, body, word, insert, &given),
+            let inserted = if goes_on {
+                Some((*word).to_owned()).filter(|_| *word != "task aperiodic")
+            } else {
+                fill_clause(names, context, body, word, insert, &given)
             };
             let Some(inserted) = inserted else { continue };
             let item = out.snippet(*word, inserted, *rank);

@@ -267,10 +267,7 @@ impl<'a, 'db> Names<'a, 'db> {
         absolute: bool,
         segments: &[SmolStr],
     ) -> Option<&'a Definition> {
-        let depths = match absolute {
-            true => 0..=0,
-            false => 0..=self.scope.len(),
-        };
+        let depths = if absolute { 0..=0 } else { 0..=self.scope.len() };
         depths.rev().find_map(|depth| {
             let mut path = self.scope[..depth].to_vec();
             path.extend_from_slice(segments);

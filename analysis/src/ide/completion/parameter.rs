@@ -137,9 +137,10 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
     for source in &mut out {
         source.ambiguous = times[&source.name] > 1;
     }
-    match simple {
-        true => out.retain(|source| !matches!(source.source, "port" | "remote")),
-        false => out.retain(|source| source.source == "local" || names.is_known(source.definition)),
+    if simple {
+        out.retain(|source| !matches!(source.source, "port" | "remote"));
+    } else {
+        out.retain(|source| source.source == "local" || names.is_known(source.definition));
     }
     out
 }
@@ -237,9 +238,10 @@ impl<'w> Choices<'w> {
         for node in self.matching() {
             // Ports are usually written with `port`.
             let is_object = matches!(node.source, "port" | "remote");
-            let prefix = match self.written.is_none() && (node.ambiguous || is_object) {
-                true => format!("{} ", node.source),
-                false => String::new(),
+            let prefix = if self.written.is_none() && (node.ambiguous || is_object) {
+                format!("{} ", node.source)
+            } else {
+                String::new()
             };
             for (rank, dir) in (0..).zip(node.directions) {
                 let label = format!("{prefix}{dir} {}", node.name);
@@ -497,9 +499,10 @@ fn parameter_name(param: &[Word], is_local: &dyn Fn(&str) -> bool) -> Option<Smo
     let is_renamed = path[..end].iter().skip(1).any(|word| word.is("::"));
     let local = param[..dir].iter().any(|param| param.is("local"));
     let other = param[..dir].iter().any(|param| param.is_any(SOURCES)) && !local;
-    let name = match !is_renamed && !other && (local || is_local(&first.text)) {
-        true => first,
-        false => names.last().unwrap_or(first),
+    let name = if !is_renamed && !other && (local || is_local(&first.text)) {
+        first
+    } else {
+        names.last().unwrap_or(first)
     };
     Some(name.text.clone())
 }

@@ -62,7 +62,7 @@ pub(super) fn complete(
             in_list(context, out);
         }
         "throws" | "throw" if rest.last().is_none_or(|word| word.is(",") || word.is("::")) => {
-            exceptions(names, context, rest, out)
+            exceptions(names, context, rest, out);
         }
         "interrupts" | "interrupt" | "before" | "after" if expects_name(rest) => {
             services(names, rest, context, out);
@@ -268,19 +268,16 @@ fn in_angles(words: &[Word]) -> bool {
 
 fn port(names: &Names<'_, '_>, context: &Context, rest: &[Word], out: &mut Completions) {
     let dir = rest.iter().position(|word| word.is_any(&["in", "out"]));
-    match dir {
-        Some(dir) => {
-            type_or_nothing(names, context, &rest[dir + 1..], NameCategory::PortTypes, out)
+    if let Some(dir) = dir {
+        type_or_nothing(names, context, &rest[dir + 1..], NameCategory::PortTypes, out);
+    } else {
+        let next = context.after.next();
+        let directed = next.is_some_and(|word| word.is_any(&["in", "out"]));
+        if !directed && !next.is_some_and(|word| word.is("multiple")) {
+            out.keywords(&["in", "out"], 0);
         }
-        None => {
-            let next = context.after.next();
-            let directed = next.is_some_and(|word| word.is_any(&["in", "out"]));
-            if !directed && !next.is_some_and(|word| word.is("multiple")) {
-                out.keywords(&["in", "out"], 0);
-            }
-            if rest.is_empty() {
-                out.keywords(&["multiple"], 1);
-            }
+        if rest.is_empty() {
+            out.keywords(&["multiple"], 1);
         }
     }
 }

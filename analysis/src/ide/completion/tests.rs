@@ -42,10 +42,7 @@ fn takes(text: &str, label: &str, expected: &str) {
     let item = items.iter().find(|item| item.label == label);
     let item = item.unwrap_or_else(|| panic!("no `{label}` in {items:#?}"));
     let mut text = fixture.text(at.path.as_str());
-    let insert = match item.snippet {
-        true => plain_snippet(&item.insert),
-        false => item.insert.clone(),
-    };
+    let insert = if item.snippet { plain_snippet(&item.insert) } else { item.insert.clone() };
     text.replace_range(item.replace.clone(), &insert);
     assert_eq!(text, expected);
 }

@@ -121,9 +121,10 @@ fn service(component: &Component, name: &str) -> Vec<Fact> {
     let by = component.services.iter();
     let by = by.filter(|service| names_it(&service.interrupts));
     let by: Vec<String> = by.map(|service| format!("`{}`", service.name)).collect();
-    match by.is_empty() {
-        true => Vec::new(),
-        false => vec![Fact::new(format!("interrupted by {}", listed(&by)))],
+    if by.is_empty() {
+        Vec::new()
+    } else {
+        vec![Fact::new(format!("interrupted by {}", listed(&by)))]
     }
 }
 
@@ -184,9 +185,10 @@ fn callers(machine: &Machine<'_>, codel: &Codel) -> String {
             from.insert(0, text.to_owned());
         }
     }
-    match from.is_empty() {
-        true => "called from nowhere".to_owned(),
-        false => format!("called from {}", listed(&from)),
+    if from.is_empty() {
+        "called from nowhere".to_owned()
+    } else {
+        format!("called from {}", listed(&from))
     }
 }
 
@@ -239,10 +241,7 @@ fn state(component: &Component, name: &str) -> Vec<Fact> {
 }
 
 fn state_text(state: &State) -> String {
-    match state.paused {
-        true => format!("`pause::{}`", state.name),
-        false => format!("`{}`", state.name),
-    }
+    if state.paused { format!("`pause::{}`", state.name) } else { format!("`{}`", state.name) }
 }
 
 fn listed(names: &[String]) -> String {

@@ -19,7 +19,7 @@ fn check(text: &str, expected: Expect) {
 fn types() {
     check(
         "module m { struct s { long x; double /* y */ y[3]; }; };\ntypedef m::s$0 t;\n",
-        expect![[r#"
+        expect![[r"
             [s]
             ```genom
             struct s {
@@ -29,22 +29,22 @@ fn types() {
             ```
 
             in `m` · 28 bytes packed
-        "#]],
+        "]],
     );
     check(
         "typedef sequence<string<8>, 4> t;\nstruct s { t$0 x; };\n",
-        expect![[r#"
+        expect![[r"
             [t]
             ```genom
             typedef sequence<string<8>, 4> t;
             ```
 
             type `sequence<string<8>, 4>`
-        "#]],
+        "]],
     );
     check(
         "enum e { A, B };\nunion u switch (e) { case A: long a; default: float b; };\ntypedef u$0 t;\n",
-        expect![[r#"
+        expect![[r"
             [u]
             ```genom
             union u switch(e) {
@@ -52,18 +52,18 @@ fn types() {
               default: float b;
             }
             ```
-        "#]],
+        "]],
     );
     check(
         "enum e { A, B };\nconst e x = B$0;\n",
-        expect![[r#"
+        expect![[r"
             [B]
             ```genom
             B
             ```
 
             in `e` · value 1 of enum `e`
-        "#]],
+        "]],
     );
 }
 
@@ -71,36 +71,36 @@ fn types() {
 fn constants_have_values() {
     check(
         "const unsigned long n = 2 * 3;\ntypedef long a[n$0];\n",
-        expect![[r#"
+        expect![[r"
             [n]
             ```genom
             const unsigned long n = 2 * 3;
             ```
 
             type `unsigned long` · value `6`
-        "#]],
+        "]],
     );
     check(
         "const unsigned long n$0 = 4096;\n",
-        expect![[r#"
+        expect![[r"
             [n]
             ```genom
             const unsigned long n = 4096;
             ```
 
             type `unsigned long` · value `4096` (`0x1000`)
-        "#]],
+        "]],
     );
     check(
         "const double half = 1 / 2.0;\nconst double x = half$0;\n",
-        expect![[r#"
+        expect![[r"
             [half]
             ```genom
             const double half = 1 / 2.0;
             ```
 
             type `double` · value `0.5`
-        "#]],
+        "]],
     );
     check(
         "const string s$0 = \"a\" \"b\";\n",
@@ -140,14 +140,14 @@ component c {
 fn components_and_their_data() {
     check(
         &component_at("component c$0"),
-        expect![[r#"
+        expect![[r"
             [c]
             ```genom
             component c { … };
             ```
 
             What it is.
-        "#]],
+        "]],
     );
     check(
         &component_at("task t$0 {"),
@@ -184,18 +184,18 @@ fn components_and_their_data() {
     );
     check(
         &component_at("ids out v$0"),
-        expect![[r#"
+        expect![[r"
             [v]
             ```genom
             st v;
             ```
 
             in `ids` · type `struct st (2 members)` · 8 bytes packed
-        "#]],
+        "]],
     );
     check(
         &component_at("ids$0 {"),
-        expect![[r#"
+        expect![[r"
             [ids]
             ```genom
             ids {
@@ -204,7 +204,7 @@ fn components_and_their_data() {
             ```
 
             in `c`
-        "#]],
+        "]],
     );
 }
 
@@ -254,14 +254,14 @@ fn services_and_their_parameters() {
     );
     check(
         &component_at(", after$0"),
-        expect![[r#"
+        expect![[r"
             [after]
             ```genom
             local st before, after;
             ```
 
             in `go` · type `struct st (2 members)` · 8 bytes packed
-        "#]],
+        "]],
     );
 }
 
@@ -269,18 +269,18 @@ fn services_and_their_parameters() {
 fn codels_and_states() {
     check(
         &component_at("begin$0"),
-        expect![[r#"
+        expect![[r"
                 [begin]
                 ```genom
                 codel<start> begin(local in speed, ids out v.b, port out p) yield pause::start, ether;
                 ```
 
                 * activity `go`: called from the start, `begin`, after a pause
-            "#]],
+            "]],
     );
     check(
         &component_at("<start$0"),
-        expect![[r#"
+        expect![[r"
                 [start]
                 ```genom
                 state start
@@ -289,7 +289,7 @@ fn codels_and_states() {
                 in `c`
 
                 * activity `go`: from `begin` → `begin` → `pause::start`, `ether`
-            "#]],
+            "]],
     );
 }
 
@@ -297,7 +297,7 @@ fn codels_and_states() {
 fn macros_and_includes() {
     check(
         "#define N  (4 /* four */ + 1)\ntypedef long a[N$0];\n",
-        expect![[r#"
+        expect![[r"
             [N]
             ```genom
             #define N (4 + 1)
@@ -308,11 +308,11 @@ fn macros_and_includes() {
             ```genom
             (4 + 1)
             ```
-        "#]],
+        "]],
     );
     check(
         "#define F(x, y) sequence<x, y>\ntypedef F$0(long, 3) a;\n",
-        expect![[r#"
+        expect![[r"
             [F]
             ```genom
             #define F(x, y) sequence<x, y>
@@ -323,30 +323,30 @@ fn macros_and_includes() {
             ```genom
             sequence<long, 3>
             ```
-        "#]],
+        "]],
     );
     check(
         "#if __GENOM__$0 > 1\n#endif\n",
-        expect![[r#"
+        expect![[r"
             [__GENOM__]
             macro `__GENOM__` (predefined or from the command line)
-        "#]],
+        "]],
     );
     check(
         "//- /main.gen\n#include \"t$0.idl\"\n//- /t.idl\n",
-        expect![[r#"
+        expect![[r"
             [t.idl]
             `/t.idl`
-        "#]],
+        "]],
     );
     check(
         "//- /a/main.gen\n#include \"b/t$0.idl\"\n",
-        expect![[r#"
+        expect![[r"
             [b/t.idl]
             `b/t.idl` is not found. Looked for in, in order:
 
             - `/a`
-        "#]],
+        "]],
     );
     check("//- /main.gen\n#if 0\n#include \"t$0.idl\"\n#endif\n", expect![""]);
 }
@@ -368,14 +368,14 @@ fn values_stay_on_their_line() {
     );
     check(
         "union u switch (long) { case 1: long x; };\ntypedef u$0 t;\n",
-        expect![[r#"
+        expect![[r"
                 [u]
                 ```genom
                 union u switch(long) {
                   case 1: long x;
                 }
                 ```
-            "#]],
+            "]],
     );
 }
 
@@ -425,7 +425,7 @@ fn what_completes_an_interface_shows_itself() {
     // Also where the component uses it.
     check(
         &completed_at("interrupts go$0"),
-        expect![[r#"
+        expect![[r"
             [go]
             ```genom
             activity go(in long x) {
@@ -437,7 +437,7 @@ fn what_completes_an_interface_shows_itself() {
             in `c` · implements `go` of the interface `i` from `i.gen`
 
             * interrupted by `halt`
-        "#]],
+        "]],
     );
 }
 
@@ -482,7 +482,7 @@ fn what_an_interface_declares_shows_the_interface() {
 fn headers_name_the_unit_that_shows_them() {
     check(
         "//- /main.gen\n#include \"t.idl\"\n//- /t.idl\ntypedef long t$0;\n",
-        expect![[r#"
+        expect![[r"
                 [t]
                 ```genom
                 typedef long t;
@@ -491,7 +491,7 @@ fn headers_name_the_unit_that_shows_them() {
                 type `long` · 4 bytes packed
 
                 *as included by `main.gen`*
-            "#]],
+            "]],
     );
 }
 

@@ -30,7 +30,9 @@ impl<'a> RenameCheck<'a> {
             let ranges = edited.entry(db.file(&edit.path)).or_default();
             ranges.push(edit.range.clone());
         }
-        edited.values_mut().for_each(|ranges| ranges.sort_by_key(|range| range.start));
+        for ranges in edited.values_mut() {
+            ranges.sort_by_key(|range| range.start);
+        }
         RenameCheck { edited, old, new_name }
     }
 
@@ -55,18 +57,16 @@ impl<'a> RenameCheck<'a> {
         };
         (0..raw.len()).all(|i| {
             let word = raw.clean_text(text, i);
-            match word.as_ref() == self.old {
-                true => edited(raw.range(i)),
-                false => !self.may_clash(&word),
-            }
+            if word.as_ref() == self.old { edited(raw.range(i)) } else { !self.may_clash(&word) }
         })
     }
 
     /// Returns true if a word may be confused with the new name, or form it or a longer name with it.
     fn may_clash(&self, word: &str) -> bool {
-        let (short, long) = match word.len() <= self.new_name.len() {
-            true => (word, self.new_name),
-            false => (self.new_name, word),
+        let (short, long) = if word.len() <= self.new_name.len() {
+            (word, self.new_name)
+        } else {
+            (self.new_name, word)
         };
         let end = long.len() - short.len();
         let same = |part: Option<&str>| part.is_some_and(|part| part.eq_ignore_ascii_case(short));

@@ -206,7 +206,7 @@ fn there_and_back_is_the_identity() {
             continue;
         };
         let edits = fixture.analysis().rename(&at, "other_name", &Progress::default()).unwrap();
-        let edits = edits.unwrap_or_else(|error| panic!("{:?}: {error}", prepared));
+        let edits = edits.unwrap_or_else(|error| panic!("{prepared:?}: {error}"));
         let there = crate::ide::speculate::apply(text, &edits);
         assert_ne!(there, text);
         fixture.edit("/main.gen", there.clone());

@@ -14,7 +14,7 @@ fn fixes_of_states_remove_what_they_mend() {
         "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield ether;\n    codel<main> g() yield ether;\n  };\n};\n",
         "fsm/unreachable-state",
     );
-    expect![[r#"
+    expect![[r"
         --- Change to `main`
         component c {
           task t {
@@ -62,7 +62,7 @@ fn fixes_of_states_remove_what_they_mend() {
             codel<start> f() yield ether;
           };
         };
-    "#]]
+    "]]
     .assert_eq(&all);
 }
 
@@ -77,7 +77,7 @@ fn fixes_of_throws_remove_what_they_mend() {
         "module m { exception e_far; };\ncomponent c {\n  task t { period 5 ms; };\n  activity a() {\n    task t;\n    codel<start> f() yield e_far;\n  };\n};\n",
         "throw/undeclared-use",
     );
-    expect![[r#"
+    expect![[r"
         --- Throw `m::e_far` instead of yielding it
         module m { exception e_far; };
         component c {
@@ -97,7 +97,7 @@ fn fixes_of_throws_remove_what_they_mend() {
             throw ::m::e_far;
           };
         };
-    "#]]
+    "]]
     .assert_eq(&all);
 }
 
@@ -118,7 +118,7 @@ fn fixes_of_examples_remove_what_they_mend() {
         all += &format!("=== {code}\n");
         all += &fixed(page.texts("genom", false)[0], code);
     }
-    expect![[r#"
+    expect![[r"
         === fsm/busy-loop
         --- Pause before `main`
         component c {
@@ -185,7 +185,7 @@ fn fixes_of_examples_remove_what_they_mend() {
         component c {
           task t { codel<start> f() yield ether; };
         };
-    "#]]
+    "]]
     .assert_eq(&all);
 }
 
@@ -212,7 +212,7 @@ fn fixes_of_names_remove_what_they_mend() {
         "component c {\n  task t;\n  activity a() { task t;\n    local long x, y;\n    codel<start> f(out x) yield ether;\n  };\n};\n",
         "unused/local",
     );
-    expect![[r#"
+    expect![[r"
         --- Change to `speed`
         component c {
           ids { long speed; };
@@ -255,6 +255,6 @@ fn fixes_of_names_remove_what_they_mend() {
             codel<start> f(out x) yield ether;
           };
         };
-    "#]]
+    "]]
     .assert_eq(&all);
 }

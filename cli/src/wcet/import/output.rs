@@ -32,9 +32,10 @@ const MAX_UNMATCHED_LINES: usize = 10;
 
 pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
     // Standard output contains only the diff.
-    let mut out: Box<dyn Write> = match only_shown {
-        true => Box::new(anstream::AutoStream::auto(std::io::stderr().lock())),
-        false => Box::new(anstream::AutoStream::auto(std::io::stdout().lock())),
+    let mut out: Box<dyn Write> = if only_shown {
+        Box::new(anstream::AutoStream::auto(std::io::stderr().lock()))
+    } else {
+        Box::new(anstream::AutoStream::auto(std::io::stdout().lock()))
     };
     table(&mut out, &rows(answer))?;
     let simulated: Vec<&str> = answer.simulated.keys().map(String::as_str).collect();

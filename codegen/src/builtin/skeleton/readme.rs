@@ -19,7 +19,7 @@ pub(super) fn write(job: &Job<'_>, mut walk: TemplateWriter) -> Option<String> {
         walk.put(if multiple { "multiple " } else { "" });
         walk.put(&facts.text(port, &["dir"])?).next();
         let of = facts.object(port, &["datatype"])?;
-        walk.put(&job.type_lines(&name, &of, &Default::default(), " *", &[])?);
+        walk.put(&job.type_lines(&name, &of, &DefaultValue::default(), " *", &[])?);
         walk.next();
         documentation(facts, walk, port)
     })?;
@@ -171,7 +171,7 @@ fn thrown(job: &Job<'_>, walk: &mut TemplateWriter, throws: &[Object]) -> Option
         walk.next();
         walk.each(1, throws, |walk, object| {
             walk.next();
-            walk.put(&job.type_lines("", object, &Default::default(), " *", &[])?);
+            walk.put(&job.type_lines("", object, &DefaultValue::default(), " *", &[])?);
             Some(())
         })
     })

@@ -106,9 +106,10 @@ impl<'j, 'p> Judge<'j, 'p> {
     ) -> Judge<'j, 'p> {
         let is_complete = roots.len() <= MAX_UNITS;
         let roots = &roots[..roots.len().min(MAX_UNITS)];
-        let known = match known.roots == roots {
-            true => known,
-            false => Known { roots: roots.to_vec(), ..Known::default() },
+        let known = if known.roots == roots {
+            known
+        } else {
+            Known { roots: roots.to_vec(), ..Known::default() }
         };
         Judge { project, known, room: MAX_TRIALS, is_complete }
     }
@@ -289,7 +290,9 @@ impl<'j, 'p> Judge<'j, 'p> {
     pub fn together(&mut self, edits: &[(Edit, &str)], follow: bool) -> (Edit, Vec<usize>) {
         if edits.len() > 1 && self.are_whole_together(edits) {
             let mut all = Edit::default();
-            edits.iter().for_each(|pair| _ = all.merge(pair.0.clone()));
+            for pair in edits {
+                _ = all.merge(pair.0.clone());
+            }
             return (all, (0..edits.len()).collect());
         }
         let mut chosen = Edit::default();
@@ -496,8 +499,9 @@ impl Findings {
                     match drift.following() {
                         Some(Repair::Stub { at }) => stubs.push(*at),
                         Some(repair) => {
-                            let one = repairs.edit(repair);
-                            one.into_iter().for_each(|change| _ = edit.merge(change));
+                            if let Some(one) = repairs.edit(repair) {
+                                edit.merge(one);
+                            }
                         }
                         None => {}
                     }

@@ -266,9 +266,10 @@ impl Flow<'_> {
         let paused = self.expected().paused(event)?;
         let returns = self.returning(event, &paused)?;
         let mut yields = component.codel(at).yields.iter();
-        Some(match yields.any(|other| other.paused && other.name == state) {
-            true => Repair::ReturnDeclared(returns),
-            false => Repair::AddPausedYield { at, state: state.to_owned(), returns },
+        Some(if yields.any(|other| other.paused && other.name == state) {
+            Repair::ReturnDeclared(returns)
+        } else {
+            Repair::AddPausedYield { at, state: state.to_owned(), returns }
         })
     }
 

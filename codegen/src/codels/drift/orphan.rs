@@ -59,16 +59,15 @@ pub(super) fn are_certain(all: &[Expected<'_>], options: &DriftOptions) -> bool 
 /// True if a function takes the context and returns an event.
 fn has_codel_shape(function: &Function, language: Language) -> bool {
     let event = function.result.layers.is_empty();
-    match language {
-        Language::Cxx => event && function.result.base == "genom::event",
-        _ => {
-            let last = function.parameters.last();
-            event
-                && function.result.base == "genom_event"
-                && last.is_some_and(|parameter| {
-                    parameter.ty.base == "genom_context" && parameter.ty.layers.is_empty()
-                })
-        }
+    if language == Language::Cxx {
+        event && function.result.base == "genom::event"
+    } else {
+        let last = function.parameters.last();
+        event
+            && function.result.base == "genom_event"
+            && last.is_some_and(|parameter| {
+                parameter.ty.base == "genom_context" && parameter.ty.layers.is_empty()
+            })
     }
 }
 

@@ -38,32 +38,31 @@ impl Glue<'_, '_> {
                 }
             }
             out += "};\n";
-            let new = match self.is_cxx() {
-                true => format!("new glue_s{at}()"),
-                false => format!("(struct glue_s{at} *)calloc(1, sizeof(struct glue_s{at}))"),
+            let new = if self.is_cxx() {
+                format!("new glue_s{at}()")
+            } else {
+                format!("(struct glue_s{at} *)calloc(1, sizeof(struct glue_s{at}))")
             };
             _ = write!(
                 make,
                 "  case {at}: {{\n    struct glue_s{at} *p = {new};\n    if (p == NULL) abort();\n\
                  {load}    it->params = p;\n    break;\n  }}\n"
             );
-            let delete = match self.is_cxx() {
-                true => "delete p;",
-                false => "free(p);",
-            };
+            let delete = if self.is_cxx() { "delete p;" } else { "free(p);" };
             _ = write!(
                 end,
                 "  case {at}: {{\n    struct glue_s{at} *p = (struct glue_s{at} *)it->params;\n\
                  \x20   (void)b;\n{save}    {delete}\n    break;\n  }}\n"
             );
         }
-        let (own, disown, forget) = match self.is_cxx() {
-            true => ("", "", ""),
-            false => (
+        let (own, disown, forget) = if self.is_cxx() {
+            ("", "", "")
+        } else {
+            (
                 "  glue_owner = instance;\n",
                 "  glue_owner = GLUE_NOBODY;\n",
                 "    glue_forget(instance);\n",
-            ),
+            )
         };
         _ = write!(
             out,
@@ -145,9 +144,10 @@ impl Glue<'_, '_> {
             number += 1;
         }
         // Details raised by an earlier codel do not belong to this one.
-        let forget = match self.is_cxx() {
-            true => "",
-            false => "  free(glue_raised_detail);\n  glue_raised_detail = NULL;\n",
+        let forget = if self.is_cxx() {
+            ""
+        } else {
+            "  free(glue_raised_detail);\n  glue_raised_detail = NULL;\n"
         };
         _ = write!(
             out,
@@ -175,7 +175,7 @@ impl Glue<'_, '_> {
                     _ = writeln!(events, "  {{ {name}, \"{full}\" }},");
                 }
                 TypeKind::Exception { members } if !self.is_cxx() => {
-                    self.exception(&name, members, &mut exceptions)?
+                    self.exception(&name, members, &mut exceptions)?;
                 }
                 _ => {}
             }
@@ -183,10 +183,7 @@ impl Glue<'_, '_> {
         if !self.is_cxx() {
             system_exceptions(&mut exceptions);
         }
-        let event = match self.is_cxx() {
-            true => "genom::event",
-            false => "genom_event",
-        };
+        let event = if self.is_cxx() { "genom::event" } else { "genom_event" };
         Ok(format!(
             "\nstatic const struct {{ const char *event; const char *name; }} glue_events[] = {{\n\
              {events}  {{ NULL, \"\" }}\n}};\n\n\
@@ -218,12 +215,13 @@ impl Glue<'_, '_> {
             let member = self.mapper.short_name(member)?;
             _ = writeln!(save, "      glue_save_{of}(out, &d->{member});");
         }
-        let detail = match members.is_empty() {
-            true => String::new(),
-            false => format!(
+        let detail = if members.is_empty() {
+            String::new()
+        } else {
+            format!(
                 "    if (glue_raised_detail != NULL && glue_raised_id == event) {{\n\
-                 \x20     {name}_detail *d = ({name}_detail *)glue_raised_detail;\n{save}    }}\n"
-            ),
+             \x20     {name}_detail *d = ({name}_detail *)glue_raised_detail;\n{save}    }}\n"
+            )
         };
         *exceptions += &passing_on(&format!("{name}_id"), &detail);
         Ok(())
@@ -320,15 +318,16 @@ impl Glue<'_, '_> {
 /// Writes the code that passes the exceptions of GenoM3 itself on.
 fn system_exceptions(exceptions: &mut String) {
     for (name, detail) in [("genom_syserr", true), ("genom_unkex", true), ("genom_fatal", false)] {
-        let (id, detail) = match detail {
-            true => (
+        let (id, detail) = if detail {
+            (
                 format!("{name}_id"),
                 format!(
                     "    if (glue_raised_detail != NULL && glue_raised_id == event)\n\
-                     \x20     glue_put(out, glue_raised_detail, sizeof({name}_detail));\n"
+                 \x20     glue_put(out, glue_raised_detail, sizeof({name}_detail));\n"
                 ),
-            ),
-            false => (name.to_owned(), String::new()),
+            )
+        } else {
+            (name.to_owned(), String::new())
         };
         *exceptions += &passing_on(&id, &detail);
     }

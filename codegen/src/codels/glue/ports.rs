@@ -13,10 +13,7 @@ impl Glue<'_, '_> {
         let mut out = String::new();
         for (at, port) in component.ports.iter().enumerate() {
             out += &self.port_data(at, port)?;
-            out += &match self.is_cxx() {
-                true => self.port_cxx(at, port)?,
-                false => self.port_c(at, port)?,
-            };
+            out += &if self.is_cxx() { self.port_cxx(at, port)? } else { self.port_c(at, port)? };
         }
         for (at, remote) in component.remotes.iter().enumerate() {
             out += &self.remote(at, remote)?;
@@ -40,9 +37,10 @@ impl Glue<'_, '_> {
     /// The data of a port, and of each of its instances by name.
     fn port_data(&self, at: usize, port: &Port) -> LangResult {
         let ty = self.known(port.data)?;
-        let make = match self.is_cxx() {
-            true => format!("new glue_inst_{at}()"),
-            false => format!("(struct glue_inst_{at} *)calloc(1, sizeof(struct glue_inst_{at}))"),
+        let make = if self.is_cxx() {
+            format!("new glue_inst_{at}()")
+        } else {
+            format!("(struct glue_inst_{at} *)calloc(1, sizeof(struct glue_inst_{at}))")
         };
         Ok(format!(
             "\nstruct glue_inst_{at} {{\n  struct glue_inst_{at} *next;\n  char *id;\n\
@@ -95,9 +93,10 @@ impl Glue<'_, '_> {
 
     fn port_c(&self, at: usize, port: &Port) -> LangResult {
         let name = self.mapper.declarator(port.ty, "")?;
-        let (arguments, id) = match port.multiple {
-            true => ("const char *id, genom_context self", "id"),
-            false => ("genom_context self", "\"\""),
+        let (arguments, id) = if port.multiple {
+            ("const char *id, genom_context self", "id")
+        } else {
+            ("genom_context self", "\"\"")
         };
         let decays = matches!(
             self.kind(port.data),
@@ -110,9 +109,10 @@ impl Glue<'_, '_> {
             (PortDir::Out, true) => (0, "it == NULL || it->closed"),
             (PortDir::In, _) => (0, "it == NULL || !it->known"),
         };
-        let result = match port.multiple {
-            true => format!("__typeof__((({name} *)0)->data(NULL, NULL))"),
-            false => format!("__typeof__((({name} *)0)->data(NULL))"),
+        let result = if port.multiple {
+            format!("__typeof__((({name} *)0)->data(NULL, NULL))")
+        } else {
+            format!("__typeof__((({name} *)0)->data(NULL))")
         };
         let mut out = self.moves(at, port)?;
         _ = write!(
@@ -149,10 +149,8 @@ impl Glue<'_, '_> {
     fn port_cxx(&self, at: usize, port: &Port) -> LangResult {
         let name = self.mapper.type_cname(port.ty)?;
         let data = self.mapper.return_value(port.data, PassingMode::Reference, "")?;
-        let (arguments, id) = match port.multiple {
-            true => ("const char *id", "id"),
-            false => ("void", "\"\""),
-        };
+        let (arguments, id) =
+            if port.multiple { ("const char *id", "id") } else { ("void", "\"\"") };
         let constant = match port.dir {
             PortDir::In => "const ",
             PortDir::Out => "",
@@ -210,9 +208,10 @@ impl Glue<'_, '_> {
             );
             let value = self.mapper.dereference(param.ty, passing, &param.name)?;
             // Arrays are pointers in both languages.
-            let place = match is_array {
-                true => format!("(glue_t{ty} *)({value})"),
-                false => format!("(glue_t{ty} *)&({value})"),
+            let place = if is_array {
+                format!("(glue_t{ty} *)({value})")
+            } else {
+                format!("(glue_t{ty} *)&({value})")
             };
             if is_input(param) {
                 _ = writeln!(save, "  glue_save_{ty}(&glue_in, {place});");

@@ -49,9 +49,10 @@ impl Glue<'_, '_> {
     /// The body for a type that owns memory.
     fn keep(&self, ty: TypeId) -> LangResult {
         let of = |before: &str, ty: TypeId, value: &str| -> LangResult {
-            Ok(match self.owns(ty) {
-                true => format!("{before}glue_keep_{}({value});\n", self.known(ty)?),
-                false => String::new(),
+            Ok(if self.owns(ty) {
+                format!("{before}glue_keep_{}({value});\n", self.known(ty)?)
+            } else {
+                String::new()
             })
         };
         Ok(match self.kind(ty) {
@@ -90,10 +91,7 @@ impl Glue<'_, '_> {
         for param in &codel.params {
             out += &self.keep_param(param)?;
         }
-        Ok(match out.is_empty() {
-            true => out,
-            false => format!("  if (glue_owned()) {{\n{out}  }}\n"),
-        })
+        Ok(if out.is_empty() { out } else { format!("  if (glue_owned()) {{\n{out}  }}\n") })
     }
 
     fn keep_param(&self, param: &Param) -> LangResult {

@@ -120,10 +120,7 @@ impl Glue<'_, '_> {
 
     pub(super) fn member_name(&self, member: TypeId) -> LangResult {
         let name = self.mapper.short_name(member)?;
-        Ok(match self.is_cxx() {
-            true => name.to_string(),
-            false => crate::lang::text::c_name(name),
-        })
+        Ok(if self.is_cxx() { name.to_string() } else { crate::lang::text::c_name(name) })
     }
 
     fn sequence(
@@ -134,11 +131,12 @@ impl Glue<'_, '_> {
         let of = self.known(element)?;
         let plain = self.is_plain(element);
         if !self.is_cxx() {
-            let save = match plain {
-                true => "glue_put(b, x->_buffer, x->_length * sizeof(x->_buffer[0]));".to_owned(),
-                false => format!(
+            let save = if plain {
+                "glue_put(b, x->_buffer, x->_length * sizeof(x->_buffer[0]));".to_owned()
+            } else {
+                format!(
                     "for (uint32_t i = 0; i < x->_length; i++) glue_save_{of}(b, &x->_buffer[i]);"
-                ),
+                )
             };
             let save = format!("  glue_put_number(b, x->_length);\n  {save}\n");
             let room = match bound {
@@ -154,11 +152,10 @@ impl Glue<'_, '_> {
                          (n - x->_length) * sizeof(x->_buffer[0]));\n"
                     .to_owned(),
             };
-            let load = match plain {
-                true => "if (n > 0) glue_get(r, x->_buffer, n * sizeof(x->_buffer[0]));".to_owned(),
-                false => {
-                    format!("for (uint32_t i = 0; i < n; i++) glue_load_{of}(r, &x->_buffer[i]);")
-                }
+            let load = if plain {
+                "if (n > 0) glue_get(r, x->_buffer, n * sizeof(x->_buffer[0]));".to_owned()
+            } else {
+                format!("for (uint32_t i = 0; i < n; i++) glue_load_{of}(r, &x->_buffer[i]);")
             };
             let load =
                 format!("  uint32_t n = glue_get_length(r);\n{room}  x->_length = n;\n  {load}\n");
@@ -172,24 +169,24 @@ impl Glue<'_, '_> {
         };
         // The elements of a vector of booleans have no address.
         let bits = bound.is_none() && matches!(self.kind(element), TypeKind::Boolean);
-        let (save, load) = match bits {
-            true => (
+        let (save, load) = if bits {
+            (
                 format!("{{ glue_t{of} v = (*x)[i]; glue_save_{of}(b, &v); }}"),
                 format!("{{ glue_t{of} v; glue_load_{of}(r, &v); (*x)[i] = v; }}"),
-            ),
-            false => {
-                (format!("glue_save_{of}(b, &(*x)[i]);"), format!("glue_load_{of}(r, &(*x)[i]);"))
-            }
+            )
+        } else {
+            (format!("glue_save_{of}(b, &(*x)[i]);"), format!("glue_load_{of}(r, &(*x)[i]);"))
         };
-        let (save, load) = match plain {
-            true => (
+        let (save, load) = if plain {
+            (
                 "if (x->size() > 0) glue_put(b, &(*x)[0], x->size() * sizeof((*x)[0]));".to_owned(),
                 "if (n > 0) glue_get(r, &(*x)[0], n * sizeof((*x)[0]));".to_owned(),
-            ),
-            false => (
+            )
+        } else {
+            (
                 format!("for (size_t i = 0; i < x->size(); i++) {save}"),
                 format!("for (size_t i = 0; i < n; i++) {load}"),
-            ),
+            )
         };
         Ok((
             format!("  glue_put_number(b, (uint32_t)x->size());\n  {save}\n"),

@@ -452,9 +452,10 @@ fn respelled(node: Node<'_>, name: &str, change: Change, text: &str) -> (Range<u
             let postfix = argument && matches!(kind, "subscript_expression" | "update_expression");
             // A `*` after a `/` would begin a comment.
             let division = text.get(..own.start).is_some_and(|text| text.ends_with('/'));
-            match postfix || division {
-                true => (own, format!("(*{name})")),
-                false => (own, format!("*{name}")),
+            if postfix || division {
+                (own, format!("(*{name})"))
+            } else {
+                (own, format!("*{name}"))
             }
         }
         (Change::ToValue, "field_expression") if argument && operator("operator") == "->" => {
@@ -515,12 +516,11 @@ fn arguments(
         })
         .collect();
     let out = out?;
-    Some(match in_place {
-        true => {
-            let all = pairs.iter().zip(&old).zip(out);
-            let changed = all.filter(|((pair, _), _)| pair.change != Change::Same);
-            changed.map(|((_, node), text)| (node.byte_range(), text)).collect()
-        }
-        false => vec![(list.byte_range(), format!("({})", out.join(", ")))],
+    Some(if in_place {
+        let all = pairs.iter().zip(&old).zip(out);
+        let changed = all.filter(|((pair, _), _)| pair.change != Change::Same);
+        changed.map(|((_, node), text)| (node.byte_range(), text)).collect()
+    } else {
+        vec![(list.byte_range(), format!("({})", out.join(", ")))]
     })
 }

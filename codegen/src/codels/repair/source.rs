@@ -30,24 +30,21 @@ impl Repairs<'_> {
             }
         }
         for (path, codels) in by_file {
-            match self.sources.file(&path) {
-                Some(file) => {
-                    for at in codels {
-                        let here = self.stub_place(file, at);
-                        let text = stubs.stub(at)?;
-                        let text = format!("\n\n\n{}", text.trim_end());
-                        edit.replace(&path, here..here, text);
-                    }
+            if let Some(file) = self.sources.file(&path) {
+                for at in codels {
+                    let here = self.stub_place(file, at);
+                    let text = stubs.stub(at)?;
+                    let text = format!("\n\n\n{}", text.trim_end());
+                    edit.replace(&path, here..here, text);
                 }
-                None => {
-                    let mut text = stubs.preamble();
-                    for at in codels {
-                        text += "\n\n";
-                        text += &stubs.stub(at)?;
-                    }
-                    edit.created.insert(path.clone(), text);
-                    self.list_source(&path, &mut edit);
+            } else {
+                let mut text = stubs.preamble();
+                for at in codels {
+                    text += "\n\n";
+                    text += &stubs.stub(at)?;
                 }
+                edit.created.insert(path.clone(), text);
+                self.list_source(&path, &mut edit);
             }
         }
         Ok(edit)

@@ -382,13 +382,12 @@ impl<'a> Scope<'a> {
             "parenthesized_expression" => self.ty(node.named_child(0)?, depth + 1),
             "pointer_expression" => {
                 let ty = inner("argument")?;
-                match node.child(0)?.kind() {
-                    "*" => self.types.element(&ty),
-                    _ => {
-                        let mut ty = ty;
-                        ty.layers.insert(0, Layer::Pointer { constant: false });
-                        Some(ty)
-                    }
+                if node.child(0)?.kind() == "*" {
+                    self.types.element(&ty)
+                } else {
+                    let mut ty = ty;
+                    ty.layers.insert(0, Layer::Pointer { constant: false });
+                    Some(ty)
                 }
             }
             "subscript_expression" => self.types.element(&inner("argument")?),

@@ -28,18 +28,18 @@ impl Values<'_> {
             TypeKind::Octet => out.push(whole(value, at, "0 to 255")?),
             TypeKind::Char => out.extend(whole::<i8>(value, at, "-128 to 127")?.to_ne_bytes()),
             TypeKind::Short => {
-                out.extend(whole::<i16>(value, at, "-32768 to 32767")?.to_ne_bytes())
+                out.extend(whole::<i16>(value, at, "-32768 to 32767")?.to_ne_bytes());
             }
             TypeKind::UnsignedShort => {
-                out.extend(whole::<u16>(value, at, "0 to 65535")?.to_ne_bytes())
+                out.extend(whole::<u16>(value, at, "0 to 65535")?.to_ne_bytes());
             }
             TypeKind::Long => out.extend(whole::<i32>(value, at, "32 bits")?.to_ne_bytes()),
             TypeKind::UnsignedLong => {
-                out.extend(whole::<u32>(value, at, "32 bits, not negative")?.to_ne_bytes())
+                out.extend(whole::<u32>(value, at, "32 bits, not negative")?.to_ne_bytes());
             }
             TypeKind::LongLong => out.extend(whole::<i64>(value, at, "64 bits")?.to_ne_bytes()),
             TypeKind::UnsignedLongLong => {
-                out.extend(whole::<u64>(value, at, "64 bits, not negative")?.to_ne_bytes())
+                out.extend(whole::<u64>(value, at, "64 bits, not negative")?.to_ne_bytes());
             }
             TypeKind::Float => out.extend((number(value, at)? as f32).to_ne_bytes()),
             TypeKind::Double => out.extend(number(value, at)?.to_ne_bytes()),
@@ -75,10 +75,10 @@ impl Values<'_> {
                 }
             },
             TypeKind::Struct { members } | TypeKind::Exception { members } => {
-                self.write_members(members, value, at, depth, out)?
+                self.write_members(members, value, at, depth, out)?;
             }
             TypeKind::Union { switch, members } => {
-                self.write_union(*switch, members, value, at, depth, out)?
+                self.write_union(*switch, members, value, at, depth, out)?;
             }
             _ => out.push(0),
         }

@@ -55,9 +55,10 @@ pub(super) fn call(
     lambda: &mut Lambda<'_>,
 ) -> AnswerResult {
     let component = model.spec.component(index);
-    let method = match model.spec.release.has(Change::ComponentStack) {
-        true => method(METHODS, words, "name")?,
-        false => method(&BEFORE_STACK, words, "name")?,
+    let method = if model.spec.release.has(Change::ComponentStack) {
+        method(METHODS, words, "name")?
+    } else {
+        method(&BEFORE_STACK, words, "name")?
     };
     let arguments = words.get(1..).unwrap_or_default();
     match method {

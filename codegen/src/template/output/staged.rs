@@ -51,13 +51,14 @@ impl StagedFiles {
             let (mut contents, mut modes) = (Vec::new(), Vec::new());
             for (path, file) in self.files {
                 // An unchanged file is not written: build tools compare modification times.
-                match file.before.as_ref() == Some(&file.after) {
-                    true => modes.extend(file.mode.map(|mode| (path, mode))),
-                    false => contents.push(NewContent {
+                if file.before.as_ref() == Some(&file.after) {
+                    modes.extend(file.mode.map(|mode| (path, mode)));
+                } else {
+                    contents.push(NewContent {
                         mode: file.mode,
                         before: file.before.into(),
                         ..NewContent::new(path, file.after)
-                    }),
+                    });
                 }
             }
             written = disk.write(&contents);

@@ -295,9 +295,10 @@ impl Session<'_> {
     fn check_input(&self, file: &str) -> Result<(), Failure> {
         let path = self.run.base.join(file);
         let results = self.run.confined.map(|confinement| confinement.results.as_slice());
-        match results.is_some_and(|paths| readable_files::is_below(&*self.run.disk, &path, paths)) {
-            true => Ok(()),
-            false => self.check_read(&path),
+        if results.is_some_and(|paths| readable_files::is_below(&*self.run.disk, &path, paths)) {
+            Ok(())
+        } else {
+            self.check_read(&path)
         }
     }
 
@@ -322,15 +323,13 @@ impl Session<'_> {
         };
         self.compiled = self.frontend.compiled();
         let mut registry = std::mem::take(&mut self.registry);
-        let created = match Rc::get_mut(&mut registry) {
-            Some(registry) => registry.update(&self.compiled.spec),
-            // A lambda parses while the model is being walked: the walk keeps the old names.
-            None => {
-                let mut copy = Registry::clone(&registry);
-                let created = copy.update(&self.compiled.spec);
-                registry = Rc::new(copy);
-                created
-            }
+        let created = if let Some(registry) = Rc::get_mut(&mut registry) {
+            registry.update(&self.compiled.spec)
+        } else {
+            let mut copy = Registry::clone(&registry);
+            let created = copy.update(&self.compiled.spec);
+            registry = Rc::new(copy);
+            created
         };
         self.registry = registry;
         match result {

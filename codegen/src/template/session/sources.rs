@@ -98,7 +98,7 @@ impl Session<'_> {
             ("merge-tool", _) => return Err(usage("merge-tool tool")),
             ("chdir", [dir]) => {
                 if self.output.dir != *dir {
-                    self.output.dir = dir.clone();
+                    self.output.dir.clone_from(dir);
                     self.message(&format!("set output directory to '{dir}'"));
                 }
                 String::new()

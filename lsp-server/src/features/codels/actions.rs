@@ -324,11 +324,10 @@ fn sync_action(
         kind: Some(if fix { CodeActionKind::QUICKFIX } else { SYNC }),
         ..CodeAction::default()
     };
-    let action = match snapshot.client.resolves_edits {
-        true => Some(CodeAction { data: Some(json!({ "sync": subject.path })), ..action }),
-        false => {
-            sync_edit(snapshot, &subject.path)?.and_then(|edit| with_edit(snapshot, action, edit))
-        }
+    let action = if snapshot.client.resolves_edits {
+        Some(CodeAction { data: Some(json!({ "sync": subject.path })), ..action })
+    } else {
+        sync_edit(snapshot, &subject.path)?.and_then(|edit| with_edit(snapshot, action, edit))
     };
     Ok(action.map(CodeActionOrCommand::CodeAction))
 }

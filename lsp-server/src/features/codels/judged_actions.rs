@@ -30,9 +30,10 @@ pub(crate) fn offers<T>(
     path: &Utf8Path,
     offer: impl FnOnce(&mut JudgedActions<'_, '_, '_>) -> Cancellable<T>,
 ) -> Cancellable<T> {
-    let mut roots = match snapshot.is_code(path) {
-        true => codels::roots_around(snapshot, path)?,
-        false => snapshot.analysis.roots_containing(path)?,
+    let mut roots = if snapshot.is_code(path) {
+        codels::roots_around(snapshot, path)?
+    } else {
+        snapshot.analysis.roots_containing(path)?
     };
     if roots.is_empty() {
         roots.push(path.to_owned());

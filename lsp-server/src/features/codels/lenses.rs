@@ -133,7 +133,7 @@ fn title(expected: &Expected<'_>, at: CodelRef, system: &System<'_>) -> String {
         CodelKind::Fsm => {
             out += &format!(": {} → {}", states(&codel.triggers), states(&codel.yields));
         }
-        _ => {}
+        CodelKind::Simple => {}
     }
     if codel.is_async {
         out += " · async";

@@ -25,24 +25,21 @@ pub(crate) fn remember(text: &str, choice: &Generate) -> Result<String, String> 
         .iter_mut()
         .find(|table| is(table, "file", &choice.file) && is(table, "template", &choice.template));
     let arguments: Array = choice.arguments.iter().map(String::as_str).collect();
-    match known {
-        Some(table) => {
-            let same = table.get("arguments").and_then(Item::as_array);
-            let same = same.is_some_and(|array| {
-                let given = array.iter().map(toml_edit::Value::as_str);
-                given.eq(choice.arguments.iter().map(|argument| Some(argument.as_str())))
-            });
-            if !same {
-                table.insert("arguments", value(arguments));
-            }
-        }
-        None => {
-            let mut table = Table::new();
-            table.insert("file", value(&choice.file));
-            table.insert("template", value(&choice.template));
+    if let Some(table) = known {
+        let same = table.get("arguments").and_then(Item::as_array);
+        let same = same.is_some_and(|array| {
+            let given = array.iter().map(toml_edit::Value::as_str);
+            given.eq(choice.arguments.iter().map(|argument| Some(argument.as_str())))
+        });
+        if !same {
             table.insert("arguments", value(arguments));
-            tables.push(table);
         }
+    } else {
+        let mut table = Table::new();
+        table.insert("file", value(&choice.file));
+        table.insert("template", value(&choice.template));
+        table.insert("arguments", value(arguments));
+        tables.push(table);
     }
     Ok(document.to_string())
 }

@@ -55,10 +55,7 @@ fn formatted(
     let edits: Vec<FileEdit> = edits
         .map(|(range, new_text)| FileEdit { path: subject.path.clone(), range, new_text })
         .collect();
-    match edits.is_empty() {
-        true => Ok(None),
-        false => text_edits(snapshot, &subject.path, &edits),
-    }
+    if edits.is_empty() { Ok(None) } else { text_edits(snapshot, &subject.path, &edits) }
 }
 
 /// The nested ranges around places.

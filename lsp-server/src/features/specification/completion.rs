@@ -85,11 +85,10 @@ fn functions(
                     let owner = repairs.owner_at(&at.path, at.offset)?;
                     Some(repairs.parameters_of(function, owner).join(", "))
                 });
-                let insert = match place.parameters {
-                    true => {
-                        format!("{name}(${{1:{}}}){}", parameters.unwrap_or_default(), place.tail)
-                    }
-                    false => name.clone(),
+                let insert = if place.parameters {
+                    format!("{name}(${{1:{}}}){}", parameters.unwrap_or_default(), place.tail)
+                } else {
+                    name.clone()
                 };
                 items.push(ide::CompletionItem {
                     label: name,
@@ -125,9 +124,10 @@ fn to_proto(
     order: usize,
 ) -> CompletionItem {
     let snippets = snapshot.client.snippets;
-    let new_text = match completion_item.snippet && !snippets {
-        true => plain_snippet(&completion_item.insert),
-        false => completion_item.insert,
+    let new_text = if completion_item.snippet && !snippets {
+        plain_snippet(&completion_item.insert)
+    } else {
+        completion_item.insert
     };
     CompletionItem {
         label: completion_item.label,
@@ -135,9 +135,10 @@ fn to_proto(
         detail: completion_item.detail,
         filter_text: completion_item.filter,
         sort_text: Some(format!("{:02}{order:05}", completion_item.rank)),
-        insert_text_format: Some(match completion_item.snippet && snippets {
-            true => InsertTextFormat::SNIPPET,
-            false => InsertTextFormat::PLAIN_TEXT,
+        insert_text_format: Some(if completion_item.snippet && snippets {
+            InsertTextFormat::SNIPPET
+        } else {
+            InsertTextFormat::PLAIN_TEXT
         }),
         text_edit: Some(CompletionTextEdit::Edit(TextEdit::new(
             lines.range(&completion_item.replace),
@@ -189,9 +190,10 @@ pub(crate) fn resolve(
     let doc = snapshot.analysis.resolve_completion(&data.path, data.definition, &data.name)?;
     let documentation = doc.map(|doc| {
         Documentation::MarkupContent(MarkupContent {
-            kind: match snapshot.client.markdown_hover {
-                true => MarkupKind::Markdown,
-                false => MarkupKind::PlainText,
+            kind: if snapshot.client.markdown_hover {
+                MarkupKind::Markdown
+            } else {
+                MarkupKind::PlainText
             },
             value: doc.markdown,
         })

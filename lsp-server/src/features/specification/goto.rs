@@ -111,13 +111,14 @@ pub(crate) fn response(
     if links.is_empty() {
         return None;
     }
-    Some(match snapshot.client.definition_link {
-        true => GotoDefinitionResponse::Link(links),
-        false => GotoDefinitionResponse::Array(
+    Some(if snapshot.client.definition_link {
+        GotoDefinitionResponse::Link(links)
+    } else {
+        GotoDefinitionResponse::Array(
             links
                 .into_iter()
                 .map(|link| Location::new(link.target_uri, link.target_selection_range))
                 .collect(),
-        ),
+        )
     })
 }

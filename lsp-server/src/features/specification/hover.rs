@@ -44,10 +44,8 @@ pub(crate) fn handle(
 
 /// A hover in the form that the client supports.
 pub(crate) fn response(snapshot: &Snapshot, markdown: String, range: Option<Range>) -> Hover {
-    let kind = match snapshot.client.markdown_hover {
-        true => MarkupKind::Markdown,
-        false => MarkupKind::PlainText,
-    };
+    let kind =
+        if snapshot.client.markdown_hover { MarkupKind::Markdown } else { MarkupKind::PlainText };
     Hover { contents: HoverContents::Markup(MarkupContent { kind, value: markdown }), range }
 }
 

@@ -94,9 +94,10 @@ pub(crate) fn rename_at(
     let mut left = rules.left;
     left.extend(sources.left);
     let left = listed(&left, MAX_LISTED, &folder);
-    let review = match left.is_empty() {
-        true => Review::SeveralFiles(&label),
-        false => Review::Leaves { label: &label, left: &left },
+    let review = if left.is_empty() {
+        Review::SeveralFiles(&label)
+    } else {
+        Review::Leaves { label: &label, left: &left }
     };
     Ok(UserResult(edit_of(snapshot, review, &all)?.map(Some)))
 }
@@ -113,8 +114,9 @@ pub(crate) fn files(
         .collect();
     let mut edits = snapshot.analysis.files_moved(&moves)?;
     edits.extend(rules::uses_moved(snapshot, &moves)?);
-    match edits.is_empty() {
-        true => Ok(UserResult::default()),
-        false => Ok(UserResult(workspace_edit(snapshot, &edits)?.map(Some))),
+    if edits.is_empty() {
+        Ok(UserResult::default())
+    } else {
+        Ok(UserResult(workspace_edit(snapshot, &edits)?.map(Some)))
     }
 }

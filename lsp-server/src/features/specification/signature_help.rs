@@ -20,9 +20,10 @@ pub(crate) fn handle(
     // Offsets of labels are in UTF-16 units, independent of the encoding of positions.
     let units = |byte: usize| help.label[..byte].encode_utf16().count() as u32;
     let parameters = help.parameters.iter().map(|parameter| ParameterInformation {
-        label: match snapshot.client.label_offsets {
-            true => ParameterLabel::LabelOffsets([units(parameter.start), units(parameter.end)]),
-            false => ParameterLabel::Simple(help.label[parameter.clone()].to_owned()),
+        label: if snapshot.client.label_offsets {
+            ParameterLabel::LabelOffsets([units(parameter.start), units(parameter.end)])
+        } else {
+            ParameterLabel::Simple(help.label[parameter.clone()].to_owned())
         },
         documentation: None,
     });

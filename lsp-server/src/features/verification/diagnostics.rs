@@ -58,9 +58,10 @@ pub(super) fn at(
         check.diagnostic.range.start <= range.end && range.start <= check.diagnostic.range.end
     };
     for (of, entry) in about(snapshot, path) {
-        let found = match language::is_scenario(path) {
-            true => scenario(snapshot, entry, path),
-            false => specification(snapshot, entry, path),
+        let found = if language::is_scenario(path) {
+            scenario(snapshot, entry, path)
+        } else {
+            specification(snapshot, entry, path)
         };
         if let Some(uri) = snapshot.uri(of) {
             let here = found.into_iter().filter(touches);
@@ -235,10 +236,7 @@ fn fact(answer: &Answer, view: &CheckView) -> Option<(&'static str, String)> {
                 (None, None) => String::new(),
             };
             let any = !answer.problem.is_written() && advice::has_clients(&answer.problem.scenario);
-            let client = match any {
-                true => ": any client may send anything at any time",
-                false => "",
-            };
+            let client = if any { ": any client may send anything at any time" } else { "" };
             format!("`{kind} {of}` is not settled{why}{client}{advice}")
         }),
         (_, PropertyKind::Schedulable) => {
@@ -292,9 +290,10 @@ fn diagnostic(
         message += &format!("; {why}");
     }
     if !language::is_scenario(path) && view.verdict != Verdict::Unknown {
-        message += &match entry.problem.is_written() {
-            true => format!(" (scenario `{}`)", answer.report.scenario),
-            false => " (no scenario: any client, at any time)".to_owned(),
+        message += &if entry.problem.is_written() {
+            format!(" (scenario `{}`)", answer.report.scenario)
+        } else {
+            " (no scenario: any client, at any time)".to_owned()
         };
     }
     let severity = severity(snapshot, code)?;

@@ -90,9 +90,12 @@ pub(crate) fn problem_of(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Op
 
 /// A scenario and the specifications it uses, open documents included.
 pub(crate) fn scenario(snapshot: &Snapshot, path: &Utf8Path, text: String) -> Cancellable<Problem> {
-    let exists = |file: &Utf8Path| match snapshot.open.contains_key(file) {
-        true => FileContent::Text(String::new()),
-        false => vfs::read(file),
+    let exists = |file: &Utf8Path| {
+        if snapshot.open.contains_key(file) {
+            FileContent::Text(String::new())
+        } else {
+            vfs::read(file)
+        }
     };
     Problem::from_scenario(path, text, &snapshot.analysis, exists)
 }

@@ -83,9 +83,10 @@ pub(crate) fn trace(
     }
     let places = question.shown.places();
     let trace = trace.placed(|pair| locate(snapshot, places, Some(pair)))?;
-    let changes = match simulation.is_none() && !question.params.is_varied() {
-        true => changes(answer, &answer.view().checks[number]),
-        false => Vec::new(),
+    let changes = if simulation.is_none() && !question.params.is_varied() {
+        changes(answer, &answer.view().checks[number])
+    } else {
+        Vec::new()
     };
     let remedies = remedy::of_run(snapshot, subject, places, &changes)?;
     let next = simulation.map(|simulation| Next {

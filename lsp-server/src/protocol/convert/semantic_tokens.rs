@@ -61,13 +61,11 @@ pub fn encode(tokens: &[Token], lines: &Lines) -> Vec<SemanticToken> {
             let Some(content) = lines.line(line) else {
                 break;
             };
-            let start = match line == range.start.line {
-                true => range.start.character,
-                false => 0,
-            };
-            let end = match line == range.end.line {
-                true => range.end.character,
-                false => lines.position(content.end).character,
+            let start = if line == range.start.line { range.start.character } else { 0 };
+            let end = if line == range.end.line {
+                range.end.character
+            } else {
+                lines.position(content.end).character
             };
             if start >= end {
                 continue;

@@ -49,10 +49,7 @@ pub fn escaped(text: &str) -> Option<String> {
             }
             _ => byte.is_ascii_alphanumeric() || b"-._~!$&'()*+,;=:@/".contains(&byte),
         };
-        match is_allowed {
-            true => out.push(char::from(byte)),
-            false => out.push_str(&format!("%{byte:02X}")),
-        }
+        if is_allowed { out.push(char::from(byte)) } else { out.push_str(&format!("%{byte:02X}")) }
     }
     (out != text).then_some(out)
 }

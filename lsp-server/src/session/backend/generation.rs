@@ -274,6 +274,7 @@ impl Backend {
     }
 
     /// `window/workDoneProgress/cancel`
+    #[expect(clippy::unused_async, reason = "the library calls handlers that are asynchronous")]
     pub(crate) async fn cancel_progress(&self, params: WorkDoneProgressCancelParams) {
         self.dispatch.running().cancel(&params.token);
     }

@@ -109,12 +109,11 @@ impl Frames {
         if let Some(at) = found {
             // The text before the header is the end of a message that was longer than its length.
             frame = (!line[..at].trim_ascii().is_empty()).then_some(GARBAGE);
-            match number(line[at + NAME.len()..].trim_ascii()) {
-                Some(length) => self.state = State::Headers(Some(length)),
-                None => {
-                    self.state = State::Headers(None);
-                    frame = Some(Frame::Malformed("a `Content-Length` is no number"));
-                }
+            if let Some(length) = number(line[at + NAME.len()..].trim_ascii()) {
+                self.state = State::Headers(Some(length));
+            } else {
+                self.state = State::Headers(None);
+                frame = Some(Frame::Malformed("a `Content-Length` is no number"));
             }
         } else if line.is_empty() {
             match length {
@@ -157,17 +156,14 @@ impl Frames {
     }
 
     fn skip(&mut self) -> Option<Option<Frame>> {
-        match find_header(self.rest()) {
-            Some(at) => {
-                self.start += at.start;
-                self.state = State::Headers(None);
-                Some(None)
-            }
-            None => {
-                let keep = self.rest().len().min(NAME.len() + 24);
-                self.start = self.bytes.len() - keep;
-                None
-            }
+        if let Some(at) = find_header(self.rest()) {
+            self.start += at.start;
+            self.state = State::Headers(None);
+            Some(None)
+        } else {
+            let keep = self.rest().len().min(NAME.len() + 24);
+            self.start = self.bytes.len() - keep;
+            None
         }
     }
 }

@@ -81,9 +81,10 @@ impl Spelling {
         let params = &message["params"];
         let (path, text) = file(&params["uri"])?;
         let empty = params["diagnostics"].as_array().is_none_or(Vec::is_empty);
-        let before = match empty {
-            true => self.published.remove(&path),
-            false => self.published.insert(path, text.to_owned()),
+        let before = if empty {
+            self.published.remove(&path)
+        } else {
+            self.published.insert(path, text.to_owned())
         };
         let before = before.filter(|old| old != text)?;
         Some(json!({
@@ -127,17 +128,15 @@ impl Spelling {
             return Some(own.clone());
         }
         let path = path(text)?;
-        let spelt = match self.files.get(&path) {
-            Some(own) => own.clone(),
-            None => {
-                let folder =
-                    path.ancestors().find_map(|ancestor| self.folders.get_key_value(ancestor));
-                let (folder, own) = folder?;
-                // The rest of the path has the spelling of the server.
-                let server = uri::from_path(folder)?;
-                let rest = text.strip_prefix(server.as_str().trim_end_matches('/'))?;
-                format!("{own}{rest}")
-            }
+        let spelt = if let Some(own) = self.files.get(&path) {
+            own.clone()
+        } else {
+            let folder = path.ancestors().find_map(|ancestor| self.folders.get_key_value(ancestor));
+            let (folder, own) = folder?;
+            // The rest of the path has the spelling of the server.
+            let server = uri::from_path(folder)?;
+            let rest = text.strip_prefix(server.as_str().trim_end_matches('/'))?;
+            format!("{own}{rest}")
         };
         (spelt != text).then_some(spelt)
     }

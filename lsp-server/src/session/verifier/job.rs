@@ -50,8 +50,10 @@ impl Job {
                     let (held, events) = (held.clone(), events.clone());
                     pace.spawn(async move {
                         tokio::time::sleep(RESULT_INTERVAL).await;
-                        let lock = lock(&held).take();
-                        lock.into_iter().for_each(|lock| send(&events, lock));
+                        let kept = lock(&held).take();
+                        if let Some(kept) = kept {
+                            send(&events, kept);
+                        }
                     });
                 }
             };

@@ -49,6 +49,9 @@ pub(crate) enum Mutation {
     Indexed(Option<bool>),
     /// A file is to be shown as included by a root; `None` lets dotgen choose.
     Choose(Utf8PathBuf, Option<Utf8PathBuf>),
+    /// A change of a document, and a panic before the database has it.
+    #[cfg(test)]
+    Broken(DidChangeTextDocumentParams),
 }
 
 impl State {
@@ -143,6 +146,12 @@ impl State {
                 self.focus.chosen.extend(root.map(|root| (file.clone(), root)));
                 self.pending.chosen = true;
                 self.pending.files.insert(file);
+            }
+            #[cfg(test)]
+            Mutation::Broken(params) => {
+                let (path, version) = (uri::to_path(&params.text_document.uri), 2);
+                self.documents.edit(&path, version, params.content_changes, self.client.encoding);
+                panic!("on purpose");
             }
             Mutation::Scanned(number, files) => {
                 // A listing that began before the folders changed contains files of removed folders, and

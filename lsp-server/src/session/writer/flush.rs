@@ -25,6 +25,13 @@ pub(super) struct Pending {
     pub(super) indexed: Option<bool>,
 }
 
+impl Pending {
+    pub(super) fn everything(files: FxHashSet<Utf8PathBuf>) -> Pending {
+        let (roots, config, packages, active, chosen) = (true, true, true, true, true);
+        Pending { files, roots, config, packages, active, chosen, indexed: None }
+    }
+}
+
 impl State {
     /// Updates the database.
     pub(super) fn flush(&mut self) {

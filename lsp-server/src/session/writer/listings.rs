@@ -37,10 +37,7 @@ impl State {
         }
         let configured = self.workspace.set_files(files);
         self.pending.roots = true;
-        match configured {
-            true => self.reconfigure(),
-            false => self.register_documents(),
-        }
+        if configured { self.reconfigure() } else { self.register_documents() }
     }
 
     /// Reads the includes of every root on the blocking pool. Returns true if that has begun.

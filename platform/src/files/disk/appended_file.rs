@@ -52,7 +52,7 @@ struct State {
 
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(|error| error.into_inner())
+        self.state.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 }
 
@@ -125,7 +125,7 @@ impl Write for AppendedFile {
         let mut state = self.shared.lock();
         while state.bytes.len() >= LIMIT && !state.failed {
             let waited = self.shared.room.wait(state);
-            state = waited.unwrap_or_else(|error| error.into_inner());
+            state = waited.unwrap_or_else(std::sync::PoisonError::into_inner);
         }
         // After an error, which was reported, data is dropped.
         if !state.failed {
@@ -154,7 +154,7 @@ fn write(shared: &Shared, mut file: File) -> io::Result<()> {
         let mut state = shared.lock();
         if state.bytes.len() < MANY && !state.over {
             let waited = shared.more.wait_timeout(state, FLUSH_INTERVAL);
-            state = waited.unwrap_or_else(|error| error.into_inner()).0;
+            state = waited.unwrap_or_else(std::sync::PoisonError::into_inner).0;
         }
         piece.clear();
         std::mem::swap(&mut state.bytes, &mut piece);
@@ -186,10 +186,7 @@ fn sync(file: &File) -> io::Result<()> {
     let cannot = |error: &io::Error| {
         matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported)
     };
-    file.sync_data().or_else(|error| match cannot(&error) {
-        true => Ok(()),
-        false => Err(error),
-    })
+    file.sync_data().or_else(|error| if cannot(&error) { Ok(()) } else { Err(error) })
 }
 
 #[cfg(test)]

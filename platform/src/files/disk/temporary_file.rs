@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard};
 static ALL: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn all() -> MutexGuard<'static, Vec<PathBuf>> {
-    ALL.lock().unwrap_or_else(|error| error.into_inner())
+    ALL.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
 /// A file that is removed on drop, and by [`leave`].

@@ -68,10 +68,7 @@ pub(super) struct WatchedMoves(Option<CleanupGuard>);
 impl Finisher for WatchedMoves {
     fn register_moves(&mut self, moves: Vec<Move>) {
         // The new moves are registered before the old ones are removed.
-        self.0 = match moves.is_empty() {
-            true => None,
-            false => process::finish(&moves),
-        };
+        self.0 = if moves.is_empty() { None } else { process::finish(&moves) };
     }
 }
 
@@ -255,7 +252,7 @@ impl Batch {
         for file in &self.files {
             match (file.replaced, file.second(), &file.content) {
                 (true, Some(second), _) => {
-                    moves.push(Move { from: absolute(second), to: Some(absolute(&file.target)) })
+                    moves.push(Move { from: absolute(second), to: Some(absolute(&file.target)) });
                 }
                 (true, None, Content::File(..)) if file.old.is_none() => {
                     moves.push(removal(&file.target));
@@ -437,11 +434,12 @@ fn is_as_read(target: &Path, before: &Before) -> io::Result<()> {
         (Before::Missing, Err(error)) => error.kind() == ErrorKind::NotFound,
         _ => false,
     };
-    match same {
-        true => Ok(()),
-        false => Err(io::Error::other(
+    if same {
+        Ok(())
+    } else {
+        Err(io::Error::other(
             "it was changed by another program meanwhile and is left as it is; run the command again",
-        )),
+        ))
     }
 }
 

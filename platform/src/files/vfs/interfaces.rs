@@ -69,10 +69,7 @@ fn written() -> Option<&'static Utf8Path> {
     let folder = FOLDER.get_or_init(|| {
         let folder = cache()?.join(format!("{PREFIX}{:016x}", content()));
         let write = || write(&folder);
-        match is_whole(&folder) || write().is_ok() || is_whole(&folder) {
-            true => Some(folder),
-            false => None,
-        }
+        if is_whole(&folder) || write().is_ok() || is_whole(&folder) { Some(folder) } else { None }
     });
     folder.as_deref()
 }

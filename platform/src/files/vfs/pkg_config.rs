@@ -33,10 +33,7 @@ pub fn query(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlag
     if folders.is_empty() {
         return Err(why);
     }
-    let mut flags = match rest.is_empty() {
-        true => PackageFlags::default(),
-        false => asked(config, &rest)?,
-    };
+    let mut flags = if rest.is_empty() { PackageFlags::default() } else { asked(config, &rest)? };
     flags.include_dirs.extend(folders);
     flags.own = own;
     Ok(flags)
@@ -51,9 +48,10 @@ fn replaced(config: &PackageConfig, arguments: &[String]) -> (Vec<String>, Vec<S
         let names = packages::names(argument);
         let is_own =
             |name: &&str| interfaces::has(name) && pkg_file::version(&directories, name).is_none();
-        match !names.is_empty() && names.iter().all(is_own) {
-            true => own.extend(names.into_iter().map(str::to_owned)),
-            false => rest.push(argument.clone()),
+        if !names.is_empty() && names.iter().all(is_own) {
+            own.extend(names.into_iter().map(str::to_owned));
+        } else {
+            rest.push(argument.clone());
         }
     }
     (own, rest)
@@ -126,7 +124,7 @@ fn run(
     words.extend(arguments.iter().map(Into::into));
     let mut environment = Vec::new();
     if !paths.is_empty() {
-        let mut path: Vec<String> = paths.iter().map(|path| path.to_string()).collect();
+        let mut path: Vec<String> = paths.iter().map(std::string::ToString::to_string).collect();
         path.extend(std::env::var("PKG_CONFIG_PATH").ok());
         environment.push(("PKG_CONFIG_PATH", path.join(":")));
     }

@@ -132,7 +132,9 @@ impl Live<'_> {
                 late.push(task.executor);
             }
         }
-        late.into_iter().for_each(|executor| self.probe(executor));
+        for executor in late {
+            self.probe(executor);
+        }
         due
     }
 
@@ -179,7 +181,9 @@ impl Live<'_> {
                 unknown.push(task.executor);
             }
         }
-        unknown.into_iter().for_each(|executor| self.probe(executor));
+        for executor in unknown {
+            self.probe(executor);
+        }
         for component in silent {
             let why = format!("did not answer within {} s", self.host_within.as_secs_f64());
             self.end_component(component, &why);

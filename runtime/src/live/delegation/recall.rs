@@ -47,7 +47,9 @@ impl Live<'_> {
     pub(in crate::live) fn recall_all(&mut self) {
         let executors: Vec<usize> =
             self.delegations.tasks.iter().map(|delegated| delegated.executor).collect();
-        executors.into_iter().for_each(|executor| self.recall(executor));
+        for executor in executors {
+            self.recall(executor);
+        }
     }
 
     fn recall(&mut self, executor: usize) {
@@ -147,7 +149,9 @@ impl Live<'_> {
         if disturbed.is_empty() && self.delegations.deferred[component].is_empty() {
             return Some(request);
         }
-        disturbed.into_iter().for_each(|executor| self.recall(executor));
+        for executor in disturbed {
+            self.recall(executor);
+        }
         self.delegations.deferred[component].push_back(Message::OutsideRequest(request));
         None
     }
@@ -164,7 +168,9 @@ impl Live<'_> {
         if all.is_empty() && self.delegations.deferred[component].is_empty() {
             return self.aborts.push(id);
         }
-        all.into_iter().for_each(|executor| self.recall(executor));
+        for executor in all {
+            self.recall(executor);
+        }
         self.delegations.deferred[component].push_back(Message::Abort(id));
     }
 

@@ -219,26 +219,27 @@ fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
     let member = fragment == Fragment::Component && p.at_ts(types::TYPE_FIRST);
     if outside || member {
         // The line with the `{` of the body may be missing: this is reported once.
-        match p.headless {
-            true => p.mark_reported(),
-            false => p.headless = fragment != Fragment::Module && braces::lacks_head(p),
+        if p.headless {
+            p.mark_reported();
+        } else {
+            p.headless = fragment != Fragment::Module && braces::lacks_head(p);
         }
     }
     if outside {
         let word = p.current_text().into();
-        p.error_here(match p.headless {
-            true => Parsing::HeadlessComponent { word, expected: what },
-            false => Parsing::Outside { word, expected: what },
+        p.error_here(if p.headless {
+            Parsing::HeadlessComponent { word, expected: what }
+        } else {
+            Parsing::Outside { word, expected: what }
         });
         if !(component::component(p) || component::export(p) || property::property(p)) {
             skip_tokens(p);
         }
     } else {
-        let help = match member && p.headless {
-            true => {
-                "members stand in `ids`, a struct or an exception: is the line with its `{` missing?"
-            }
-            false => help,
+        let help = if member && p.headless {
+            "members stand in `ids`, a struct or an exception: is the line with its `{` missing?"
+        } else {
+            help
         };
         p.expected_because(what, help);
         skip_tokens(p);

@@ -137,10 +137,7 @@ pub(super) fn member(p: &mut Parser<'_>) -> bool {
 // union u switch (e) { case A: case m::B: long x; default: sequence<long> y[2]; };
 pub(super) fn case(p: &mut Parser<'_>) -> bool {
     const LABELS: TokenSet = TokenSet::new(&[CASE_KW, DEFAULT_KW]);
-    p.respell(LABELS, |p| match p.at(DEFAULT_KW) {
-        true => p.nth(1) == COLON,
-        false => p.nth(2) == COLON,
-    });
+    p.respell(LABELS, |p| if p.at(DEFAULT_KW) { p.nth(1) == COLON } else { p.nth(2) == COLON });
     if !p.at(CASE_KW) && !p.at(DEFAULT_KW) {
         return false;
     }
@@ -429,11 +426,9 @@ fn close_angle(p: &mut Parser<'_>) {
             let m = p.start();
             p.bump(SHR);
             m.complete(p, ERROR);
-        } else {
-            if p.error_here(Parsing::ClosingShift) {
-                let at = p.position();
-                p.replace(at..at + 1, "> >", true);
-            }
+        } else if p.error_here(Parsing::ClosingShift) {
+            let at = p.position();
+            p.replace(at..at + 1, "> >", true);
         }
         return;
     }

@@ -49,17 +49,13 @@ impl Walker<'_> {
             DirectiveKind::Else(rest) => return self.else_(rest, directive),
             DirectiveKind::Endif(rest) => self.endif(rest, directive),
             DirectiveKind::Error(text) => {
-                let text = match text.is_empty() {
-                    true => "`#error`".into(),
-                    false => text.to_string().into(),
-                };
+                let text =
+                    if text.is_empty() { "`#error`".into() } else { text.to_string().into() };
                 self.error(range, Preprocessing::ErrorDirective { text });
             }
             DirectiveKind::Warning(text) => {
-                let text = match text.is_empty() {
-                    true => "`#warning`".into(),
-                    false => text.to_string().into(),
-                };
+                let text =
+                    if text.is_empty() { "`#warning`".into() } else { text.to_string().into() };
                 self.warning(range, Preprocessing::WarningDirective { text });
             }
             DirectiveKind::Line(operand) => self.line(operand.clone(), range),

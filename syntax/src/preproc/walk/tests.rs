@@ -212,10 +212,10 @@ fn an_include_cycle_ends_at_the_limit_of_the_host() {
 fn conditionals_end_in_their_file() {
     check(
         "//- main.gen\n#if 1\n#include \"a\"\n#endif\n//- a\n#endif\n#if 0\n",
-        expect![[r#"
+        expect![[r"
             a:1: error pp-endif-without-if: `#endif` without `#if` before it
             a:3: error pp-cond-unterminated: the file ends inside a conditional: an `#endif` is missing
-        "#]],
+        "]],
     );
 }
 
@@ -234,7 +234,7 @@ HAVE_a HAVE_b
 #pragma
 #endif
 "#,
-        expect![[r#"
+        expect![[r"
             #pragma[requires|have_a|have_b]
             7 7
             #pragma[requires|none]
@@ -247,7 +247,7 @@ HAVE_a HAVE_b
             main.gen:4: error pp-requires-empty: `#pragma require` must be followed by a package
             main.gen:5: error pp-requires-many: `#pragma requires` takes at most 8 arguments, 9 given: use several pragmas, and quotes around a package with its version
             main.gen:6: error pp-pragma-bad: `#pragma` must be followed by a word
-        "#]],
+        "]],
     );
 }
 
@@ -276,14 +276,14 @@ _Pragma("a" "b") c
 fn other_directives() {
     check(
         "#error it's \\\n wrong\n#warning\n#line 3\n#define L 12 \"f\"\n#line L\n#line \"x\"\n#line\n#foo\n# 12 \"f\"\n#\n%: define N 1\n",
-        expect![[r#"
+        expect![[r"
             main.gen:1: error pp-error-directive: it's  wrong
             main.gen:3: warning pp-warning-directive: `#warning`
             main.gen:7: error pp-line-bad: `#line` must be followed by a line number and, optionally, a file name in quotes
             main.gen:8: error pp-line-bad: `#line` must be followed by a line number and, optionally, a file name in quotes
             main.gen:9: hint pp-unknown-directive: unknown directive `#foo`: the line is ignored
             main.gen:10: hint pp-unknown-directive: unknown directive `#`: the line is ignored
-        "#]],
+        "]],
     );
 }
 
@@ -310,22 +310,22 @@ fn stray_characters() {
 fn open_comments_explain_what_is_missing() {
     check(
         "#if 0\n#endif /* open\n",
-        expect![[r#"
+        expect![[r"
         main.gen:2: error lex-comment-open: this comment has no end: `*/` is missing
-    "#]],
+    "]],
     );
     check(
         "#if 1\na /* open\n#endif\n",
-        expect![[r#"
+        expect![[r"
         a
         main.gen:2: error lex-comment-open: this comment has no end: `*/` is missing
-    "#]],
+    "]],
     );
     check(
         "#if 0\n/* open\n#endif\n",
-        expect![[r#"
+        expect![[r"
         main.gen:2: error lex-comment-open: this comment has no end: `*/` is missing
-    "#]],
+    "]],
     );
 }
 

@@ -98,12 +98,11 @@ impl Reductions<SystemRules<'_>> for AllReductions {
     ) {
         self.persistent(rules, s, enabled, first);
         let now = Now { rules, facts: &self.facts, s, enabled };
-        match &self.overtake {
-            Some(overtake) => overtake.select(now, held, first, out),
-            None => {
-                out.clear();
-                out.extend(first.iter().map(|&action| (action, held)));
-            }
+        if let Some(overtake) = &self.overtake {
+            overtake.select(now, held, first, out);
+        } else {
+            out.clear();
+            out.extend(first.iter().map(|&action| (action, held)));
         }
         let deferral = self.deferral.as_ref().filter(|_| enabled.is_calm());
         if let Some(waiters) = deferral.and_then(|deferral| deferral.waiters(rules, s)) {

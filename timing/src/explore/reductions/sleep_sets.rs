@@ -87,7 +87,9 @@ impl Overtake {
         let own = |task: usize, out: &mut CodelSet| {
             if let Some(a) = system.tasks[TaskId::from(task)].permanent {
                 let states = &system.machine_of(a).states;
-                states.iter().for_each(|state| out.insert(state.codel));
+                for state in states {
+                    out.insert(state.codel);
+                }
             }
         };
         let mut started_after = vec![CodelSet::default(); n];

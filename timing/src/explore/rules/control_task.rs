@@ -211,20 +211,17 @@ impl SystemRules<'_> {
         let service = &self.system.services[number];
         if service.activity {
             let mut slots = (service.slots.iter()).map(|&automaton| l.number_of(automaton));
-            match slots.find(|&slot| l.mode(s, slot) == slot::VOID) {
-                Some(slot) => {
-                    l.set_mode(s, slot, slot::INIT);
-                    for t in 0..self.system.clients[client].trackers {
-                        if l.tracker(s, client, t) == tracker::HANDLED {
-                            l.set_tracker(s, client, t, tracker::SLOT + slot as u16);
-                        }
+            if let Some(slot) = slots.find(|&slot| l.mode(s, slot) == slot::VOID) {
+                l.set_mode(s, slot, slot::INIT);
+                for t in 0..self.system.clients[client].trackers {
+                    if l.tracker(s, client, t) == tracker::HANDLED {
+                        l.set_tracker(s, client, t, tracker::SLOT + slot as u16);
                     }
-                    self.interrupt(s, number, slot);
                 }
-                None => {
-                    self.rejected[number].set(true);
-                    self.refusal.set(Some(number));
-                }
+                self.interrupt(s, number, slot);
+            } else {
+                self.rejected[number].set(true);
+                self.refusal.set(Some(number));
             }
             return self.end_of_message(s, component);
         }

@@ -171,8 +171,12 @@ impl SystemRules<'_> {
             // Between different priorities the order is irrelevant.
             order.sort_by_key(|&priority| self.priorities[priority]);
         }
-        order.iter().for_each(|&executor| l.core_queue_remove(s, executor));
-        order.iter().for_each(|&executor| l.core_queue_push(s, executor));
+        for &executor in &order {
+            l.core_queue_remove(s, executor);
+        }
+        for &executor in &order {
+            l.core_queue_push(s, executor);
+        }
     }
 
     /// Adds the swaps that the policy `fair` allows.
@@ -198,7 +202,9 @@ impl SystemRules<'_> {
             .collect();
         l.core_queue_remove(s, by);
         l.core_queue_remove(s, executor);
-        order.iter().for_each(|&executor| l.core_queue_remove(s, executor));
+        for &executor in &order {
+            l.core_queue_remove(s, executor);
+        }
         let others = order.iter().copied();
         for executor in std::iter::once(by).chain(others).chain([executor]) {
             l.core_queue_push(s, executor);

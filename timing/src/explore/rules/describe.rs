@@ -33,9 +33,10 @@ impl SystemRules<'_> {
                     _ => false,
                 };
             if begun && !self.in_cycle(after, task) {
-                let what = match l.has(before, task, flag::FIRST) {
-                    true => "start-up complete",
-                    false => "job complete",
+                let what = if l.has(before, task, flag::FIRST) {
+                    "start-up complete"
+                } else {
+                    "job complete"
                 };
                 out.push(self.of_task(task, MomentKind::Complete, time, what.to_owned()));
             }
@@ -108,9 +109,10 @@ impl SystemRules<'_> {
                 } else if l.thread_of(before, task) == thread::WAITING {
                     "tick while waiting for a core: kept"
                 } else if self.in_cycle(before, task) {
-                    match l.has(before, task, flag::FIRST) {
-                        true => "tick during start-up: kept",
-                        false => "tick before the job has ended: kept",
+                    if l.has(before, task, flag::FIRST) {
+                        "tick during start-up: kept"
+                    } else {
+                        "tick before the job has ended: kept"
                     }
                 } else {
                     "tick"
@@ -134,16 +136,13 @@ impl SystemRules<'_> {
             }
             Action::Begin { task } => {
                 if l.thread_of(before, task) == thread::IDLE {
-                    let what = match self.is_periodic(task) {
-                        true => "begins a cycle",
-                        false => "wakes up",
-                    };
+                    let what = if self.is_periodic(task) { "begins a cycle" } else { "wakes up" };
                     out.push(self.of_task(task, MomentKind::Release, time, what.to_owned()));
                 }
                 self.passing(before, after, task, time, out);
             }
             Action::Finish { executor, outcome } => {
-                self.describe_end(before, executor, outcome, time, out)
+                self.describe_end(before, executor, outcome, time, out);
             }
             Action::Signal { component } => {
                 let what = "reports ended activities".to_owned();
@@ -163,9 +162,10 @@ impl SystemRules<'_> {
                     if l.refused(after, component) != 0 {
                         let allowed = l.given(after, component) != 0
                             || !self.system.services[service].activity;
-                        what.push_str(match allowed {
-                            true => ": refused, because of `after` or `before`",
-                            false => ": rejected, because its task has no free slot",
+                        what.push_str(if allowed {
+                            ": refused, because of `after` or `before`"
+                        } else {
+                            ": rejected, because its task has no free slot"
                         });
                     }
                     out.push(Moment {
@@ -189,14 +189,18 @@ impl SystemRules<'_> {
                 self.reported(before, after, component, time, out);
             }
             Action::Preempt { executor, by } => {
-                let name = |task: usize| match task < l.tasks {
-                    true => self.system.task_path(TaskId::from(task)),
-                    false => self.system.components[ComponentId::from(task - l.tasks)].name.clone(),
+                let name = |task: usize| {
+                    if task < l.tasks {
+                        self.system.task_path(TaskId::from(task))
+                    } else {
+                        self.system.components[ComponentId::from(task - l.tasks)].name.clone()
+                    }
                 };
                 let what = format!("takes the core of {}", name(executor));
-                let moment = match by < l.tasks {
-                    true => self.of_task(by, MomentKind::Grant, time, what),
-                    false => self.of_component((by - l.tasks).into(), time, what),
+                let moment = if by < l.tasks {
+                    self.of_task(by, MomentKind::Grant, time, what)
+                } else {
+                    self.of_component((by - l.tasks).into(), time, what)
                 };
                 out.push(Moment {
                     about: MomentDetails::Preempted(self.executing(executor)),

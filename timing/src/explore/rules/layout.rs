@@ -99,10 +99,7 @@ impl Layout {
         let component_base = places.discrete(OF_COMPONENT * components);
         let client_base =
             (system.clients.iter()).map(|client| places.discrete(2 + client.trackers)).collect();
-        let capacity = match system.preempts() {
-            true => tasks + components,
-            false => tasks,
-        };
+        let capacity = if system.preempts() { tasks + components } else { tasks };
         let core_queue = (system.platform.cores).map(|_| (places.discrete(1 + capacity), capacity));
         let lock_queue = if points.locks == LockRule::Free {
             ti_vec![None; components]
@@ -124,9 +121,12 @@ impl Layout {
         let timers = places.times(tasks);
         debug_assert_eq!(timers, 0, "timers come first");
         let by_deadline = system.platform.cores.is_some() && system.platform.policy == Policy::Edf;
-        let edf = by_deadline.then(|| match jobs {
-            true => EdfTimes::Slack(places.times(tasks)),
-            false => EdfTimes::Ages { tick: places.times(tasks), kept: places.times(tasks) },
+        let edf = by_deadline.then(|| {
+            if jobs {
+                EdfTimes::Slack(places.times(tasks))
+            } else {
+                EdfTimes::Ages { tick: places.times(tasks), kept: places.times(tasks) }
+            }
         });
         let measured = clocks.response.iter().map(|&measured| measured && !jobs);
         let (frame, first_kept) =
@@ -179,12 +179,11 @@ impl Layout {
     /// Returns the automaton of a slot; `None` for a permanent activity without codels, or a free slot.
     #[inline]
     pub(crate) fn automaton(&self, s: &State, slot: usize) -> Option<AutomatonId> {
-        match self.of_slot {
-            2 => Some(self.automaton_numbered(slot)),
-            _ => {
-                let number = (s.d[self.slot_base + 3 * slot + 2] as usize).checked_sub(1);
-                number.map(AutomatonId::from)
-            }
+        if self.of_slot == 2 {
+            Some(self.automaton_numbered(slot))
+        } else {
+            let number = (s.d[self.slot_base + 3 * slot + 2] as usize).checked_sub(1);
+            number.map(AutomatonId::from)
         }
     }
 

@@ -12,10 +12,7 @@ impl SystemRules<'_> {
     /// periodic task begins activities and resumes paused automata.
     pub(super) fn begin_pass(&self, s: &mut State, task: usize, first: bool) {
         let l = &self.layout;
-        let runnable = match self.is_periodic(task) {
-            true => first,
-            false => l.has(s, task, flag::RUNNABLE),
-        };
+        let runnable = if self.is_periodic(task) { first } else { l.has(s, task, flag::RUNNABLE) };
         l.lower(s, task, flag::RUNNABLE);
         l.set_thread(s, task, thread::AGAIN);
         for &slot in l.slots(task) {

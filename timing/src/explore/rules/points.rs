@@ -52,9 +52,10 @@ impl Points {
     pub(super) fn of(system: &TimedSystem) -> Points {
         let semantics = system.platform.semantics;
         let Semantics { ticks, turns, locks, pause, .. } = semantics;
-        let (cycle, start_up, handling) = match semantics.is_published() {
-            true => (Cycle::Jobs, StartUp::FirstCodel, Handling::AtOnce),
-            false => (Cycle::Passes, StartUp::FirstPass, Handling::InSteps),
+        let (cycle, start_up, handling) = if semantics.is_published() {
+            (Cycle::Jobs, StartUp::FirstCodel, Handling::AtOnce)
+        } else {
+            (Cycle::Passes, StartUp::FirstPass, Handling::InSteps)
         };
         Points { ticks, turns, locks, pause, cycle, start_up, handling }
     }

@@ -134,20 +134,14 @@ impl SystemRules<'_> {
 
     /// Returns true if a tracked request has ended with this outcome.
     fn has_outcome(&self, s: &State, client: ClientId, tracker: usize, success: bool) -> bool {
-        let wanted = match success {
-            true => tracker::NONE,
-            false => tracker::FAILED,
-        };
+        let wanted = if success { tracker::NONE } else { tracker::FAILED };
         self.layout.tracker(s, client, tracker) == wanted
     }
 
     /// Returns true if the next action of a task's thread is to begin a cycle.
     pub(super) fn begins(&self, s: &State, task: usize) -> bool {
         let l = &self.layout;
-        let wanted = match self.is_periodic(task) {
-            true => flag::TICK,
-            false => flag::RUNNABLE,
-        };
+        let wanted = if self.is_periodic(task) { flag::TICK } else { flag::RUNNABLE };
         l.thread_of(s, task) == thread::IDLE
             && l.has(s, task, wanted)
             && !l.has(s, task, flag::WAKE)

@@ -79,12 +79,11 @@ impl<'s> SystemRules<'s> {
     /// Returns the component of an executor; `None` for clients.
     #[inline]
     pub(super) fn component_of(&self, executor: usize) -> Option<ComponentId> {
-        match self.task_of_executor(executor) {
-            Some(task) => Some(self.system.tasks[TaskId::from(task)].component),
-            None => {
-                let component = executor - self.layout.threads;
-                (component < self.layout.components).then(|| component.into())
-            }
+        if let Some(task) = self.task_of_executor(executor) {
+            Some(self.system.tasks[TaskId::from(task)].component)
+        } else {
+            let component = executor - self.layout.threads;
+            (component < self.layout.components).then(|| component.into())
         }
     }
 

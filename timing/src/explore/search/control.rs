@@ -117,17 +117,16 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     fn continues(&mut self, layers: &mut Layers<'a, R>) -> bool {
         let may_refuse = layers.observations.rules.system().may_refuse();
         let refusals = may_refuse && !self.zone_search.is_done();
-        let until = match self.until {
-            Some(number) => number,
-            None => {
-                let mut further = if refusals { STEPS_AFTER_ANSWERS } else { 0 };
-                if self.may_find_earlier_end(layers) {
-                    further = self.further(layers);
-                    self.search_earlier_ends(layers, further);
-                    self.postpone_reports();
-                }
-                *self.until.insert(layers.steps + further)
+        let until = if let Some(number) = self.until {
+            number
+        } else {
+            let mut further = if refusals { STEPS_AFTER_ANSWERS } else { 0 };
+            if self.may_find_earlier_end(layers) {
+                further = self.further(layers);
+                self.search_earlier_ends(layers, further);
+                self.postpone_reports();
             }
+            *self.until.insert(layers.steps + further)
         };
         layers.steps < until && (refusals || self.may_find_earlier_end(layers))
     }

@@ -188,14 +188,18 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
             let calm = enabled.is_calm();
             let jump = calm.then(|| self.jump(&s, order)).flatten();
             let jump = jump.filter(|&jump| at.time + u64::from(jump) <= end);
-            if !order.patient {
-                jump.into_iter().for_each(|jump| self.pass(&s, at, jump));
+            if !order.patient
+                && let Some(jump) = jump
+            {
+                self.pass(&s, at, jump);
             }
             for &(action, held) in &followed {
                 self.act(&s, held, at, action);
             }
-            if order.patient {
-                jump.into_iter().for_each(|jump| self.pass(&s, at, jump));
+            if order.patient
+                && let Some(jump) = jump
+            {
+                self.pass(&s, at, jump);
             }
         }
         true

@@ -110,7 +110,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
                     if codel.upper == crate::system::FOREVER { codel.lower } else { codel.upper }
                 },
             )
-            .fold(0u32, |sum, codel| sum.saturating_add(codel));
+            .fold(0u32, u32::saturating_add);
         let clocks = observations.rules.frame().clocks();
         let covering = covering(limits);
         Layers {
@@ -326,13 +326,12 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 };
                 let Observations { rules, reductions, .. } = &self.observations;
                 self.graph.state_to(rules.frame(), node, &mut s);
-                match reductions.next_moment(rules, &s) {
-                    Some(jump) => self.graph.wait(node, time + u64::from(jump)),
-                    None => {
-                        let at = Sight { parent: node, time };
-                        self.deadlock.get_or_insert(at);
-                        self.waits_forever(&s, at);
-                    }
+                if let Some(jump) = reductions.next_moment(rules, &s) {
+                    self.graph.wait(node, time + u64::from(jump));
+                } else {
+                    let at = Sight { parent: node, time };
+                    self.deadlock.get_or_insert(at);
+                    self.waits_forever(&s, at);
                 }
             }
         }

@@ -199,10 +199,7 @@ impl<'a, R: Reduced> Zones<'a, R> {
     /// Returns the bytes that the growth of the table takes in addition, if it is about to grow.
     fn growth(&self) -> usize {
         let left = self.passed.capacity() - self.passed.len();
-        match left < 8 * STEPS_PER_POLL as usize {
-            true => self.passed.capacity() * KEY_BYTES,
-            false => 0,
-        }
+        if left < 8 * STEPS_PER_POLL as usize { self.passed.capacity() * KEY_BYTES } else { 0 }
     }
 
     fn bytes_to_do(&self, zone: &Zone) -> usize {

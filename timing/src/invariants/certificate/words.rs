@@ -108,10 +108,7 @@ fn of_task(state: TaskState) -> &'static str {
 }
 
 fn phase(executes: bool) -> &'static str {
-    match executes {
-        true => "executes",
-        false => "waits",
-    }
+    if executes { "executes" } else { "waits" }
 }
 
 /// Returns the event that a step of a part stands for.

@@ -53,10 +53,7 @@ impl<'f> Finder<'f> {
         if let Some(first) = path.names.first() {
             self.replace.start = first.range.start;
         }
-        let before = match path.names.is_empty() {
-            true => String::new(),
-            false => path.text() + ".",
-        };
+        let before = if path.names.is_empty() { String::new() } else { path.text() + "." };
         for (label, target) in self.paths(wanted) {
             if label.starts_with(&before) {
                 self.push(label, &target);
@@ -160,7 +157,9 @@ impl<'f> Finder<'f> {
         } else if let [name] = path.names.as_slice() {
             let mut labels = Vec::new();
             let client = self.clients().find(|client| client.name.value == name.value);
-            client.into_iter().for_each(|client| steps(&client.steps, &mut labels));
+            if let Some(client) = client {
+                steps(&client.steps, &mut labels);
+            }
             for label in labels {
                 let target = Target::Step(name.value.clone(), label.clone());
                 self.push(label, &target);

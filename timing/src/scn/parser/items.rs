@@ -42,7 +42,7 @@ impl Parser<'_> {
             return out;
         }
         if self.peek() == Some(Kind::Name) {
-            out.name = self.word().to_owned();
+            self.word().clone_into(&mut out.name);
             out.name_range = self.range();
             self.at += 1;
         } else {
@@ -64,12 +64,11 @@ impl Parser<'_> {
                 Some(Kind::Semicolon) => self.at += 1,
                 Some(_) => {
                     let start = self.at;
-                    match self.item() {
-                        Some(item) => out.items.push(item),
-                        None => {
-                            self.at += usize::from(self.at == start);
-                            self.recover();
-                        }
+                    if let Some(item) = self.item() {
+                        out.items.push(item);
+                    } else {
+                        self.at += usize::from(self.at == start);
+                        self.recover();
                     }
                 }
             }

@@ -76,7 +76,9 @@ impl Parser<'_> {
                 }
                 StepKind::Repeat(_, body) => self.refuse_stops(body),
                 StepKind::Choice(branches) => {
-                    branches.iter().for_each(|branch| self.refuse_stops(branch));
+                    for branch in branches {
+                        self.refuse_stops(branch);
+                    }
                 }
                 _ => {}
             }

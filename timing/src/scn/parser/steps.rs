@@ -30,12 +30,11 @@ impl Parser<'_> {
                     Some(Kind::Semicolon) => parser.at += 1,
                     Some(_) => {
                         let start = parser.at;
-                        match parser.step() {
-                            Some(step) => steps.push(step),
-                            None => {
-                                parser.at += usize::from(parser.at == start);
-                                parser.recover();
-                            }
+                        if let Some(step) = parser.step() {
+                            steps.push(step);
+                        } else {
+                            parser.at += usize::from(parser.at == start);
+                            parser.recover();
                         }
                     }
                 }

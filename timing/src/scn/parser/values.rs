@@ -31,13 +31,12 @@ impl Parser<'_> {
     pub(super) fn number(&mut self) -> Option<u64> {
         let range = self.range();
         self.expect(Kind::Number, "a whole number")?;
-        match self.text[range.clone()].parse() {
-            Ok(number) => Some(number),
-            Err(_) => {
-                let message = "this number is too large".to_owned();
-                self.errors.push(Diagnostic::error("scn-number", range, message));
-                None
-            }
+        if let Ok(number) = self.text[range.clone()].parse() {
+            Some(number)
+        } else {
+            let message = "this number is too large".to_owned();
+            self.errors.push(Diagnostic::error("scn-number", range, message));
+            None
         }
     }
 

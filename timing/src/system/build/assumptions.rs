@@ -50,9 +50,10 @@ impl Builder<'_> {
                 ast::Policy::Priority => format!(
                     "cores: {cores}, at each moment for the ready tasks of highest priority, control tasks \
                         included{}",
-                    match self.out.system.tasks.iter().any(|task| task.priority.is_some()) {
-                        true => "",
-                        false => "; no task has a `priority`: the shorter period goes first",
+                    if self.out.system.tasks.iter().any(|task| task.priority.is_some()) {
+                        ""
+                    } else {
+                        "; no task has a `priority`: the shorter period goes first"
                     }
                 ),
                 ast::Policy::Fair => format!(

@@ -1,5 +1,6 @@
 //! Clients, and the services that they request.
 
+use crate::system::CodelSet;
 use dotgen_analysis::model::PortDir;
 use num_rational::Ratio;
 use typed_index_collections::{TiSlice, ti_vec};
@@ -49,7 +50,9 @@ impl Builder<'_> {
                     continue;
                 }
                 StepKind::Choice(branches) => {
-                    branches.iter().for_each(|branch| self.only_of_servers(branch));
+                    for branch in branches {
+                        self.only_of_servers(branch);
+                    }
                     continue;
                 }
                 _ => continue,
@@ -96,7 +99,7 @@ impl Builder<'_> {
                 component: number,
                 lower: 0,
                 upper: 0,
-                conflicts: Default::default(),
+                conflicts: CodelSet::default(),
                 throws: false,
                 site: None,
                 src: None,
@@ -339,7 +342,9 @@ fn builtins<'s>(
             StepKind::Connect(path) => each(path, Builtin::Connect),
             StepKind::Repeat(_, body) => builtins(client, body, each),
             StepKind::Choice(branches) => {
-                branches.iter().for_each(|branch| builtins(client, branch, each))
+                for branch in branches {
+                    builtins(client, branch, each);
+                }
             }
             _ => {}
         }

@@ -141,9 +141,10 @@ impl Builder<'_> {
                     .map(|index| DeclaredTask { component: c, index })
                     .and_then(|task| self.out.tasks.get(&task).copied())
             {
-                let count = match self.settings.semantics().is_published() {
-                    false => 1,
-                    true => self.slots.get(&(c, s)).copied().unwrap_or(DEFAULT_SLOTS),
+                let count = if self.settings.semantics().is_published() {
+                    self.slots.get(&(c, s)).copied().unwrap_or(DEFAULT_SLOTS)
+                } else {
+                    1
                 };
                 let automaton = Automaton { task, machine, service: Some(id) };
                 if self.requested.contains(&(c, s)) {
@@ -183,18 +184,17 @@ impl Builder<'_> {
                 let listed = |list: &ServiceList, itself: bool| -> Vec<ServiceId> {
                     let all = (0..component.services.len() as u32)
                         .filter(|&service| itself || service != s);
-                    let list: Vec<u32> = match list.all {
-                        true => all.collect(),
-                        false => list.services.clone(),
-                    };
+                    let list: Vec<u32> =
+                        if list.all { all.collect() } else { list.services.clone() };
                     let known =
                         list.iter().filter_map(|service| self.out.services.get(&(c, *service)));
                     known.copied().collect()
                 };
                 let interrupts = listed(&service.interrupts, true);
-                let (after, before) = match counts {
-                    true => (listed(&service.after, false), listed(&service.before, false)),
-                    false => (Vec::new(), Vec::new()),
+                let (after, before) = if counts {
+                    (listed(&service.after, false), listed(&service.before, false))
+                } else {
+                    (Vec::new(), Vec::new())
                 };
                 let id = self.out.services[&(c, s)];
                 let out = &mut self.out.system.services[id];

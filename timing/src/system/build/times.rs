@@ -97,18 +97,13 @@ impl Builder<'_> {
     ) -> (Seconds, Option<Seconds>) {
         let zero = Ratio::new(0, 1);
         let key = (c, owner, index, state.to_owned());
-        match self.durations.get(&key) {
-            Some(&i) => {
-                let (_, interval, unit) = &self.settings.duration[i];
-                let seconds =
-                    |number: u64| unit.seconds() * Ratio::from_integer(i128::from(number));
-                (seconds(interval.lower), interval.upper.map(seconds))
-            }
-            None => {
-                let wcet =
-                    codel.and_then(|codel| codel.wcet.as_ref()).map_or(zero, |wcet| wcet.value);
-                (zero, Some(wcet))
-            }
+        if let Some(&i) = self.durations.get(&key) {
+            let (_, interval, unit) = &self.settings.duration[i];
+            let seconds = |number: u64| unit.seconds() * Ratio::from_integer(i128::from(number));
+            (seconds(interval.lower), interval.upper.map(seconds))
+        } else {
+            let wcet = codel.and_then(|codel| codel.wcet.as_ref()).map_or(zero, |wcet| wcet.value);
+            (zero, Some(wcet))
         }
     }
 

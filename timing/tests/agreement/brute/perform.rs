@@ -117,12 +117,11 @@ impl Brute<'_> {
             }
             let mut state = s.automata[a].at;
             if s.automata[a].mode == Mode::Stop && !s.automata[a].stopping {
-                match self.system.machine_of(a).stop {
-                    Some(stop) => state = stop,
-                    None => {
-                        self.to_ether(s, a);
-                        continue;
-                    }
+                if let Some(stop) = self.system.machine_of(a).stop {
+                    state = stop;
+                } else {
+                    self.to_ether(s, a);
+                    continue;
                 }
                 s.automata[a].stopping = true;
             }

@@ -62,7 +62,7 @@ impl Brute<'_> {
                 Policy::Fifo => out.push(Action::Grant { task: s.queue[0] }),
                 // The other policies belong to other rules.
                 Policy::Any | Policy::Priority | Policy::Fair => {
-                    out.extend(s.queue.iter().map(|&task| Action::Grant { task }))
+                    out.extend(s.queue.iter().map(|&task| Action::Grant { task }));
                 }
                 Policy::Edf => {
                     // The queue is in order of release; the first least deadline wins.

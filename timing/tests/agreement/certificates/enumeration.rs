@@ -38,7 +38,7 @@ pub(super) fn is_possible(certificate: &Value) -> Option<bool> {
     }
     let within: Vec<&str> = within.into_iter().collect();
     let sizes = within.iter().map(|part| list(&parts[part]["states"]).count());
-    let total = sizes.clone().try_fold(1_usize, |all, size| all.checked_mul(size))?;
+    let total = sizes.clone().try_fold(1_usize, usize::checked_mul)?;
     if total > MOST {
         return None;
     }

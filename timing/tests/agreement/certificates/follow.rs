@@ -135,9 +135,10 @@ impl<'c> Followed<'c> {
             self.now.extend(next);
         }
         self.now.retain(|state| agree.contains(state));
-        match self.now.is_empty() {
-            true => Err(format!("{}: from {before:?} to {told:?}", self.part["name"])),
-            false => Ok(()),
+        if self.now.is_empty() {
+            Err(format!("{}: from {before:?} to {told:?}", self.part["name"]))
+        } else {
+            Ok(())
         }
     }
 }

@@ -24,10 +24,7 @@ impl Interpreter<'_> {
             client,
             service,
             slot: None,
-            node: match self.system.clients[client].aborts {
-                true => node,
-                false => 0,
-            },
+            node: if self.system.clients[client].aborts { node } else { 0 },
         };
         if let Some((task, _)) = model.activity {
             let slots = &mut component.tasks[task].slots;
@@ -72,10 +69,7 @@ impl Interpreter<'_> {
             true => {
                 let builtin = self.system.components[c].services[request.service].builtin;
                 let done = builtin.is_none_or(|builtin| self.builtin(s, c, request, builtin));
-                match done {
-                    true => Handled::Accepted,
-                    false => Handled::Refused,
-                }
+                if done { Handled::Accepted } else { Handled::Refused }
             }
             false => Handled::Refused,
         };

@@ -21,9 +21,10 @@ impl System {
         let stated = all.any(|task| task.priority.is_some());
         let of = |t: usize| {
             let task = &self.components[c].tasks[t];
-            match stated {
-                true => u64::from(task.priority.unwrap_or(UNSTATED)),
-                false => task.period.map_or(u64::MAX, u64::from),
+            if stated {
+                u64::from(task.priority.unwrap_or(UNSTATED))
+            } else {
+                task.period.map_or(u64::MAX, u64::from)
             }
         };
         match who {
@@ -93,13 +94,12 @@ impl Interpreter<'_> {
         if !self.preempts() || who.task().is_some_and(|t| !self.needs_core(c, t)) {
             return true;
         }
-        match self.system.policy {
-            Policy::Fair => s.on.contains(&(c, who)),
-            _ => {
-                let mut order = s.ready.clone();
-                order.sort_by_key(|&(c, who)| self.system.priority(c, who));
-                self.fit(&order).contains(&(c, who))
-            }
+        if self.system.policy == Policy::Fair {
+            s.on.contains(&(c, who))
+        } else {
+            let mut order = s.ready.clone();
+            order.sort_by_key(|&(c, who)| self.system.priority(c, who));
+            self.fit(&order).contains(&(c, who))
         }
     }
 

@@ -254,9 +254,10 @@ impl Reader<'_> {
     fn sources(&self, component: &model::Component, port: &model::Port) -> Vec<Datum> {
         let outputs = self.outputs(component, port).into_iter();
         let found: Vec<Datum> = outputs.map(|(c, p)| Datum::Port(c, p)).collect();
-        match found.is_empty() {
-            true => vec![Datum::Port(component.name.to_string(), port.name.to_string())],
-            false => found,
+        if found.is_empty() {
+            vec![Datum::Port(component.name.to_string(), port.name.to_string())]
+        } else {
+            found
         }
     }
 
@@ -398,9 +399,12 @@ impl Reader<'_> {
                 });
             }
             let all = component.services.len();
-            let list = |list: &ServiceList| match list.all {
-                true => (0..all).collect(),
-                false => list.services.iter().map(|&service| service as usize).collect(),
+            let list = |list: &ServiceList| {
+                if list.all {
+                    (0..all).collect()
+                } else {
+                    list.services.iter().map(|&service| service as usize).collect()
+                }
             };
             Service {
                 name: service.name.to_string(),

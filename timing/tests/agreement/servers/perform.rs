@@ -118,9 +118,10 @@ impl Interpreter<'_> {
     fn begin(&self, s: &mut State, c: usize, t: usize, out: &mut Results) {
         let periodic = self.system.components[c].tasks[t].period.is_some();
         let task = &mut s.components[c].tasks[t];
-        let runnable = match periodic {
-            true => task.phase != Phase::Between,
-            false => std::mem::take(&mut task.runnable),
+        let runnable = if periodic {
+            task.phase != Phase::Between
+        } else {
+            std::mem::take(&mut task.runnable)
         };
         let mut turns = Vec::new();
         for slot in 0..task.slots.len() {

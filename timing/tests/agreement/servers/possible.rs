@@ -61,10 +61,7 @@ impl Interpreter<'_> {
                 .map(|(c, t)| Step::Ask(c, t)),
         );
         if out.is_empty() {
-            match self.preempts() {
-                true => self.gives(s, &mut out),
-                false => self.grants(s, &mut out),
-            }
+            if self.preempts() { self.gives(s, &mut out) } else { self.grants(s, &mut out) }
         }
         if !out.is_empty() {
             return (out, true);
@@ -192,10 +189,7 @@ impl Interpreter<'_> {
                         }
                         _ => false,
                     };
-                    match over {
-                        true => client.reach(&client.nodes[at].next),
-                        false => continue,
-                    }
+                    if over { client.reach(&client.nodes[at].next) } else { continue }
                 }
             };
             out.extend(next.into_iter().map(|next| Step::Proceed(k, next)));
@@ -248,7 +242,7 @@ impl Interpreter<'_> {
             Policy::Any => out.extend(s.queue.iter().map(grant)),
             // The first of several equal deadlines.
             Policy::Edf => {
-                out.extend(s.queue.iter().min_by_key(|queue| deadline(queue)).map(grant))
+                out.extend(s.queue.iter().min_by_key(|queue| deadline(queue)).map(grant));
             }
             Policy::Priority | Policy::Fair => unreachable!("cores are not granted for a cycle"),
         }
@@ -264,10 +258,12 @@ impl Interpreter<'_> {
             return false;
         };
         let waits_for = |d: usize, thread: Who| {
-            codel(d, thread).is_some_and(|codel| match d == c {
-                true => own.waits_for.contains(&codel.executed),
-                // Across components only ports can exclude each other.
-                false => own.ports.iter().any(|port| codel.ports.contains(port)),
+            codel(d, thread).is_some_and(|codel| {
+                if d == c {
+                    own.waits_for.contains(&codel.executed)
+                } else {
+                    own.ports.iter().any(|port| codel.ports.contains(port))
+                }
             })
         };
         let mut ahead = s.components[c].tickets.iter().take_while(|ticket| **ticket != who);

@@ -115,10 +115,7 @@ pub(crate) fn alike(dice: &mut Dice) -> Texts {
     let known = Known { varied, requests: dice.in_ten(3), alone: true, ..Known::default() };
     let Texts { mut specifications, scenario } = draw(dice, known);
     let together = dice.in_ten(2);
-    let copy = |line: &str| match together {
-        true => line.to_owned(),
-        false => of_second(line),
-    };
+    let copy = |line: &str| if together { line.to_owned() } else { of_second(line) };
     let mut out = String::new();
     let mut client = String::new();
     let mut depth = 0;
@@ -146,9 +143,10 @@ pub(crate) fn alike(dice: &mut Dice) -> Texts {
     if !together {
         let second = specifications[0].replace("component c {", "component d {");
         let differs = dice.in_ten(1);
-        specifications.push(match differs {
-            true => second.replacen("wcet 1 ms", "wcet 2 ms", 1),
-            false => second,
+        specifications.push(if differs {
+            second.replacen("wcet 1 ms", "wcet 2 ms", 1)
+        } else {
+            second
         });
     }
     Texts { specifications, scenario: out }
@@ -215,16 +213,18 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
     let tasks = 1 + dice.below(if of == 1 { 3 } else { 2 });
     let mut periodic = Vec::new();
     for t in 0..tasks {
-        let has_period = match known.occasional {
-            true => dice.in_ten(6) || (t + 1 == tasks && !periodic.contains(&true)),
-            false => known.periodic || dice.in_ten(7),
+        let has_period = if known.occasional {
+            dice.in_ten(6) || (t + 1 == tasks && !periodic.contains(&true))
+        } else {
+            known.periodic || dice.in_ten(7)
         };
         periodic.push(has_period);
         let _ = writeln!(out, " task t{t} {{");
         if has_period {
-            let period = match known.periodic || known.occasional {
-                true => dice.pick(&[4, 6, 8, 12, 12, 16]),
-                false => dice.pick(&[3, 4, 6, 6, 8]),
+            let period = if known.periodic || known.occasional {
+                dice.pick(&[4, 6, 8, 12, 12, 16])
+            } else {
+                dice.pick(&[3, 4, 6, 6, 8])
             };
             let _ = writeln!(out, "  period {period} ms;");
             if dice.in_ten(3) {
@@ -244,10 +244,7 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
         }
         out.push_str(" };\n");
     }
-    let services = match known.quiet {
-        true => 0,
-        false => dice.below(if of == 1 { 4 } else { 3 }),
-    };
+    let services = if known.quiet { 0 } else { dice.below(if of == 1 { 4 } else { 3 }) };
     for s in 0..services {
         let path = format!("{name}.s{s}");
         let kind = dice.pick(&["activity", "activity", "activity", "function", "attribute"]);
@@ -332,7 +329,7 @@ fn machine(
     stops: bool,
     known: &mut Known,
 ) {
-    let states = &["start", "x", "y"][..1 + dice.below(3) as usize];
+    let states = &["start", "x", "y"][..=(dice.below(3) as usize)];
     let permanent = owner.starts_with('t');
     for (i, state) in states.iter().enumerate() {
         let mut yields: Vec<String> = Vec::new();
@@ -360,9 +357,10 @@ fn machine(
     }
     if stops {
         let (params, wcet) = (params_of(dice, known), time(dice));
-        let to = match dice.in_ten(2) {
-            true => format!("pause::{}", dice.pick(states)),
-            false => "ether".to_owned(),
+        let to = if dice.in_ten(2) {
+            format!("pause::{}", dice.pick(states))
+        } else {
+            "ether".to_owned()
         };
         let _ = writeln!(out, "  codel<stop> {owner}_stop({params}) yield {to} wcet {wcet} ms;");
         known.states.push(format!("{path}.stop"));
@@ -372,9 +370,10 @@ fn machine(
 fn scenario(dice: &mut Dice, known: &Known) -> String {
     let mut out = "scenario s {\n semantics servers;\n unit 1 ms;\n".to_owned();
     let cores = dice.pick(&["free", "free", "free", "1", "1", "2"]);
-    let policy = match known.varied {
-        false => dice.pick(&["fifo", "fifo", "edf", "any"]),
-        true => dice.pick(&["fifo", "edf", "any", "priority", "priority", "fair"]),
+    let policy = if known.varied {
+        dice.pick(&["fifo", "edf", "any", "priority", "priority", "fair"])
+    } else {
+        dice.pick(&["fifo", "fifo", "edf", "any"])
     };
     let (cores, policy) = match known.quiet || known.occasional {
         true if known.periodic || known.occasional => (
@@ -384,9 +383,10 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
         true => (dice.pick(&["1", "2", "2"]), "fifo"),
         false => (cores, policy),
     };
-    let durations = match known.quiet {
-        true => dice.pick(&["fixed", "interval", "interval"]),
-        false => dice.pick(&["fixed", "fixed", "fixed", "interval"]),
+    let durations = if known.quiet {
+        dice.pick(&["fixed", "interval", "interval"])
+    } else {
+        dice.pick(&["fixed", "fixed", "fixed", "interval"])
     };
     let _ = writeln!(out, " cores {cores}; policy {policy}; durations {durations};");
     if dice.in_ten(2) {
@@ -404,7 +404,7 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
         if again {
             out.push_str("  repeat * {\n");
         }
-        for step in 0..1 + dice.below(3) {
+        for step in 0..=dice.below(3) {
             if known.requests && dice.in_ten(3) {
                 asks(dice, known, &mut out);
             }
@@ -442,9 +442,10 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
         let _ = writeln!(out, " check r{i}: reachable {p};");
         if i == 0 && dice.in_ten(6) {
             let mut own = Dice::new(u64::from(dice.below(1 << 16)));
-            let then = match own.in_ten(3) {
-                true => format!(" then {}", predicate(&mut own, known)),
-                false => String::new(),
+            let then = if own.in_ten(3) {
+                format!(" then {}", predicate(&mut own, known))
+            } else {
+                String::new()
             };
             let _ = writeln!(out, " check w: within {p} => {q}{then};");
         }

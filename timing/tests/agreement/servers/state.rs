@@ -230,10 +230,7 @@ impl State {
             };
             let tasks: Vec<Task> = component.tasks.iter().map(task).collect();
             Component {
-                control: match tasks.is_empty() {
-                    true => Control::Ready,
-                    false => Control::Starting,
-                },
+                control: if tasks.is_empty() { Control::Ready } else { Control::Starting },
                 signal: false,
                 tickets: Vec::new(),
                 succeeded: vec![false; component.services.len()],

@@ -43,9 +43,10 @@ pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)
             let and = dice.in_ten(3);
             (1..copies).fold(predicate.clone(), |all, copy| {
                 let other = Box::new(renamed(&predicate, &one, copy));
-                match and {
-                    true => Predicate::And(Box::new(all), other),
-                    false => Predicate::Or(other, Box::new(all)),
+                if and {
+                    Predicate::And(Box::new(all), other)
+                } else {
+                    Predicate::Or(other, Box::new(all))
                 }
             })
         };

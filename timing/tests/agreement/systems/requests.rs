@@ -66,7 +66,7 @@ pub(crate) fn requests(dice: &mut Dice) -> TimedSystem {
             }
         }
     }
-    for k in 0..1 + dice.below(4) / 3 {
+    for k in 0..=(dice.below(4) / 3) {
         let client = any(&system, dice, k);
         system.clients.push(client);
     }

@@ -66,9 +66,10 @@ pub fn of_run(told: &TraceInput) -> Trace<SourceRef> {
 
 /// The unit of all times of a trace: microseconds for a run of less than a millisecond.
 fn base_unit(unit: TimeUnit, end: f64) -> Unit {
-    match unit.in_base(end, Unit::Milliseconds) < 1.0 {
-        true => Unit::Microseconds,
-        false => Unit::Milliseconds,
+    if unit.in_base(end, Unit::Milliseconds) < 1.0 {
+        Unit::Microseconds
+    } else {
+        Unit::Milliseconds
     }
 }
 
@@ -223,13 +224,12 @@ impl TraceBuilder<'_> {
                 let ahead = event.waits_for.iter().filter(|wait| wait.ahead);
                 let ahead: Vec<CodelName> = ahead.map(|wait| wait.codel.clone()).collect();
                 for lane in [key, &locks] {
-                    match self.lanes.open(lane, of, SpanKind::WaitLock) {
-                        Some(span) => span.ahead.extend(ahead.iter().cloned()),
-                        None => {
-                            let ahead = ahead.clone();
-                            let waits = begun(SpanKind::WaitLock, path);
-                            self.lanes.begin(lane, now, SpanStart { ahead, ..waits });
-                        }
+                    if let Some(span) = self.lanes.open(lane, of, SpanKind::WaitLock) {
+                        span.ahead.extend(ahead.iter().cloned());
+                    } else {
+                        let ahead = ahead.clone();
+                        let waits = begun(SpanKind::WaitLock, path);
+                        self.lanes.begin(lane, now, SpanStart { ahead, ..waits });
                     }
                 }
             }

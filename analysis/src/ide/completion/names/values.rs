@@ -47,7 +47,7 @@ impl Names<'_, '_> {
             let holds = |ty| value.is_none_or(|node| holds(spec, ty, node));
             match (resolved, of) {
                 (Some(wanted), Some(of)) if self.same_type(wanted, of) && holds(wanted) => {
-                    item.rank = 0
+                    item.rank = 0;
                 }
                 // Other values do not convert.
                 (Some(_), Some(_)) => item.rank = NOT_PROPOSED,

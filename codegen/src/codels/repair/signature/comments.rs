@@ -83,9 +83,10 @@ fn comments(gap: &str) -> Vec<(String, bool)> {
     let mut at = 0;
     while let Some(found) = gap[at..].find("/*").into_iter().chain(gap[at..].find("//")).min() {
         let start = at + found;
-        let length = match gap[start..].starts_with("/*") {
-            true => gap[start..].find("*/").map(|gap| gap + 2),
-            false => gap[start..].find('\n'),
+        let length = if gap[start..].starts_with("/*") {
+            gap[start..].find("*/").map(|gap| gap + 2)
+        } else {
+            gap[start..].find('\n')
         };
         let end = length.map_or(gap.len(), |length| start + length);
         out.push((gap[start..end].trim_end().to_owned(), gap[..start].contains('\n')));

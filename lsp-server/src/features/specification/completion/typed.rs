@@ -15,7 +15,7 @@ pub(super) fn wanted(
     let by_character = |context: &&CompletionContext| {
         context.trigger_kind == CompletionTriggerKind::TRIGGER_CHARACTER
     };
-    if context.filter(by_character).is_none() {
+    if context.as_ref().is_none_or(|x| !by_character(x)) {
         return true;
     }
     let line = lines.line(position.line).zip(lines.offset(position));

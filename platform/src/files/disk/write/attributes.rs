@@ -77,12 +77,13 @@ pub(super) fn has_one_name(target: &Path, is_second: &dyn Fn(&str) -> bool) -> i
             && entry.metadata().is_ok_and(|other| other.ino() == metadata.ino())
     });
     let names = metadata.nlink().saturating_sub(seconds.count() as u64);
-    match names > 1 {
-        true => Err(io::Error::other(format!(
+    if names > 1 {
+        Err(io::Error::other(format!(
             "it has {names} names (hard links), and the others would keep the old text; \
-             replace it by a copy of its own"
-        ))),
-        false => Ok(()),
+         replace it by a copy of its own"
+        )))
+    } else {
+        Ok(())
     }
 }
 

@@ -31,9 +31,10 @@ fn contents(directory: &Path) -> (BTreeMap<String, String>, usize) {
     for entry in walkdir::WalkDir::new(directory).into_iter().flatten() {
         let name = entry.path().strip_prefix(directory).unwrap().display().to_string();
         if entry.file_type().is_file() {
-            match name.ends_with(SUFFIX) {
-                true => leftovers += 1,
-                false => drop(files.insert(name, std::fs::read_to_string(entry.path()).unwrap())),
+            if name.ends_with(SUFFIX) {
+                leftovers += 1;
+            } else {
+                drop(files.insert(name, std::fs::read_to_string(entry.path()).unwrap()));
             }
         }
     }
@@ -136,10 +137,7 @@ fn killed_at(fixture: &Fixture, step: usize, fails: Option<usize>) -> Vec<Move> 
         write(&fixture.files, &mut kept, &mut |_| {
             at += 1;
             assert!(at - 1 != step, "killed");
-            match Some(at - 1) == fails {
-                true => Err(ErrorKind::StorageFull.into()),
-                false => Ok(()),
-            }
+            if Some(at - 1) == fails { Err(ErrorKind::StorageFull.into()) } else { Ok(()) }
         })
     }));
     assert!(killed.is_err());
@@ -156,10 +154,8 @@ fn after_a_kill_at_any_step_the_helper_finishes() {
         let fixture = fixture();
         process::carry_out(&killed_at(&fixture, step, None));
         let (files, _) = contents(fixture.directory.path());
-        let expected = match *killed == Step::Replace || replaces(step) > 0 {
-            true => &after,
-            false => &map(&BEFORE),
-        };
+        let expected =
+            if *killed == Step::Replace || replaces(step) > 0 { &after } else { &map(&BEFORE) };
         assert_eq!(&files, expected, "{step}: {killed:?}");
     }
 }
@@ -335,9 +331,10 @@ fn a_file_that_was_changed_meanwhile_is_left() {
             if several {
                 assert_eq!(found.get("b.c").map(String::as_str), Some("old b\n"));
             }
-            match changed == &a {
-                true => std::fs::write(changed, "old a\n").unwrap(),
-                false => std::fs::remove_file(changed).unwrap(),
+            if changed == &a {
+                std::fs::write(changed, "old a\n").unwrap();
+            } else {
+                std::fs::remove_file(changed).unwrap();
             }
         }
         written(&fixture.files, &mut |_| Ok(())).unwrap();

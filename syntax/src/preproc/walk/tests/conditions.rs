@@ -7,12 +7,12 @@ fn conditionals_leave_text_out() {
     check(
         "#define A\n#ifdef A\none\n# if 0\ntwo \"\n# else\" \n#else\nthree\n# endif\n#elif 1/0\nfour\n#else\n#error\n#endif\n\
          #ifndef A\n#if 1\n#include \"x\"\n#endif don't\n#else\nfive\n#endif\nsix\n",
-        expect![[r#"
+        expect![[r"
             one
             three
             five
             six
-        "#]],
+        "]],
     );
     let (_, out, _) = run("#if 0\na\n #elif 1\nb\n#else\nc\n#endif\n");
     let taken: Vec<Option<bool>> = out.directives.iter().map(|directive| directive.taken).collect();
@@ -24,7 +24,7 @@ fn conditionals_leave_text_out() {
 fn conditional_mistakes() {
     check(
         "#else\n#elif 1\n#endif\n#if 1\n#else x\n#else\n#elif 1\ny\n#endif z\n#if 1\n",
-        expect![[r#"
+        expect![[r"
             main.gen:1: error pp-else-without-if: `#else` without `#if` before it
             main.gen:2: error pp-elif-without-if: `#elif` without `#if` before it
             main.gen:3: error pp-endif-without-if: `#endif` without `#if` before it
@@ -32,14 +32,14 @@ fn conditional_mistakes() {
             main.gen:6: error pp-else-twice: a second `#else` in the same conditional
             main.gen:9: warning pp-extra-tokens-tail: `#endif` takes nothing: make what follows it a comment
             main.gen:11: error pp-cond-unterminated: the file ends inside a conditional: an `#endif` is missing
-        "#]],
+        "]],
     );
     check(
         "#if 1\nx\n#endif",
-        expect![[r#"
+        expect![[r"
         x
         main.gen:3: warning pp-no-newline: the file ends on `#endif` without a line end
-    "#]],
+    "]],
     );
 }
 

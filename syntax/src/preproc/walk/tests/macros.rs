@@ -21,19 +21,19 @@ fn function_macros() {
          #define ID(x) x\n\
          SQ(SQ(a)) SQ Z( ) LIST(A, (B, C), D) LIST(A)\nID(SQ)(2) ID(\n1\n) ID()\n\
          #define f(x) x f\nf(1)(2)(3)\n#define g f\ng(1)(2)\n",
-        expect![[r#"
+        expect![[r"
             ((((a)*(a)))*(((a)*(a)))) SQ 7 (B, C), D A A
             ((2)*(2)) 1
             1 f(2)(3)
             1 f(2)
-        "#]],
+        "]],
     );
 }
 
 #[test]
 fn strings_and_pastes() {
     check(
-        r##"#define S(x) #x
+        r#"#define S(x) #x
 #define X(x) S(x)
 #define CAT(a, b) a ## b
 #define XCAT(a, b) CAT(a, b)
@@ -43,7 +43,7 @@ fn strings_and_pastes() {
 S( a  +/**/b ) S("q\n" 'c') X(N) S(N)
 CAT(N, N) XCAT(N, N) CAT(,a) CAT(a,)x CAT(,) CAT(1, ms) CAT(clock-, rate)
 V(a, b, c)
-"##,
+"#,
         expect![[r#"
             "a + b" "\"q\\n\" 'c'" "4" "N"
             NN 44 a ax 1ms clock-rate
@@ -56,7 +56,7 @@ V(a, b, c)
 #[test]
 fn rescanning_as_in_the_standard() {
     check(
-        r##"#define x 3
+        r"#define x 3
 #define f(a) f(x * (a))
 #undef x
 #define x 2
@@ -72,12 +72,12 @@ fn rescanning_as_in_the_standard() {
 f(y+1) + f(f(z)) % t(t(g)(0) + t)(1);
 g(x+(3,4)-w) | h 5) & m(f)^m(m);
 p() i[q()] = { q(1), r(2,3), r(4,), r(,5), r(,) };
-"##,
-        expect![[r#"
+",
+        expect![[r"
             f(2 * (y+1)) + f(2 * (f(2 * (z[0])))) % f(2 * (0)) + t(1);
             f(2 * (2+(3,4)-0,1)) | f(2 * (~ 5)) & f(2 * (0,1))^ m(0,1);
             int i[ ] = { 1, 23, 4, 5, };
-        "#]],
+        "]],
     );
 }
 
@@ -85,9 +85,9 @@ p() i[q()] = { q(1), r(2,3), r(4,), r(,5), r(,) };
 fn letters_behind_a_number_are_no_macro() {
     check(
         "#define ms s\nperiod 10ms; period 10 ms;\n",
-        expect![[r#"
+        expect![[r"
         period 10ms; period 10 s;
-    "#]],
+    "]],
     );
 }
 
@@ -95,23 +95,23 @@ fn letters_behind_a_number_are_no_macro() {
 fn calls_gone_wrong() {
     check(
         "#define F(x, y) x+y\n#define Z() 0\nF(1) F(1, 2, 3) Z(1)\nF(1,\n2,\n3)\n",
-        expect![[r#"
+        expect![[r"
             1+ 1+2 0
             1+2
             main.gen:3: error pp-macro-args: the macro `F` takes 2 arguments, 1 given
             main.gen:3: error pp-macro-args: the macro `F` takes 2 arguments, 3 given
             main.gen:3: error pp-macro-args: the macro `Z` takes 0 arguments, 1 given
             main.gen:6: error pp-macro-args: the macro `F` takes 2 arguments, 3 given
-        "#]],
+        "]],
     );
     check(
         "#define F(x) x\na; F(1, F(2\nb;\n#define G 1\nG F\n",
-        expect![[r#"
+        expect![[r"
             a; F(1, F(2
             b;
             1 F
             main.gen:2: error pp-macro-eof: a directive inside the arguments of the macro `F`: close the call before it
-        "#]],
+        "]],
     );
 }
 
@@ -148,7 +148,7 @@ fn definition_mistakes() {
         "#define\n#define 3\n#define F(x, x) x\n#define V(x) __VA_ARGS__\n#define S(x) #y\n\
          #define P(x) ## x\n#define Q x ##\n#define N+1\n#define B(a b\n#define defined 1\n\
          #define clock-rate 1\n#undef 3\n#undef N N\n#define O #x ok\n#define U __VA_ARGS__\n",
-        expect![[r#"
+        expect![[r"
             main.gen:1: error pp-define-bad: `#define` must be followed by the name of a macro
             main.gen:2: error pp-define-bad: `#define` must be followed by the name of a macro
             main.gen:3: error pp-define-dup-param: the macro `F` has two parameters `x`
@@ -162,7 +162,7 @@ fn definition_mistakes() {
             main.gen:12: error pp-undef-bad: `#undef` must be followed by the name of a macro
             main.gen:13: error pp-extra-tokens: `#undef` takes exactly one name: remove what follows it
             main.gen:15: error pp-va-args: `__VA_ARGS__` in the macro `U`, whose parameters do not end in `...`
-        "#]],
+        "]],
     );
     let params: Vec<String> = (0..129).map(|i| format!("p{i}")).collect();
     let (files, ..) = run(&format!("#define F({}) p0\n", params.join(", ")));
@@ -175,12 +175,12 @@ fn definition_mistakes() {
 fn redefinitions() {
     check(
         "#define N 4 + 1\n#define N 4/* */+  1\n#define N 5\n#define F(x) x\n#define F(y) y\nN\n#undef N\nN\n#undef N\n",
-        expect![[r#"
+        expect![[r"
             5
             N
             main.gen:3: warning pp-redefined: the macro `N` is defined again with another body; this one is used from here on
             main.gen:5: warning pp-redefined: the macro `F` is defined again with another body; this one is used from here on
-        "#]],
+        "]],
     );
 }
 
@@ -230,8 +230,8 @@ fn uses_and_definitions_of_macros() {
 fn spliced_tokens_are_presented_clean() {
     check(
         "#define NA\\\nME 4\nNAM\\\nE co\\\nde = \\\n3\n",
-        expect![[r#"
+        expect![[r"
         4 code = 3
-    "#]],
+    "]],
     );
 }

@@ -411,17 +411,13 @@ impl AmpleState<'_, '_> {
             return false;
         }
         let id = self.layout().automaton_numbered(executor);
-        match self.system().automata.get(id) {
-            // During its start-up a task may want locks twice.
-            Some(automaton) => {
-                known.ordinary[id]
-                    && !known.visible.machines[automaton.machine]
-                    && self.started_up(usize::from(automaton.task))
-            }
-            None => {
-                let component = executor - self.system().automata.len();
-                known.visible.controls.get(ComponentId::from(component)) == Some(&false)
-            }
+        if let Some(automaton) = self.system().automata.get(id) {
+            known.ordinary[id]
+                && !known.visible.machines[automaton.machine]
+                && self.started_up(usize::from(automaton.task))
+        } else {
+            let component = executor - self.system().automata.len();
+            known.visible.controls.get(ComponentId::from(component)) == Some(&false)
         }
     }
 

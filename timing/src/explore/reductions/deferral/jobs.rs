@@ -45,10 +45,7 @@ impl LazyMembers {
             return Err(Reason::NothingPeriodic);
         }
         let groups = LazyMembers::new(setting);
-        match groups.members.contains(&true) {
-            true => Ok(groups),
-            false => Err(Reason::NothingToPutOff),
-        }
+        if groups.members.contains(&true) { Ok(groups) } else { Err(Reason::NothingToPutOff) }
     }
 
     /// Returns the lazy groups of a system, possibly none.

@@ -119,7 +119,9 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
         let slow =
             |action: &ClientAction| matches!(*action, ClientAction::Delay(lower, _) if lower > 0);
         if client.steps.iter().any(|step| slow(&step.action)) {
-            addressed.iter().for_each(|&index| lazy[index] = false);
+            for &index in addressed {
+                lazy[index] = false;
+            }
         }
     }
     let of_group: TiVec<ComponentId, bool> = (lazy.keys())

@@ -315,7 +315,9 @@ impl<'s> Exchange<'s> {
                         blocks.last_mut().expect("there is one").push(task);
                     }
                 }
-                blocks.iter_mut().for_each(|block| block.sort_unstable());
+                for block in &mut blocks {
+                    block.sort_unstable();
+                }
                 blocks
             };
             let renamed = blocks(

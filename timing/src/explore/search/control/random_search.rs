@@ -349,10 +349,7 @@ fn beside<'w, R: Reduced>(layers: &Layers<'w, R>, watch: &'w Watch) -> DepthFirs
 /// 1993).
 fn luby(i: u64) -> u64 {
     let power = (i + 1).next_power_of_two();
-    match power == i + 1 {
-        true => power / 2,
-        false => luby(i + 1 - power / 2),
-    }
+    if power == i + 1 { power / 2 } else { luby(i + 1 - power / 2) }
 }
 
 #[cfg(test)]

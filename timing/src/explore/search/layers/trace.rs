@@ -85,7 +85,9 @@ impl<R: Reduced> Layers<'_, R> {
             // names before.
             if let Some(back) = order.map(|order| order.inverse()) {
                 for (_, later) in &mut segments {
-                    later.iter_mut().for_each(|action| *action = back.action(*action));
+                    for action in later.iter_mut() {
+                        *action = back.action(*action);
+                    }
                 }
                 task = task.map(|task| back.task(task));
                 let after = std::mem::take(&mut point);

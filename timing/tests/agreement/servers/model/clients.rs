@@ -75,7 +75,9 @@ fn labelled(steps: &[ast::Step], out: &mut Vec<(String, String)>) {
             }
             (_, StepKind::Repeat(_, body)) => labelled(body, out),
             (_, StepKind::Choice(branches)) => {
-                branches.iter().for_each(|branch| labelled(branch, out))
+                for branch in branches {
+                    labelled(branch, out);
+                }
             }
             _ => {}
         }
